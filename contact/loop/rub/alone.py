@@ -5,9 +5,11 @@ What `gather` and `solve` do for many tips; nearly every step of a single tip.
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.rub.compliance import fill_few, fill_soft, soft_at
+from contact.loop.modal.rows import weighted
+from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
 from contact.loop.rub.solve import place_now
 from contact.loop.rub.state import RubState, Work
@@ -24,48 +26,63 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         else:
             for i in range(j * dim, (j + 1) * dim):
                 s.lam[i] = 0.0
-    j, R, p = chosen, chosen * dim, rows.place[chosen]
-    for i in range(dim):
-        w.row[i], w.column[i] = R + i, i
     if dim > 2:
         return False
+    j, R, p, rubs = chosen, chosen * dim, rows.place[chosen], dim == 2
     place_now(rows, w, j)
     normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
-    if dim == 2:
+    nn, nt, tn, tt, slip = share * rows.fixed[R, R], 0.0, 0.0, 0.0, 0.0
+    if rubs:
         fill_block(rows, rows.line[j] * rows.directions + 1, w.waves[w.side[0], p], tangent)
+        n, across, along, t, slid_by = couplings(s, normal, ahead, tangent, rows.width)
+        nn, nt, tn = nn + share * n, share * (across + rows.fixed[R, R + 1]), along + rows.fixed[R + 1, R]
+        tt = t + rows.fixed[R + 1, R + 1]
+        slip = slid_by + blade_dot(rows, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
+    else:
+        nn += share * weighted(ahead, s.c, normal)
+    w.chosen[0] = j
+    for i in range(dim):
+        w.column[i] = i
+    if rows.turns and rows.few:
+        fill_few(rows, w, 1, step)
+    elif rows.turns:
+        fill_soft(rows, w, j, 0, dim)
+    nn += yields(rows, w, j, 0, 0, dim)
+    if rubs:
+        nt, tn = nt + yields(rows, w, j, 0, 1, dim), tn + yields(rows, w, j, 1, 0, dim)
+        tt += yields(rows, w, j, 1, 1, dim)
+    found, press, drag = one_contact(nn, nt, tn, tt, s.test[j], slip, s.mu[j] if rubs else 0.0)
+    if not found:
+        return False
+    s.scale[j], w.slots[0], w.slot[p] = nn, 1, 0
+    s.lam[R], s.motion[R] = press, nn * press + nt * drag + s.test[j]
+    if rubs:
+        s.lam[R + 1], s.motion[R + 1] = drag, tn * press + tt * drag + slip
+    push_one(w, normal, tangent, press, drag, rubs)
+    return True
+
+
+@jit_inside
+def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
+              width: int) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """What the casing yields at t_{n+1} along the normal, and at t_n along the tangent, to forces; and its slip."""
     nn, nt, tn, tt, slip = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0)
-    for i in range(0, rows.width, WIDTH):
+    for i in range(0, width, WIDTH):
         row, along, c = load(normal, i), load(tangent, i), load(s.c, i)
         test, pull = load(ahead, i) * c, along * c
         nn, nt, tn, tt = nn + test * row, nt + test * along, tn + pull * row, tt + pull * along
         slip = slip + along * load(s.d, i)
+    return total(nn), total(nt), total(tn), total(tt), total(slip)
+
+
+@jit_inside
+def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, rubs: bool) -> None:
+    """The row of the tip, and what its forces push and strain."""
+    to, along = same(press), same(drag)
+    for i in range(0, w.pushed.size, WIDTH):
+        row = load(normal, i)
         put(w.rows, i, row)
-    w.W[0, 0], w.b[0] = share * (total(nn) + rows.fixed[R, R]), s.test[j]
-    if dim == 2:
-        w.W[0, 1], w.W[1, 0] = share * (total(nt) + rows.fixed[R, R + 1]), total(tn) + rows.fixed[R + 1, R]
-        w.W[1, 1] = total(tt) + rows.fixed[R + 1, R + 1]
-        w.b[1] = total(slip) + blade_dot(rows, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
-    if rows.turns and rows.few:
-        fill_few(rows, w, dim, step)
-    elif rows.turns:
-        fill_soft(rows, w, j, 0, dim)
-    for i in range(dim):
-        for k in range(dim):
-            w.W[i, k] += rows.still[R + i, R + k]
-            if rows.turns:
-                w.W[i, k] += w.S[R + i, R + k] if rows.few else soft_at(rows, w, i, j, k, dim)
-    if not one_contact(w.W, w.b, s.mu[j], dim, w.lam):
-        return False
-    s.scale[j], w.chosen[0], w.slots[0], w.slot[p] = w.W[0, 0], j, 1, 0
-    for i in range(dim):
-        s.lam[R + i], s.motion[R + i] = w.lam[i], w.b[i]
-        for k in range(dim):
-            s.motion[R + i] += w.W[i, k] * w.lam[k]
-    press, drag = same(w.lam[0]), same(w.lam[1] if dim == 2 else 0.0)
-    for i in range(0, rows.width, WIDTH):
-        put(w.pushed, i, load(normal, i) * press + load(tangent, i) * drag)
+        put(w.pushed, i, row * to + load(tangent, i) * along if rubs else row * to)
     for i in range(0, w.strained.size, WIDTH):
-        put(w.strained, i, load(w.soft, i) * press)
-        if dim == 2:
-            put(w.strained, i, load(w.strained, i) + load(w.soft, w.strained.size + i) * drag)
-    return True
+        strained = load(w.soft, i) * to
+        put(w.strained, i, strained + load(w.soft, w.strained.size + i) * along if rubs else strained)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.modal.rows import fill_some, multiples
+from contact.jit.vector import WIDTH, entry, load, put, same, total
+from contact.loop.modal.rows import fill_some
 from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
-from contact.solver.dense import dot
 
 
 @jit_inside
@@ -23,25 +22,20 @@ def copy(row: Array, out: Array) -> None:
 
 
 @jit
-def fill_few(rows: RubRows, w: Work, size: int, step: int) -> None:
-    """Rows of S of the chosen tips at phi_n and at phi_{n-1}."""
-    blocks, turned = w.S.shape[1] // WIDTH, False
-    for a in range(size):
-        r = w.row[a]
-        if w.S_at[r] == step:  # solved for a second time
+def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
+    """S of the chosen tips at phi_n and at phi_{n-1}; the waves at t_n are at their places."""
+    blocks = w.S.shape[1] // WIDTH
+    for n in range(count):
+        j = w.chosen[n]
+        if w.S_at[j] == step:  # solved for a second time
             continue
-        if w.S_at[r] == step - 1:
-            copy(w.S[r], w.S_old[r])
-            continue
-        if not turned:
-            multiples(w.S_waves, w.angles[BEFORE, 1], w.angles[BEFORE, 2])
-            turned = True
-        fill_some(rows.S, w.S_waves, r * blocks, w.S_old[r])
-    multiples(w.S_waves, w.angles[NOW, 1], w.angles[NOW, 2])
-    for a in range(size):
-        if w.S_at[w.row[a]] != step:
-            w.S_at[w.row[a]] = step
-            fill_some(rows.S, w.S_waves, w.row[a] * blocks, w.S[w.row[a]])
+        if w.S_at[j] == step - 1:
+            copy(w.S[j], w.S_old[j])
+        else:
+            waves_at(rows, j, w.angles, BEFORE, w.turn)
+            fill_some(rows.S, w.turn, j * blocks, w.S_old[j])
+        w.S_at[j] = step
+        fill_some(rows.S, w.waves[w.side[0], rows.place[j]], j * blocks, w.S[j])
 
 
 @jit
@@ -72,22 +66,30 @@ def soft_at(rows: RubRows, w: Work, row: int, j: int, i: int, dim: int) -> float
     return float(felt(w.soft, row * w.strained.size + first, waves))
 
 
+@jit_inside
+def yields(rows: RubRows, w: Work, j: int, i: int, k: int, dim: int) -> float:
+    """Residual compliance between two directions of tip j, whose turning part stands in `S` or the first of `soft`."""
+    R = j * dim
+    found = entry(rows.still, (R + i) * rows.still.shape[1] + R + k)
+    if rows.turns:
+        found += w.S[j, i * rows.still.shape[1] + R + k] if rows.few else soft_at(rows, w, i, j, k, dim)
+    return found  # type: ignore[no-any-return]
+
+
 @jit
-def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> None:
+def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """S lam in every direction of every tip, and the part of it that turns."""
-    for k in range(w.strain.size):
-        w.strain[k], w.turning[k] = 0.0, 0.0
-    for a in range(size):
-        r = w.row[a]
-        for k in range(w.strain.size):
-            w.strain[k] += rows.still[r, k] * s.lam[r]
-    if size == 0 or not rows.turns:
-        return
-    if rows.few:  # S is symmetric
-        for a in range(size):
-            for k in range(w.strain.size):
-                w.turning[k] += w.S[w.row[a], k] * s.lam[w.row[a]]
-    else:
+    few, R = rows.turns and rows.few, w.strain.size
+    for k in range(R):
+        still, turning = 0.0, 0.0
+        for n in range(count):  # both parts are symmetric
+            j = w.chosen[n]
+            for i in range(dim):
+                still += rows.still[k, j * dim + i] * s.lam[j * dim + i]
+                if few:
+                    turning += w.S[j, i * R + k] * s.lam[j * dim + i]
+        w.strain[k], w.turning[k] = still, turning
+    if count > 0 and rows.turns and not rows.few:
         for j in range(s.mu.size):
             if w.fresh[w.side[0], rows.place[j]] == 1:
                 for i in range(dim):
@@ -101,17 +103,23 @@ def strains(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> None:
 
 
 @jit
-def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> None:
+def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """The part that turns of S lam with S at phi_{n-1}, along the directions of the chosen tips."""
     if rows.few:
-        for a in range(size):
-            w.before[w.row[a]] = dot(w.S_old[w.row[a]], s.lam, s.lam.size)
+        R = s.lam.size
+        for n in range(count):
+            j = w.chosen[n]
+            for i in range(dim):
+                total = 0.0
+                for k in range(R):
+                    total += w.S_old[j, i * R + k] * s.lam[k]
+                w.before[j * dim + i] = total
         return
     n = w.turn.size
     for k in range(0, w.pressed.size, WIDTH):
         put(w.pressed, k, same(0.0))
         put(w.strained, k, same(0.0))
-    for a in range(size // dim):
+    for a in range(count):
         j = w.chosen[a]
         waves_at(rows, j, w.angles, BEFORE, w.turn)
         for i in range(dim):
@@ -122,7 +130,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, size: int, dim: int) -> 
         fill_some(rows.S, w.pressed[b], b * (w.strained.size // WIDTH), w.spread)
         for k in range(0, w.strained.size, WIDTH):
             put(w.strained, k, load(w.strained, k) + load(w.spread, k))
-    for a in range(size // dim):
+    for a in range(count):
         j = w.chosen[a]
         waves_at(rows, j, w.angles, BEFORE, w.turn)
         for i in range(dim):

@@ -9,7 +9,7 @@ from contact.loop.limits import tip_motion
 from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.modal.stick import INSIDE
 from contact.loop.rub.compliance import strains_before
-from contact.loop.rub.rows import RubRows, blade_dot
+from contact.loop.rub.rows import RubRows, blade_dot, blade_dot_of_sum
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import note_contact, note_stick
 from contact.record.record import Samples, Tally
@@ -23,29 +23,34 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
     back; what S stores because the point moves is the turning point's.
     """
     if rows.turns:
-        strains_before(s, rows, w, count * dim, dim)
+        strains_before(s, rows, w, count, dim)
     for a in range(w.slots[0] * dim):
         w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):
         j = w.chosen[n]
+        R = j * dim
+        work = 0.5 * s.lam[R] * (s.free[j] - s.last[j])
+        rotation, friction = -work, 0.0
         for i in range(dim):
-            row = j * dim + i
-            along = w.along[w.column[n * dim + i]] + blade_dot(rows, row, j, s.old)
-            along = 0.5 * s.lam[row] * (along + blade_dot(rows, row, j, s.d))
-            moved = 0.5 * s.lam[row] * (w.turning[row] - w.before[row]) if rows.turns else 0.0
-            sums.work[j] += moved
-            sums.rotation[j] -= moved
+            row = R + i
+            force = s.lam[row]
+            along = w.along[w.column[n * dim + i]] + blade_dot_of_sum(rows, row, j, s.old, s.d)
+            if rows.turns:
+                moved = 0.5 * force * (w.turning[row] - w.before[row])
+                work += moved
+                rotation -= moved
             if i == 0:
-                work = 0.5 * s.lam[row] * (s.free[j] - s.last[j])
-                sums.work[j] += work
-                sums.rotation[j] += along - work
+                rotation += 0.5 * force * along
                 continue
-            soft = s.lam[row] * (w.strain[row] - s.strain[row])
-            sums.friction[j] += along + soft
-            sums.work[j] -= soft
-            s.heat[j] -= s.lam[row] * s.motion[row]
+            soft = force * (w.strain[row] - s.strain[row])
+            friction += 0.5 * force * along + soft
+            work -= soft
+            s.heat[j] -= force * s.motion[row]
             if i == 1:
-                s.drive[j] -= s.lam[row] * rows.radius[j] * slid
+                s.drive[j] -= force * rows.radius[j] * slid
+        sums.work[j] += work
+        sums.rotation[j] += rotation
+        sums.friction[j] += friction
 
 
 @jit

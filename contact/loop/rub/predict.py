@@ -13,6 +13,7 @@ from contact.loop.rub.rows import (
     RubLaws,
     RubRows,
     blade_dot,
+    blade_dot_of_sum,
     fill_block,
     gap_of,
     least_gap,
@@ -54,7 +55,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
         w.fresh[side, p] = 0
     for j in range(s.mu.size):
         R, line, p = j * dim, rows.line[j], rows.place[j]
-        blade = blade_dot(rows, R, j, s.q) + blade_dot(rows, R, j, s.d)
+        blade = blade_dot_of_sum(rows, R, j, s.q, s.d)
         pressed = s.lam[R] > 0.0 or (s.known[j] == 1 and min(s.now[j], s.last[j]) < 0.0)
         if not pressed and not every:
             if w.bound[line] < 0.0:
@@ -68,14 +69,14 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
             s.last[j] = gap_of(laws, rows, j, t - h, w.angles, BEFORE, dim, s.q, w.turn, w.spare)
             s.last[j] -= product(w.spare, s.old) + blade_dot(rows, R, j, s.old)
         if w.fresh[side, p] == 0:
-            w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p])
+            w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p]) - closing
             w.fresh[side, p] = 1
             fill_block(rows, line * rows.directions, w.waves[side, p], w.normal[side, p])
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
-        s.free[j] = rows.clearance[j] + w.rigid[p] + blade + w.moved[p]
-        s.test[j] = s.free[j] if share == 1.0 else 0.25 * (s.free[j] + 2.0 * s.now[j] + s.last[j])
-        s.inside[j], s.motion[R] = 1, s.test[j]
-        if not s.test[j] >= 0.0 or s.lam[R] > 0.0:
+        free = rows.clearance[j] + w.rigid[p] + blade + w.moved[p]
+        test = free if share == 1.0 else 0.25 * (free + 2.0 * s.now[j] + s.last[j])
+        s.free[j], s.test[j], s.motion[R], s.inside[j] = free, test, test, 1
+        if not test >= 0.0 or s.lam[R] > 0.0:
             s.inside[j] = 2
             inside += 1
     return inside

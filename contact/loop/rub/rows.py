@@ -65,10 +65,9 @@ class RubRows(NamedTuple):
     fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
     still: Array  # (K d, K d) residual compliance that does not turn
     turns: bool  # whether there is any that does
-    few: bool  # whether `S` is that between the tips by the angle turned, K d rows; else that between waves, by block
+    few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
-    harmonics: int  # waves that the rows and the profile take, and S between waves, in whole blocks
-    S_harmonics: int
+    harmonics: int  # waves that the rows, the profile and S take, in whole blocks
 
 
 @jit
@@ -143,11 +142,11 @@ def fill_block(rows: RubRows, block: int, waves: Array, row: Array) -> None:
 
 @jit
 def rigid_gap(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: int, waves: Array) -> float:
-    """Gap at the place of tip j without its own clearance and without deflection; leaves `waves` at the tip."""
+    """Gap at the place of tip j, but for its own clearance, closing and deflection; leaves `waves` at the tip."""
     angle = angles[when, 0]
     phi = rows.angle[j] - angle
     waves_at(rows, j, angles, when, waves)
-    gap = polynomial(laws.terms, waves) + hermite(laws.table, phi) - straight(laws.closing, t)
+    gap = polynomial(laws.terms, waves) + hermite(laws.table, phi)
     for w in range(laws.whirl.shape[0]):
         beta = laws.whirl[w, 3] + laws.whirl[w, 1] * angle + laws.whirl[w, 2] * t
         gap += laws.whirl[w, 0] * math.cos(phi - beta)
@@ -174,9 +173,19 @@ def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
 
 
 @jit
+def blade_dot_of_sum(rows: RubRows, row: int, j: int, some: Array, others: Array) -> float:
+    """The same of the sum of two."""
+    total = 0.0
+    begin = rows.own[j, 0]
+    for i in range(begin, rows.own[j, 1]):
+        total += rows.blade[row, i - begin] * (some[i] + others[i])
+    return total
+
+
+@jit
 def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: int, dim: int, q: Array,
            waves: Array, row: Array) -> float:  # fmt: skip
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
-    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angles, when, waves)
+    rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angles, when, waves) - straight(laws.closing, t)
     fill_block(rows, rows.line[j] * rows.directions, waves, row)
     return float(rigid + product(row, q) + blade_dot(rows, j * dim, j, q))

@@ -6,7 +6,6 @@ Two loops come of it: with `coats` None tips meet a rigid surface, else they pre
 from __future__ import annotations
 
 from contact.jit.compiled import jit_vectors
-from contact.jit.vector import WIDTH, put, same
 from contact.loop.limits import outgrown, rim_amplitude
 from contact.loop.rub.abradable import flow, stand
 from contact.loop.rub.alone import alone
@@ -14,7 +13,7 @@ from contact.loop.rub.compliance import fill_few, strains
 from contact.loop.rub.ledger import add_works, advance_modes, note
 from contact.loop.rub.predict import find_near, propagate
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, look_at, turned
-from contact.loop.rub.solve import gather, others_close, push, solve, update_gaps
+from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
 from contact.loop.tally import due, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
@@ -41,8 +40,6 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         closing = find_near(s, laws, rows, w, dim, share, every, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
-        for i in range(0, s.contact.size, WIDTH):
-            put(s.contact, i, same(0.0))
         count = 0
         while closing > 0:
             count = 0
@@ -52,21 +49,23 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             if count == 0:
                 count = gather(s, rows, w, dim, share)
                 if rows.turns and rows.few:
-                    fill_few(rows, w, count * dim, step)
+                    fill_few(rows, w, count, step)
                 if not solve(s, rows, w, coats, count, dim, share, omega * h):
                     return step
-            if not others_close(s, rows, w, count * dim, dim, share):
+            if not others_close(s, rows, w, count, dim, share):
                 break
             closing = count + 1  # at least
         if closing > 0 or pressed:
-            strains(s, rows, w, count * dim, dim)
+            strains(s, rows, w, count, dim)
         if closing > 0:
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
-            update_gaps(s, rows, w, dim)
+            update_gaps(s, w, count, dim, share)
             add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
+        elif pressed:
+            clear(s.contact, 0)
         if closing > 0 or pressed:
             assign(s.strain, w.strain, w.strain.size)
         pressed = closing > 0

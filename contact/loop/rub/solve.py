@@ -14,7 +14,6 @@ from contact.solver.abradable.tips import Coats, crush_tips
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
-from contact.solver.friction.one_contact import one_contact
 
 
 @jit
@@ -90,14 +89,12 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
     size = count * dim
     assemble(s, rows, w, count, dim, share, slid)
     if coats is None:
-        solved = count == 1 and one_contact(w.W, w.b, w.mu[0], dim, w.lam)
-        if not solved:
-            if dim > 1 and count > 1:
-                w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-            iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-            s.counts[0] = max(s.counts[0], float(iterations))
-            s.counts[1] += float(iterations)
-            solved = miss <= TOLERANCE
+        if dim > 1 and count > 1:
+            w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+        iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+        s.counts[0] = max(s.counts[0], float(iterations))
+        s.counts[1] += float(iterations)
+        solved = miss <= TOLERANCE
     else:
         solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room)
     if not solved:
@@ -136,9 +133,10 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
                 w.b[a] += rows.radius[j] * slid
 
     if rows.turns and rows.few:
-        for a in range(size):
-            for k in range(size):
-                w.W[a, k] += w.S[w.row[a], w.row[k]]
+        for n in range(count):
+            for i in range(dim):
+                for k in range(size):
+                    w.W[n * dim + i, k] += w.S[w.chosen[n], i * s.lam.size + w.row[k]]
 
 
 @jit
@@ -194,7 +192,7 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
 
 
 @jit
-def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share: float) -> bool:
+def others_close(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
     for j in range(s.mu.size):
@@ -203,10 +201,12 @@ def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share
         R = j * dim
         casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
         gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
-        for a in range(size):
-            gap += rows.still[w.row[a], R] * w.lam[a]
-            if rows.turns and rows.few:
-                gap += w.S[w.row[a], R] * w.lam[a]
+        for n in range(count):
+            first = w.chosen[n] * dim
+            for i in range(dim):
+                gap += rows.still[first + i, R] * s.lam[first + i]
+                if rows.turns and rows.few:
+                    gap += w.S[w.chosen[n], i * s.lam.size + R] * s.lam[first + i]
         if rows.turns and not rows.few:
             place_now(rows, w, j)
             gap += soft_at(rows, w, -1, j, 0, dim)
@@ -219,24 +219,36 @@ def others_close(s: RubState, rows: RubRows, w: Work, size: int, dim: int, share
 @jit
 def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """Forces on the modes, and what they add to the increments."""
-    copy(w.pushed, s.contact)
+    for i in range(0, rows.width, WIDTH):
+        pushed = load(w.pushed, i)
+        put(s.contact, i, pushed)
+        put(s.d, i, load(s.d, i) + load(s.c, i) * pushed)
+    clear(s.contact, rows.width)
     for n in range(count):
         j = w.chosen[n]
         begin = rows.own[j, 0]
-        for row in range(j * dim, (j + 1) * dim):
-            for k in range(begin, rows.own[j, 1]):
-                s.contact[k] += rows.blade[row, k - begin] * s.lam[row]
-    for i in range(0, s.d.size, WIDTH):
-        put(s.d, i, load(s.d, i) + load(s.c, i) * load(s.contact, i))
+        for k in range(begin, rows.own[j, 1]):
+            force = 0.0
+            for row in range(j * dim, (j + 1) * dim):
+                force += rows.blade[row, k - begin] * s.lam[row]
+            s.contact[k] += force
+            s.d[k] += s.c[k] * force
+
+
+@jit_inside
+def clear(values: Array, first: int) -> None:
+    """Zeros from block `first` on."""
+    for i in range(first, values.size, WIDTH):
+        put(values, i, same(0.0))
 
 
 @jit
-def update_gaps(s: RubState, rows: RubRows, w: Work, dim: int) -> None:
-    """Add the forces' share to the gaps of q at t_{n+1}, for every tip near enough to be looked at."""
-    ahead = 1 - w.side[0]
-    for p in range(w.moved.size):
-        if w.fresh[ahead, p] == 1:
-            w.moved[p] = weighted(w.normal[ahead, p], s.c, w.pushed)
+def update_gaps(s: RubState, w: Work, count: int, dim: int, share: float) -> None:
+    """Add the forces' share to the gaps of q at t_{n+1}: of what the law states, all that is not S lam."""
+    whole = 1.0 / share
     for j in range(s.mu.size):
-        if s.inside[j] > 0:
-            s.free[j] += w.moved[rows.place[j]] + dot(rows.fixed[j * dim], s.lam, s.lam.size)
+        if s.inside[j] == 1:
+            s.free[j] += whole * (s.motion[j * dim] - s.test[j] - w.strain[j * dim])
+    for n in range(count):
+        j = w.chosen[n]
+        s.free[j] += whole * (s.motion[j * dim] - w.depth[n] - (s.test[j] - s.skin[j]) - w.strain[j * dim])

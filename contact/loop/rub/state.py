@@ -98,10 +98,9 @@ class Work(NamedTuple):
     strained: Array  # (waves,) what the forces strain of the casing
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
-    S: Array  # (K d, K d and zeros) compliance of few tips at phi_n; rows of tips that are not solved for may be stale
+    S: Array  # (K, d K d and zeros) compliance of few tips at phi_n; rows of tips that are not solved for may be stale
     S_old: Array  # at phi_{n-1}
-    S_at: Indices  # (K d,) the step in which a row of S was filled
-    S_waves: Array  # (2, harmonics of S)
+    S_at: Indices  # (K,) the step in which a row of S was filled
     turning: Array  # (K d,) part of S lam that turns
     before: Array  # (K d,) with S at phi_{n-1}
     strain: Array  # (K d,) S lam
@@ -114,8 +113,8 @@ def work_space(s: RubState, rows: RubRows) -> Work:
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K
     D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, staggered(-(-P // WIDTH) * WIDTH), len(rows.reach)
-    few, spread = (R if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
-    waves, wide = 2 * n * spread, -(-few // WIDTH) * WIDTH
+    few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
+    waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
 
     def none(*shape: int) -> Array:
         return np.zeros(shape)
@@ -132,7 +131,6 @@ def work_space(s: RubState, rows: RubRows) -> Work:
         column=whole(R), across=whole(R),
         casing=none(D, d * slots), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
         pushed=none(width), strained=none(waves), spread=none(waves), pressed=none(spread, 2, n),
-        S=none(few, wide), S_old=none(few, wide), S_at=whole(few) - 2,
-        S_waves=none(2, rows.S_harmonics), turning=none(R), before=none(R), strain=none(R),
+        S=none(few, wide), S_old=none(few, wide), S_at=whole(few) - 2, turning=none(R), before=none(R), strain=none(R),
         all_sliding=AllSliding(used=R > K > 1), room=solver_room(K, d),
     )  # fmt: skip

@@ -16,7 +16,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_forces import force_at_start, plane_participation
 from contact.model.gaps.rub_system import RubSystem, waves_of_tips
 from contact.model.law import Abradable
-from contact.model.trig import fourier, harmonics, turned_back
+from contact.model.trig import PRUNE, fourier, harmonics, turned_back
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
@@ -228,13 +228,12 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = np.zeros((len(size), whole(m)))
     reach[:, :m] = size
-    count = whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
-    few = len(system.still) <= FEW
+    few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     if system.turns:
         harmonic, S_cos, S_sin = _between_tips(system) if few else _between_waves(system.S, count)
-    S_harmonics = whole(int(harmonic.max(initial=0)) + 1) if few else count
-    S = rows_of_waves(harmonic, S_cos, S_sin, S_harmonics)
+        count = max(count, whole(int(harmonic.max(initial=0)) + 1))
+    S = rows_of_waves(harmonic, S_cos, S_sin, count)
     return RubRows(
         casing=RowBlocks(*row_blocks(rows_of_waves(np.arange(rim.n_max + 1), rim.cos, rim.sin, count))),
         width=whole(m), reach=reach, directions=system.directions, line=system.line,
@@ -242,7 +241,7 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
         still=np.ascontiguousarray(system.still), turns=system.turns, few=few, S=RowBlocks(*row_blocks(S)),
-        harmonics=count, S_harmonics=S_harmonics,
+        harmonics=count,
     )  # fmt: skip
 
 
@@ -257,7 +256,7 @@ def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
 
 
 def _between_tips(system: RubSystem) -> tuple[Indices, Array, Array]:
-    """The same of the rows of S between tips, polynomials of the angle turned: sampled, exact to round-off."""
+    """The same of the d rows of S of each tip, as one, polynomials of its angle: sampled, exact to round-off."""
     blocks, N = len(system.S), system.S.shape[1] // 2
     K, points = len(system.still), 4 * N + 4
     phi = np.arange(points) * (2.0 * math.pi / points)
@@ -270,7 +269,12 @@ def _between_tips(system: RubSystem) -> tuple[Indices, Array, Array]:
     cos[some == 0] /= 2.0
     size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2))
     kept = size > NOISE * np.abs(turned).max()
-    return some[kept], cos[kept].transpose(1, 0, 2), sin[kept].transpose(1, 0, 2)
+    d = K // system.contacts
+    cos, sin = (part[kept].reshape(-1, system.contacts, d * K).transpose(1, 0, 2) for part in (cos, sin))
+    turn = np.multiply.outer(system.angle, some[kept])[..., None]
+    c, s, least = np.cos(turn), np.sin(turn), PRUNE * np.abs(turned).max()
+    cos, sin = c * cos + s * sin, s * cos - c * sin
+    return some[kept], np.where(np.abs(cos) > least, cos, 0.0), np.where(np.abs(sin) > least, sin, 0.0)
 
 
 def _products(S: Array) -> Indices:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-from contact.base.arrays import Array
 from contact.jit.compiled import jit
 
 
@@ -31,20 +30,20 @@ def drag_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: flo
 
 
 @jit
-def one_contact(W: Array, b: Array, mu: float, dim: int, force: Array) -> bool:
-    """Fill `force` (d,), d = 1 or 2; False where this may not be the only answer, or d = 3."""
-    if dim > 2 or not W[0, 0] > (mu * abs(W[0, 1]) if dim == 2 else 0.0):
-        return False
-    if b[0] >= 0.0:
-        for i in range(dim):
-            force[i] = 0.0
-        return True
-    if dim == 1:
-        force[0] = -b[0] / W[0, 0]
-        return bool(force[0] >= 0.0)
-    if not W[0, 0] * W[1, 1] > W[0, 1] * W[1, 0]:
-        return False
-    ratio = drag_ratio(W[0, 0], W[0, 1], W[1, 0], W[1, 1], b[0], b[1], mu)
-    force[0] = -b[0] / (W[0, 0] - ratio * W[0, 1])
-    force[1] = -ratio * force[0]
-    return bool(force[0] >= 0.0)
+def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
+                mu: float) -> tuple[bool, float, float]:  # fmt: skip
+    """Forces of `drag_ratio`'s contact, open or closed; False where they may not be the only answer.
+
+    Without friction all but `nn` and `gap` are zero.
+    """
+    if not nn > mu * abs(nt):
+        return False, 0.0, 0.0
+    if gap >= 0.0:
+        return True, 0.0, 0.0
+    ratio = 0.0
+    if mu > 0.0:
+        if not nn * tt > nt * tn:
+            return False, 0.0, 0.0
+        ratio = drag_ratio(nn, nt, tn, tt, gap, slip, mu)
+    normal = -gap / (nn - ratio * nt)
+    return bool(normal >= 0.0), normal, -ratio * normal
