@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -82,12 +82,14 @@ class Tab:
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
-    def wait(self, condition: str) -> None:
-        """Until an expression is true."""
+    def wait(self, condition: str, act: Callable[[], object] = lambda: None) -> None:
+        """Act until an expression is true."""
         until = time.monotonic() + PATIENCE
+        act()
         while not self.run(condition):
             assert time.monotonic() < until, condition
             time.sleep(0.02)
+            act()
 
     def look(self, canvas: str) -> str:
         """What a canvas shows, after the next pictures."""
@@ -102,6 +104,13 @@ class Tab:
         )
         self.run("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(() => go(true))))")  # scrolled
         return box[0] + x * box[2], box[1] + y * box[3]
+
+    def point(self, element: str, x: float, y: float) -> tuple[float, float]:
+        """Move the pointer to a point of an element, from beside it; where that is in the window."""
+        at = self.place(element, x, y)
+        for beside in (2.0, 0.0):
+            self.mouse("mouseMoved", at[0] + beside, at[1])
+        return at
 
     def mouse(self, kind: str, x: float, y: float, **more: object) -> None:
         """A mouse event, as a hand makes it."""

@@ -1,6 +1,7 @@
 """The pages in a real browser, headless: they draw, move, turn, tell values, and never err, wide and narrow."""
 
 from collections.abc import Iterator
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -119,14 +120,14 @@ def test_a_rub_plays_and_can_be_stopped_at_an_instant(tab, width):
 def test_a_value_shows_under_the_pointer(tab, width, surveyed):
     tab.open(tab.file, width)
     row = tab.run("JSON.parse(document.querySelector('[data-live=hover] script').textContent)[0].rows[0]")
-    x, y = tab.place('[data-live="hover"] img', row[0], row[1])
-    tab.mouse("mouseMoved", x, y)
-    tab.wait("!document.querySelector('.tip').hidden")  # on a busy machine the page hears of it later
+    point = partial(tab.point, '[data-live="hover"] img', row[0], row[1])
+    # as a hand does: on a busy machine the page may still grow above the picture when the pointer is there
+    tab.wait("!document.querySelector('.tip').hidden", point)
+    x, y = point()
     words = tab.run("document.querySelector('.tip').innerText")
     assert f"frequency [Hz]: {surveyed.freq[0]:.6g}" in words
     assert f"nodal diameters n: {surveyed.nodal_diameters[0]}" in words
-    tab.mouse("mouseMoved", x, y - 40.0)
-    tab.wait("document.querySelector('.tip').hidden")
+    tab.wait("document.querySelector('.tip').hidden", lambda: tab.mouse("mouseMoved", x, y - 40.0))
     assert tab.heard == []
 
 
