@@ -66,6 +66,8 @@ def fitting(what: str, given: Any, **options: Any) -> csc_array:
             raise ValueError("found row numbers or starts of columns that are not whole numbers")
         A = csc_array(given, **options)
         A.check_format(full_check=True)
+        if np.any(A.indptr[1:] < A.indptr[:-1]):  # scipy asks their differences, which overflow
+            raise ValueError("found starts of columns that do not rise")
     except (ValueError, TypeError) as error:
         raise ModelError("matrix-file", f"{what}: {error}") from None
     return A

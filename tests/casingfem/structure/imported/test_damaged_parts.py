@@ -25,6 +25,14 @@ PARTS = {f"{name}_{part}": getattr(A, part) for name, A in (("K", SET.K), ("M", 
         ({"K_indices": SET.K.indices + 8388613}, "K: .*indices"),
         ({"K_indices": SET.K.indices + 0.5j}, "K: found row numbers"),
         ({"K_indptr": SET.K.indptr[None]}, "K: "),
+        (
+            {
+                "K_indptr": np.where(
+                    np.isin(np.arange(7), (3, 4)), (0, 0, 0, 2**30 + 2**29, -(2**30) - 2**29, 0, 0), SET.K.indptr
+                ).astype(np.int32)
+            },
+            "K: found starts of columns that do not rise",
+        ),
         ({"K_data": SET.K.data + 1j}, "K of complex numbers"),
         ({"dofs": SET.dofs + 0.5}, "dofs: found float64, not all"),
         ({"dofs": np.full((6, 2), np.nan)}, "dofs: found float64, not all"),
