@@ -7,7 +7,7 @@ is set aside, or said to pair with no mode; rows that are named and right are co
 with those of the same draw before it was spoilt, fitted with all rows: in the fit's own standard deviations, which are
 larger where what was spoilt had told of a split alone, and in those of the fit to the clean table. In the latter no fit
 can always be near: who loses the one row that told of a parameter, loses what it told. So the fit that knows the wrong
-rows and leaves them out is judged beside it, as the best that can be done.
+rows and leaves them out is judged beside it; where that one is near, this one should be.
 """
 
 import warnings
@@ -75,6 +75,11 @@ def drawn(exact: cf.FrequencyTable, seed: int, wrong: int) -> Draw:
     return Draw(wrong, len(found), len(aside - modes), *(float(off.max()) for off in apart), within)
 
 
+def share(which: list[bool]) -> float:
+    """Per cent of some draws."""
+    return float(100.0 * np.mean(which)) if which else float("nan")
+
+
 def main(out: Path, quick: bool = False) -> list[Row]:
     """Draw, fit, print a row for each number of wrong rows, and for all."""
     with warnings.catch_warnings():
@@ -87,28 +92,29 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows: list[Row] = [
         {
             "wrong rows": name, "tables": len(group),
-            "all named %": float(100.0 * np.mean([d.found == d.wrong for d in group])),
-            "others named too %": float(100.0 * np.mean([d.alarms > 0 for d in group])),
-            "within 3 sigma %": float(100.0 * np.mean([d.distance <= 3.0 for d in group])),
-            "of the clean fit %": float(100.0 * np.mean([d.distance_clean <= 3.0 for d in group])),
-            "of it at best %": float(100.0 * np.mean([d.best_clean <= 3.0 for d in group])),
-            "each parameter %": float(100.0 * np.mean([d.within / len(VARY) for d in group])),
-            "plain fit within %": float(100.0 * np.mean([d.plain_distance <= 3.0 for d in group])),
+            "all named %": share([d.found == d.wrong for d in group]),
+            "others named too %": share([d.alarms > 0 for d in group]),
+            "within 3 sigma %": share([d.distance <= 3.0 for d in group]),
+            "of the clean fit %": share([d.distance_clean <= 3.0 for d in group]),
+            "of it at best %": share([d.best_clean <= 3.0 for d in group]),
+            "of these, ours %": share([d.distance_clean <= 3.0 for d in group if d.best_clean <= 3.0]),
+            "each parameter %": share([d.within / len(VARY) for d in group]),
+            "plain fit within %": share([d.plain_distance <= 3.0 for d in group]),
         }
         for name, group in groups.items() if group
     ]  # fmt: skip
-    alarms = float(100.0 * np.mean([d.alarms > 0 for d in clean]))
+    alarms = share([d.alarms > 0 for d in clean])
     rows.append({"wrong rows": "0", "tables": len(clean), "others named too %": alarms})
     show("Tables of 24 rows, some of them wrong", rows)
     every = rows[-2]
-    names = ("all named %", "within 3 sigma %", "of the clean fit %", "of it at best %", "each parameter %")
-    shares = [float(str(every[name])) for name in names]
-    reached = min(*shares[:2], shares[4]) >= 95.0 and shares[2] >= min(95.0, shares[3])
+    names = ("all named %", "within 3 sigma %", "of the clean fit %", "of it at best %", "of these, ours %")
+    shares = [float(str(every[name])) for name in (*names, "each parameter %")]
+    reached = min(shares[k] for k in (0, 1, 4, 5)) >= 95.0
     rows[-2]["verdict"] = "pass" if reached and alarms <= 5.0 else "MISSED"
     print(
         f"\n{len(draws)} tables with wrong rows: all named in {shares[0]:.4g} %, parameters within 3 sigma of the clean"
         f" fit in {shares[1]:.4g} % by the fit's own sigma, in {shares[2]:.4g} % by the clean fit's ({shares[3]:.4g} %"
-        f" for who knows the wrong rows; {shares[4]:.4g} % of the parameters one by one);"
+        f" for who knows the wrong rows, {shares[4]:.4g} % of those; {shares[5]:.4g} % of the parameters alone);"
         f" {alarms:.4g} % of {len(clean)} clean tables had a false alarm"
     )
     far = [k for k, d in enumerate(draws) if d.distance_clean > 3.0]
