@@ -22,7 +22,7 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.rig.files import rig_angles
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.rig.troubles import TroubledTruth, Troubles, troubled_frfs
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import BoolArray, FloatArray
 from reports.tables import Row, command_line, show, write
 
 SEEDS = range(601, 641)
@@ -50,6 +50,7 @@ class Judged(NamedTuple):
     zeta_error: float = np.nan
     freq_sigmas: float = np.nan
     zeta_sigmas: float = np.nan
+    doubt: str = ""
 
 
 def rim(seed: int, sensors: int = SENSORS) -> Rig:
@@ -70,13 +71,26 @@ def rim(seed: int, sensors: int = SENSORS) -> Rig:
     return Rig.of(omega=2 * np.pi * freq, zeta=zeta, rows=rows.T, probes=probes)
 
 
+def matched(gap: FloatArray, sure: BoolArray) -> dict[int, int]:
+    """Which true mode (rows) each found one (columns) is, by gaps of which those below 1 may be; sure ones first.
+
+    What is said of a sure mode is said of the true one next to it, whatever a doubtful one beside it may be.
+    """
+    match: dict[int, int] = {}
+    for some in (np.flatnonzero(sure), np.flatnonzero(~sure)):
+        left = np.setdiff1d(np.arange(len(gap)), list(match))
+        part = gap[np.ix_(left, some)]
+        true, taken = linear_sum_assignment(np.where(part < 1.0, part, 1e3))
+        match |= {int(left[k]): int(some[j]) for k, j in zip(true, taken, strict=True) if part[k, j] < 1.0}
+    return match
+
+
 def judge(seed: int, truth: TroubledTruth, found: Identified) -> tuple[list[Judged], Row]:
     """What became of each true mode, and of what was found beside them."""
     freq, zeta = truth.freq.mean(axis=0), truth.zeta.mean(axis=0)
     reach = np.ptp(truth.freq, axis=0) + 2.0 * zeta * freq
     gap = np.abs(found.freq[None] - freq[:, None]) / reach[:, None]
-    true, taken = linear_sum_assignment(np.where(gap < 1.0, gap, 1e3) - 0.5 * found.sure[None])
-    match = {int(k): int(j) for k, j in zip(true, taken, strict=True) if gap[k, j] < 1.0}
+    match = matched(gap, found.sure)
     partner = np.abs(freq[:, None] - freq[None]) + 1e9 * np.eye(len(freq))
     split = partner.min(axis=1) / (2.0 * zeta * freq)
     judged = []
@@ -92,7 +106,8 @@ def judge(seed: int, truth: TroubledTruth, found: Identified) -> tuple[list[Judg
             float((found.freq[j] - freq[k]) / found.sigma_freq[j]),
             float((found.zeta[j] - zeta[k]) / found.sigma_zeta[j]),
         )
-        judged.append(Judged(*own, "sure" if found.sure[j] else "doubtful", *errors, *sigmas))
+        why = found.doubts[j] if found.doubts else ""
+        judged.append(Judged(*own, "sure" if found.sure[j] else "doubtful", *errors, *sigmas, why))
     fixture = np.any(np.abs(found.freq[None] - truth.fixture_hz[:, None]) < 0.01 * found.freq, axis=0)
     free = found.sure & ~np.isin(np.arange(len(found)), list(match.values())) & ~fixture
     twice = free & (gap < 1.0).any(axis=0)

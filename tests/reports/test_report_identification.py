@@ -48,3 +48,11 @@ def test_the_least_uncertainty_of_modes_in_a_hall_grows_as_they_weaken(tmp_path)
     assert least.max() < 3e-4
     assert np.median(least[peak < np.median(peak)]) > 2.0 * np.median(least[peak > np.median(peak)])
     assert (tmp_path / "unkind_bounds.csv").exists()
+
+
+def test_sure_modes_are_judged_by_the_true_ones_next_to_them():
+    """A doubtful mode at the first, a sure one a little farther from it, both nearer to it than the second."""
+    gap = np.array([[0.02, 0.03], [0.43, 0.38]])
+    assert unkind.matched(gap, np.array([False, True])) == {0: 1, 1: 0}
+    assert unkind.matched(gap, np.array([False, False])) == {0: 0, 1: 1}
+    assert unkind.matched(gap + 0.65, np.array([True, False])) == {0: 0}  # beyond 1 no mode is another
