@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices
+from contact.base.arrays import Array, Indices, aligned
 from contact.jit.vector import WIDTH
 from contact.loop.rub.rows import RubRows
 from contact.solver.friction.all_sliding import AllSliding
@@ -116,21 +116,18 @@ def work_space(s: RubState, rows: RubRows) -> Work:
     few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
     waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
 
-    def none(*shape: int) -> Array:
-        return np.zeros(shape)
-
     def whole(*shape: int) -> Indices:
         return np.zeros(shape, dtype=np.int64)
 
     return Work(
-        side=whole(1), normal=none(2, P, width), waves=none(2, P, 2, n), fresh=whole(2, P), bound=none(lines),
-        rigid=none(P), moved=none(P), spare=none(width), turn=none(2, n), angles=none(3, 3), slot=whole(P),
-        slots=whole(1),
-        rows=none(D, width), tests=none(D, width), soft=none(D, waves), row_columns=none(d * width, slots),
-        wave_columns=none(2 * n * lines, slots), along=none(D), pull=none(D), chosen=whole(K), row=whole(R),
-        column=whole(R), across=whole(R),
-        casing=none(D, d * slots), W=none(R, R), b=none(R), lam=none(R), motion=none(R), mu=none(K), depth=none(K),
-        pushed=none(width), strained=none(waves), spread=none(waves), pressed=none(spread, 2, n),
-        S=none(few, wide), S_old=none(few, wide), S_at=whole(few) - 2, turning=none(R), before=none(R), strain=none(R),
-        all_sliding=AllSliding(used=R > K > 1), room=solver_room(K, d),
+        side=whole(1), normal=aligned(2, P, width), waves=aligned(2, P, 2, n), fresh=whole(2, P),
+        bound=aligned(lines), rigid=aligned(P), moved=aligned(P), spare=aligned(width), turn=aligned(2, n),
+        angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(D, width),
+        soft=aligned(D, waves), row_columns=aligned(d * width, slots), wave_columns=aligned(2 * n * lines, slots),
+        along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
+        casing=aligned(D, d * slots), W=aligned(R, R), b=aligned(R), lam=aligned(R), motion=aligned(R), mu=aligned(K),
+        depth=aligned(K), pushed=aligned(width), strained=aligned(waves), spread=aligned(waves),
+        pressed=aligned(spread, 2, n), S=aligned(few, wide), S_old=aligned(few, wide), S_at=whole(few) - 2,
+        turning=aligned(R), before=aligned(R), strain=aligned(R), all_sliding=AllSliding(used=R > K > 1),
+        room=solver_room(K, d),
     )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices, readonly
+from contact.base.arrays import Array, Indices, aligned, readonly
 from contact.base.errors import LimitError
 from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
@@ -226,7 +226,7 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
     top = max([rim.n_max, *(p for p, _, _ in rub.profile.terms)])
     size = np.hypot(rim.cos, rim.sin)[:: system.directions].sum(axis=1)
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
-    reach = np.zeros((len(size), whole(m)))
+    reach = aligned(len(size), whole(m))
     reach[:, :m] = size
     few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
