@@ -75,11 +75,18 @@ class _Read(NamedTuple):
         return cluster.cost(self.own.squares, len(self.own.freq), self.poles, noise)
 
 
-def read_all(found: Sequence[Cluster], setups: Setups, damped: float, shift: float) -> list[ClusterModes]:
-    """Clusters with the modes of all set-ups matched, damping in common; those that hold none are left out."""
-    read_ones = []
+def read_all(
+    found: Sequence[Cluster], setups: Setups, damped: float, shift: float, known: Sequence[ClusterModes] = ()
+) -> list[ClusterModes]:
+    """Clusters with the modes of all set-ups matched, damping in common; those that hold none are left out.
+
+    Those that are `known` were read before, in the same way.
+    """
+    read_ones, before = [], {each.cluster.span: each for each in known}
     for c in found:
-        if (own := read(c, setups, damped, shift)) is not None:
+        if c.span in before:
+            read_ones.append(before[c.span])
+        elif (own := read(c, setups, damped, shift)) is not None:
             free = matched(fit_apart(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
             read_ones.append(ClusterModes(c, only_peaks(c, setups, _in_common(c, setups, free), damped)))
     return read_ones

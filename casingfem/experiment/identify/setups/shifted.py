@@ -142,7 +142,7 @@ def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifte
         evidence = max(evidence, sum(_evidence(c, own, len(setups)) for c, own in grouped))
     each = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
     if not grouped or not _as_good(grouped, setups, each, single):
-        setups, evidence = single, sum(alone.evidence)
+        setups, grouped, evidence = single, [], sum(alone.evidence)
     if evidence <= 0.0:
         return _unshifted(common, modes, step, evidence)
     refused, counts = len(setups) == len(single), list[int]()
@@ -151,7 +151,7 @@ def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifte
             told = [_gain_again(c, setups, step) for c in clusters(whole, modes, setups) if _tells(c, step)]
             leak = step if _leaks(told) else 0.0
         found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
-        own = read_all(found, setups, damped, shift)
+        own = read_all(found, setups, damped, shift, () if again else grouped)
         merged = [] if refused else find_setups([each.own for each in own], np.ones(len(setups), bool))
         if 0 < len(merged) < len(setups):
             fewer = [np.sort(np.concatenate([setups[k] for k in group])) for group in merged]

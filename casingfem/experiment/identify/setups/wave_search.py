@@ -74,11 +74,19 @@ def _settled(problem: WaveProblem, read: WaveRead, size: FloatArray) -> tuple[Wa
     """The most likely of what exchanges lead to, and what else was tried last; `size` (modes,) as first seen."""
     others = list[WaveRead]()
     for _ in range(ROUNDS):
-        before, read = read.fit.unlikely, sized(problem, read, size)
-        read, others, moved = _searched(problem, read)
-        if not moved and abs(before - read.fit.unlikely) < GAIN:
+        read, others, moved = _searched(problem, _resized(problem, read, size))
+        if not moved:
             break
     return read, others
+
+
+def _resized(problem: WaveProblem, read: WaveRead, size: FloatArray) -> WaveRead:
+    """With sizes and kinds of its modes that lead to each other: a search costs more than to have them first."""
+    for _ in range(ROUNDS):
+        before, read = read.fit.unlikely, sized(problem, read, size)
+        if abs(before - read.fit.unlikely) < GAIN:
+            break
+    return read
 
 
 def _searched(problem: WaveProblem, read: WaveRead) -> tuple[WaveRead, list[WaveRead], bool]:
