@@ -83,7 +83,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
     near = np.minimum(np.searchsorted(result.time, shown.state_time), result.time.size - 1)
     return RubFilm(
         time=shown.state_time,
-        turned=np.array([rub.speed.angle(float(t)) for t in shown.state_time]),
+        turned=rub.speed.angles(shown.state_time),
         stretches=stretches,
         n=n,
         cos=cos[:, n],

@@ -76,7 +76,7 @@ def tip_motion(what: object, result: Result) -> TipMotion | None:
         for of, body in (("casing", rub.casing), (name, rub.blades[tip.blade]))
     )
     moved = blade @ tip.directions(rub.blades[tip.blade])[:2].T
-    turned = np.array([rub.speed.angle(float(t)) for t in result.state_time])
+    turned = rub.speed.angles(result.state_time)
     phi = math.radians(tip.angle_deg) - turned
     rim = _rim(casing, phi, rub.casing.n_max, tip.line, rub.casing.directions)
     return TipMotion(time=result.state_time, tip=moved, rim=rim)

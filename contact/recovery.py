@@ -56,7 +56,7 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
                 total -= forces[:, j * d : (j + 1) * d] @ tip.directions(rub.bodies[number])[:d]
         return result.state_time, total
     casing, size = rub.casing, 2 * rub.casing.n_max + 1
-    turned = np.array([rub.speed.angle(float(t)) for t in result.state_time])
+    turned = rub.speed.angles(result.state_time)
     for j, tip in enumerate(rub.tips):
         waves = harmonics(casing.n_max, math.radians(tip.angle_deg) - turned)
         for i in range(d):

@@ -29,10 +29,10 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
     folded: bool = False  # shown only when asked for
 
-    def right(self, column: int) -> bool:
-        """Whether a column holds numbers alone, which align at the right."""
-        cells = [row[column] for row in self.rows if row[column] is not None]
-        return bool(cells) and all(map(numeric, cells))
+    def right(self) -> list[bool]:
+        """Whether each column holds numbers alone, which align at the right."""
+        columns = [[cell for cell in column if cell is not None] for column in zip(*self.rows, strict=True)]
+        return [bool(cells) and all(map(numeric, cells)) for cells in columns] or [False] * len(self.columns)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -48,16 +48,20 @@ class Speed:
         start, omega = np.concatenate(([min(t[0], 0.0) - 1.0], t)), np.concatenate(([w[0]], w))
         length = np.diff(start)
         angle = np.concatenate(([0.0], np.cumsum(omega[:-1] * length + 0.5 * slope[:-1] * length**2)))
-        at_zero = _integral(np.stack([start, angle, omega, slope], axis=1), 0.0)[0]
+        at_zero = _integral(np.stack([start, angle, omega, slope], axis=1), np.float64(0.0))[0]
         return np.ascontiguousarray(np.stack([start, angle - at_zero, omega, slope], axis=1))
 
     def angle(self, t: float) -> float:
         """Angle turned since t = 0 [rad]."""
-        return _integral(self.table, t)[0]
+        return float(_integral(self.table, np.float64(t))[0])
+
+    def angles(self, t: Array) -> Array:
+        """Angles turned since t = 0 at many instants [rad]."""
+        return np.asarray(_integral(self.table, t)[0])
 
     def omega(self, t: float) -> float:
         """Angular speed [rad/s]."""
-        return _integral(self.table, t)[1]
+        return float(_integral(self.table, np.float64(t))[1])
 
     @property
     def fastest(self) -> float:
@@ -65,10 +69,10 @@ class Speed:
         return 2.0 * math.pi * float(np.abs(self.hz).max())
 
 
-def _integral(table: Array, t: float) -> tuple[float, float]:
-    row = table[max(int(np.searchsorted(table[:, 0], t, side="right")) - 1, 0)]
-    since = t - row[0]
-    return float(row[1] + row[2] * since + 0.5 * row[3] * since**2), float(row[2] + row[3] * since)
+def _integral(table: Array, t: Array | np.float64) -> tuple[Array, Array]:
+    start, angle, omega, slope = table[np.maximum(np.searchsorted(table[:, 0], t, side="right") - 1, 0)].T
+    since = t - start
+    return angle + omega * since + 0.5 * slope * since**2, omega + slope * since
 
 
 @dataclass(frozen=True, eq=False, slots=True)
