@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.running import ProgressMessage, deliver, options, source_of
+from casingfem.io.cores import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -93,6 +94,7 @@ def identify(
         found = find(
             frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
             exponential=exponential, coherence=coherence, say=lambda what: working.say(f"modes in {file.name}: {what}"),
+            processes=usable_cores(),
         )  # fmt: skip
     document = {
         "modes": found.records(),

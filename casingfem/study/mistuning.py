@@ -7,15 +7,14 @@ processes, their order, or how often the run was broken off, the tables are the 
 
 import json
 import math
-import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, as_completed
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
 from casingfem.io.cores import usable_cores
+from casingfem.io.side_by_side import one_thread
 from casingfem.modal.mistuning import (
     Mistuning,
     Pair,
@@ -35,7 +34,6 @@ from contact.io.workers import worker_pool
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process
 CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -194,18 +192,3 @@ def compute_chunk(chunk: range) -> dict[str, Any]:
         elif draw % CHECKED == 0:
             content["errors"][str(draw)] = restart_error(found)
     return content
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Processes started inside have one BLAS thread each."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

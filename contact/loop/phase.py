@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_entry
 
@@ -48,6 +50,15 @@ class PhaseWork(NamedTuple):
     most: Array  # (watched,)
     least: Array  # (watched,)
     at: Array  # (1,)
+
+
+def phase_work(p: PhaseArrays) -> PhaseWork:
+    """Work space for a phase of these arrays."""
+    room, values = np.zeros((4, *p.lam.shape)), np.zeros((6, p.rest.size))
+    return PhaseWork(
+        y=room[0], new=room[1], circle=np.zeros((2, p.harmonic.size)), step=room[2], drift=room[3], now=values[0],
+        last=values[1], before=values[2], size=values[3], most=values[4], least=values[5], at=np.zeros(1),
+    )  # fmt: skip
 
 
 @jit

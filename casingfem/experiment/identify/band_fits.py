@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +24,10 @@ from casingfem.experiment.identify.poles.stabilisation import Stabilisation, sta
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import Shifted, shifted
+from casingfem.experiment.identify.setups.shifted import shifted
+from casingfem.experiment.identify.setups.shifted_modes import Shifted
 from casingfem.io.arrays import Array, BoolArray, FloatArray
+from casingfem.io.side_by_side import Each
 
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 PASSES = 2  # fits of every band after the first
@@ -74,26 +77,28 @@ def fit_bands(
     order: int | None,
     picked: FloatArray | None = None,
     say: Callable[[str], None] = lambda _: None,
+    each: Each = map,
 ) -> BandFits:
-    """Fit every band: see above; `order` and `say` as in `identify`; frequencies `picked` [Hz] are the poles."""
+    """Fit every band: see above; `order` and `say` as in `identify`; frequencies `picked` [Hz] are the poles.
+
+    First by `each` alone; so are clusters of a test with shifted peaks.
+    """
     fits: list[PoleFit | None] = []
     diagrams = []
-    for k, band in enumerate(bands):
-        say(f"poles in band {k + 1} of {len(bands)}")
-        diagram, starts = _sweep(data, band, order)
+    say(f"poles in band 1 of {len(bands)}")
+    for diagram, fit in each(partial(_first_fit, order, picked), (_of_band(data, band) for band in bands)):
         diagrams.append(diagram)
-        if picked is not None:
-            starts = _picks(data.freq, band, picked, starts)
-        fits.append(select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None)
+        fits.append(fit)
+        say(f"poles in band {min(len(fits) + 1, len(bands))} of {len(bands)}")
     if any(fit is not None and len(fit.freq) for fit in fits):
         say("set-ups")
         kind = "complex" if any(fit.window.columns == 2 for fit in fits if fit is not None) else "real"
         whole = replace(_window(data, Band((0, len(data.freq)), (0, len(data.freq)), 0), []), residues=kind)
-        found = shifted(whole, _together(_modes(data, bands, fits)), data.places)
+        found = shifted(whole, _together(_modes(data, bands, fits)), data.places, each)
         data = data._replace(leak=found.leak)
         if found.several and picked is None:
             say("waves round the circle")
-            found = as_waves(found, whole, data.places)
+            found = as_waves(found, whole, data.places, each)
             aligned = _aligned_fits(data, bands, found, whole)
             return BandFits(bands, aligned, diagrams, found.shift, found.leak, found.belongs)
     for again in range(PASSES):
@@ -103,6 +108,24 @@ def fit_bands(
             starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
             fits[k] = select_poles(_window(data, band, outside), starts, search=picked is None)
     return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, 0.0, data.leak)
+
+
+def _of_band(data: Responses, band: Band) -> tuple[Responses, Band]:
+    """The responses in the window of a band, and the band by their lines."""
+    first, end = band.window
+    inside = data._replace(freq=data.freq[first:end], H=data.H[:, first:end], along=data.along[first:end], places=None)
+    return inside, band._replace(core=(band.core[0] - first, band.core[1] - first), window=(0, end - first))
+
+
+def _first_fit(
+    order: int | None, picked: FloatArray | None, one: tuple[Responses, Band]
+) -> tuple[Stabilisation, PoleFit | None]:
+    """The diagram of a band, and the fit from what is stable in it; None where it has no peaks."""
+    data, band = one
+    diagram, starts = _sweep(data, band, order)
+    if picked is not None:
+        starts = _picks(data.freq, band, picked, starts)
+    return diagram, select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None
 
 
 def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Window) -> list[PoleFit]:

@@ -30,8 +30,12 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
+from casingfem.io.cores import usable_cores
+from casingfem.io.side_by_side import side_by_side
+from contact.io.workers import forks
 
 MOST_OFF = 0.5  # share of the sensors that labels may do without
+LARGE = 40_000  # values, whose identification takes seconds
 
 
 def identify(
@@ -47,6 +51,7 @@ def identify(
     exponential: float | None = None,
     coherence: FrfSet | None = None,
     say: Callable[[str], None] = lambda _: None,
+    processes: int | None = None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
@@ -76,6 +81,9 @@ def identify(
         Of the responses, over the same lines: a line weighs less where it is low.
     say
         Is told from time to time what is being done.
+    processes
+        That share the bands of a large test; by default one for each core where they can be copies of this one, as on
+        Linux with one BLAS thread, else this one alone. What is found is the same.
 
     Raises
     ------
@@ -102,7 +110,8 @@ def identify(
     circle = None if angles is None else Circle.of(grid.theta, n_max)
     data = Responses(freq, H, noise, power, along, places=None if circle is None else _places(grid, circle))
     picked = None if pick is None else _picked(frfs.path, pick, freq)
-    found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say)
+    with side_by_side(_workers(H, processes)) as each:
+        found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say, each)
     cores = [core_of(freq, band) for band in found.bands]
     kept = picked is not None
     modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, kept)
@@ -132,6 +141,12 @@ def identify(
         seconds=time.perf_counter() - started,
         shift=found.shift,
     )
+
+
+def _workers(H: Array, processes: int | None) -> int:
+    """How many processes share a test: one for a small one, which would be done before they begin."""
+    most = processes or (usable_cores() if forks() else 1)
+    return most if H.size >= LARGE else 1
 
 
 def _places(grid: SensorGrid, circle: Circle) -> Places:

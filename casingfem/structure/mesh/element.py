@@ -65,15 +65,19 @@ def lagrange(order: int, x: Array) -> tuple[Array, Array]:
     >>> bool(np.allclose(values.sum(0), 1.0) and np.allclose(slopes.sum(0), 0.0))
     True
     """
-    nodes, _ = lobatto(order)
-    vandermonde = legendre.legvander(2.0 * nodes - 1.0, order)
-    t = 2.0 * np.asarray(x) - 1.0
-    modal = legendre.legvander(t, order)
-    d_coefficients = np.array([np.pad(legendre.legder(row), (0, 1))[: order + 1] for row in np.eye(order + 1)])
-    inverse = np.linalg.inv(vandermonde)
-    values = np.moveaxis(modal @ inverse, -1, 0)
-    slopes = np.moveaxis(2.0 * (modal @ d_coefficients.T) @ inverse, -1, 0)
+    modal = legendre.legvander(2.0 * np.asarray(x) - 1.0, order)
+    to_nodes, slopes_of = _from_legendre(order)
+    values = np.moveaxis(modal @ to_nodes, -1, 0)
+    slopes = np.moveaxis(2.0 * (modal @ slopes_of) @ to_nodes, -1, 0)
     return values, slopes
+
+
+@cache
+def _from_legendre(order: int) -> tuple[FloatArray, FloatArray]:
+    """What makes Lagrange polynomials of Legendre's, and slopes of Legendre's, (order + 1, order + 1) each."""
+    vandermonde = legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order)
+    slopes = [np.pad(legendre.legder(row), (0, 1))[: order + 1] for row in np.eye(order + 1)]
+    return np.asarray(np.linalg.inv(vandermonde), np.float64), np.array(slopes, np.float64).T
 
 
 class ElementQuadLobatto(ElementH1):  # type: ignore[misc]

@@ -70,7 +70,7 @@ class Extremes(NamedTuple):
         k, shut = self.gap.size, list(phase.closed)
         gap, force = work.least[:k].copy(), self.force.copy()
         gap[shut], force[shut] = np.minimum(self.gap[shut], 0.0), work.most[shut]
-        return Extremes(gap, force, work.most[k:], work.least[k:])
+        return Extremes(gap, force, work.most[k:].copy(), work.least[k:].copy())
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -153,8 +153,8 @@ def passage(
         driven = motion.phase(closed)
         phase, before = driven.phase, time
         forced = (driven.X @ np.exp(1j * motion.angle(time))).real
-        work = _work(plant, driven, phase.U @ (x - forced), reached)
-        hit = pass_phase(driven.arrays, work, k, time, end, motion.step)
+        work = _begun(plant, driven, phase.U @ (x - forced), reached)
+        hit = pass_phase(*driven.bundles, k, time, end, motion.step)
         time = float(work.at[0])
         forced = (driven.X @ np.exp(1j * motion.angle(time))).real
         x = (phase.V @ (work.y[0] + 1j * work.y[1])).real + forced
@@ -251,21 +251,15 @@ def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: floa
     return tuple(sorted((*soft, *(i for i, force in zip(stays, pressed, strict=True) if force > 0.0))))
 
 
-def _work(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> PhaseWork:
-    from contact.loop.phase import PhaseWork
-
-    phase = driven.phase
-    k, rows = reached.gap.size, len(phase.rows)
-    room, values = np.zeros((3, 2, y.size)), np.zeros((6, rows))
-    most, least = values[3], values[4]
+def _begun(plant: Plant, driven: DrivenPhase, y: Complex, reached: Extremes) -> PhaseWork:
+    """The work space of a phase that begins at y."""
+    work, phase, k = driven.work, driven.phase, reached.gap.size
+    work.y[0], work.y[1] = y.real, y.imag
+    most, least = work.most, work.least
     most[:k], least[:k] = np.inf, reached.gap  # of an open contact the least gap counts, of a closed one the force
     shut = list(phase.closed)
     most[shut], least[shut] = reached.force[shut], -np.inf
     most[k:], least[k:] = reached.most, reached.least
     for contact, row in plant.slips:  # of this phase alone
         most[k + row], least[k + row] = np.inf, np.inf if contact in phase.closed else -np.inf
-    return PhaseWork(
-        y=np.ascontiguousarray(np.stack([y.real, y.imag])), new=room[0], circle=np.zeros((2, driven.X.shape[1])),
-        step=room[1], drift=room[2], now=values[0], last=values[1], before=values[2], size=values[5], most=most,
-        least=least, at=np.zeros(1),
-    )  # fmt: skip
+    return work

@@ -9,7 +9,7 @@ gap'' + (p + r) gap' + p r gap = 0, which a gap that is zero at the start fulfil
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 
 if TYPE_CHECKING:
-    from contact.loop.phase import PhaseArrays
+    from contact.loop.phase import PhaseWork
 
 Complex = NDArray[np.complex128]
 PULLS = (1.0, 1.7)  # p and r over the system's rate: two, so that the closed contact's poles stay apart
@@ -143,12 +143,14 @@ class DrivenPhase(NamedTuple):
     b: Forcing  # of x, the contacts' share included
     watched: Forcing
     X: Complex  # x of the forced vibration, (n, harmonics)
-    arrays: PhaseArrays
+    work: PhaseWork  # filled anew for each passage
+    bundles: tuple[Any, Any]  # the arrays of the compiled passage and `work`: to make them costs as much
 
 
 def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
     """Forced vibration of the phase and the arrays of the compiled passage; raises NumericsError at resonance."""
-    from contact.loop.phase import PhaseArrays
+    from contact.jit.bundle import Bundle
+    from contact.loop.phase import PhaseArrays, phase_work
 
     chosen, w = list(phase.closed), drive.w * drive.harmonics
     gaps = _forcing_of_gaps(plant, drive, w, chosen)
@@ -169,7 +171,8 @@ def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
         lam=_parts(phase.lam), beta=_parts(beta), rows=_parts(seen), rest=watched.rest.copy(), wave=_parts(wave),
         harmonic=w,
     )  # fmt: skip
-    return DrivenPhase(phase, b, watched, X, arrays)
+    work = phase_work(arrays)
+    return DrivenPhase(phase, b, watched, X, work, (Bundle(arrays), Bundle(work)))
 
 
 def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) -> Forcing:

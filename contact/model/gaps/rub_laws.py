@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -133,6 +134,15 @@ class Whirl:
         require_finite(per_rev=self.per_rev, hz=self.hz, phase_deg=self.phase_deg)
 
 
+@lru_cache(maxsize=8)  # asked for at every angle
+def _hermite_table(profile: RimProfile) -> Array:
+    if profile.theta is None or profile.depth is None:
+        return np.zeros((0, 3))
+    turn = 2.0 * math.pi
+    x, y = np.append(profile.theta, profile.theta[0] + turn), np.append(profile.depth, profile.depth[0])
+    return np.ascontiguousarray(np.stack([x, y, _slopes(x, y)], axis=1))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class RimProfile:
     """Out-of-roundness d(theta) in the casing's frame [m], positive where the radius is larger.
@@ -177,11 +187,7 @@ class RimProfile:
     @property
     def table(self) -> Array:
         """Hermite table, rows (theta, depth, slope) with the first point repeated a turn later; empty without one."""
-        if self.theta is None or self.depth is None:
-            return np.zeros((0, 3))
-        turn = 2.0 * math.pi
-        x, y = np.append(self.theta, self.theta[0] + turn), np.append(self.depth, self.depth[0])
-        return np.ascontiguousarray(np.stack([x, y, _slopes(x, y)], axis=1))
+        return _hermite_table(self)
 
     def __call__(self, phi: float) -> float:
         """Depth at one angle [m]."""

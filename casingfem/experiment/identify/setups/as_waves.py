@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -11,20 +12,25 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.channel_offs import belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER, Shifted
+from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER
+from casingfem.experiment.identify.setups.shifted_modes import Shifted
 from casingfem.experiment.identify.setups.wave_search import wave_modes
+from casingfem.io.side_by_side import Each
 
 MOST_SETUPS = 6  # of which each pair is tried exchanged in each
 
 
-def as_waves(found: Shifted, whole: Window, places: Places | None) -> Shifted:
-    """What was found, fitted again with shapes that are waves: as it is where channels are too few to tell any."""
+def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = map) -> Shifted:
+    """What was found, fitted again with shapes that are waves: as it is where channels are too few to tell any.
+
+    Clusters are worked on `each` by itself.
+    """
     waves = None if places is None else waves_of(places, found.modes.residues)
     if waves is None or len(found.setups) > MOST_SETUPS:
         return found
     order = np.argsort(found.modes.freq.min(axis=1))  # as `clusters` has them
     near = list(clusters(replace(whole, leak=found.leak), found.modes, found.setups, MOST_LINES, TOGETHER, found.shift))
-    parts = [wave_modes(c, found.setups, waves, found.shift) for c in near]
+    parts = list(each(partial(wave_modes, found.setups, waves, found.shift), near))
     residues = [
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from casingfem.experiment.identify.setups.grouping import matched
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, apart, linked, squares_at
 from casingfem.experiment.identify.setups.places import places
 from casingfem.io.arrays import BoolArray, FloatArray
+from casingfem.io.side_by_side import Each
 
 MOST, FEWER = 14, 3  # modes that a cluster is taken for; from so many fewer on than were found before
 GROWN = 3.0  # times the usual residues of a mode, that those of a set-up may well be
@@ -76,20 +78,30 @@ class _Read(NamedTuple):
 
 
 def read_all(
-    found: Sequence[Cluster], setups: Setups, damped: float, shift: float, known: Sequence[ClusterModes] = ()
+    found: Sequence[Cluster],
+    setups: Setups,
+    damped: float,
+    shift: float,
+    known: Sequence[ClusterModes] = (),
+    each: Each = map,
 ) -> list[ClusterModes]:
     """Clusters with the modes of all set-ups matched, damping in common; those that hold none are left out.
 
     Those that are `known` were read before, in the same way.
     """
-    read_ones, before = [], {each.cluster.span: each for each in known}
-    for c in found:
-        if c.span in before:
-            read_ones.append(before[c.span])
-        elif (own := read(c, setups, damped, shift)) is not None:
-            free = matched(fit_apart(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
-            read_ones.append(ClusterModes(c, only_peaks(c, setups, _in_common(c, setups, free), damped)))
-    return read_ones
+    before = {one.cluster.span: one for one in known}
+    new = each(partial(_read_matched, setups, damped, shift), [c for c in found if c.span not in before])
+    reads = [before[c.span] if c.span in before else next(new) for c in found]
+    return [one for one in reads if one is not None]
+
+
+def _read_matched(setups: Setups, damped: float, shift: float, c: Cluster) -> ClusterModes | None:
+    """The modes of a cluster, matched; None where it holds none."""
+    own = read(c, setups, damped, shift)
+    if own is None:
+        return None
+    free = matched(fit_apart(c, setups, own.freq, np.median(own.zeta, axis=1)), setups, shift)
+    return ClusterModes(c, only_peaks(c, setups, _in_common(c, setups, free), damped))
 
 
 def only_peaks(c: Cluster, setups: Setups, own: OwnPeaks, damped: float) -> OwnPeaks:

@@ -26,7 +26,7 @@ SETTLED = 1.0  # fall of the criterion that counts
 MOVED = 0.1  # half-power bandwidths: a set-up that is put elsewhere by less stays
 
 
-def improved(c: Cluster, setups: Setups, damped: float) -> ClusterModes:
+def improved(setups: Setups, damped: float, c: Cluster) -> ClusterModes:
     """The modes of a cluster, fitted again from better places as long as the criterion falls.
 
     Where every channel is a set-up of its own they stay: no other channel confirms there what is found.

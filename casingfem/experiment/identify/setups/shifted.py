@@ -9,12 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Around, Places
+from casingfem.experiment.identify.setups.channels_alone import (
+    VOTE,
+    Alone,
+    channels_alone,
+    evidence_of,
+    leak_of_common,
+    leak_of_own,
+    scatter,
+)
 from casingfem.experiment.identify.setups.cluster_modes import (
     ClusterModes,
     fit_again,
@@ -23,7 +33,6 @@ from casingfem.experiment.identify.setups.cluster_modes import (
     joined,
     leaking,
     only_peaks,
-    read,
     read_all,
     rematched,
     worth,
@@ -31,8 +40,10 @@ from casingfem.experiment.identify.setups.cluster_modes import (
 from casingfem.experiment.identify.setups.cluster_moves import improved
 from casingfem.experiment.identify.setups.clusters import Cluster, clusters
 from casingfem.experiment.identify.setups.grouping import find_setups, matching_sigma
-from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, linked
-from casingfem.io.arrays import BoolArray, FloatArray, IntArray
+from casingfem.experiment.identify.setups.own_shifts import Modes, Setups
+from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.side_by_side import Each
 
 MOST_LINES = 1000  # that a cluster is fitted to last
 TOGETHER = 2e-3, 3.0  # `clusters.REACH` of those fitted last: beyond, neighbours hardly move each other
@@ -43,145 +54,116 @@ FIRST = 10, 4, 8  # clusters, of so many poles at most, and channels, that say w
 IMPROVED = 2  # of the last fits, that look for better places at least
 CLUSTERS = 12  # that tell which channels are one set-up, at most
 ALIVE = 2.0  # rms of a channel over its noise
-VOTE = 30.0  # of the log-odds for leakage, or for more set-ups, or against, that one cluster may give
-LEAKS = 30.0  # lines in a half-power bandwidth, beyond which leakage changes nothing
 DAMPED = 5.0  # times the usual damping, beyond which a mode is no peak
 
 
-class Shifted(NamedTuple):
-    """Modes with own frequencies, the variance of ln f (modes, setups), the channels of each set-up.
+class _Reading(NamedTuple):
+    """Set-ups, their usual shift in ln f, leakage [Hz], and twice the ln of the odds against common frequencies."""
 
-    `sigma_zeta` (modes,) is the standard deviation of ln zeta, `sigma_matching` (modes,) that of the mean of ln f from
-    not knowing which mode is which in a set-up; `worth` (modes,) what each takes from the squares over what it must.
-
-    `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
-    usually; `evidence` twice the ln of the odds against common frequencies. `sigma_mean` (modes,) is that of the mean
-    of ln f, `belongs` (channels,) says which move as they should where they stand: where the last fit was one of waves
-    round the circle; None elsewhere.
-    """
-
-    modes: Modes
-    variance: FloatArray
-    sigma_zeta: FloatArray
-    sigma_matching: FloatArray
-    worth: FloatArray
     setups: Setups
-    leak: float
     shift: float
+    leak: float
     evidence: float
-    sigma_mean: FloatArray | None = None
-    belongs: BoolArray | None = None
-
-    @property
-    def several(self) -> bool:
-        """Whether peaks are shifted at all."""
-        return self.evidence > 0.0 and len(self.setups) > 1
-
-    def mean(self) -> tuple[FloatArray, FloatArray]:
-        """Mean frequency [Hz] of each mode over the set-ups, and the standard deviation of its ln, (modes,).
-
-        A set-up that does not see a mode has, as far as one can tell, what the others have, within `shift`.
-        """
-        logs = np.log(self.modes.freq)
-        if self.sigma_mean is not None:
-            return np.exp(logs.mean(axis=1)), self.sigma_mean
-        weight = 1.0 / (self.variance + self.shift**2 + 1e-300)
-        centre = (weight * logs).sum(axis=1, keepdims=True) / weight.sum(axis=1, keepdims=True)
-        each = centre + self.shift**2 * weight * (logs - centre)
-        left = self.variance * self.shift**2 * weight
-        return np.exp(each).mean(axis=1), np.sqrt(left.mean(axis=1) / logs.shape[1])
-
-    def seen(self) -> FloatArray:
-        """Share of the set-ups that have each mode's energy, (modes,): 1 where all have as much of it."""
-        energy = np.abs(self.modes.residues / np.linalg.norm(self.modes.residues, axis=1, keepdims=True)) ** 2
-        each = np.array([energy[:, channels].sum(axis=1) for channels in self.setups]).T
-        return np.asarray(each.sum(axis=1) ** 2 / np.sum(each**2, axis=1) / len(self.setups))
-
-    def apart(self, one: IntArray, other: IntArray) -> FloatArray:
-        """Chi-squared of two modes having the same frequency in every set-up of several channels, (pairs,).
-
-        One channel alone does not tell two modes from one: no other confirms what it shows.
-        """
-        several = [len(channels) > 1 for channels in self.setups]
-        gap = np.log(self.modes.freq[one] / self.modes.freq[other])
-        squares = gap**2 / (self.variance[one] + self.variance[other] + 1e-300)
-        return np.asarray(squares[:, several].sum(axis=1))
-
-    def aligned(self, whole: Window) -> Window:
-        """The data as they would be if every set-up had the mean frequencies."""
-        whole = replace(whole, leak=self.leak)
-        together = self.modes._replace(freq=self.mean()[0][:, None])
-        change = together.response(whole, [np.arange(whole.Y.shape[1])]) - self.modes.response(whole, self.setups)
-        return replace(whole, Y=whole.Y + np.concatenate([change.real, change.imag]))
+    grouped: list[ClusterModes]  # the clusters as already read with these set-ups
 
 
-def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifted:
+def shifted(whole: Window, modes: Modes, places: Places | None = None, each: Each = map) -> Shifted:
     """Read a test of common poles (one set-up) as one of several; `whole` has all lines and channels.
 
     With `places` of channels round a circle the shapes tell, too, which mode of a set-up is which of the others.
+    Clusters are worked on `each` by itself.
     """
     alive = np.mean(whole.Y**2, axis=0) > ALIVE**2
     common = list(clusters(whole, modes, [np.arange(len(alive))]))
     damped = DAMPED * float(np.median(modes.zeta))
     step = float(whole.freq[1] - whole.freq[0])
-    some = [c for c in common if len(c.modes.zeta) <= FIRST[1]] or common
     few = np.flatnonzero(alive)
     few = few[_spread(len(few), FIRST[2])]
     if len(few) < 2:
-        return _unshifted(common, modes, step, 0.0)
-    first = _alone([some[k] for k in _spread(len(some), FIRST[0])], few, damped, step)
+        return _unshifted(common, modes, step, 0.0, each)
+    some = [c for c in common if len(c.modes.zeta) <= FIRST[1]] or common
+    first = channels_alone([some[k] for k in _spread(len(some), FIRST[0])], few, damped, step, each)
     if max(first.evidence, default=0.0) <= 0.0:
-        return _unshifted(common, modes, step, sum(first.evidence))
-    alone = _alone([common[k] for k in _spread(len(common), CLUSTERS)], np.arange(len(alive)), damped, step)
+        return _unshifted(common, modes, step, sum(first.evidence), each)
+    several = [common[k] for k in _spread(len(common), CLUSTERS)]
+    alone = channels_alone(several, np.arange(len(alive)), damped, step, each)
     if not alone.peaks:
-        return _unshifted(common, modes, step, 0.0)
-    setups, shift, leak = find_setups(alone.peaks, alive), scatter(alone.peaks), alone.leak
-    single, evidence = [np.array([c]) for c in range(len(alive))], sum(alone.evidence)
-    grouped = read_all(alone.clusters, setups, damped, shift) if len(setups) < len(single) else []
+        return _unshifted(common, modes, step, 0.0, each)
+    reading = _grouped(alone, find_setups(alone.peaks, alive), damped, each)
+    if reading.evidence <= 0.0:
+        return _unshifted(common, modes, step, reading.evidence, each)
+    found = _found(whole, modes, common, reading, damped, each)
+    if found is None:
+        return _unshifted(common, modes, step, 0.0, each)
+    modes, reading = found
+    return _polish(whole, modes, reading, places, damped, each)
+
+
+def _grouped(alone: Alone, setups: Setups, damped: float, each: Each) -> _Reading:
+    """The channels in set-ups, where that reads the clusters as well as every channel alone does."""
+    shift, evidence = scatter(alone.peaks), sum(alone.evidence)
+    single = [np.array([c]) for c in range(alone.clusters[0].window.Y.shape[1])]
+    grouped = read_all(alone.clusters, setups, damped, shift, each=each) if len(setups) < len(single) else []
+    apart = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
+    if not grouped or not _as_good(grouped, setups, apart, single):
+        return _Reading(single, shift, alone.leak, evidence, [])
     if len(setups) > 1:  # with few set-ups own frequencies cost less
-        evidence = max(evidence, sum(_evidence(c, own, len(setups)) for c, own in grouped))
-    each = [ClusterModes(c, own) for c, own in zip(alone.clusters, alone.peaks, strict=True)]
-    if not grouped or not _as_good(grouped, setups, each, single):
-        setups, grouped, evidence = single, [], sum(alone.evidence)
-    if evidence <= 0.0:
-        return _unshifted(common, modes, step, evidence)
-    refused, counts = len(setups) == len(single), list[int]()
+        evidence = max(evidence, sum(evidence_of(c, own, len(setups)) for c, own in grouped))
+    return _Reading(setups, shift, alone.leak, evidence, grouped)
+
+
+def _found(
+    whole: Window, modes: Modes, common: list[Cluster], reading: _Reading, damped: float, each: Each
+) -> tuple[Modes, _Reading] | None:
+    """Modes with own frequencies, in as few set-ups as read them as well; None where no cluster holds any."""
+    setups, shift, leak, evidence, known = reading
+    step = float(whole.freq[1] - whole.freq[0])
+    refused, counts = len(setups) == whole.Y.shape[1], list[int]()
     for again in range(PASSES):
         if again:
-            told = [_gain_again(c, setups, step) for c in clusters(whole, modes, setups) if _tells(c, step)]
-            leak = step if _leaks(told) else 0.0
-        found = [leaking(c, leak) for c in (clusters(replace(whole, leak=leak), modes, setups) if again else common)]
-        own = read_all(found, setups, damped, shift, () if again else grouped)
-        merged = [] if refused else find_setups([each.own for each in own], np.ones(len(setups), bool))
+            leak = leak_of_own(clusters(whole, modes, setups), setups, step, each)
+        near = clusters(replace(whole, leak=leak), modes, setups) if again else common
+        found = [leaking(c, leak) for c in near]
+        own = read_all(found, setups, damped, shift, () if again else known, each)
+        merged = [] if refused else find_setups([one.own for one in own], np.ones(len(setups), bool))
         if 0 < len(merged) < len(setups):
             fewer = [np.sort(np.concatenate([setups[k] for k in group])) for group in merged]
-            grouped = read_all(found, fewer, damped, shift)
+            grouped = read_all(found, fewer, damped, shift, each=each)
             refused = not _as_good(grouped, fewer, own, setups)
             setups, own = (setups, own) if refused else (fewer, grouped)
         if not own:
-            return _unshifted(common, modes, step, 0.0)
-        shift, modes = scatter([each.own for each in own]), joined(own)
-        counts, before = [len(each.own.freq) for each in own], counts
+            return None
+        shift, modes = scatter([one.own for one in own]), joined(own)
+        counts, before = [len(one.own.freq) for one in own], counts
         if counts == before:
             break
+    return modes, _Reading(setups, shift, leak, evidence, [])
+
+
+def _polish(
+    whole: Window, modes: Modes, reading: _Reading, places: Places | None, damped: float, each: Each
+) -> Shifted:
+    """The modes fitted from better places, then beside what their neighbours have become."""
+    setups, shift, leak, evidence, _ = reading
     looking = True
     for again in range(POLISHES):
         near = clusters(replace(whole, leak=leak), modes, setups, MOST_LINES, TOGETHER, shift)
         around = None if places is None or looking else Around.of(places, modes.residues, whole.weight)
-        last = [improved(c, setups, damped) if looking else _polished(c, setups, damped, shift, around) for c in near]
+        fit = partial(improved, setups, damped) if looking else partial(_polished, setups, damped, shift, around)
+        last = list(each(fit, near))
         many, modes = len(modes.zeta), joined(last)
         if not looking:
             break
-        changed = many != len(modes.zeta) or any(_unsettled(each) for each in last)
+        changed = many != len(modes.zeta) or any(_unsettled(one) for one in last)
         looking = again + 1 < (POLISHES - 1 if changed else IMPROVED)
-    free = [fit_apart(each.cluster, setups, each.own.freq, each.own.zeta[:, 0]) for each in last]
-    matching = np.concatenate([matching_sigma(own, setups, shift, around) for own in free], axis=1)
+    told = list(each(partial(_told, setups, shift, around), last))
+    matching = np.concatenate([matching for matching, _ in told], axis=1)
     return Shifted(
         modes=modes,
-        variance=np.concatenate([each.own.variance for each in last]),
-        sigma_zeta=np.hypot(np.sqrt(np.concatenate([each.own.zeta_variance[:, 0] for each in last])), matching[1]),
+        variance=np.concatenate([one.own.variance for one in last]),
+        sigma_zeta=np.hypot(np.sqrt(np.concatenate([one.own.zeta_variance[:, 0] for one in last])), matching[1]),
         sigma_matching=matching[0],
-        worth=np.concatenate([worth(each, setups) for each in last]),
+        worth=np.concatenate([gains for _, gains in told]),
         setups=setups,
         leak=leak,
         shift=shift,
@@ -192,7 +174,7 @@ def shifted(whole: Window, modes: Modes, places: Places | None = None) -> Shifte
 def _as_good(fewer: Sequence[ClusterModes], few: Setups, more: Sequence[ClusterModes], many: Setups) -> bool:
     """Whether clusters are read as well with fewer set-ups, by the criterion and the noise that more of them leave.
 
-    Votes are limited as in `_leaks`: where a neighbour's peaks are not yet understood, more set-ups follow them.
+    Votes are limited as in `leaks`: where a neighbour's peaks are not yet understood, more set-ups follow them.
     """
     rich = {each.cluster.span: each for each in more}
     both = [(each, rich[each.cluster.span]) for each in fewer if each.cluster.span in rich]
@@ -200,7 +182,7 @@ def _as_good(fewer: Sequence[ClusterModes], few: Setups, more: Sequence[ClusterM
     return bool(np.sum(np.clip(rise, -VOTE, VOTE)) <= 0.0)
 
 
-def _polished(c: Cluster, setups: Setups, damped: float, shift: float, around: Around | None) -> ClusterModes:
+def _polished(setups: Setups, damped: float, shift: float, around: Around | None, c: Cluster) -> ClusterModes:
     """The modes of a cluster, each of about one size in all set-ups, and of one shape where that tells."""
     ridge = held(c, setups)
     own = fit_again(c, setups, c.modes.freq, c.modes.zeta, ridge)
@@ -217,86 +199,19 @@ def _unsettled(each: ClusterModes) -> bool:
     return bool(own.on_peaks > EXPLAINED[0] * c.noise or c.noise > EXPLAINED[1] * own.on_peaks)
 
 
-def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float) -> Shifted:
+def _told(setups: Setups, shift: float, around: Around | None, one: ClusterModes) -> tuple[FloatArray, FloatArray]:
+    """What exchanged modes would change in a cluster, and what each of its modes is worth."""
+    free = fit_apart(one.cluster, setups, one.own.freq, one.own.zeta[:, 0])
+    return matching_sigma(free, setups, shift, around), worth(one, setups)
+
+
+def _unshifted(common: Sequence[Cluster], modes: Modes, step: float, evidence: float, each: Each) -> Shifted:
     """The common poles, and whether a window leaks over the step of the lines [Hz]."""
-    gains = [_gain(c, *(_fit_common(leaking(c, by)) for by in (0.0, step))) for c in common if _tells(c, step)]
     nothing, all_of_them = np.zeros(len(modes.zeta)), np.arange(modes.residues.shape[1])
-    leak = step if _leaks(gains) else 0.0
+    leak = leak_of_common(common, step, each)
     return Shifted(modes, nothing[:, None], nothing, nothing, nothing, [all_of_them], leak, 0.0, evidence)
 
 
 def _spread(count: int, most: int) -> IntArray:
     """Indices of so many of `count` at most, evenly spread."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(np.int64))
-
-
-class _Alone(NamedTuple):
-    """Clusters read with every channel for a set-up of its own."""
-
-    clusters: list[Cluster]
-    peaks: list[OwnPeaks]
-    leak: float
-    evidence: list[float]
-
-
-def _alone(common: Sequence[Cluster], channels: IntArray, damped: float, step: float) -> _Alone:
-    """Read some channels of clusters with own frequencies in each, and without or with leakage over a step [Hz]."""
-    single = [np.array([c]) for c in range(len(channels))]
-    found = []
-    for c in common:
-        window = replace(c.window, Y=c.window.Y[:, channels], weight=c.window.weight[channels])
-        c = c._replace(window=window, modes=c.modes._replace(residues=c.modes.residues[:, channels]))
-        if (own := read(c, single, damped, 0.0)) is not None:
-            freq, zeta = own.freq, np.median(own.zeta, axis=1)
-            leaked, own = fit_again(leaking(c, step), single, freq, zeta), fit_again(c, single, freq, zeta)
-            found.append((c, own, leaked))
-    leak = step if _leaks([_gain(c, plain, leaked) for c, plain, leaked in found if _tells(c, step)]) else 0.0
-    evidence = [_evidence(c, leaked if leak else plain, len(single)) for c, plain, leaked in found]
-    peaks = [leaked if leak else plain for _, plain, leaked in found]
-    return _Alone([leaking(c, leak) for c, _, _ in found], peaks, leak, evidence)
-
-
-def _tells(c: Cluster, step: float) -> bool:
-    """Whether a cluster has a peak so narrow that leakage over a step of the lines [Hz] widens it."""
-    return bool((2.0 * c.modes.zeta * c.modes.freq.min(axis=1) < LEAKS * step).any())
-
-
-def _leaks(gains: Sequence[float]) -> bool:
-    """Whether clusters are fitted better with leakage.
-
-    One cluster that is not yet understood may leave more than all others together: its vote is limited.
-    """
-    return bool(np.sum(np.clip(gains, -VOTE, VOTE)) > 0.0)
-
-
-def _gain(c: Cluster, plain: OwnPeaks, leaked: OwnPeaks) -> float:
-    """Twice the ln of the odds for leakage in a cluster, noise unknown."""
-    return float(c.window.entries * np.log((plain.squares + 1e-300) / (leaked.squares + 1e-300)))
-
-
-def _evidence(c: Cluster, own: OwnPeaks, setups: int) -> float:
-    """Twice the ln of the odds of own frequencies against common poles, noise unknown; alike lines count as one.
-
-    A fit that ended in a poor place speaks no more against shifts than one that is as good as common poles.
-    """
-    shared, price, m = _fit_common(c).squares, np.log(c.window.Y.size), len(own.freq)
-    lines = min(c.window.Y.size, shared / c.noise)
-    numbers = [k * (c.window.columns * c.window.Y.shape[1] + poles)
-               for k, poles in ((m, setups + 1), (len(c.modes.zeta), 2))]  # fmt: skip
-    gain = lines * np.log(max(shared, 1e-300) / max(own.squares, 1e-300)) - price * (numbers[0] - numbers[1])
-    return float(max(gain, -price * m * (setups - 1)))
-
-
-def _fit_common(c: Cluster) -> OwnPeaks:
-    """The cluster's common poles, refined."""
-    return linked(c.window, [np.arange(c.window.Y.shape[1])], c.modes.freq, c.modes.zeta, c.noise, c.span)
-
-
-def scatter(own: Sequence[OwnPeaks]) -> float:
-    """What set-ups differ by in ln f, usually."""
-    return float(np.median(np.concatenate([np.log(o.freq).std(axis=1, ddof=min(1, o.freq.shape[1] - 1)) for o in own])))
-
-
-def _gain_again(c: Cluster, setups: Setups, step: float) -> float:
-    """`_gain` of the modes of a cluster by leakage over a step [Hz]."""
-    return _gain(c, *(fit_again(leaking(c, by), setups, c.modes.freq, c.modes.zeta) for by in (0.0, step)))

@@ -53,7 +53,7 @@ class WaveModes(NamedTuple):
     worth: FloatArray
 
 
-def wave_modes(c: Cluster, setups: Setups, waves: Waves, shift: float) -> WaveModes:
+def wave_modes(setups: Setups, waves: Waves, shift: float, c: Cluster) -> WaveModes:
     """The modes of a cluster as waves, those found beyond its own last."""
     weight = c.window.weight * c.window.scale**c.window.power
     problem = WaveProblem(c, Problem.of(c.window, setups), weight, waves, shift)

@@ -60,7 +60,7 @@ def test_channels_that_belong_elsewhere_are_told():
 def test_members_that_meet_are_told_by_their_waves_whichever_start(setup):
     start = FREQ.copy()
     start[:, setup] = start[::-1, setup]
-    found = wave_modes(cluster(start), SETUPS, known(), SHIFT)
+    found = wave_modes(SETUPS, known(), SHIFT, cluster(start))
     order = np.argsort(found.freq.mean(axis=1))
     sigma = np.sqrt(found.variance[order])
     assert sigma.max() < 1e-4

@@ -50,7 +50,7 @@ def test_a_cluster_fitted_from_a_poor_place_finds_the_good_one(window, start):
     c = cluster(window, *start)
     stays = fit_again(c, SETUPS, *start)
     assert stays.freq.shape != FREQ.shape or np.abs(stays.freq - FREQ).max() > 0.5  # steps alone stay there
-    own = improved(c, SETUPS, 0.05).own
+    own = improved(SETUPS, 0.05, c).own
     order = np.argsort(own.freq[:, 0])
     np.testing.assert_allclose(own.freq[order], FREQ, atol=0.02)
     np.testing.assert_allclose(own.zeta[order, 0], ZETA, rtol=0.03)

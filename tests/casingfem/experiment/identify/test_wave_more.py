@@ -48,7 +48,7 @@ def pair(weak):
 
 
 def test_a_weak_partner_that_free_residues_hid_is_found():
-    found = wave_modes(cluster(pair(0.03), 0.0, np.array([0])), SETUPS, known(), SHIFT)
+    found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.03), 0.0, np.array([0])))
     assert len(found.freq) == 2
     assert found.worth.shape == (1,)
     assert found.worth[0] > 1.0
@@ -56,7 +56,7 @@ def test_a_weak_partner_that_free_residues_hid_is_found():
 
 
 def test_a_local_mode_is_found_and_no_longer_moves_its_neighbours():
-    found = wave_modes(cluster(pair(0.3), 0.2, np.arange(2)), SETUPS, known(), SHIFT)
+    found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.3), 0.2, np.arange(2)))
     assert len(found.freq) == 3
     assert found.freq[2].mean() == pytest.approx(LOCAL[0], rel=1e-3)
     size = np.abs(found.residues[2])
@@ -66,6 +66,6 @@ def test_a_local_mode_is_found_and_no_longer_moves_its_neighbours():
 
 
 def test_nothing_is_found_where_noise_alone_is_left():
-    found = wave_modes(cluster(pair(0.3), 0.0, np.arange(2)), SETUPS, known(), SHIFT)
+    found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.3), 0.0, np.arange(2)))
     assert len(found.freq) == 2
     assert found.worth.size == 0

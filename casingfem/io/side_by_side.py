@@ -1,0 +1,50 @@
+"""The same work on many items: in turn, or in processes of their own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Protocol, TypeVar
+
+from contact.io.workers import worker_pool
+
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+A = TypeVar("A")
+B = TypeVar("B")
+
+
+class Each(Protocol):
+    """What a function makes of each of some items, in their order, as `map` does."""
+
+    def __call__(self, function: Callable[[A], B], items: Iterable[A], /) -> Iterator[B]:
+        """One after the other, or several at once."""
+
+
+@contextmanager
+def side_by_side(workers: int) -> Iterator[Each]:
+    """So many processes that share the items; `map` of this one for a single worker.
+
+    What they are given, and give back, is pickled. The result is the same as in turn, where this process has one BLAS
+    thread: the others have one, and sums of several threads are rounded differently.
+    """
+    if workers < 2:
+        yield map
+        return
+    with one_thread(), worker_pool(workers) as pool:
+        yield pool.map
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Processes started inside have one BLAS thread each."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
