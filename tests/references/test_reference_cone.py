@@ -16,7 +16,7 @@ def found(reference):
     return errors(table[table.alpha_deg.isin((15, 60))])
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_without_shear_and_rotary_inertia_all_rows_are_met(found):
     """Love's theory, of a linear wall; worst 0.06 %: metric, curvature, ends, order of modes are right for all."""
     assert len(found) == 440
@@ -34,7 +34,7 @@ def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
     assert (worst.alpha_deg, worst.Lsina_over_R2, worst.bc_small, worst.bc_large) == (60, 0.25, "C", "C")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_refining_the_mesh_changes_nothing(reference):
     table = reference("cone_love_ritz_irie_set.csv")
     rows = table[(table.n == 4) & (table.alpha_deg == 45)]

@@ -29,6 +29,7 @@ def test_newmark_pairs_on_a_wall(tmp_path, capsys):
     assert len(pd.read_csv(tmp_path / "rod_wall.csv")) == len(rows)
 
 
+@pytest.mark.campaign
 def test_work_precision_measures_every_scheme(tmp_path, capsys):
     rows = work_precision.main(tmp_path, quick=True)
     assert len({row["method"] for row in rows}) == 15
@@ -36,6 +37,7 @@ def test_work_precision_measures_every_scheme(tmp_path, capsys):
     assert (tmp_path / "work_precision.png").exists()
 
 
+@pytest.mark.campaign
 def test_nothing_ends_in_nan_and_what_is_recommended_survives(tmp_path, capsys):
     rows = stability.main(tmp_path, quick=True)
     found = {word for row in rows for name, word in row.items() if name != "scene"}

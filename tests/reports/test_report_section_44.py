@@ -15,7 +15,7 @@ def report(tmp_path_factory):
     return out, section_44.main(out, quick=True)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_four_rubs_and_twelve_controls(report):
     out, rows = report
     level = {(row["rub"], row["blade"]): row["over next [dB]"] for row in rows}
@@ -36,7 +36,7 @@ def test_four_rubs_and_twelve_controls(report):
     assert len(pd.read_csv(out / "section_44.csv")) == 16
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_scenes_differ_only_in_what_their_names_say(report):
     out, _ = report
     scenes = {file.stem: ct.load_scene(file) for file in (out / "section_44").glob("*.toml")}

@@ -61,7 +61,7 @@ def test_a_mesh_file_becomes_a_basis(tmp_path):
         assert row["peak MB"] > 50.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_calculix_stands_beside_us_where_it_is_installed(tmp_path):
     other, coarse, default = beside_calculix.main(tmp_path, quick=True)
     assert coarse["worst error"] < 1e-3 > 3.0 * default["worst error"]

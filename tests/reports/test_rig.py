@@ -20,7 +20,7 @@ def chain(tmp_path_factory):
     return out, rig.main(out, quick=True)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_chain_ends_in_a_report_that_stands_alone(chain):
     out, _ = chain
     page = (out / "report.html").read_text(encoding="utf-8")
@@ -85,7 +85,7 @@ def test_out_of_roundness_is_the_radius_field_at_the_rim():
     np.testing.assert_allclose(rub.deviation(terms, theta), 0.45 * field.derivatives(0.25, theta).value, atol=1e-15)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_basis_without_residual_compliance_is_the_wrong_one(tmp_path):
     rows = {str(row["basis"]): row for row in bases.main(tmp_path, quick=True)}
     poor = rows["free, n <= 20, 1 order, without S"]

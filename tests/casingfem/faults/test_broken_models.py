@@ -25,7 +25,8 @@ DOCS = Path(__file__).parents[3] / "docs"
 MODELS = broken_models.models()
 
 
-@pytest.mark.parametrize("model", MODELS, ids=[model.name for model in MODELS])
+# every third; `python -m reports.robustness.broken` takes all
+@pytest.mark.parametrize("model", MODELS[::3], ids=[model.name for model in MODELS[::3]])
 def test_no_broken_model_computes_in_silence(model):
     happened, messages = broken_models.outcome(model)
     assert happened in ("refused", "warned"), messages

@@ -66,7 +66,7 @@ def table_of(shell, count=20):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("loose", [{5: 0.3}, {2: 0.3, 6: 0.5}])
+@pytest.mark.parametrize("loose", [pytest.param({5: 0.3}, marks=pytest.mark.campaign), {2: 0.3, 6: 0.5}])
 def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path):
     found = locate(casing, table_of(loosened(casing, loose)), model=model)
     turned = {(bolt + 5) % 12 + 1 for bolt in loose}
@@ -141,7 +141,7 @@ def test_a_calibrated_model_has_its_baseline(casing, model):
     np.testing.assert_allclose(np.sin(turned), 0.0, atol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_masses_between_candidates_are_recovered(casing):
     added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
     heavy = replace(casing, masses={"top": added})

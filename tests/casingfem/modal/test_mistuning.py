@@ -179,7 +179,7 @@ def test_a_study_without_random_fields_is_refused(study):
 def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     """Kill -9 after the first chunk, resume with another number of processes; against a run that was left alone."""
     whole, broken = tmp_path / "whole", tmp_path / "broken"
-    arguments = ["mistune", str(study), "--draws", "15", "--json", "--out"]
+    arguments = ["mistune", str(study), "--draws", "10", "--json", "--out"]
     line = [sys.executable, "-m", "casingfem", *arguments, str(broken), "--processes", "1"]
     process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 120.0
@@ -189,7 +189,7 @@ def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     process.kill()
     assert process.wait() == -signal.SIGKILL, "it was through before it could be killed"
     kept = sorted(broken.glob("draws/draws_*.json"))
-    assert 1 <= len(kept) < 3
+    assert len(kept) == 1
     assert not list(broken.glob("mistune*"))
     for chunk in kept:
         assert len(json.loads(chunk.read_text())["draws"]["pairs"]) >= 5
@@ -199,12 +199,12 @@ def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     assert (resumed.exit_code, resumed.stderr) == (0, "")
     document = json.loads(resumed.stdout)
     assert document["resumed"] == 5 * len(kept)
-    chunk = broken / "draws" / "draws_000010_000014.json"
+    chunk = broken / "draws" / "draws_000005_000009.json"
     chunk.write_text(chunk.read_text().replace("1", "2", 1))
     assert document["restart_errors"]["0"] < 1e-6
     assert CliRunner().invoke(main, [*arguments, str(whole), "--processes", "1"]).exit_code == 0
     assert tables(whole) == tables(broken)
-    assert json.loads(CliRunner().invoke(main, [*arguments, str(broken)]).stdout)["resumed"] == 10
+    assert json.loads(CliRunner().invoke(main, [*arguments, str(broken)]).stdout)["resumed"] == 5
     assert tables(whole) == tables(broken)
     assert (whole / "mistune.png").stat().st_size > 5000
 

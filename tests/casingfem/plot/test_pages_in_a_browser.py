@@ -71,7 +71,7 @@ def tab(html, tmp_path_factory) -> Iterator[Tab]:
 SHAPES, RIM, TRACES = '[data-live="shapes"] canvas', ".films div:first-child canvas", ".films div:last-child canvas"
 
 
-@pytest.mark.parametrize("width", [1200, 360])
+@pytest.mark.parametrize("width", [360])
 def test_what_is_drawn_moves_and_turns(tab, width):
     tab.open(tab.file, width)
     assert tab.run("innerWidth") == width

@@ -101,7 +101,7 @@ def many_harmonics(values):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", ["discrepancy", "l-curve"])
+@pytest.mark.parametrize("rule", ["discrepancy", pytest.param("l-curve", marks=pytest.mark.campaign)])
 def test_many_harmonics_are_held_as_strongly_as_the_data_ask(rule):
     random = np.random.default_rng(23)
     true = 0.01 * random.standard_normal(12)

@@ -115,7 +115,7 @@ def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, held):
     )  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_start_does_not_matter(frustum, measured, exact_fit):
     other = casing(frustum, E=215e9, t=2.95e-3, k=2e12, c8=0.0008, s8=0.0, c16=0.0002, k4=0.4)
     fit = update(other, table_of(measured), VARY)
@@ -171,7 +171,7 @@ def test_an_open_shell_updates_by_order(frustum):
     assert fit.sigma[0] == pytest.approx(2 * 200e9 * 1e-3 / np.sqrt(5), rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_covariance_tells_the_scatter_of_many_fits():
     """Thirty draws: 60 deviations with unit variance. Those of doublets are in the twin's report."""
     f, random = modes(blade(200e9, 3.02e-3), 6).freq, np.random.default_rng(401)

@@ -237,7 +237,7 @@ def test_a_close_pair_both_excited_is_told_apart(split):
     assert 0.6 < pair.misfit < 1.6
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
     """40 draws of noise on exact waves: deviations over sigma have unit rms, misfit^2 a mean of 1 (14 of 24 equations).
 

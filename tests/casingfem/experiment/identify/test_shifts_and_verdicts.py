@@ -93,7 +93,7 @@ def test_a_peak_narrower_than_the_lines_is_found_and_its_damping_doubted():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "rising"), [(4, 0.0), (2, 0.007)])
+@pytest.mark.parametrize(("seed", "rising"), [pytest.param(4, 0.0, marks=pytest.mark.campaign), (2, 0.007)])
 def test_a_roving_mass_makes_no_modes_though_channels_agree_and_noise_rises_on_the_peaks(seed, rising):
     """Every channel is a set-up of its own; some agree in three modes of five, and are none."""
     own, drift = -8e-4 * (COS / 0.8) ** 2, 5e-5 * np.random.default_rng(seed).standard_normal(12)
