@@ -30,7 +30,9 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
         return found
     order = np.argsort(found.modes.freq.min(axis=1))  # as `clusters` has them
     near = list(clusters(replace(whole, leak=found.leak), found.modes, found.setups, MOST_LINES, TOGETHER, found.shift))
-    parts = list(each(partial(wave_modes, found.setups, waves, found.shift), near))
+    work = np.argsort([-c.window.Y.size * len(c.modes.zeta) for c in near])  # the longest first: no one waits for it
+    done = each(partial(wave_modes, found.setups, waves, found.shift), [near[k] for k in work])
+    parts = [part for _, part in sorted(zip(work.tolist(), done, strict=True), key=lambda one: one[0])]
     residues = [
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]

@@ -51,6 +51,14 @@ def likely_kinds(
     return shapes
 
 
+def as_one_wave(problem: WaveProblem, shapes: Shapes, at: Products, pair: tuple[int, int]) -> Shapes:
+    """Two modes as waves of one kind, the likeliest at some poles."""
+    unlikely = unlikely_kinds(problem, shapes, at, eliminated(problem, shapes, at), np.array(pair))
+    kind = shapes.kind.copy()
+    kind[list(pair)] = np.where(problem.waves.is_wave, unlikely, np.inf).argmin()
+    return shapes._replace(kind=kind)
+
+
 def pairs_near(problem: WaveProblem, p: FloatArray, q: FloatArray) -> list[tuple[int, int]]:
     """Modes so near each other that one may be taken for the other in a set-up."""
     reach = NEAR * problem.shift

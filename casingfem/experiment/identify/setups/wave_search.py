@@ -7,7 +7,7 @@ one more mode is tried. What is more likely is kept. What is nearly as likely sa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from casingfem.experiment.identify.setups.wave_fit import fitted, wave_fit
 from casingfem.experiment.identify.setups.wave_kinds import (
     GAIN,
     WaveRead,
+    as_one_wave,
     kinds_alone,
     likely_kinds,
     pairs_near,
@@ -27,7 +28,7 @@ from casingfem.experiment.identify.setups.wave_kinds import (
 )
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, Waves
 from casingfem.experiment.identify.setups.wave_more import one_more
-from casingfem.io.arrays import Array, FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 ROUNDS = 3  # of trying
 MORE = 2  # modes that a cluster may be found to have beyond those of free residues
@@ -60,24 +61,50 @@ def wave_modes(setups: Setups, waves: Waves, shift: float, c: Cluster) -> WaveMo
     size, worth = rms(c.modes.residues) + 1e-300, list[float]()
     p, q = np.log(c.modes.freq), np.log(c.modes.zeta)
     shapes = likely_kinds(problem, Shapes(kinds_alone(problem), size), problem.products(p, q), q)
-    read, others = _settled(problem, WaveRead(shapes, fitted(problem, shapes, p, q)), size)
+    read, others = _settled(problem, WaveRead(shapes, fitted(problem, shapes, p, q)), size, range(len(q)))
     for _ in range(MORE):
         more = one_more(problem, read)
         if more is None:
             break
         problem, size, worth = more.problem, np.append(size, more.read.shapes.size[-1]), [*worth, more.worth]
-        read, others = _settled(problem, more.read, size)
+        read, new = _settled(problem, more.read, size, _near_last(problem, more.read))
+        others = [other.beside_more(len(size)) for other in others] + new
     return _told(problem, read, others)._replace(worth=np.array(worth))
 
 
-def _settled(problem: WaveProblem, read: WaveRead, size: FloatArray) -> tuple[WaveRead, list[WaveRead]]:
-    """The most likely of what exchanges lead to, and what else was tried last; `size` (modes,) as first seen."""
-    others = list[WaveRead]()
+class _Other(NamedTuple):
+    """Another reading: how much less likely, -2 ln, and where it has the mean ln f of each mode, from the best."""
+
+    rise: float
+    moved: FloatArray
+
+    def beside_more(self, modes: int) -> _Other:
+        """The same beside further modes, which it leaves where they are."""
+        return self._replace(moved=np.pad(self.moved, (0, modes - len(self.moved))))
+
+
+def _near_last(problem: WaveProblem, read: WaveRead) -> IntArray:
+    """The last mode and those near it: what was tried with the others is as likely as before."""
+    last = len(read.fit.q) - 1
+    return np.unique([last, *(k for pair in pairs_near(problem, read.fit.p, read.fit.q) if last in pair for k in pair)])
+
+
+def _settled(
+    problem: WaveProblem, read: WaveRead, size: FloatArray, among: Iterable[int]
+) -> tuple[WaveRead, list[_Other]]:
+    """The most likely of what exchanges of some modes lead to, and what else was tried last.
+
+    `size` (modes,) as first seen; one of each pair is `among` some modes.
+    """
+    others, some = list[WaveRead](), set(among)
     for _ in range(ROUNDS):
-        read, others, moved = _searched(problem, _resized(problem, read, size))
+        read, others, moved = _searched(problem, _resized(problem, read, size), some)
         if not moved:
             break
-    return read, others
+    best = read.fit
+    return read, [
+        _Other(one.fit.unlikely - best.unlikely, one.fit.p.mean(axis=1) - best.p.mean(axis=1)) for one in others
+    ]
 
 
 def _resized(problem: WaveProblem, read: WaveRead, size: FloatArray) -> WaveRead:
@@ -89,21 +116,36 @@ def _resized(problem: WaveProblem, read: WaveRead, size: FloatArray) -> WaveRead
     return read
 
 
-def _searched(problem: WaveProblem, read: WaveRead) -> tuple[WaveRead, list[WaveRead], bool]:
+def _searched(problem: WaveProblem, read: WaveRead, among: set[int]) -> tuple[WaveRead, list[WaveRead], bool]:
     """The most likely of what can be reached, all else that was tried, and whether it moved."""
-    others, moved, count = list[WaveRead](), False, read.fit.p.shape[1]
+    others, moved = list[WaveRead](), False
     for pair in pairs_near(problem, read.fit.p, read.fit.q):
-        for s in range(count):
-            for p in _starts(read.fit.p, list(pair), s):
-                shapes = likely_kinds(problem, read.shapes, problem.products(p, read.fit.q), read.fit.q, pair)
-                tried = fitted(problem, shapes, p, read.fit.q, STEPS[0])
-                if tried.unlikely > read.fit.unlikely + HOPELESS:
-                    continue
-                other = WaveRead(shapes, fitted(problem, shapes, tried.p, tried.q, STEPS[1]))
-                if other.fit.unlikely < read.fit.unlikely - GAIN:
-                    other, read, moved = read, other, True
-                others.append(other)
+        if among.isdisjoint(pair):
+            continue
+        tried = list(_exchanged(problem, read, pair))
+        best = min(tried, key=lambda one: one.fit.unlikely, default=read)
+        if best.fit.unlikely < read.fit.unlikely - GAIN:
+            tried = [read if one is best else one for one in tried]
+            read, moved = best, True
+        others += tried
     return read, others, moved
+
+
+def _exchanged(problem: WaveProblem, read: WaveRead, pair: tuple[int, int]) -> Iterator[WaveRead]:
+    """Two modes found elsewhere in one set-up, fitted.
+
+    Free shapes follow any exchange: where they are likelier before the poles are fitted, waves are tried too.
+    """
+    for s in range(read.fit.p.shape[1]):
+        for p in _starts(read.fit.p, list(pair), s):
+            at = problem.products(p, read.fit.q)
+            kinds = [likely_kinds(problem, read.shapes, at, read.fit.q, pair)]
+            if not problem.waves.is_wave[kinds[0].kind[list(pair)]].all():
+                kinds.append(as_one_wave(problem, kinds[0], at, pair))
+            for shapes in kinds:
+                tried = fitted(problem, shapes, p, read.fit.q, STEPS[0])
+                if tried.unlikely < read.fit.unlikely + HOPELESS:
+                    yield WaveRead(shapes, fitted(problem, shapes, tried.p, tried.q, STEPS[1]))
 
 
 def _starts(p: FloatArray, pair: list[int], s: int) -> Iterator[FloatArray]:
@@ -114,7 +156,7 @@ def _starts(p: FloatArray, pair: list[int], s: int) -> Iterator[FloatArray]:
         yield start
 
 
-def _told(problem: WaveProblem, read: WaveRead, others: list[WaveRead]) -> WaveModes:
+def _told(problem: WaveProblem, read: WaveRead, others: list[_Other]) -> WaveModes:
     """The modes, and how sure they are."""
     fit = wave_fit(problem, read.shapes, read.fit.p, read.fit.q)
     m, count = fit.p.shape
@@ -124,8 +166,8 @@ def _told(problem: WaveProblem, read: WaveRead, others: list[WaveRead]) -> WaveM
     mean = np.array([max(float(own[k, :, k, :].sum()), 0.0) for k in range(m)]) / count**2
     moved = np.zeros(m)
     for other in others:
-        odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * (other.fit.unlikely - fit.unlikely), 0.0, 50.0)))
-        moved = np.maximum(moved, odds * (other.fit.p.mean(axis=1) - fit.p.mean(axis=1)) ** 2)
+        odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * other.rise, 0.0, 50.0)))
+        moved = np.maximum(moved, odds * other.moved**2)
     return WaveModes(
         np.exp(fit.p),
         np.exp(fit.q),

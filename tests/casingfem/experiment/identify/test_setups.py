@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.experiment.identify import identification
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.grouping import find_setups, matched, matching_sigma
@@ -119,8 +120,9 @@ def test_rounded_lines_are_even_and_what_one_channel_hardly_shows_is_not_sure():
     assert "in 1 channel" in found.doubts[1]
 
 
-@pytest.mark.slow
-def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_honest_intervals(held):
+@pytest.fixture(scope="module")
+def three_setups():
+    """Two pairs and a mode as three set-ups see them; the damping of their rig; what is found."""
     zeta, freq = np.array([2e-3, 2.2e-3, 1.5e-3, 1.4e-3, 3e-3]), np.array([200.0, 200.9, 212.0, 213.5, 225.0])
     around = 2 * np.pi * np.arange(13) / 13
     waves = zip((2, 2, 3, 3, 4), (0.3, 0.3 + np.pi / 2, 1.0, 1.0 + np.pi / 2, 0.5), strict=True)
@@ -129,7 +131,24 @@ def test_pairs_that_three_setups_show_at_other_frequencies_are_found_once_with_h
     )
     what = Troubles(snr_db=45.0, setups=3, shift=2e-3, leakage=True)
     test = troubled_frfs(rig, np.arange(192.0, 233.0, 0.1), what, sensors=range(12), drives=[12], seed=29)
-    found = cf.identify(test.frfs)
+    return test, zeta, cf.identify(test.frfs)
+
+
+@pytest.mark.slow
+def test_processes_share_a_test_and_find_the_same(three_setups, monkeypatch):
+    test, _, alone = three_setups
+    said = list[str]()
+    monkeypatch.setattr(identification, "LARGE", 0)
+    shared = cf.identify(test.frfs, processes=2, say=said.append)
+    np.testing.assert_equal(numeric(shared), numeric(alone))
+    np.testing.assert_array_equal(shared.shapes, alone.shapes)
+    assert said[0].startswith("poles in band 1 of ")
+    assert "set-ups" in said
+
+
+@pytest.mark.slow
+def test_pairs_that_three_setups_show_elsewhere_are_found_once_with_honest_intervals(three_setups, held):
+    test, zeta, found = three_setups
     held(1e-4, **numeric(found))
     assert len(found) == 5
     assert found.sure.all()
