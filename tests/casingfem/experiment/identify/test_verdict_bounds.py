@@ -53,9 +53,9 @@ def test_a_sure_mode_has_no_reasons(monkeypatch):
     [
         ("freq", 0.101, 0.099, None, "frequency uncertain by 0.1 of its bandwidth"),
         ("freq", 0.501, 0.499, True, "frequency uncertain by 0.5 of its bandwidth"),
-        ("damping", 0.201, 0.199, None, "damping uncertain by 20 %"),
+        ("damping", 0.081, 0.079, None, "damping uncertain by 8 %"),
         ("damping", 0.601, 0.599, True, "damping uncertain by 60 %"),
-        ("cut", 0.201, 0.199, None, "damping uncertain by 20 %"),
+        ("cut", 0.081, 0.079, None, "damping uncertain by 8 %"),
         ("zeta", 0.0601, 0.0599, None, "damping of 6 %"),
         ("zeta", 0.301, 0.299, True, "damping of 30 %"),
         ("worth", 2.99, 3.01, None, "hardly above what the fit leaves"),
@@ -124,7 +124,7 @@ def beside(monkeypatch, *, away=1.0, mac=1.0, channels=8, size=0.15, misfit=1.0,
     return list(verdict._beside(fit, 0))
 
 
-@pytest.mark.parametrize(("own", "matching"), [(2.1e-4, 0.0), (0.0, 2.1e-4), (1.5e-4, 1.5e-4)])
+@pytest.mark.parametrize(("own", "matching"), [(1.6e-4, 0.0), (0.0, 1.6e-4), (1.13e-4, 1.13e-4)])
 def test_a_frequency_that_a_close_neighbour_leaves_uncertain(own, matching):
     def told(gap, share=1.0):
         fit = SimpleNamespace(
@@ -134,7 +134,7 @@ def test_a_frequency_that_a_close_neighbour_leaves_uncertain(own, matching):
         return list(verdict._close(fit, 0))
 
     ((text, out),) = told(0.3)
-    assert text == "frequency uncertain by 0.021 %: the next mode is 0.3 bandwidths away"
+    assert text == "frequency uncertain by 0.016 %: the next mode is 0.3 bandwidths away"
     assert not out
     assert told(1.1) == []
     assert told(0.3, share=0.9) == []
