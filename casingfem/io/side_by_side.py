@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
@@ -33,6 +33,14 @@ def side_by_side(workers: int) -> Iterator[Each]:
         return
     with one_thread(), worker_pool(workers) as pool:
         yield pool.map
+
+
+def largest_first(
+    each: Each, function: Callable[[A], B], items: Sequence[A], size: Callable[[A], float]
+) -> Iterator[tuple[int, B]]:
+    """Number and result of each item, the largest first: nobody waits at the end for one that began last."""
+    order = sorted(range(len(items)), key=lambda k: -size(items[k]))
+    yield from zip(order, each(function, [items[k] for k in order]), strict=True)
 
 
 @contextmanager

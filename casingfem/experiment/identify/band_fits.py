@@ -27,7 +27,7 @@ from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import shifted
 from casingfem.experiment.identify.setups.shifted_modes import Shifted
 from casingfem.io.arrays import Array, BoolArray, FloatArray
-from casingfem.io.side_by_side import Each
+from casingfem.io.side_by_side import Each, largest_first
 
 ORDER = 8, 3, 40  # of a window without peaks, more for each peak, at most
 PASSES = 2  # fits of every band after the first
@@ -83,13 +83,13 @@ def fit_bands(
 
     First by `each` alone; so are clusters of a test with shifted peaks.
     """
-    fits: list[PoleFit | None] = []
-    diagrams = []
-    say(f"poles in band 1 of {len(bands)}")
-    for diagram, fit in each(partial(_first_fit, order, picked), (_of_band(data, band) for band in bands)):
-        diagrams.append(diagram)
-        fits.append(fit)
-        say(f"poles in band {min(len(fits) + 1, len(bands))} of {len(bands)}")
+    say(f"poles: 0 of {len(bands)} bands done")
+    first = {}
+    parts = [_of_band(data, band) for band in bands]
+    for k, found_there in largest_first(each, partial(_first_fit, order, picked), parts, lambda part: part[1].peaks):
+        first[k] = found_there
+        say(f"poles: {len(first)} of {len(bands)} bands done")
+    diagrams, fits = [first[k][0] for k in range(len(bands))], [first[k][1] for k in range(len(bands))]
     if any(fit is not None and len(fit.freq) for fit in fits):
         say("set-ups")
         kind = "complex" if any(fit.window.columns == 2 for fit in fits if fit is not None) else "real"

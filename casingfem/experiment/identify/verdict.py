@@ -28,7 +28,7 @@ from casingfem.experiment.identify.poles.pole_worth import (
 FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth, or a line: doubtful, left out
 ZETA = 0.08, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
-CLOSE, KNOWN = 1.0, 1.5e-4  # bandwidths to a neighbour, within which ln f is doubtful beyond that standard deviation
+CLOSE, KNOWN = 1.0, 1.8e-4  # bandwidths to a neighbour, within which ln f is doubtful beyond that standard deviation
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
 PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels; more where these are few
 CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from casingfem.io.side_by_side import side_by_side
+from casingfem.io.side_by_side import largest_first, side_by_side
 
 
 def where(item: int) -> tuple[int, int]:
@@ -19,6 +19,10 @@ def test_results_come_in_the_order_of_the_items(workers):
         found = list(each(where, range(20)))
     assert [item for item, _ in found] == list(range(20))
     assert (os.getpid() in {process for _, process in found}) == (workers == 1)
+
+
+def test_the_largest_begin_first_and_keep_their_numbers():
+    assert list(largest_first(map, abs, [-3, 2, -7], size=abs)) == [(2, 7), (0, 3), (1, 2)]
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -15,7 +15,7 @@ from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER
 from casingfem.experiment.identify.setups.shifted_modes import Shifted
 from casingfem.experiment.identify.setups.wave_search import wave_modes
-from casingfem.io.side_by_side import Each
+from casingfem.io.side_by_side import Each, largest_first
 
 MOST_SETUPS = 6  # of which each pair is tried exchanged in each
 
@@ -30,9 +30,9 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
         return found
     order = np.argsort(found.modes.freq.min(axis=1))  # as `clusters` has them
     near = list(clusters(replace(whole, leak=found.leak), found.modes, found.setups, MOST_LINES, TOGETHER, found.shift))
-    work = np.argsort([-c.window.Y.size * len(c.modes.zeta) for c in near])  # the longest first: no one waits for it
-    done = each(partial(wave_modes, found.setups, waves, found.shift), [near[k] for k in work])
-    parts = [part for _, part in sorted(zip(work.tolist(), done, strict=True), key=lambda one: one[0])]
+    fit = partial(wave_modes, found.setups, waves, found.shift)
+    done = dict(largest_first(each, fit, near, lambda c: c.window.Y.size * len(c.modes.zeta)))
+    parts = [done[k] for k in range(len(near))]
     residues = [
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]

@@ -50,10 +50,14 @@ class WaveFit(NamedTuple):
         return np.asarray(noise * np.linalg.pinv(self.normal, hermitian=True))
 
 
-def fitted(problem: WaveProblem, shapes: Shapes, p: FloatArray, q: FloatArray, steps: int = STEPS) -> WaveFit:
-    """Levenberg-Marquardt from a start ln f (modes, setups), ln zeta (modes,)."""
+def fitted(
+    problem: WaveProblem, shapes: Shapes, p: FloatArray, q: FloatArray, steps: int = STEPS, hopeless: float = np.inf
+) -> WaveFit:
+    """Levenberg-Marquardt from a start ln f (modes, setups), ln zeta (modes,); none goes on where it is `hopeless`."""
     at, damping = wave_fit(problem, shapes, p, q), 1e-3
-    for _ in range(steps):
+    for done in range(steps):
+        if done and at.unlikely > hopeless:
+            break
         new = _step(problem, shapes, at, damping)
         gain = at.squares - new.squares
         if gain >= 0.0:

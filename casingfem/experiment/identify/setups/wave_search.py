@@ -32,7 +32,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 
 ROUNDS = 3  # of trying
 MORE = 2  # modes that a cluster may be found to have beyond those of free residues
-HOPELESS = 40.0  # rise of it, after a few steps, beyond which a try is given up
+HOPELESS = 200.0, 40.0  # rise of it, after a step and after a few, beyond which a try is given up
 STEPS = 3, 8  # of a try, at first and then
 
 
@@ -143,8 +143,8 @@ def _exchanged(problem: WaveProblem, read: WaveRead, pair: tuple[int, int]) -> I
             if not problem.waves.is_wave[kinds[0].kind[list(pair)]].all():
                 kinds.append(as_one_wave(problem, kinds[0], at, pair))
             for shapes in kinds:
-                tried = fitted(problem, shapes, p, read.fit.q, STEPS[0])
-                if tried.unlikely < read.fit.unlikely + HOPELESS:
+                tried = fitted(problem, shapes, p, read.fit.q, STEPS[0], read.fit.unlikely + HOPELESS[0])
+                if tried.unlikely < read.fit.unlikely + HOPELESS[1]:
                     yield WaveRead(shapes, fitted(problem, shapes, tried.p, tried.q, STEPS[1]))
 
 
