@@ -6,6 +6,7 @@ import pytest
 from casingfem.modal.interface.chart_rows import node_rows, rim_lines, rim_rows, tip_directions, tip_rows
 from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped
+from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Panel, Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
@@ -117,6 +118,13 @@ def test_a_rim_in_three_directions_on_several_lines(casing):
     np.testing.assert_allclose(line @ fields.ravel(), edge @ fields.ravel(), atol=1e-4)
     with pytest.raises(ValueError, match=r"expected places from 0 to 0\.25"):
         rim_rows(casing, Rim("top", n_max=5, lines=(0.3,)))
+
+
+def test_the_radius_of_a_line_is_the_mean_of_the_whole_turn(frustum):
+    """A harmonic of the radius is no change of it."""
+    uneven = frustum(mesh=ShellMesh(order=6, rows=1, around=11), radius_defect=FourierField.of({2: (1e-2, 5e-3)}))
+    ((_, radius),) = rim_lines(assemble(uneven), Rim("top", n_max=3))
+    assert radius == pytest.approx(0.45, rel=1e-4)
 
 
 def test_pieces_of_a_tip_average_to_the_tip_and_know_their_directions(steel):

@@ -18,7 +18,7 @@ from casingfem.modal.matrices import basis_matrices, structure_matrices
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.read import read_dofs, read_matrices
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, matrix_files
 from contact.model.gaps.rub_laws import Speed
@@ -205,6 +205,15 @@ def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_pa
     parts = [binary_op4("KAA", K), binary_op4("KASMX", 7.0 * K), binary_op4("MUG1", tall), binary_op4("MAA", M)]
     (tmp_path / "part.op4").write_bytes(b"".join(parts))
     assert abs(read_matrices(tmp_path / "part.op4", dofs=dofs).K - K).max() == 0.0
+
+
+def test_directions_of_a_table_of_dofs_by_letter_and_by_number(tmp_path):
+    file = tmp_path / "dofs.csv"
+    words = ("q", "x", "y", "z", "rx", "ry", "rz", *"0123456", "RZ")
+    file.write_text("node,direction\n" + "".join(f"{k + 1},{word}\n" for k, word in enumerate(words)))
+    found = read_dofs(file)
+    assert found[:, 0].tolist() == list(range(1, 16))
+    assert found[:, 1].tolist() == [*range(7), *range(7), 6]
 
 
 def test_dense_arrays_with_names_of_their_own(tmp_path):
