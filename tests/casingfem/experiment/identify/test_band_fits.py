@@ -27,7 +27,8 @@ def test_modes_of_a_fit_respond_as_the_data_do(lag):
     data = responses(residues)
     window = _window(data, BAND, [])
     assert window.columns == 1
-    fit = fit_poles(replace(window, residues="complex" if lag else "real"), np.array([98.0, 103.0]), np.array([3e-3, 4e-3]))
+    fitted = replace(window, residues="complex" if lag else "real")
+    fit = fit_poles(fitted, np.array([98.0, 103.0]), np.array([3e-3, 4e-3]))
     modes = _modes(data, [BAND], [fit])
     found = _together(modes)
     np.testing.assert_allclose(found.residues, residues, atol=1e-6)
