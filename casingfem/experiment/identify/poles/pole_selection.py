@@ -36,6 +36,7 @@ LEAST_GAIN = 0.25  # of the penalty, that a place must be worth by the gradient 
 CHANNELS = 30, 60  # combinations of them that the search sees, where there are more than so many
 MOST_LINES = 1000  # that the search sees
 TRIAL_STEPS = 15  # of a fit that tries a further pole
+SEARCH_STEPS = 20  # of fits while poles come and go: with too many they creep, and the last one ends what they began
 MORE = 4  # poles that are added to half as many as the start has, at most
 MOSTLY = 0.5  # of the squares that polynomials leave: what one pole explains is a peak, whatever the noise
 TRIES = 3  # places tried before the search ends
@@ -90,12 +91,14 @@ def _refined(window: Window, starts: FloatArray) -> PoleFit:
 
 def _searched(window: Window, starts: FloatArray) -> PoleFit:
     """Prune the starts, then add poles where the deviation asks for them."""
-    fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1]))
+    fit = pruned(fit_poles(window, starts[:, 0], starts[:, 1], steps=SEARCH_STEPS))
     for _ in range(len(starts) // 2 + MORE):
         more = _one_more(fit)
         if more is None:
             break
         fit = more
+    if not fit.converged:
+        fit = fit_poles(window, fit.freq, fit.zeta)
     return fit if len(fit.freq) else _only_one(fit)
 
 
@@ -128,7 +131,7 @@ def pruned(fit: PoleFit) -> PoleFit:
         if worth[least] > penalty(fit.window):
             return fit
         kept = np.arange(len(fit.freq)) != least
-        fit = fit_poles(fit.window, fit.freq[kept], fit.zeta[kept])
+        fit = fit_poles(fit.window, fit.freq[kept], fit.zeta[kept], steps=SEARCH_STEPS)
     return fit
 
 
