@@ -118,16 +118,18 @@ def result_files(
     """The table, the pictures and the document."""
     from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
     from casingfem.plot.pages.identification import identification_page
-    from casingfem.plot.style import png
+    from casingfem.plot.style import Drawn
 
     files: dict[str, Content] = {"identified.json": json_text(document, indent=1)}
     source = source_of(Path(document["source"]))
-    files["identified.html"] = identification_page(source["file"], found, source, coherence)
+    drawn = {
+        "stabilisation": Drawn(figure_stabilisation(found)),
+        "responses": Drawn(figure_responses(found)),
+        "fit": Drawn(figure_fit(found, coherence)),
+    }
+    files["identified.html"] = identification_page(source["file"], found, source, drawn, coherence is not None)
     if len(found):
         table = found.table([f"source: {source['file']}, sha256 {source['sha256']}"])
         files["identified.csv"] = table.to_csv
         files["identified.npz"] = lambda path: found.save(path, responses=False)
-    figures = {"stabilisation": figure_stabilisation(found), "responses": figure_responses(found)}
-    figures["fit"] = figure_fit(found, coherence)
-    files |= {f"{name}.png": png(figure) for name, figure in figures.items()}
-    return files
+    return files | {f"{name}.png": picture.png for name, picture in drawn.items()}

@@ -100,14 +100,12 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
     if numbers and len(plan.runs) > 1:
         import numpy as np
 
-        from casingfem.plot.style import png
+        from casingfem.plot.style import Drawn
         from casingfem.plot.sweep import figure_sweep
 
-        drawn = (
-            [plan.keys[k] for k in numbers],
-            np.array([[float(run.values[k]) for k in numbers] for run in plan.runs]),
-        )
-        files["sweep.png"] = png(figure_sweep(*drawn, found.rows))
+        values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
+        drawn = Drawn(figure_sweep([plan.keys[k] for k in numbers], values, found.rows))
+        files["sweep.png"] = drawn.png
     told = words(found, document["seconds"])
     files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told)
     return files

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from casingfem.plot.hover import hover_values
 from casingfem.plot.packed import island
-from casingfem.plot.style import embed
+from casingfem.plot.style import Drawn, embed
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -44,9 +44,10 @@ class Picture:
     scripts: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, figure: Figure, caption: str, *, kind: str = "svg") -> "Picture":
+    def of(cls, figure: Figure | Drawn, caption: str, *, kind: str = "svg") -> "Picture":
         """Embed a figure with its caption as its text for screen readers, and values that show under the pointer."""
-        html, values = embed(figure, caption, kind=kind), hover_values(figure)
+        html = embed(figure, caption, kind=kind)
+        values = hover_values(figure.figure if isinstance(figure, Drawn) else figure)
         return cls(island("hover", values, html), caption, ("hover",)) if values else cls(html, caption)
 
 

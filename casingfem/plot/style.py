@@ -6,7 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import wraps
+from dataclasses import dataclass
+from functools import cached_property, wraps
 from typing import Any, ParamSpec, TypeVar, cast
 
 import matplotlib as mpl
@@ -128,8 +129,20 @@ def know_in_notebook() -> None:
             formatter.for_type(Figure, lambda figure: png(figure, dpi=SCREEN))
 
 
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A figure that is complete: the file and the page show one picture, drawn once."""
+
+    figure: Figure
+
+    @cached_property
+    def png(self) -> bytes:
+        """As a PNG file."""
+        return png(self.figure)
+
+
 @styled
-def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
+def embed(figure: Figure | Drawn, alt: str, *, kind: str = "svg") -> str:
     """The figure as an <img> that carries its own data; "png" for surfaces with many faces.
 
     >>> embed(new_figure(1.0, 1.0), "an empty figure")[:38]
@@ -138,7 +151,8 @@ def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
     if kind not in ("svg", "png"):
         raise ValueError(f'kind must be "svg" or "png", found {kind!r}')
     if kind == "png":
-        return image(png(figure), kind, alt)
+        return image(figure.png if isinstance(figure, Drawn) else png(figure), kind, alt)
+    figure = figure.figure if isinstance(figure, Drawn) else figure
     buffer = io.BytesIO()
     figure.savefig(buffer, format=kind, metadata={"Date": None})
     return image(buffer.getvalue(), "svg+xml", alt)

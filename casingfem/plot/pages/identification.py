@@ -5,29 +5,30 @@ from typing import Any
 
 import numpy as np
 
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.identify.identified import Identified
-from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page
+from casingfem.plot.style import Drawn
 
 SYNTHETIC = "SYNTHETIC: the responses were made by a program; nobody measured them."
 
 
 def identification_page(
-    name: str, found: Identified, source: Mapping[str, Any], coherence: FrfSet | None = None
+    name: str, found: Identified, source: Mapping[str, Any], drawn: Mapping[str, Drawn], coherent: bool = False
 ) -> str:
-    """HTML of the page on modes found in the responses of a file of this name."""
+    """HTML of the page on modes found in the responses of a file of this name, with its pictures.
+
+    `drawn` holds the figures "fit", "responses" and "stabilisation"; the first shows the coherence where `coherent`.
+    """
     pictures = (
         Picture.of(
-            figure_fit(found, coherence),
+            drawn["fit"],
             "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
-            "channels of what was measured, fitted and left over"
-            + (", and the coherence." if coherence is not None else "."),
+            "channels of what was measured, fitted and left over" + (", and the coherence." if coherent else "."),
             kind="png",
         ),
-        Picture.of(figure_responses(found), "The channel with the largest response, measured and fitted.", kind="png"),
+        Picture.of(drawn["responses"], "The channel with the largest response, measured and fitted.", kind="png"),
         Picture.of(
-            figure_stabilisation(found),
+            drawn["stabilisation"],
             "Poles over model order, stable ones green; the grey curve behind is the mode indicator, lines are the "
             "modes chosen, numbers above them their nodal diameters.",
             kind="png",

@@ -4,9 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from casingfem.io.arrays import FloatArray
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
-from casingfem.plot.sweep import figure_sweep
+from casingfem.plot.style import Drawn
 
 SHOWN = {
     "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
@@ -21,13 +20,13 @@ CAPTION = (
 
 def sweep_page(
     name: str, keys: Sequence[str], rows: Sequence[Mapping[str, Any]], source: Mapping[str, Any],
-    drawn: tuple[Sequence[str], FloatArray] | None, words: str,
+    drawn: Drawn | None, words: str,
 ) -> str:  # fmt: skip
-    """HTML of the page on a sweep over these keys; `drawn` are the keys that are numbers, one or two, and their values.
+    """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
 
     `rows` hold the varied values and what was measured; `words` is what the command prints.
     """
-    figures = () if drawn is None else (Picture.of(figure_sweep(*drawn, rows), CAPTION, kind="png"),)
+    figures = () if drawn is None else (Picture.of(drawn, CAPTION, kind="png"),)
     sections = [
         Section("Over what was varied", figures=figures, preformatted=words),
         Section("Runs", tables=(runs_table(keys, rows),)),

@@ -15,6 +15,8 @@ from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
 from casingfem.plot.pages.cycles import cycles_page
 from casingfem.plot.pages.scene import scene_page, scene_verdict
 from casingfem.plot.pages.sweep import sweep_page
+from casingfem.plot.style import Drawn
+from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.turning import turning_shapes
 from tests.casingfem.plot.browser import Tab, browser, found_browser
 
@@ -170,10 +172,10 @@ NUMBERS = dict.fromkeys(
 
 @pytest.mark.parametrize("width", [360])
 def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
-    values = np.array([[1.0], [2.0], [3.0]])
+    drawn = Drawn(figure_sweep(["speed.hz"], np.array([[1.0], [2.0], [3.0]]), RUNS))
     verdict = scene_verdict(NUMBERS, ("a flag",), diverged=True, rubs=True)
     pages = {
-        "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, (["speed.hz"], values), "3 runs"),
+        "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, drawn, "3 runs"),
         "cycles": cycles_page("rod", ORBITS, MARKS, [""], SOURCE, "branch 1"),
         "scene": scene_page("rub", "[scene]", "words " * 40, ("a flag",), NUMBERS, {}, verdict=verdict, source=SOURCE),
     }
