@@ -19,9 +19,9 @@ class Shifted(NamedTuple):
     not knowing which mode is which in a set-up; `worth` (modes,) what each takes from the squares over what it must.
 
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
-    usually; `evidence` twice the ln of the odds against common frequencies. `sigma_mean` (modes,) is that of the mean
-    of ln f, `belongs` (channels,) says which move as they should where they stand: where the last fit was one of waves
-    round the circle; None elsewhere.
+    usually; `evidence` twice the ln of the odds against common frequencies. Where the last fit was one of waves round
+    the circle, `mean_freq` [Hz] (modes,) is the mean over the set-ups, `sigma_mean` (modes,) the standard deviation of
+    its ln, `belongs` (channels,) says which move as they should where they stand; None elsewhere.
     """
 
     modes: Modes
@@ -33,6 +33,7 @@ class Shifted(NamedTuple):
     leak: float
     shift: float
     evidence: float
+    mean_freq: FloatArray | None = None
     sigma_mean: FloatArray | None = None
     belongs: BoolArray | None = None
 
@@ -46,9 +47,9 @@ class Shifted(NamedTuple):
 
         A set-up that does not see a mode has, as far as one can tell, what the others have, within `shift`.
         """
+        if self.mean_freq is not None and self.sigma_mean is not None:
+            return self.mean_freq, self.sigma_mean
         logs = np.log(self.modes.freq)
-        if self.sigma_mean is not None:
-            return np.exp(logs.mean(axis=1)), self.sigma_mean
         weight = 1.0 / (self.variance + self.shift**2 + 1e-300)
         centre = (weight * logs).sum(axis=1, keepdims=True) / weight.sum(axis=1, keepdims=True)
         each = centre + self.shift**2 * weight * (logs - centre)

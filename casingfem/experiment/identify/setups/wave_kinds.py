@@ -36,26 +36,27 @@ def kinds_alone(problem: WaveProblem) -> IntArray:
 
 
 def likely_kinds(
-    problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray, pair: tuple[int, int] | None = None
+    problem: WaveProblem, shapes: Shapes, at: Products, q: FloatArray, some: IntArray | None = None
 ) -> Shapes:
-    """Kinds of waves that are more likely at some poles: of single modes, then of neighbours; or of one `pair`."""
+    """Kinds of waves that are more likely at some poles: of single modes, then of neighbours; or of `some` alone."""
     rest = eliminated(problem, shapes, at)
     best = unlikely_at(problem, shapes, at, rest)
-    for which in [pair] if pair else [*((k,) for k in range(len(q))), *pairs_near(problem, at.p, q)]:
-        unlikely = unlikely_kinds(problem, shapes, at, rest, np.array(which))
+    every = [*((k,) for k in range(len(q))), *pairs_near(problem, at.p, q)] if some is None else [some]
+    for which in (np.array(each) for each in every):
+        unlikely = unlikely_kinds(problem, shapes, at, rest, which)
         if unlikely.min() < best - GAIN:
             best, kind = float(unlikely.min()), shapes.kind.copy()
-            kind[list(which)] = unlikely.argmin()
+            kind[which] = unlikely.argmin()
             shapes = shapes._replace(kind=kind)
             rest = eliminated(problem, shapes, at)
     return shapes
 
 
-def as_one_wave(problem: WaveProblem, shapes: Shapes, at: Products, pair: tuple[int, int]) -> Shapes:
-    """Two modes as waves of one kind, the likeliest at some poles."""
-    unlikely = unlikely_kinds(problem, shapes, at, eliminated(problem, shapes, at), np.array(pair))
+def as_one_wave(problem: WaveProblem, shapes: Shapes, at: Products, some: IntArray) -> Shapes:
+    """Some modes as waves of one kind, the likeliest at some poles."""
+    unlikely = unlikely_kinds(problem, shapes, at, eliminated(problem, shapes, at), some)
     kind = shapes.kind.copy()
-    kind[list(pair)] = np.where(problem.waves.is_wave, unlikely, np.inf).argmin()
+    kind[some] = np.where(problem.waves.is_wave, unlikely, np.inf).argmin()
     return shapes._replace(kind=kind)
 
 
