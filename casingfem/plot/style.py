@@ -12,6 +12,9 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.gridspec import GridSpec
 
@@ -154,7 +157,8 @@ def embed(figure: Figure | Drawn, alt: str, *, kind: str = "svg") -> str:
         return image(figure.png if isinstance(figure, Drawn) else png(figure), kind, alt)
     figure = figure.figure if isinstance(figure, Drawn) else figure
     buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind, metadata={"Date": None})
+    with _canvas(FigureCanvasSVG, figure, mpl.rcParams["savefig.dpi"]) as canvas:
+        canvas.print_svg(buffer, metadata={"Date": None})
     return image(buffer.getvalue(), "svg+xml", alt)
 
 
@@ -165,8 +169,21 @@ def png(figure: Figure, *, dpi: int = 150) -> bytes:
     b'\x89PNG\r\n\x1a\n'
     """
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    with _canvas(FigureCanvasAgg, figure, dpi) as canvas:
+        canvas.print_png(buffer, metadata={"Software": None})
     return buffer.getvalue()
+
+
+@contextmanager
+def _canvas(kind: type[FigureCanvasBase], figure: Figure, dpi: float) -> Iterator[Any]:
+    """A canvas of this kind for one drawing, which finds the layout: `savefig` draws twice, first for the layout."""
+    canvas, own = figure.canvas, figure.dpi
+    figure.dpi = dpi
+    try:
+        yield kind(figure)
+    finally:
+        figure.set_canvas(canvas)
+        figure.dpi = own
 
 
 def image(data: bytes, kind: str, alt: str, *, role: str = "") -> str:

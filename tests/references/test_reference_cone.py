@@ -16,6 +16,13 @@ def found(reference):
     return errors(table[table.alpha_deg.isin((15, 60))])
 
 
+@pytest.fixture(scope="module")
+def wide(reference):
+    """Errors of the widest cones, which are the farthest off."""
+    table = reference("cone_love_ritz_irie_set.csv")
+    return errors(table[table.alpha_deg == 60])
+
+
 @pytest.mark.campaign
 def test_without_shear_and_rotary_inertia_all_rows_are_met(found):
     """Love's theory, of a linear wall; worst 0.06 %: metric, curvature, ends, order of modes are right for all."""
@@ -24,14 +31,19 @@ def test_without_shear_and_rotary_inertia_all_rows_are_met(found):
 
 
 @pytest.mark.slow
-def test_the_shell_lies_below_by_what_thin_theory_leaves_out(found):
-    """314 rows within 0.3 %; the rest are short waves on the short wide cones, to -2.2 % (C-C, 60 degrees, m = 2)."""
-    assert np.count_nonzero(found.error.abs() < 3e-3) >= 310
-    beyond = found[found.error.abs() >= 3e-3]
+def test_the_shell_lies_below_by_what_thin_theory_leaves_out(wide):
+    """101 of 220 rows within 0.3 %; the rest are short waves, to -2.2 % on the shortest cones (C-C, m = 2)."""
+    assert np.count_nonzero(wide.error.abs() < 3e-3) >= 97
+    beyond = wide[wide.error.abs() >= 3e-3]
     assert np.all(beyond.error < 0.0)
     assert beyond.error.min() > -0.022
-    worst = found.loc[found.error.idxmin()]
-    assert (worst.alpha_deg, worst.Lsina_over_R2, worst.bc_small, worst.bc_large) == (60, 0.25, "C", "C")
+    worst = wide.loc[wide.error.idxmin()]
+    assert (worst.Lsina_over_R2, worst.bc_small, worst.bc_large) == (0.25, "C", "C")
+
+
+@pytest.mark.campaign
+def test_narrow_cones_are_within_three_thousandths(found):
+    assert np.count_nonzero(found.error[found.alpha_deg == 15].abs() < 3e-3) >= 210
 
 
 @pytest.mark.campaign

@@ -138,7 +138,7 @@ def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
     assert low > 5 * high
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_thin_frustum_runs_on_its_default_mesh(frustum):
     """R/t = 1000: 40 modes of the two-dimensional shell, 31,500 dofs, against a fine meridian for each n."""
     found = modes(frustum(thickness=5e-4), 16, method="shell")

@@ -55,7 +55,7 @@ print(happened, *map(code_of, messages))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("kernels", ["Nehalem", "Haswell"])
 def test_a_tube_of_2000_radii_is_doubted_on_every_processor(kernels):
     """Round-off outweighs its lowest eigenvalues: 1, 2 or 4 of them are below zero, as the kernels of BLAS sum."""

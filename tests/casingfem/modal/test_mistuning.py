@@ -175,7 +175,7 @@ def test_a_study_without_random_fields_is_refused(study):
     assert "study.toml: imperfection: nothing of this shell is random" in result.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     """Kill -9 after the first chunk, resume with another number of processes; against a run that was left alone."""
     whole, broken = tmp_path / "whole", tmp_path / "broken"

@@ -91,14 +91,14 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Page:
         freq_hz=truth.freq, sigma_hz=0.5, n=truth.nodal_diameters, angle_deg=truth.angle_deg, synthetic=True
     ).to_csv(folder / "table.csv")
     figures: list[Figure] = []
-    save = Figure.savefig
 
-    def kept(figure: Figure, *words: object, **more: object) -> None:
+    def kept(figure: Figure, alt: str, *, kind: str = "svg") -> str:
         figures.append(figure)
-        save(figure, *words, **more)
+        return embed(figure, alt, kind=kind)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Figure, "savefig", kept)
+        for module in ("page", "shapes"):
+            patch.setattr(f"casingfem.plot.{module}.embed", kept)
         result = CliRunner().invoke(main, ["report", str(study), "--out", str(folder / "out"), "--json"])
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["report"] == str(folder / "out" / "report.html")
