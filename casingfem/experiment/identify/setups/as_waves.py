@@ -11,6 +11,7 @@ from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.channel_offs import belonging, waves_of
 from casingfem.experiment.identify.setups.clusters import clusters
+from casingfem.experiment.identify.setups.common_noise import without_common_noise
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER
 from casingfem.experiment.identify.setups.shifted_modes import Shifted
@@ -28,6 +29,7 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
     waves = None if places is None else waves_of(places, found.modes.residues)
     if waves is None or len(found.setups) > MOST_SETUPS:
         return found
+    whole = without_common_noise(found, whole)
     order = np.argsort(found.modes.freq.min(axis=1))  # as `clusters` has them
     near = list(clusters(replace(whole, leak=found.leak), found.modes, found.setups, MOST_LINES, TOGETHER, found.shift))
     fit = partial(wave_modes, found.setups, waves, found.shift)
