@@ -28,7 +28,8 @@ from casingfem.experiment.identify.poles.pole_worth import (
 FREQ = 0.1, 0.5  # standard deviation of the frequency over the half-power bandwidth, or a line: doubtful, left out
 ZETA = 0.08, 0.6  # of ln zeta
 DAMPED = 0.06, 0.3  # damping ratio
-CLOSE, KNOWN = 1.0, 1.8e-4  # bandwidths to a neighbour, within which ln f is doubtful beyond that standard deviation
+CLOSE, KNOWN = 1.0, 1.5e-4  # bandwidths to a neighbour, within which ln f is doubtful beyond that standard deviation
+RIVAL = 2e-4  # of ln f, beyond which another reading of the set-ups that may well be makes it doubtful
 GAIN = 3.0, 0.0  # fall of the sum of squares over what a pole must bring
 PEAK = 3.0, 0.5  # peak over the fit's deviation about it, both rms over the channels; more where these are few
 CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
@@ -103,6 +104,8 @@ def _close(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
     sigma = float(np.hypot(np.sqrt(fit.noise * fit.covariance[pole, pole]), fit.matching[pole]))
     if gaps.size and gaps.min() < CLOSE and sigma > KNOWN:
         yield f"frequency uncertain by {100.0 * sigma:.2g} %: the next mode is {gaps.min():.2g} bandwidths away", False
+    elif fit.rival[pole] > RIVAL:
+        yield f"frequency: the set-ups can nearly as well be read {100.0 * fit.rival[pole]:.2g} % off", False
 
 
 def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:

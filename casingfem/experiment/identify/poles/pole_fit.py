@@ -18,7 +18,7 @@ The scores q_l = sum over channels of J'^T r at line l give what the covariance 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +42,8 @@ class PoleFit:
     of (ln f, ln zeta), over `variance`, its standard deviations `raised` (2 poles,) times those of white noise; `gram`
     (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt` (poles, columns, 2 poles, columns) = Phi^+ D,
     what residues follow when poles move; `spread` (lines, channels) complex, the deviation; `matching` (poles,) the
-    standard deviation of ln f from not knowing which peak of a set-up belongs to which mode; `seen` (poles,) the share
+    standard deviation of ln f from not knowing which peak of a set-up belongs to which mode, `rival` (poles,) how far
+    another reading that may well be has it; `seen` (poles,) the share
     of the set-ups that have the mode's energy; `apart` (poles - 1,) the chi-squared of neighbours having the same
     frequency in every one of several set-ups; `worth` (poles,) what each takes there, over what it must.
     """
@@ -59,27 +60,16 @@ class PoleFit:
     tilt: FloatArray
     spread: Array
     matching: FloatArray
+    rival: FloatArray
     seen: FloatArray
     apart: FloatArray
     worth: FloatArray
     converged: bool
 
     def __post_init__(self) -> None:
-        for name in (
-            "freq",
-            "zeta",
-            "A",
-            "covariance",
-            "raised",
-            "gram",
-            "tilt",
-            "spread",
-            "matching",
-            "seen",
-            "apart",
-            "worth",
-        ):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for field in fields(self):
+            if isinstance(getattr(self, field.name), np.ndarray):
+                object.__setattr__(self, field.name, frozen(getattr(self, field.name)))
 
     @property
     def noise(self) -> float:
@@ -218,6 +208,7 @@ def _finished(data: _Data, at: _State, converged: bool) -> PoleFit:
         tilt=_real_parts(system.tilt, s),
         spread=at.R if s == 2 else at.R[:half] + 1j * at.R[half:],
         matching=np.zeros(m),
+        rival=np.zeros(m),
         seen=np.ones(m),
         apart=np.zeros(max(m - 1, 0)),
         worth=np.zeros(m),

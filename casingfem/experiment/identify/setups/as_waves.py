@@ -49,6 +49,7 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
         belongs=belonging(waves),
         mean_freq=np.concatenate([part.mean_freq for part in parts]),
         sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
+        rival=np.concatenate([part.rival for part in parts]),
         sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
         sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
         worth=np.concatenate([np.r_[old, part.worth] for old, part in zip(own, parts, strict=True)]),

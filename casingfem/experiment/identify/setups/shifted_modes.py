@@ -21,7 +21,8 @@ class Shifted(NamedTuple):
     `leak` is the distance of lines [Hz] over which a Hann window leaks, or 0; `shift` what set-ups differ by in ln f,
     usually; `evidence` twice the ln of the odds against common frequencies. Where the last fit was one of waves round
     the circle, `mean_freq` [Hz] (modes,) is the mean over the set-ups, `sigma_mean` (modes,) the standard deviation of
-    its ln, `belongs` (channels,) says which move as they should where they stand; None elsewhere.
+    its ln, `rival` (modes,) how far ln f is off that by another reading that may well be, `belongs` (channels,) says
+    which move as they should where they stand; None elsewhere.
     """
 
     modes: Modes
@@ -35,6 +36,7 @@ class Shifted(NamedTuple):
     evidence: float
     mean_freq: FloatArray | None = None
     sigma_mean: FloatArray | None = None
+    rival: FloatArray | None = None
     belongs: BoolArray | None = None
 
     @property

@@ -31,6 +31,7 @@ from casingfem.experiment.identify.setups.wave_tries import tries, weak
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 ROUNDS = 3  # of trying
+MAY_BE = 0.05  # odds of a reading that may well be
 SAME = 1e-5  # of ln f, within which two readings are one
 MORE = 2  # modes that a cluster may be found to have beyond those of free residues
 
@@ -39,8 +40,9 @@ class WaveModes(NamedTuple):
     """Frequencies [Hz] (modes, setups), damping, weighted residues (modes, channels); the variances of ln f.
 
     `mean_freq` (modes,) is that over the set-ups, and over other readings by how likely they are. The standard
-    deviations (modes,) are of its ln, of ln zeta, and of its ln once more, by those readings; `worth` what each of the
-    last modes, found here, takes from -2 ln of the likelihood over what it must.
+    deviations (modes,) are of its ln, of ln zeta, and of its ln once more, by those readings, of which one that may
+    well be is as far as `rival` (modes,) away; `worth` what each of the last modes, found here, takes from -2 ln of the
+    likelihood over what it must.
     """
 
     freq: FloatArray
@@ -51,6 +53,7 @@ class WaveModes(NamedTuple):
     sigma_freq: FloatArray
     sigma_zeta: FloatArray
     sigma_matching: FloatArray
+    rival: FloatArray
     worth: FloatArray
 
 
@@ -150,7 +153,7 @@ def _told(problem: WaveProblem, read: WaveRead, others: list[_Other]) -> WaveMod
     variance = np.maximum(np.diag(covariance), 0.0)
     own = covariance[: m * count, : m * count].reshape(m, count, m, count)
     mean = np.array([max(float(own[k, :, k, :].sum()), 0.0) for k in range(m)]) / count**2
-    off, scatter = _by_odds(others, m)
+    off, scatter, rival = _by_odds(others, m)
     return WaveModes(
         np.exp(fit.p),
         np.exp(fit.q),
@@ -160,12 +163,15 @@ def _told(problem: WaveProblem, read: WaveRead, others: list[_Other]) -> WaveMod
         np.sqrt(mean),
         np.sqrt(variance[m * count :]),
         scatter,
+        rival,
         np.zeros(0),
     )
 
 
-def _by_odds(others: list[_Other], modes: int) -> tuple[FloatArray, FloatArray]:
+def _by_odds(others: list[_Other], modes: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean and standard deviation of what the best reading's ln f is off, by the odds of all readings, (modes,).
+
+    Then how far from the mean it is in those that may well be.
 
     Of readings that have each mode in the same place, which several tries lead to, the likeliest counts.
     """
@@ -176,5 +182,6 @@ def _by_odds(others: list[_Other], modes: int) -> tuple[FloatArray, FloatArray]:
         if np.abs(moved - new).max(axis=1).min() > SAME:
             moved, rise = np.vstack([moved, new]), [*rise, other.rise]
     odds = np.exp(-0.5 * np.clip(rise, 0.0, 100.0))
-    mean = odds @ moved / odds.sum()
-    return mean, np.sqrt(odds @ (moved - mean) ** 2 / odds.sum())
+    odds /= odds.sum()
+    mean = odds @ moved
+    return mean, np.sqrt(odds @ (moved - mean) ** 2), np.abs(moved - mean)[odds > MAY_BE].max(axis=0)

@@ -124,20 +124,33 @@ def beside(monkeypatch, *, away=1.0, mac=1.0, channels=8, size=0.15, misfit=1.0,
     return list(verdict._beside(fit, 0))
 
 
-@pytest.mark.parametrize(("own", "matching"), [(1.9e-4, 0.0), (0.0, 1.9e-4), (1.35e-4, 1.35e-4)])
+@pytest.mark.parametrize(("own", "matching"), [(1.6e-4, 0.0), (0.0, 1.6e-4), (1.14e-4, 1.14e-4)])
 def test_a_frequency_that_a_close_neighbour_leaves_uncertain(own, matching):
     def told(gap, share=1.0):
         fit = SimpleNamespace(
             freq=np.array([100.0, 100.0 + 2.0 * gap]), zeta=np.array([0.01, 0.01]), noise=4.0,
             covariance=(share * own) ** 2 / 4.0 * np.eye(4), matching=share * np.array([matching, matching]),
+            rival=np.zeros(2),
         )  # fmt: skip
         return list(verdict._close(fit, 0))
 
     ((text, out),) = told(0.3)
-    assert text == "frequency uncertain by 0.019 %: the next mode is 0.3 bandwidths away"
+    assert text == "frequency uncertain by 0.016 %: the next mode is 0.3 bandwidths away"
     assert not out
     assert told(1.1) == []
     assert told(0.3, share=0.9) == []
+
+
+def test_a_frequency_that_another_reading_has_elsewhere():
+    def told(rival):
+        fit = SimpleNamespace(
+            freq=np.array([100.0, 140.0]), zeta=np.array([0.01, 0.01]), noise=4.0, covariance=1e-12 * np.eye(4),
+            matching=np.zeros(2), rival=np.array([rival, 0.0]),
+        )  # fmt: skip
+        return list(verdict._close(fit, 0))
+
+    assert told(1.9e-4) == []
+    assert told(3.1e-4) == [("frequency: the set-ups can nearly as well be read 0.031 % off", False)]
 
 
 @pytest.mark.parametrize("complex_residues", [True, False])

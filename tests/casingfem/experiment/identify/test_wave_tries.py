@@ -13,7 +13,7 @@ from casingfem.experiment.identify.setups.wave_fit import fitted
 from casingfem.experiment.identify.setups.wave_kinds import WaveRead
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
 from casingfem.experiment.identify.setups.wave_near import part_about
-from casingfem.experiment.identify.setups.wave_search import wave_modes
+from casingfem.experiment.identify.setups.wave_search import _by_odds, _Other, wave_modes
 from casingfem.experiment.identify.setups.wave_tries import tries
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]
@@ -93,3 +93,19 @@ def test_what_is_tried_alone_is_as_likely_as_among_all():
     back = part.put_into(whole, read, best)
     assert back.fit.unlikely == pytest.approx(truth.fit.unlikely, abs=0.5)
     np.testing.assert_allclose(np.exp(back.fit.p), np.exp(truth.fit.p), rtol=1e-6)
+
+
+def test_readings_weigh_by_their_odds_and_the_same_one_once():
+    """Odds 4 : 1 : 1e-4 of three readings; one of them is found twice."""
+    rise = 2.0 * np.log(4.0)
+    others = [
+        _Other(0.0, np.array([0]), np.zeros(1)),
+        _Other(rise, np.array([0, 2]), np.array([1e-3, -5e-4])),
+        _Other(rise + 1.0, np.array([0, 2]), np.array([1.001e-3, -5e-4])),
+        _Other(2.0 * np.log(4e4), np.array([1]), np.array([1e-2])),
+    ]
+    mean, scatter, rival = _by_odds(others, 3)
+    np.testing.assert_allclose(mean, [2e-4, 1e-2 / 5e4, -1e-4], rtol=1e-4)
+    np.testing.assert_allclose(scatter, [4e-4, 1e-2 / np.sqrt(5e4), 2e-4], rtol=1e-4)
+    np.testing.assert_allclose(rival, [8e-4, 1e-2 / 5e4, 4e-4], rtol=1e-4)
+    assert all(np.all(each == 0.0) for each in _by_odds([], 2))
