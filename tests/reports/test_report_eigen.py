@@ -48,7 +48,7 @@ def test_multigrid_serves_a_thick_block_and_says_that_it_fails_on_a_thin_plate(t
     assert len(pd.read_csv(tmp_path / "solid_solvers.csv")) == 4
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_child_that_is_stopped_shows_what_it_reached():
     def slow():
         yield {"first": 1}

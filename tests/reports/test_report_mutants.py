@@ -157,7 +157,7 @@ def test_of_tests_equally_near_those_of_its_folder_and_its_name_come_first(campa
         assert last == "tests/test_a.py::test_1"
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
     """Those of a package; of other folders nothing runs them."""
     text = SOURCE.replace(
@@ -235,6 +235,7 @@ def test_a_mutant_that_never_ends_is_killed(campaign: Campaign) -> None:
     assert {row["after"]: row["how"] for row in rows}["while x:"] == "took too long"
 
 
+@pytest.mark.campaign
 def test_time_that_is_spent_leaves_tests_out(campaign: Campaign) -> None:
     main(replace(campaign, limits=Limits(budget=0.0), count=1))
     kept = [json.loads(path.read_text("utf-8")) for path in campaign.folder.glob("verdicts-*/*.json")]

@@ -33,7 +33,7 @@ def test_the_chain_ends_in_a_report_that_stands_alone(chain):
         assert title in page
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_rubs_are_scenes_that_the_command_line_runs(chain):
     out, _ = chain
     scene = ct.load_scene(out / "rub_as_built.toml")
@@ -43,7 +43,7 @@ def test_the_rubs_are_scenes_that_the_command_line_runs(chain):
     assert len(scene.what.out_of_roundness) == 26
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_updating_closes_most_of_the_gap_that_it_can(chain):
     _, figures = chain
     assert figures["blade_rms_before"] == pytest.approx(0.0253, abs=0.0005)

@@ -73,6 +73,7 @@ def tab(html, tmp_path_factory) -> Iterator[Tab]:
 SHAPES, RIM, TRACES = '[data-live="shapes"] canvas', ".films div:first-child canvas", ".films div:last-child canvas"
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("width", [360])
 def test_what_is_drawn_moves_and_turns(tab, width):
     tab.open(tab.file, width)
@@ -98,6 +99,7 @@ def test_what_is_drawn_moves_and_turns(tab, width):
     assert tab.heard == []
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("width", [1200])
 def test_a_rub_plays_and_can_be_stopped_at_an_instant(tab, width):
     tab.open(tab.file, width)

@@ -283,7 +283,7 @@ def problems_in(file: Path) -> tuple[str, ...]:
     return ()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_whatever_stands_at_a_key_the_study_loads_or_says_what_is_wrong(tmp_path, monkeypatch):
     (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,8,370,1\n")
     spring = 'kind = "elastic"\nk_face = 1e13\naround = [{p = 4, cos = 0.3}]'

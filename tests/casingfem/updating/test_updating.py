@@ -96,7 +96,7 @@ def test_without_noise_on_the_default_mesh(frustum):
     assert fit.value[0] == pytest.approx(get_value(known, p.name), rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, held):
     noise = np.random.default_rng(101).standard_normal(ROWS)
     fit = update(casing(frustum), table_of(measured, noise), VARY)

@@ -60,7 +60,7 @@ def test_the_shipped_ball_bounces_high_and_low_in_turn_beyond_its_flip():
     assert [branch.stretches[-1][0] for branch in found.branches] == [False] * 3
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_shipped_rod_goes_round_two_folds():
     found = ct.scene.load_cycles(SCENES / "rod_on_obstacle.toml").solve()
     kinds = [special.kind for special in found.branches[0].specials]

@@ -431,7 +431,7 @@ def test_without_a_scheduler_and_without_the_package(scene, monkeypatch):
         sweep.run_sweep(plan, scheduler="tcp://127.0.0.1:1")
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_killed_driver_and_killed_workers_lose_nothing(scene, tmp_path):
     """kill -9 of the driver midway: its workers end too; the resumed table is that of an undisturbed run."""
     many = GRID.replace("steps = 3", "steps = 60").replace("values = [0.0, 0.1, 100.0]", "values = [0.0, 0.1]")

@@ -147,6 +147,7 @@ def test_a_range_of_nothing_is_refused():
         ct.growth.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
 
 
+@pytest.mark.campaign
 def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     """Stopped within its second branch, of doubled period."""
     monkeypatch.setattr(checkpoint, "EVERY", 0.0)
