@@ -1,8 +1,8 @@
 """How well the modes of the tests of `reports.updating.unkind` can be known at all: Cramer-Rao bounds.
 
-`python -m reports.updating.unkind_bounds [--quick] [--out DIR]`. For one who knows the noise of each channel, which
-channels are spoilt, how many modes there are and of which n, and that shapes are waves round the circle within 4.5 %
-and 5 deg: the least standard deviation of each mode's mean frequency over the set-ups, by the equations of
+`python -m reports.updating.unkind_bounds [--quick] [--out DIR]`. For one who knows the noise of each channel but what
+the others tell of it, which channels are spoilt, how many modes there are and of which n, and that shapes are waves
+round the circle within 4.5 % and 5 deg: the least standard deviation of each mode's mean frequency over the set-ups, by the equations of
 `casingfem.experiment.identify.setups.wave_fit` at the true poles. It prints how many of the modes above the noise no
 method can know to 0.02 % in 95 of 100 tests, and the largest bounds, and writes unkind_bounds.csv.
 """
@@ -47,7 +47,7 @@ def bounds(rig: Rig, test: TroubledTest) -> FloatArray:
     rows = rig.rows[:count].T * rig.rows[SENSORS][:, None] / rig.omega[:, None] ** 2
     rest = [rows - (rows @ Q) @ Q.T for Q in (np.linalg.qr(each)[0] for each in columns)]
     kind = np.sum(np.square(rest), axis=2).argmin(axis=0)
-    noise, lines = line_noise(test.frfs.responses), test.frfs.x
+    noise, lines = line_noise(test.frfs.responses) * np.sqrt(untold(count)), test.frfs.x
     found = np.zeros(len(zeta))
     reach = (REACH[0] + REACH[1] * zeta) * freq.min(axis=1)
     apart = np.flatnonzero(freq.min(axis=1)[1:] - freq.max(axis=1)[:-1] > reach[1:] + reach[:-1]) + 1
@@ -55,6 +55,12 @@ def bounds(rig: Rig, test: TroubledTest) -> FloatArray:
         found[members] = _of_cluster(members, Modes(freq, zeta, rows.astype(complex)), lines, noise, setups,
                                      Waves(columns, off, lag), kind)  # fmt: skip
     return found
+
+
+def untold(channels: int) -> float:
+    """Share of a channel's noise that others do not tell: 1/(R^-1)_cc of R = (1 - s) 1 + s t t^H, s in common."""
+    ratio = TROUBLES.coherent / (1.0 - TROUBLES.coherent)
+    return (1.0 - TROUBLES.coherent) * (1.0 + channels * ratio) / (1.0 + (channels - 1) * ratio)
 
 
 def _of_cluster(
