@@ -3,8 +3,8 @@
 `python -m reports.updating.unkind_bounds [--quick] [--out DIR]`. For one who knows the noise of each channel but what
 the others tell of it, which channels are spoilt, how many modes there are and of which n, and that shapes are waves
 round the circle within 4.5 % and 5 deg: the least standard deviation of each mode's mean frequency over the set-ups, by
-the equations of `casingfem.experiment.identify.setups.wave_fit` at the true poles. It prints how many of the modes above
-the noise no method can know to 0.02 % in 95 of 100 tests, and the largest bounds, and writes unkind_bounds.csv.
+the equations of `casingfem.experiment.identify.setups.wave_fit` at the true poles. It prints how many of the modes
+above the noise no method can know to 0.02 % in 95 of 100 tests, and the largest bounds, and writes unkind_bounds.csv.
 """
 
 from pathlib import Path
