@@ -147,9 +147,8 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
         more = np.maximum(np.tile(_by_misfit(fit), 2) / fit.raised, 1.0)  # what is not white noise counts once
         raised = np.maximum(known / white, least) * more
         apart = found.apart(nearest[1:], nearest[:-1])
-        rival = np.zeros(len(freq)) if found.rival is None else found.rival
-        fit = replace(fit, matching=found.sigma_matching[nearest], rival=rival[nearest])
-        fit = replace(fit, seen=found.seen()[nearest], apart=apart)
+        rival = fit.rival if found.rival is None else found.rival[nearest]
+        fit = replace(fit, matching=found.sigma_matching[nearest], rival=rival, seen=found.seen()[nearest], apart=apart)
         fit = replace(fit, A=_residues(window, found.modes.residues[nearest]), worth=found.worth[nearest])
         aligned.append(replace(fit, covariance=fit.covariance * np.outer(raised, raised)))
     return aligned

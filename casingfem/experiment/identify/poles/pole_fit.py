@@ -43,9 +43,9 @@ class PoleFit:
     (poles, columns, poles, columns) of the inverse of Phi^T Phi; `tilt` (poles, columns, 2 poles, columns) = Phi^+ D,
     what residues follow when poles move; `spread` (lines, channels) complex, the deviation; `matching` (poles,) the
     standard deviation of ln f from not knowing which peak of a set-up belongs to which mode, `rival` (poles,) how far
-    another reading that may well be has it; `seen` (poles,) the share
-    of the set-ups that have the mode's energy; `apart` (poles - 1,) the chi-squared of neighbours having the same
-    frequency in every one of several set-ups; `worth` (poles,) what each takes there, over what it must.
+    another reading that may well be has it; `seen` (poles,) the share of the set-ups that have the mode's energy;
+    `apart` (poles - 1,) the chi-squared of neighbours having the same frequency in every one of several set-ups;
+    `worth` (poles,) what each takes there, over what it must.
     """
 
     window: Window
