@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from casingfem.plot.hover import hover_values
 from casingfem.plot.packed import island
-from casingfem.plot.style import Drawn, embed
+from casingfem.plot.style import Drawn, embed, image
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -46,8 +46,10 @@ class Picture:
     @classmethod
     def of(cls, figure: Figure | Drawn, caption: str, *, kind: str = "svg") -> "Picture":
         """Embed a figure with its caption as its text for screen readers, and values that show under the pointer."""
-        html = embed(figure, caption, kind=kind)
-        values = hover_values(figure.figure if isinstance(figure, Drawn) else figure)
+        if isinstance(figure, Drawn):
+            html, values = image(figure.png, "png", caption), hover_values(figure.figure)
+        else:
+            html, values = embed(figure, caption, kind=kind), hover_values(figure)
         return cls(island("hover", values, html), caption, ("hover",)) if values else cls(html, caption)
 
 

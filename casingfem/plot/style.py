@@ -145,7 +145,7 @@ class Drawn:
 
 
 @styled
-def embed(figure: Figure | Drawn, alt: str, *, kind: str = "svg") -> str:
+def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
     """The figure as an <img> that carries its own data; "png" for surfaces with many faces.
 
     >>> embed(new_figure(1.0, 1.0), "an empty figure")[:38]
@@ -154,8 +154,7 @@ def embed(figure: Figure | Drawn, alt: str, *, kind: str = "svg") -> str:
     if kind not in ("svg", "png"):
         raise ValueError(f'kind must be "svg" or "png", found {kind!r}')
     if kind == "png":
-        return image(figure.png if isinstance(figure, Drawn) else png(figure), kind, alt)
-    figure = figure.figure if isinstance(figure, Drawn) else figure
+        return image(png(figure), kind, alt)
     buffer = io.BytesIO()
     with _canvas(FigureCanvasSVG, figure, mpl.rcParams["savefig.dpi"]) as canvas:
         canvas.print_svg(buffer, metadata={"Date": None})

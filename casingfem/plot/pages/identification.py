@@ -24,14 +24,12 @@ def identification_page(
             drawn["fit"],
             "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
             "channels of what was measured, fitted and left over" + (", and the coherence." if coherent else "."),
-            kind="png",
         ),
-        Picture.of(drawn["responses"], "The channel with the largest response, measured and fitted.", kind="png"),
+        Picture.of(drawn["responses"], "The channel with the largest response, measured and fitted."),
         Picture.of(
             drawn["stabilisation"],
             "Poles over model order, stable ones green; the grey curve behind is the mode indicator, lines are the "
             "modes chosen, numbers above them their nodal diameters.",
-            kind="png",
         ),
     )
     doubts = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())

@@ -26,7 +26,7 @@ def sweep_page(
 
     `rows` hold the varied values and what was measured; `words` is what the command prints.
     """
-    figures = () if drawn is None else (Picture.of(drawn, CAPTION, kind="png"),)
+    figures = () if drawn is None else (Picture.of(drawn, CAPTION),)
     sections = [
         Section("Over what was varied", figures=figures, preformatted=words),
         Section("Runs", tables=(runs_table(keys, rows),)),
