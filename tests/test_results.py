@@ -381,6 +381,7 @@ def test_any_program_reads_the_arrays_by_their_paths_and_each_is_there_once(tmp_
     assert repr(load_value(tmp_path / "plain.npz", list)) == repr(plain)
 
 
+@pytest.mark.slow
 def test_what_comes_after_an_update_works_on_one_that_was_kept():
     """No live problem: the Laplace approximation of an update and of its pickle are the same to round-off."""
     fit = updated()

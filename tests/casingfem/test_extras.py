@@ -45,6 +45,7 @@ def test_in_a_checkout_the_folder_is_installed_and_elsewhere_the_package(monkeyp
     assert shlex.split(remedy("sampling")) == [sys.executable, "-m", "pip", "install", "casingfem[sampling]"]
 
 
+@pytest.mark.slow
 def test_doctor_says_which_are_there_and_what_installs_the_others(monkeypatch):
     monkeypatch.setattr(
         sys.modules["casingfem.cli.doctor"], "installed", lambda name: None if name == "emcee" else "1.0"

@@ -211,6 +211,7 @@ def test_absurdly_many_steps_are_refused(t_end, dt):
         ct.run(RESTING, gravity=9.81, t_end=t_end, dt=dt)
 
 
+@pytest.mark.slow
 def test_all_that_contact_exports_is_light():
     heavy = "numba", "skfem", "matplotlib", "pandas", "pydantic", "scipy", "casingfem"
     code = f"import sys; from contact import *; sys.exit(', '.join(m for m in {heavy} if m in sys.modules) or 0)"

@@ -27,6 +27,7 @@ def test_one_mesh_serves_the_table(thin):
     assert worst[0.02] < 4e-5
 
 
+@pytest.mark.slow
 def test_thick_walls_and_the_shortest_waves(reference):
     """h/R .05: within 0.031 %, where Fluegge's theory is off by 12 %; h/R .1, as thick as warned of at .2: 0.16 %."""
     table = reference("cyl_shear_diaphragm_exact.csv")
@@ -45,6 +46,7 @@ def test_a_linear_wall_is_published_theory_and_farther_off(reference):
     assert error.abs().max() == pytest.approx(1.86e-3, rel=0.01)
 
 
+@pytest.mark.slow
 def test_refining_the_mesh_changes_nothing(reference):
     table = reference("cyl_shear_diaphragm_exact.csv")
     rows = table[(table.h_over_R == 0.01) & table.n.isin([2, 7, 12])]

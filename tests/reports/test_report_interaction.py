@@ -22,6 +22,7 @@ def test_peaks_in_time_come_within_two_per_cent():
         assert abs(row["run 1/s"] / row["pole 1/s"] - 1.0) < 0.02
 
 
+@pytest.mark.slow
 def test_digging_friction_moves_growth_to_the_difference():
     rows = {(row["mu"], row["lean deg"]): row for row in interaction.friction()}
     assert rows[0.0, 10.0]["backward 1/s"] < 0.0 < rows[0.0, 10.0]["sum 1/s"]

@@ -79,6 +79,7 @@ def test_a_cylinder_and_a_cone_are_their_imported_meshes(tmp_path):
     assert bent["half the fillet: worst %"] < 0.2
 
 
+@pytest.mark.slow
 def test_tied_blocks_come_near_one_mesh(tmp_path):
     (row,) = ties.main(tmp_path, quick=True)
     assert 1e-4 < row["freq_deviation"] < 1.2e-2

@@ -261,6 +261,7 @@ def test_what_cannot_be_asked_for(asked: list[str], words: str, capsys: pytest.C
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_tests_that_cannot_be_collected_kill_nothing(campaign: Campaign) -> None:
     """A missing name would stop every mutant's run, and pass for what the mutant did."""
     (campaign.root / "tests/test_module.py").write_text(TESTS.replace("seen, unseen", "seen, unseen, gone"), "utf-8")

@@ -76,6 +76,7 @@ def test_the_judge_of_damaged_files_sees_what_differs(tmp_path):
     assert len({mutant for _, mutant in damaged}) > 40
 
 
+@pytest.mark.slow
 def test_a_reader_that_hangs_or_dies_is_counted_and_the_rest_goes_on(tmp_path, monkeypatch):
     """Each in turn of three files: one kills its process, one never ends, one is read."""
 

@@ -97,8 +97,7 @@ class Motion:
 
     def gap_velocity(self, x: Array, time: float) -> tuple[Array, Array, Array]:
         """Velocity of each gap, what it is of x, and what it changes by in time alone."""
-        plant, w = self.plant, self.drive.w * self.drive.harmonics
-        rows = plant.C @ plant.A
+        plant, w, rows = self.plant, self.drive.w * self.drive.harmonics, self.plant.gives
         moving = self.drive.c.rate(w).plus(self.drive.b.seen(plant.C))
         angle = self.angle(time)
         return rows @ x + moving.at(angle), rows, moving.rate(w).at(angle)
@@ -112,16 +111,17 @@ class Motion:
         """Contacts that press at a state; rigid ones are open, and must not be inside each other."""
         plant, moved = self.plant, self.drive.c.at(self.angle(time))
         gap, size = plant.C @ x + moved, np.abs(plant.C) @ np.abs(x) + np.abs(moved)
-        soft = np.flatnonzero(~plant.rigid)
         if np.any((gap < -INSIDE * size)[plant.rigid]):
             raise NumericsError("a rigid contact is closed where the period begins: choose another start, or give it S")
-        force = pressing(plant.S[np.ix_(soft, soft)], gap[soft])
-        return tuple(int(i) for i in soft[force > 0.0])
+        force = pressing(plant.yields, gap[plant.soft])
+        return tuple(int(i) for i in plant.soft[force > 0.0])
 
 
 def pressing(W: Array, g: Array) -> Array:
     """Lam >= 0 with W lam + g >= 0, complementary, by principal pivoting (the least index after a while)."""
     closed = g < 0.0
+    if not closed.any():
+        return np.zeros(g.size)
     for pivot in range(PIVOTS):
         lam = np.zeros(g.size)
         chosen = np.flatnonzero(closed)

@@ -9,6 +9,7 @@ gap'' + (p + r) gap' + p r gap = 0, which a gap that is zero at the start fulfil
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -48,7 +49,7 @@ class Forcing(NamedTuple):
         return Forcing(np.zeros_like(self.rest), 1j * w * self.wave)
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Plant:
     """What does not change along a branch: A (n, n), B (n, k), C (k, n), S (k, k), what is shown: D (o, n), E (o, k).
 
@@ -68,15 +69,30 @@ class Plant:
     slips: tuple[tuple[int, int], ...] = ()
     hidden: int = 0
 
-    @property
+    @cached_property
     def rigid(self) -> NDArray[np.bool_]:
         """Contacts without compliance of their own, (k,)."""
         return np.asarray(np.diag(self.S) == 0.0)
 
-    @property
+    @cached_property
+    def soft(self) -> NDArray[np.intp]:
+        """Numbers of the others."""
+        return np.flatnonzero(~self.rigid)
+
+    @cached_property
+    def yields(self) -> Array:
+        """S of the soft contacts alone."""
+        return np.asarray(self.S[np.ix_(self.soft, self.soft)])
+
+    @cached_property
+    def gives(self) -> Array:
+        """Velocity of the gaps, of x: C A, (k, n)."""
+        return np.asarray(self.C @ self.A)
+
+    @cached_property
     def impulse(self) -> Array:
         """H = C A B: velocity of each gap for a unit impulse at each contact, (k, k)."""
-        return np.asarray(self.C @ self.A @ self.B)
+        return np.asarray(self.gives @ self.B)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -102,6 +118,10 @@ class Phase:
     V: Complex  # (n, half), pairs counted twice
     U: Complex  # (half, n)
     rows: Array  # (k + o, n): what is watched, of x
+    push: Array  # (n, closed): columns of B
+    shift: Array  # (k + o, closed): columns of S, then E
+    lam_parts: Array  # (2, half): real and imaginary parts, as the compiled passage takes them
+    seen_parts: Array  # (2, k + o, half): of `rows` V
 
     def flow(self, time: float, M: Array) -> Array:
         """e^{A time} M."""
@@ -124,7 +144,8 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
         raise InputError(f"contact: rigid contacts {names} are not independent, expected a compliance (S or stiffness)")
     solve = np.asarray(np.linalg.inv(L))
     K = -solve @ seen[chosen]
-    joined = A + plant.B[:, chosen] @ K
+    push, shift = plant.B[:, chosen], np.vstack([plant.S[:, chosen], plant.E[:, chosen]])
+    joined = A + push @ K
     lam, V = np.linalg.eig(joined)
     if not np.linalg.cond(V) < DEFECT:
         raise NumericsError(f"contacts closed {closed}: found two modes that have become one, expected distinct ones")
@@ -133,7 +154,10 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
     V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)
     rows = np.vstack([C + plant.S[:, chosen] @ K, plant.D + plant.E[:, chosen] @ K])
     rows[chosen] = K
-    return Phase(closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows)
+    return Phase(
+        closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows, push=push,
+        shift=shift, lam_parts=_parts(lam[upper]), seen_parts=_parts(rows @ V),
+    )  # fmt: skip
 
 
 class DrivenPhase(NamedTuple):
@@ -155,21 +179,19 @@ def driven_phase(plant: Plant, phase: Phase, drive: Drive) -> DrivenPhase:
     chosen, w = list(phase.closed), drive.w * drive.harmonics
     gaps = _forcing_of_gaps(plant, drive, w, chosen)
     force = gaps.seen(-phase.solve)
-    b = drive.b.plus(force.seen(plant.B[:, chosen]))
+    b = drive.b.plus(force.seen(phase.push))
     watched = Forcing(np.concatenate([drive.c.rest, drive.d.rest]), np.vstack([drive.c.wave, drive.d.wave]))
-    watched = watched.plus(force.seen(np.vstack([plant.S[:, chosen], plant.E[:, chosen]])))
+    watched = watched.plus(force.seen(phase.shift))
     watched.rest[chosen], watched.wave[chosen] = force.rest, force.wave
-    up = 1j * w - phase.lam[:, None]
-    down = -1j * w - phase.lam[:, None]
+    turning = 1j * w
+    up, down = turning - phase.lam[:, None], -turning - phase.lam[:, None]
     if min(np.abs(up).min(initial=1.0), np.abs(down).min(initial=1.0)) < 1e-12 * drive.w:
         raise NumericsError("the drive is at the resonance of an undamped mode, expected damping or another frequency")
     ahead, back = 0.5 * (phase.U @ b.wave) / up, 0.5 * (phase.U @ b.wave.conj()) / down
     X = phase.V @ ahead + (phase.V @ back).conj()
-    beta, seen = phase.U @ b.rest, phase.rows @ phase.V
-    wave = watched.wave + phase.rows @ X
     arrays = PhaseArrays(
-        lam=_parts(phase.lam), beta=_parts(beta), rows=_parts(seen), rest=watched.rest.copy(), wave=_parts(wave),
-        harmonic=w,
+        lam=phase.lam_parts, beta=_parts(phase.U @ b.rest), rows=phase.seen_parts, rest=watched.rest.copy(),
+        wave=_parts(watched.wave + phase.rows @ X), harmonic=w,
     )  # fmt: skip
     work = phase_work(arrays)
     return DrivenPhase(phase, b, watched, X, work, (Bundle(arrays), Bundle(work)))
@@ -183,11 +205,13 @@ def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) ->
         if plant.rigid[i]:
             c, of_b = Forcing(drive.c.rest[[i]], drive.c.wave[[i]]), drive.b.seen(plant.C[[i]])
             velocity = c.rate(w).plus(of_b)
-            pull = drive.b.seen(plant.C[[i]] @ plant.A).plus(velocity.rate(w))
+            pull = drive.b.seen(plant.gives[[i]]).plus(velocity.rate(w))
             rest[row] = pull.rest[0] + (p + r) * velocity.rest[0] + p * r * c.rest[0]
             wave[row] = pull.wave[0] + (p + r) * velocity.wave[0] + p * r * c.wave[0]
     return Forcing(rest, wave)
 
 
 def _parts(values: Complex) -> Array:
-    return np.ascontiguousarray(np.stack([values.real, values.imag]))
+    parts = np.empty((2, *values.shape))
+    parts[0], parts[1] = values.real, values.imag
+    return parts

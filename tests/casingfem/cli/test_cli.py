@@ -324,6 +324,7 @@ def test_doctor_names_a_numpy_that_cannot_multiply(monkeypatch, code, words):
     assert words in found["why"]
 
 
+@pytest.mark.slow
 def test_schema_and_doctor_are_documents():
     assert json.loads(invoke("schema").stdout).keys() == {"study", "scene"}
     doctor = json.loads(invoke("doctor", "--json").stdout)

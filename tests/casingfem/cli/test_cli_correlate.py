@@ -92,6 +92,7 @@ def test_correlate_refuses_shapes_that_pair_with_no_mode(folder):
     assert "found no shape that pairs with a mode" in result.stderr
 
 
+@pytest.mark.slow
 def test_the_line_of_low_comac_stays_a_line(folder):
     shapes = MeasuredShapes.from_uff(folder / "shapes.uff")
     found = correlate(modes(load_study(folder / "casing.toml").shell, 10, method="shell"), shapes)
@@ -132,6 +133,7 @@ def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path)
     assert min(row["subspace_mac"] for row in json.loads(result.stdout)["shapes"]) > 0.999
 
 
+@pytest.mark.slow
 def test_locate_refuses_a_table_without_labels(folder, tmp_path):
     bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
     bare.to_csv(tmp_path / "bare.csv")

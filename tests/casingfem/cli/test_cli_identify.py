@@ -65,6 +65,7 @@ def test_a_universal_file_gives_table_pictures_and_a_document(uff, tmp_path):
         assert (tmp_path / "out" / name).read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.slow
 def test_npz_with_angles_and_a_band(frfs, tmp_path):
     path, angles = frfs.save(tmp_path / "frfs.npz"), tmp_path / "angles.csv"
     angles.write_text("point,angle_deg\n" + "".join(f"{k + 1},{np.degrees(a)}\n" for k, a in enumerate(THETA)))
@@ -127,6 +128,7 @@ def test_an_open_part_has_no_n(uff, tmp_path):
     assert "--open is for parts" in invoke(uff, "--open", "--angles", tmp_path / "angles.csv").stderr
 
 
+@pytest.mark.slow
 def test_without_angles_modes_have_no_n(frfs, tmp_path):
     result = invoke(frfs.to_csv(tmp_path / "frfs.csv"), "--json")
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]
@@ -163,6 +165,7 @@ def test_a_missing_extra_is_named(frfs, tmp_path, monkeypatch):
     assert remedy("test-data") in result.stderr
 
 
+@pytest.mark.slow
 def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
     found = identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
     figure = figure_stabilisation(found)

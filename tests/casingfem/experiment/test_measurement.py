@@ -162,6 +162,7 @@ tables = st.integers(1, 8).flatmap(
 
 @settings(max_examples=40, deadline=None)
 @given(tables)
+@pytest.mark.slow
 def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
     folder = tmp_path_factory.mktemp("round")
     table = FrequencyTable.from_arrays(**arguments)

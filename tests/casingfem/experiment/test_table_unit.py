@@ -32,6 +32,7 @@ def test_a_table_of_high_modes_alone_is_in_hz():
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("rad/s", 2.0 * math.pi), ("kHz", 1e-3)])
+@pytest.mark.slow
 def test_an_update_refuses_them_before_it_computes_all_modes_below(unit, factor):
     chart = cf.geometry.Cylinder(radius=0.2, height=0.2)
     steel = cf.Material(E=2e11, nu=0.3, rho=7800.0)

@@ -214,6 +214,7 @@ def test_explain_prints_one_code_or_all():
     assert "did you mean mesh-coarse" in wrong.stderr
 
 
+@pytest.mark.slow
 def test_the_report_lists_them(tmp_path, capsys):
     rows = broken_models.main(tmp_path, quick=True)
     assert {row["verdict"] for row in rows} == {"as expected"}

@@ -14,6 +14,7 @@ def where(item: int) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.slow
 def test_results_come_in_the_order_of_the_items(workers):
     with side_by_side(workers) as each:
         found = list(each(where, range(20)))

@@ -82,6 +82,7 @@ def test_the_same_matrix_twice_gives_the_same_bits():
 
 
 @pytest.mark.parametrize("counts", [(60, 60), (16, 16, 16), (10, 10, 30)])
+@pytest.mark.slow
 def test_the_dissection_does_not_fill_more_than_dense_leaves_explain(counts):
     """Against SuperLU's minimum degree: what is beyond its L are leaves, taken as dense matrices of `LEAF` or fewer."""
     A = grid(*counts)

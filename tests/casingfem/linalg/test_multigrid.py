@@ -26,6 +26,7 @@ def block(steel, counts, size, *, free=False):
 
 
 @pytest.mark.parametrize("free", [False, True])
+@pytest.mark.slow
 def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
     monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
     system, near_null, shift = block(steel, (4, 4, 3), (1.0, 0.8, 0.6), free=free)

@@ -106,6 +106,7 @@ def test_a_singular_matrix_is_refused(A, words):
         factorise(csc_array(A), "pardiso")
 
 
+@pytest.mark.slow
 def test_its_own_errors_are_told_and_its_memory_is_given_back(monkeypatch):
     stand_in(monkeypatch)
     with pytest.raises(NumericsError, match="Pardiso could not factorise the matrix: -4"):

@@ -31,6 +31,7 @@ def inside(values, low, high):
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**31), st.integers(20, 90), st.integers(1, 7), st.booleans())
+@pytest.mark.slow
 def test_a_band_holds_every_mode_and_no_other(seed, size, most, sparse_mass):
     """Random spectra with clusters of up to seven equal values; ends now and then on a mode."""
     rng = np.random.default_rng(seed)

@@ -214,6 +214,7 @@ def test_among_bolts_wants_one_bolted_edge(frustum):
         locate(frustum(), table)
 
 
+@pytest.mark.slow
 def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     """Noise of 2 % of each shape at 24 sensors around the rim; bolts 4 and 10 have one table."""
     loose = modes(loosened(casing, {4: 0.3}), 16)

@@ -66,6 +66,7 @@ def test_bolts_under_a_ring(frustum):
     np.testing.assert_allclose(found.freq, modes(replace(shell, supports={"base": loose}), 10).freq, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_masses_are_as_in_full_solutions(casing):
     system = assemble(casing)
     angles = np.array([0.4, 2.5])

@@ -84,6 +84,7 @@ def test_compliance_at_nodes_is_the_static_answer_to_forces_there(part, method):
 
 
 @pytest.mark.parametrize("interface", [Tip("tip"), TipNodes("tip", 3)], ids=["one", "pieces"])
+@pytest.mark.slow
 def test_a_tip_is_that_of_the_same_blade_on_a_chart(interface):
     chart = cf.Shell(
         chart=cf.Plate(length=0.11, width=0.04), thickness=5.4e-3, material=STEEL, supports=CLAMPED,
@@ -147,6 +148,7 @@ def test_a_rim_about_another_axis_is_the_same_rim():
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
+@pytest.mark.slow
 def test_a_solids_rim_is_its_end_face():
     found = cf.reduce(tube({"base": (2, 0.0), "top": (2, 1.0)}), Rim("top", n_max=3), modes=6)
     exact = cf.reduce(ring(), Rim("top", n_max=3), modes=6)

@@ -69,6 +69,7 @@ def mean(casing):
     return mean_modes(casing, COUNT)
 
 
+@pytest.mark.slow
 def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_nothing(casing, mean):
     for draw in (0, 3):
         drawn = redrawn_shell(casing, draw)

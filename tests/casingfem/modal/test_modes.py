@@ -354,6 +354,7 @@ def humped(steel):
     )
 
 
+@pytest.mark.slow
 def test_a_low_axial_mode_does_not_hide_the_valley_behind_a_hump(steel):
     found = modes(humped(steel), 3)
     assert found.nodal_diameters.tolist() == [0, 17, 17]

@@ -94,6 +94,7 @@ def folder(tmp_path_factory):
     return where
 
 
+@pytest.mark.slow
 def test_the_basis_carries_it_to_the_scene(folder):
     terms = cf.out_of_roundness(CASING, TOP)
     assert ct.ModalBody.load(folder / "casing.npz").roundness() == terms

@@ -58,6 +58,7 @@ def test_an_observer_at_rest_sees_forward_waves_faster(casing):
     np.testing.assert_allclose(found.freq_fixed, found.freq + found.sense * found.nodal_diameters * turns, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_ring_waves_reach_the_closed_form_with_the_speed_squared():
     """What is left is the ring's stretch, of the order of its strain rho Omega^2 R^2/E."""
     gaps = []
@@ -71,6 +72,7 @@ def test_ring_waves_reach_the_closed_form_with_the_speed_squared():
     assert gaps[1] / gaps[0] == pytest.approx(16.0, rel=0.35)
 
 
+@pytest.mark.slow
 def test_a_missed_mode_is_noticed(casing, monkeypatch):
     monkeypatch.setattr(
         whirl, "gap_after", lambda values, count: (count - 1, 0.5 * (values[count - 1] + values[count]))
@@ -79,6 +81,7 @@ def test_a_missed_mode_is_noticed(casing, monkeypatch):
         cf.whirl_modes(casing, 4)
 
 
+@pytest.mark.slow
 def test_counts_out_of_reach_are_refused(casing):
     with pytest.raises(NumericsError, match="count must lie"):
         cf.whirl_modes(casing, 0)

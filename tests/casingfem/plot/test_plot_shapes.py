@@ -27,6 +27,7 @@ def moving(casing) -> bytes:
     return moving_picture(frames(casing, [0, 2]))
 
 
+@pytest.mark.slow
 def test_the_picture_swings_and_comes_back(moving):
     picture = Image.open(io.BytesIO(moving))
     assert (picture.format, picture.n_frames, picture.info["loop"]) == ("PNG", PHASES, 0)
@@ -41,6 +42,7 @@ def test_the_picture_swings_and_comes_back(moving):
     assert len({picture.tobytes() for picture in seen}) == PHASES // 2 + 1
 
 
+@pytest.mark.slow
 def test_a_page_with_moving_shapes_stays_small(casing, moving):
     picture = moving_shapes(casing, [0, 2], "Two shapes.")
     assert len(picture.html) < 1.4e6
@@ -76,6 +78,7 @@ def integers(coded: str, kind: str = "<i2") -> np.ndarray:
     return np.frombuffer(base64.b64decode(coded), kind)
 
 
+@pytest.mark.slow
 def test_shapes_to_be_turned_are_those_of_the_modes(casing):
     """Geometry once, every shape in 16 bits: to a part in 32,767 what the modes have at these nodes."""
     picture = turning_shapes(casing, [0, 4], "Two shapes and the radius.")

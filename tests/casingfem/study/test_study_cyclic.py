@@ -62,6 +62,7 @@ def run(*arguments):
     return CliRunner().invoke(main, list(map(str, arguments)))
 
 
+@pytest.mark.slow
 def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
     answer = run("modes", write(), "--json", "--out", tmp_path / "out", "--vtu", "--modes", "1")
     assert answer.exit_code == 0, answer.output

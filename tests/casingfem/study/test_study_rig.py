@@ -86,6 +86,7 @@ def test_exact_responses_carry_the_truth(study):
         assert np.abs(found.freq_hz - peak).min() < 0.5
 
 
+@pytest.mark.slow
 def test_records_give_nearly_the_same_responses(study):
     plain = CASING.replace("mass = 0.01", "")
     exact = run_rig(load_study(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5")))).frfs
@@ -103,6 +104,7 @@ def test_a_scan_finds_the_orders_of_the_modes(study):
     assert np.all(np.abs(test.waves.V - test.scan.V) < 6.0 * test.waves.sigma)
 
 
+@pytest.mark.slow
 def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
     one, two = (run_rig(load_study(study(CASING + EXACT + SCAN))) for _ in range(2))
     assert np.array_equal(one.frfs.responses, two.frfs.responses)
@@ -137,6 +139,7 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     assert "waves above 4 sigma" in words
 
 
+@pytest.mark.slow
 def test_pictures_of_what_nobody_measured_say_so(study):
     test = run_rig(load_study(study(CASING + EXACT + SCAN)))
     drawn = [
@@ -155,6 +158,7 @@ def test_pictures_of_what_nobody_measured_say_so(study):
     assert size.max() == pytest.approx(1.45, abs=0.02)  # the largest deflection is drawn .45 beyond the circle
 
 
+@pytest.mark.slow
 def test_troubles_are_made_and_their_truth_is_told(study, tmp_path):
     path = study(CASING + EXACT + "[rig.test.troubles]\nsetups = 3\nshift = 0.002\ndead = 2\nhalf_rim = true\n")
     result = CliRunner().invoke(main, ["rig", str(path), "--json", "--out", str(tmp_path / "out")])
@@ -166,6 +170,7 @@ def test_troubles_are_made_and_their_truth_is_told(study, tmp_path):
     assert (tmp_path / "out" / "coherence.npz").exists()
 
 
+@pytest.mark.slow
 def test_open_charts_give_places_by_their_parameters(study):
     plate = (
         STEEL

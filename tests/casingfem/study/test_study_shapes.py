@@ -85,6 +85,7 @@ def test_identified_shapes_bring_their_noise_and_n():
     assert identified.card[0].startswith("SYNTHETIC")
 
 
+@pytest.mark.slow
 def test_the_digest_knows_the_shapes_and_an_updated_study_finds_them(folder, tmp_path):
     loaded = load_study(study(folder))
     text = updated_toml(loaded, {"material.E": 205e9}, tmp_path)

@@ -61,6 +61,7 @@ def spoilt():
     return right, cf.update(blade(), replace(right, freq_hz=freq), vary("material.E"))
 
 
+@pytest.mark.slow
 def test_a_wrong_row_is_named_and_set_aside(spoilt):
     right, fit = spoilt
     reference = cf.update(blade(), right, vary("material.E"), outliers="keep")
@@ -78,6 +79,7 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     assert document["with_outliers"] == list(fit.plain.value)
 
 
+@pytest.mark.slow
 def test_all_rows_are_kept_where_that_is_asked(spoilt):
     right, fit = spoilt
     kept = cf.update(blade(), fit.plain.table, vary("material.E"), outliers="keep")
@@ -89,6 +91,7 @@ def test_all_rows_are_kept_where_that_is_asked(spoilt):
         cf.update(blade(), right, vary("material.E"), outliers="drop")
 
 
+@pytest.mark.slow
 def test_sigma_grows_with_a_misfit_and_a_misfit_too_small_is_called_so():
     loose = cf.update(blade(), table(0.01), vary("material.E"))
     assert loose.inflation == loose.misfit > 1.5

@@ -98,6 +98,7 @@ def test_doublet_jacobian_equals_finite_differences(casing, middle, name):
         assert np.abs(exact - numeric).max() < 1e-6 * np.abs(numeric).max()
 
 
+@pytest.mark.slow
 def test_residuals_are_weighted_by_their_sigma(casing):
     """Its own frequencies times 1.01: means off by ten sigma of a mean, splits by next to nothing."""
     found = modes(casing, COUNT)

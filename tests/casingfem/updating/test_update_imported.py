@@ -125,6 +125,7 @@ def test_numbers_that_are_not_there_are_listed(name, message):
         cf.update(solid(), table_of(solid()), [cf.Parameter(name=name, lower=1.0, upper=2.0)])
 
 
+@pytest.mark.slow
 def test_angles_are_left_out_with_a_warning_and_shapes_refused():
     table = table_of(solid())
     angled = replace(table, angle_deg=np.full(len(table), 10.0))
@@ -153,6 +154,7 @@ upper = 250e9
 """
 
 
+@pytest.mark.slow
 def test_update_and_correlate_on_the_command_line(tmp_path):
     twin = solid(materials={}, supports={"root": cf.Clamped()})
     write_inp(twin.mesh, tmp_path / "part.inp")

@@ -164,6 +164,7 @@ def test_parabolas_are_right_to_second_order(fit):
     assert np.abs(near(fit.x + step)[0] - exact).max() < 0.05 * np.abs(tangent - exact).max()
 
 
+@pytest.mark.slow
 def test_laplace_equals_gauss_newton_where_residuals_are_straight():
     """f^2 ~ E: in log E nearly straight; without noise the Hessian is J^T J."""
     fit = cf.update(blade(), table(), [cf.Parameter(name="material.E", lower=150e9, upper=250e9, log=True)])
@@ -199,6 +200,7 @@ def test_samples_agree_with_the_gaussian_where_there_is_one(fit):
     assert (drawn.samples >= fit.lower).all()
 
 
+@pytest.mark.slow
 def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
     """Noise of 1 % called 0.1 %: the floor is 1 %."""
     fit = cf.update(blade(), table(0.01), vary("material.E"))

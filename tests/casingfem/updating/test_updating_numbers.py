@@ -117,6 +117,7 @@ def fit():
     return cf.update(blade(), table, vary)
 
 
+@pytest.mark.slow
 def test_numbers_of_a_fit(fit, held):
     held(
         1e-4,
@@ -150,6 +151,7 @@ def test_numbers_of_a_posterior(fit, held):
     )
 
 
+@pytest.mark.slow
 def test_bounds_belong_to_the_posterior(fit):
     near, inside = parabolas(fit), np.array(fit.x)
     for bound, beyond in ((fit.lower, -1e-9), (fit.upper, 1e-9)):

@@ -88,6 +88,7 @@ def test_numbers_of_split_casings(held):
 
 
 @pytest.mark.parametrize("kind", ["hard", "soft", "yielding"])
+@pytest.mark.slow
 def test_numbers_of_periodic_motions(kind, held):
     more = {"hard": {"restitution": 0.3}, "soft": {"stiffness": 30.0}, "yielding": {"compliance": 0.05}}[kind]
     family = random_body(3, 2, **more).over("freq_hz", freq_hz=0.2)

@@ -85,6 +85,7 @@ def in_lanes(layout, lanes, sums, phi):
     return found
 
 
+@pytest.mark.slow
 def test_lanes_of_unlike_runs_hold_the_rows_of_each():
     systems = [system(0.0), system(0.05), system(0.05, cos=1e-4)]
     parts = [one.sums()[0] for one in systems]

@@ -115,6 +115,7 @@ def test_averaged_law_keeps_the_energy_but_rings_on_a_shock():
     assert np.std(result.windowed_force()[inside, 0]) < 0.08 * 300.0
 
 
+@pytest.mark.slow
 def test_averaged_law_keeps_the_energy_over_a_million_steps():
     """Of the energy that falls (500 J), over more than 700 closings, at rho = 3e-3.
 
@@ -150,6 +151,7 @@ def test_bouncing_bar_averaged_law_ten_periods():
     assert result.seconds < 10.0
 
 
+@pytest.mark.slow
 def test_energy_law_keeps_the_energy_to_round_off():
     """Benchmarks: 1e-11 over the 20 impacts of B2 (ii), 1e-9 over a million steps, at any step."""
     twenty = drop(150, 2.9, 160.0 / 3.0, law="energy").energy

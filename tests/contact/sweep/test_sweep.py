@@ -211,6 +211,7 @@ def test_the_hash_of_a_draw_covers_the_seed_and_the_spectrum(scene):
         assert not set(first) & {run.digest for run in drawn(scene, [0, 1], DRAWS.replace(old, new)).runs}
 
 
+@pytest.mark.slow
 def test_draws_have_the_rms_and_the_quantiles_they_are_given():
     table = RandomRoundness(seed=11, harmonics=[2, 5, 9], rms=3e-5)
     theta = 2.0 * np.pi * np.arange(64) / 64

@@ -72,6 +72,7 @@ def test_orientation_and_amplitude_err_as_the_cramer_rao_bound_allows():
     assert np.std(travel) == pytest.approx(np.median([w.travelling_sigma for w in waves]), rel=0.25)
 
 
+@pytest.mark.slow
 def test_orders_that_are_not_there_are_not_seen():
     clean = wave(8, 0.11, seconds=4.0)
     rng = np.random.default_rng(SEED)
@@ -167,6 +168,7 @@ def test_a_turning_casing_runs_the_other_way():
     assert abs(both[0].travelling) > 0.05  # two members, out of phase
 
 
+@pytest.mark.slow
 def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
     rig, circle = ring_rig(split=0.0)
     made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,

@@ -185,6 +185,7 @@ def test_shapes_decide_where_frequencies_mislead():
     assert got == {0: 0, 1: 2, 2: 1, 3: 3, 4: 4, 5: 5, 6: 7}
 
 
+@pytest.mark.slow
 def test_rotated_doublet_bases_and_noise_pair_without_labels():
     """24 sensors on a circle, 5 % noise, doublets turned in their planes: all right, every time."""
     theta = np.arange(24) * 2 * np.pi / 24

@@ -60,6 +60,7 @@ def test_places_may_be_missing(two, tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
+@pytest.mark.slow
 def test_other_bytes_and_no_file(ending, tmp_path):
     path = tmp_path / f"f{ending}"
     with pytest.raises(InputError, match="no readable"):

@@ -49,6 +49,7 @@ def test_a_window_without_a_time_constant_is_refused(windowed, value, card):
         cf.identify(replace(windowed, card=card), exponential=value)
 
 
+@pytest.mark.slow
 def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
     rng = np.random.default_rng(42)
     H = np.array([[1.0], [0.0], [-0.6], [0.4]]) * X**2 / (110.0**2 - X**2 + 2j * 3e-3 * 110.0 * X)
@@ -63,6 +64,7 @@ def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
     np.testing.assert_array_equal(known.freq, found.freq)
 
 
+@pytest.mark.slow
 def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed):
     whole = cf.identify(windowed)
     H = windowed.responses.copy()
@@ -100,6 +102,7 @@ def test_lines_that_are_not_coherent_weigh_less(windowed):
         cf.identify(frfs, coherence=replace(gamma2, response_point=np.arange(4) + 50))
 
 
+@pytest.mark.slow
 def test_noise_that_rises_with_the_response_makes_no_peaks_of_its_own():
     """Scatter of 20 % on every line: one peak stands out of it, by 40 dB; beside a constant noise there are 107."""
     rng = np.random.default_rng(43)

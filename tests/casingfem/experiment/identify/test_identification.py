@@ -81,6 +81,7 @@ def test_intervals_of_frequency_and_damping_hold():
     assert np.sqrt(np.mean(np.square(sigmas), axis=(0, 2))) == pytest.approx(np.ones(2), abs=0.29)
 
 
+@pytest.mark.slow
 def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_said_to_be_one():
     bandwidth = 2 * 0.002
     pairs = [(6, 330.0, 0.5 * bandwidth, 11.0), (5, 350.0, 0.002 * bandwidth, 4.0)]
@@ -103,6 +104,7 @@ def test_a_single_mode_is_not_split():
     assert not found.notes
 
 
+@pytest.mark.slow
 def test_responses_without_noise_have_no_spurious_modes():
     rig = ring_rig([(6, 330.0, 0.004, 11.0), (4, 410.0, 0.02, 5.0)], theta=THETA, drives=[0.3])
     found = cf.identify(measured(rig, np.arange(300.0, 450.0, 0.1), len(THETA), 1, snr=None), angles=ANGLES)

@@ -41,6 +41,7 @@ def equal(a, b):
     return np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
 
 
+@pytest.mark.slow
 def test_every_field_comes_back_bit_for_bit(found, tmp_path):
     again = cf.Identified.load(found.save(tmp_path / "found.npz"))
     for name in (field.name for field in fields(found)):
@@ -110,6 +111,7 @@ def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
     assert 0.3 * shapes.sigma[2] < np.linalg.norm(off) < 3.0 * shapes.sigma[2]
 
 
+@pytest.mark.slow
 def test_hoop_axial_and_turned_sensors_have_their_directions():
     hoop = cf.correlation.identified_shapes(cf.identify(responses(2), angles=ANGLES, places=PLACES))
     np.testing.assert_allclose(hoop.directions[:, 0], -np.sin(THETA), atol=1e-12)

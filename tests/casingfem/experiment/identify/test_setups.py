@@ -84,6 +84,7 @@ def test_a_mode_that_few_setups_show_is_not_sure():
     assert doubtful[0].startswith("seen in 25 % of the set-ups")
 
 
+@pytest.mark.slow
 def test_a_window_that_leaks_does_not_damp():
     """Responses smoothed by a Hann window's power spectrum, bandwidths of six lines and three."""
     lines, step = np.arange(90.0, 130.0, 0.1), 0.1

@@ -62,6 +62,7 @@ def test_a_well_damped_mode_beside_narrow_shifted_ones_is_kept():
     np.testing.assert_allclose(found.zeta[found.sure], [4e-4, 5e-4, 6e-3], rtol=0.05)
 
 
+@pytest.mark.slow
 def test_a_clear_mode_is_sure_and_a_faint_local_one_is_not(tmp_path):
     local = np.zeros(12)
     local[4] = 0.05
@@ -108,6 +109,7 @@ def test_a_roving_mass_makes_no_modes_though_channels_agree_and_noise_rises_on_t
     np.testing.assert_allclose(found.freq, mean, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_peak_between_two_lines_is_a_mode_known_to_a_line_and_a_wrong_line_is_none():
     """Noise that rises with the peak leaves nothing that tells its damping; hum is one line, without skirts."""
     H, rng = mode(660.03, 5e-6, np.ones(1)), np.random.default_rng(5)

@@ -47,6 +47,7 @@ def pair(weak):
     return np.array([0.8 * np.cos(5 * THETA - 0.3), weak * np.sin(5 * THETA - 0.3)])
 
 
+@pytest.mark.slow
 def test_a_weak_partner_that_free_residues_hid_is_found():
     found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.03), 0.0, np.array([0])))
     assert len(found.freq) == 2
@@ -55,6 +56,7 @@ def test_a_weak_partner_that_free_residues_hid_is_found():
     assert np.all(np.abs(np.log(found.freq.mean(axis=1) / FREQ.mean(axis=1))) < 3.0 * found.sigma_freq)
 
 
+@pytest.mark.slow
 def test_a_local_mode_is_found_and_no_longer_moves_its_neighbours():
     found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.3), 0.2, np.arange(2)))
     assert len(found.freq) == 3

@@ -56,6 +56,7 @@ def lost(freq):
     return freq
 
 
+@pytest.mark.slow
 def test_a_weak_peak_that_lies_in_the_noise_of_a_setup_is_found_again():
     whole = problem(0.02)
     read = read_at(whole, lost(FREQ))

@@ -74,6 +74,7 @@ def test_two_shakers_at_once_are_told_apart():
         assert np.abs(found.responses[channel] - exact.responses[channel]).max() < 5e-3 * scale
 
 
+@pytest.mark.slow
 def test_leakage_of_a_windowed_random_record_falls_with_its_length():
     errors = []
     for block in (2048, 8192):
@@ -85,6 +86,7 @@ def test_leakage_of_a_windowed_random_record_falls_with_its_length():
     assert errors[1] < 0.35 * errors[0]  # the bias goes with the square of the resolution
 
 
+@pytest.mark.slow
 def test_coherence_shows_the_noise():
     clean = record(RIG, [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)], drives=[0], sensors=[0, 1], fs=FS,
                    block=4096, blocks=60, seed=SEED)  # fmt: skip

@@ -95,6 +95,7 @@ def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
         assert np.linalg.norm(a @ np.linalg.lstsq(a, b, rcond=None)[0] - b) < 1e-3 * np.linalg.norm(b)
 
 
+@pytest.mark.slow
 def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
     loose = frustum(supports={"base": Ring(section=BAR, offset=(0.03, -0.02))}, mesh=COARSE)
     grid = make_grid(loose.chart, loose.mesh)
@@ -116,6 +117,7 @@ def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
     assert modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
 
 
+@pytest.mark.slow
 def test_a_ring_far_outside_its_casing_hides_no_mode(steel):
     """A soft heavy ring of twice the radius: its harmonics lie lower than of one at the edge."""
     soft = Material(E=2e9, nu=0.3, rho=20000.0)
@@ -219,6 +221,7 @@ def test_reduction_of_a_casing_on_a_ring(frustum):
     np.testing.assert_allclose(held.compliance, exact.compliance, atol=1e-6 * scale)
 
 
+@pytest.mark.slow
 def test_a_stiff_massless_ring_holds_the_edge_round(frustum, steel):
     """A ring without mass only stiffens; a huge one on stiff springs is a clamp."""
     light = Material(E=steel.E, nu=steel.nu, rho=1e-6)

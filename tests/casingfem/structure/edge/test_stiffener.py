@@ -38,6 +38,7 @@ def casing(steel):
     return made
 
 
+@pytest.mark.slow
 def test_the_shell_with_stiffeners_is_its_harmonics(casing):
     """A cone with two rings, one of them inside the wall."""
     shell = casing(0.05, 0.15, chart=Frustum(r_base=0.3, r_top=0.26, height=0.2))

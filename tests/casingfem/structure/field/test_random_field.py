@@ -17,6 +17,7 @@ from casingfem.structure.field.random import (
 CASING = {"thickness": 3e-3, "radius": 0.475}
 
 
+@pytest.mark.slow
 def test_draws_have_the_published_median_and_90th_percentile():
     """2,500 draws: the median of a lognormal of s = .97 scatters by 1.25 s/sqrt(2500) = 2.4 %."""
     field = RandomField.example(**CASING, seed=71, p_max=12)

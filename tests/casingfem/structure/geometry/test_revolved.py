@@ -37,6 +37,7 @@ def test_a_meridian_of_great_radius_is_a_cylinder():
     assert bows[0] / bows[1] == pytest.approx(10.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_bowl_by_harmonics_and_as_a_whole_agree():
     chart = cf.Revolved(profile=cf.geometry.Arc(radius=0.1, start=0.0, end=-1.3))
     bowl = shell(chart, supports={"top": cf.Clamped()}, mesh=cf.ShellMesh(order=7, rows=2, around=15))

@@ -617,6 +617,7 @@ def test_a_motion_that_only_a_small_inertia_feels_is_not_loose(tmp_path):
 
 @pytest.mark.filterwarnings("ignore:.*material-units")
 @pytest.mark.parametrize("kind", ["solid", "shell"])
+@pytest.mark.slow
 def test_a_light_beam_with_a_tip_mass_stiffens_as_it_turns(kind):
     """Under the force m Omega^2 L its cubic shape gains 6/5 Omega^2 square to the plane of rotation, 1 less in it."""
     mesh, _ = beam(kind=kind)

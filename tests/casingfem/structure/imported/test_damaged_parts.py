@@ -46,6 +46,7 @@ def test_arrays_that_are_no_matrices(changes, message, tmp_path):
         read_matrices(tmp_path / "a.npz")
 
 
+@pytest.mark.slow
 def test_a_matlab_file_whose_rows_are_beyond_its_matrix(tmp_path):
     stream = BytesIO()
     savemat(stream, {"K": SET.K, "M": SET.M} | DOFS)
@@ -60,6 +61,7 @@ def test_a_matlab_file_whose_rows_are_beyond_its_matrix(tmp_path):
 
 
 @pytest.mark.parametrize(("old", "new"), [(b"SNOD", b"SNOX"), (b"TREE", b"TRXE")])
+@pytest.mark.slow
 def test_a_damaged_hdf5_file(old, new, tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:
@@ -71,6 +73,7 @@ def test_a_damaged_hdf5_file(old, new, tmp_path):
         read_matrices(tmp_path / "a.h5")
 
 
+@pytest.mark.slow
 def test_an_hdf5_matrix_that_says_it_fills_the_memory(tmp_path):
     """Nothing is stored of it: the file has some kilobytes."""
     h5py = pytest.importorskip("h5py")

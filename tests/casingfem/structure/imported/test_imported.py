@@ -46,6 +46,7 @@ SOLID = '[solid]\nmesh = "MESH"\n[support.base]\nkind = "clamped"\n[modes]\ncoun
 
 
 @pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.slow
 def test_five_formats_on_the_command_line(name, tmp_path):
     text = SOLID.replace("support.base", f'support."{group_name(name, "base", ["base", "top"])}"')
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, text, name=name)), "--json"])

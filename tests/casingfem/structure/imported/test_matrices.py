@@ -69,6 +69,7 @@ def written(folder, form, matrices=SET, stem="part"):
 @pytest.mark.parametrize(
     ("form", "digits"), [("mtx", 1e-9), ("op4", 1e-9), ("npz", 1e-9), ("mat", 1e-9), ("pch", 1e-5)]
 )
+@pytest.mark.slow
 def test_every_format_gives_the_same_basis(form, digits, tmp_path):
     """To round-off; DMIG cards have ten digits."""
     read = written(tmp_path, form)
@@ -216,11 +217,13 @@ def test_directions_of_a_table_of_dofs_by_letter_and_by_number(tmp_path):
     assert found[:, 1].tolist() == [*range(7), *range(7), 6]
 
 
+@pytest.mark.slow
 def test_dense_arrays_with_names_of_their_own(tmp_path):
     savemat(tmp_path / "a.mat", {"Kr": SET.K.toarray(), "Mr": SET.M.toarray(), "dofs": SET.dofs, "note": "by hand"})
     same(body(read_matrices([tmp_path / "a.mat"])))
 
 
+@pytest.mark.slow
 def test_matlab_hdf5(tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:

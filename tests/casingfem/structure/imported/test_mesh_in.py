@@ -50,6 +50,7 @@ def test_a_part_comes_back_with_its_nodes_cells_and_groups(kind, name, tmp_path)
         assert len(back.group_facets(found)) == len(mesh.group_facets(group))
 
 
+@pytest.mark.slow
 def test_five_formats_give_the_same_frequencies(tmp_path, steel):
     mesh = part("hexahedron20")
     exact = mesh_modes(Solid(mesh=mesh, material=steel, supports={"base": Clamped()}), 6).freq
@@ -338,6 +339,7 @@ def test_kinds_that_nobody_knows_are_refused():
         build(Draft(points=np.eye(4, 3), node_numbers=np.arange(4), blocks=[block]), "a.vtu")
 
 
+@pytest.mark.slow
 def test_truncated_binary_is_refused(tmp_path):
     WRITERS["Gmsh 4.1, binary"][1](part("tetra10"), tmp_path / "a.msh")
     content = (tmp_path / "a.msh").read_bytes()

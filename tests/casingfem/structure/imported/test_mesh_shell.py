@@ -115,6 +115,7 @@ def test_cantilever_plate_is_that_of_the_chart_shell_and_does_not_lock(kind, t, 
     np.testing.assert_allclose(found, modes(chart, 5).freq, rtol=4e-3)
 
 
+@pytest.mark.slow
 def test_eight_nodes_are_nine_with_the_middle_put_in(steel):
     eight, t = frustum("quad8", (41, 3))
     nine, _ = frustum("quad9", (41, 3))

@@ -146,6 +146,7 @@ def test_the_steady_state_tends_to_the_linear_one():
     assert left[1] / left[0] == pytest.approx(16.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_campbell_of_a_solid_follows_modes_and_equals_modes_at_speed():
     part = block(AXES["flapping out of it"])
     found = cf.campbell(part, [0.0, 500.0, 1000.0], count=3)
@@ -156,6 +157,7 @@ def test_campbell_of_a_solid_follows_modes_and_equals_modes_at_speed():
     assert np.all(np.diff(found.freq[:, 0]) > 0.0)
 
 
+@pytest.mark.slow
 def test_a_rotating_basis_knows_what_speed_adds():
     """K_omega on its diagonal is Southwell's coefficient; the basis is that of its speed."""
     part = skin(AXES["flapping out of it"].at(300.0))

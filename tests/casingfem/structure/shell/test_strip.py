@@ -125,6 +125,7 @@ def test_derivatives_equal_central_differences(uneven, name):
     np.testing.assert_allclose(exact[pairs].mean(axis=1), numeric[pairs].mean(axis=1), rtol=2e-5)
 
 
+@pytest.mark.slow
 def test_floors_lie_below_every_mode(frustum):
     casing = frustum(strips=(cf.Strip(start=0.1, end=0.2, thickness=0.8e-3), STRIPS[0]))
     for n in (2, 5, 12, 30):
