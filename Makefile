@@ -58,7 +58,7 @@ lint: $(READY)
 	$(BIN)/lint-imports
 
 types: $(READY)
-	$(BIN)/mypy
+	$(BIN)/mypy --num-workers 2
 
 doctests: $(READY)
 	$(BIN)/python -m pytest --doctest-modules casingfem contact

@@ -59,7 +59,7 @@ def test_nothing_that_is_there_is_touched(here):
     assert (here / "elsewhere" / "mine" / "rub.toml").is_file()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_new_folder_runs_as_it_is(here, monkeypatch):
     steps = json.loads(invoke("new", "mine", "--json").stdout)["next"][1:]
     monkeypatch.chdir(here / "mine")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from contact.base.errors import InputError, NumericsError
+from contact.jit.compiled import entry
 from contact.solver.friction.all_sliding import all_sliding_start
 from contact.solver.friction.coulomb import coulomb, solver_room
 from contact.solver.friction.newton import MOST_ITERATIONS
@@ -12,6 +13,8 @@ from contact.solver.friction.polyhedral_cone import lemke as pivoting
 from contact.solver.friction.room import INNER, MISS, STEP, TRIAL
 from contact.solver.unilateral.active_set import delassus_rows, unilateral
 from tests.contact.solver.lemke import lemke
+
+slide_all = entry(all_sliding_start)  # compiled as a whole, as loops have it
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
 
@@ -229,13 +232,13 @@ def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
         b = rng.standard_normal((8, dim))
         b[:, 1] += 1e5
         force = np.zeros(8 * dim)
-        all_sliding_start(W, b.ravel(), np.full(8, 0.1), dim, 8, force, solver_room(8, dim))
+        slide_all(W, b.ravel(), np.full(8, 0.1), dim, 8, force, solver_room(8, dim))
         exact = coulomb(W, b, 0.1)
         assert exact.force[:, 0].max() > 0.0
         assert np.allclose(force, exact.force.ravel(), rtol=0.0, atol=1e-10 * np.abs(exact.force).max())
     stuck = np.full(dim, -1.0)
     start = np.zeros(dim)
-    all_sliding_start(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, solver_room(1, dim))
+    slide_all(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, solver_room(1, dim))
     assert np.array_equal(start, np.zeros(dim))
 
 
@@ -249,7 +252,7 @@ def test_which_sliding_contacts_press_is_found_where_exchanging_all_that_is_wron
     W[::2, ::2] += 2.0 * np.roll(np.eye(count), 1, axis=1)
     force = np.zeros(2 * count)
     force[0] = 1.0
-    assert all_sliding_start(W, b, mu, 2, count, force, solver_room(count, 2))
+    assert slide_all(W, b, mu, 2, count, force, solver_room(count, 2))
     assert force == pytest.approx(np.tile([1.0, -1e-3], count) / 3.0, rel=1e-12)
 
 
@@ -268,7 +271,7 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
         b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
         start = np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
         force = start.copy()
-        all_sliding_start(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
+        slide_all(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
         assert led.iterations <= 2 < 3 < alone.iterations
         assert np.abs(force - led.force.ravel()).max() <= 4e-4 * led.force.max()
