@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, frozen
+from casingfem.linalg.assignment import assignment
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.structure.geometry.rotation import Rotation
@@ -158,7 +158,7 @@ def campbell(structure: Shell | MeshStructure, omega: Sequence[float] | FloatArr
             southwell = np.einsum("fk,fk->k", shapes[:, :count], added.K1 @ shapes[:, :count])
         else:
             likeness = np.abs(before.T @ (system.M @ shapes))
-            _, columns = linear_sum_assignment(-(likeness**2))
+            _, columns = assignment(-(likeness**2))
             overlap[k] = likeness[np.arange(count), columns]
         before = shapes[:, columns]
         freq[k] = found.freq[columns]

@@ -13,12 +13,12 @@ from dataclasses import replace
 from itertools import chain
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.correlation.pairing import member_of
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
+from casingfem.linalg.assignment import assignment
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.shell.assembly import nodal_mass
@@ -62,7 +62,7 @@ def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, t
     wanted = [(k, share[list(plane)].sum(axis=0)) for k, plane in enumerate(planes) for _ in pairing.matches[k].modes]
     profit = np.array([row for _, row in wanted])
     profit = np.pad(profit, ((0, 0), (0, max(len(profit) - len(new), 0))))  # fewer modes than rows: some are lost
-    places, found = linear_sum_assignment(-profit)
+    places, found = assignment(-profit)
     of: dict[int, list[int]] = {}
     for place, mode in zip(places.tolist(), found.tolist(), strict=True):
         match = wanted[place][0]

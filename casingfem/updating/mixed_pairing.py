@@ -6,10 +6,10 @@ a wrong n costs as much as 5 % in frequency, half a wrong n half of that.
 """
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.linalg.assignment import assignment
 from casingfem.modal.harmonics import quadrature
 from casingfem.modal.mode_set import ModeSet
 
@@ -26,7 +26,7 @@ def paired_by_shares(found: ModeSet, table: FrequencyTable, reach: float) -> tup
     error = np.abs(np.log(table.freq_hz[:, None] / np.maximum(found.freq, 1e-9)))
     error[:, : found.rigid] = np.inf
     cost = np.where(error <= np.log1p(reach), error / WRONG + 1.0 - like, 1e3)
-    rows, modes = linear_sum_assignment(cost)
+    rows, modes = assignment(cost)
     mode_of = {int(row): int(mode) for row, mode in zip(rows, modes, strict=True) if cost[row, mode] < 1e3}
     matches: list[Match] = []
     for group in table.groups():

@@ -7,12 +7,12 @@ less than twice as much nobody can tell, and it is refused; but the two rows of 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.linalg.assignment import assignment
 
 REACH = 1e-3
 SURE = 2.0  # times as far must any other choice be
@@ -45,7 +45,7 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
     apart[(apart > reach) | (both & (measured.n[:, None] != table.n))] = np.inf
     prices = np.pad(np.minimum(apart, 2.0 * reach), ((0, 0), (0, len(apart))), constant_values=2.0 * reach)
     rows = np.full(len(apart), -1)
-    for shape, row in zip(*linear_sum_assignment(prices), strict=True):
+    for shape, row in zip(*assignment(prices), strict=True):
         if row < len(table) and np.isfinite(apart[shape, row]):
             rows[shape] = row
     if np.all(rows < 0):

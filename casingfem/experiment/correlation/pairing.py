@@ -7,13 +7,13 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linear_sum_assignment
 
 from casingfem.experiment.correlation.alignment import Indices, align
 from casingfem.experiment.correlation.mac import mac, subspace_mac
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.linalg.assignment import assignment
 
 __all__ = ["Match", "ModeSet", "Pairing", "mac", "pair", "subspace_mac"]
 
@@ -190,7 +190,7 @@ def _assigned(rows: Sequence[int], modes: Sequence[int], cost: _Cost) -> list[tu
             prices[i, j] = cost((row,), (mode,)) + (
                 TIE * (1.0 - cost.shapes[row, mode]) if cost.shapes is not None else 0.0
             )
-    chosen = zip(*linear_sum_assignment(prices), strict=True)
+    chosen = zip(*assignment(prices), strict=True)
     return [((rows[i],), (modes[j],)) for i, j in chosen if j < len(modes)]
 
 

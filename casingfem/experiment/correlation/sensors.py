@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
@@ -153,6 +152,8 @@ def sensors_at_nodes(
     ModelError
         sensor-far, for one further than `tolerance` [m], by default 2 % of the part's size, from every node.
     """
+    from scipy.spatial import cKDTree  # loaded with the first sensors, not by every study
+
     where, towards = np.asarray(points, float), np.asarray(directions, float)
     numbers = np.arange(1, len(where) + 1) if labels is None else np.asarray(labels)
     mesh = structure.mesh

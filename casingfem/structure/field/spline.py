@@ -1,14 +1,19 @@
 """B-splines along the axis: a basis in z with exact derivatives, as an alternative to powers."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +88,8 @@ class Spline:
 @cache
 def _curves(basis: Spline) -> tuple[BSpline, FloatArray]:
     """All B-splines as one vector-valued curve, and the matrix (clamped, size) that makes natural ones of them."""
+    from scipy.interpolate import BSpline  # a sixth of the time in which modes of a casing are there
+
     k = basis.degree
     inner = np.linspace(basis.z_low, basis.z_high, basis.intervals + 1)
     knots = np.concatenate([np.full(k, inner[0]), inner, np.full(k, inner[-1])])

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, sentence, warn
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
@@ -127,6 +126,8 @@ def spacing(mesh: MeshData) -> float:
 
 def coincident(mesh: MeshData) -> list[Finding]:
     """Nodes at the same place that no cell joins: a seam left open, parts not merged."""
+    from scipy.spatial import cKDTree  # loaded with the first part, not by every study
+
     used = mesh.used
     reach = max(COINCIDENT * spacing(mesh), 1e-12 * mesh.size)
     pairs = used[cKDTree(mesh.points[used]).query_pairs(reach, output_type="ndarray")]

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
@@ -88,6 +87,8 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
 
 def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
     """Nodes of the surface that the turn lays on another one of it."""
+    from scipy.spatial import cKDTree  # loaded with the first part, not by every study
+
     nodes = np.unique(mesh.facet_nodes(mesh.boundary))
     distance, partner = cKDTree(mesh.points[nodes]).query(turn.places(mesh.points[nodes]))
     hit = distance <= reach
@@ -102,6 +103,8 @@ def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
 
 def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> Pairs:
     """The pairs of two groups, in either order."""
+    from scipy.spatial import cKDTree  # loaded with the first part, not by every study
+
     check_groups(mesh, names)
     low, high = (np.intersect1d(mesh.groups[name].nodes, mesh.used) for name in names)
     if len(low) != len(high):

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, IntArray
@@ -196,6 +195,8 @@ def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
 
 def joined(mesh: MeshData, distance: float) -> MeshData:
     """The mesh with nodes of cells closer than a distance [m] made one; those of attachments alone stay apart."""
+    from scipy.spatial import cKDTree  # loaded with the first part, not by every study
+
     used = mesh.used
     pairs = used[cKDTree(mesh.points[used]).query_pairs(distance, output_type="ndarray")]
     count = len(mesh.points)

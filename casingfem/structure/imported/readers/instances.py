@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
@@ -117,6 +116,8 @@ def largest(card: Card) -> int:
 
 def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:
     """Turn (3, 3) and shift (3,) of an instance: x -> turn x + shift."""
+    from scipy.spatial.transform import Rotation  # loaded with the first part, not by every study
+
     rows = []
     for line, text in card.data:
         try:
