@@ -148,6 +148,7 @@ def test_a_mass_at_rest_raises_no_alarm(scheme):
 
 
 @pytest.mark.parametrize(("by", "mu"), [(1e-5, 0.0), (1e-4, 0.3)])
+@pytest.mark.slow
 def test_bodies_that_overlap_at_the_start_are_pushed_apart_without_an_alarm(by, mu):
     """What the overlap stored comes out by contact: no more than the largest force along it, and most of it."""
     rim = ct.RotatingRim(ring(S=4e-7, zeta=0.01), blade(S=1e-6, zeta=0.01), clearance=-by, speed_hz=5.0, lean_deg=25.0)

@@ -8,6 +8,8 @@ import pytest
 import contact as ct
 from contact.record.record import samples
 
+pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
+
 
 def body(omega, rows, names, S=None, zeta=0.0):
     rows = np.atleast_2d(rows)
@@ -27,7 +29,6 @@ def run(patch, mu, t_end, dt, **more):
     return ct.run(patch, law=law, scheme=ct.ExactModal(), t_end=t_end, dt=dt, **more)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "rest", "stops"), [(0.1, 0.0, 5.0), (0.07, -0.02, 7.0), (0.3, -0.2, 2.0), (1.2, 1.0, 0.0)]
 )
@@ -46,7 +47,6 @@ def test_a_coulomb_oscillator_comes_to_rest_where_the_closed_form_says(mu, rest,
     assert abs(result.energy.unaccounted) < 1e-12
 
 
-@pytest.mark.slow
 def test_the_rest_position_converges_with_the_square_of_the_step():
     steps = np.array([0.1, 0.093, 0.081, 0.077, 0.064, 0.058, 0.051])
 
@@ -57,7 +57,6 @@ def test_the_rest_position_converges_with_the_square_of_the_step():
     assert error(steps) > 100.0 * error(steps / 16.0)
 
 
-@pytest.mark.slow
 def test_a_belt_drags_a_block_to_the_friction_limit_and_holds_it_there():
     patch = oscillator(displacement=[0.0, 0.0], slide=0.3, body=body([1.0, 0.0], np.eye(2), ("x", "y"), zeta=0.2))
     result = run(patch, 0.5, 80.0, 1e-2, record=ct.Record(state_every=1))
@@ -66,7 +65,6 @@ def test_a_belt_drags_a_block_to_the_friction_limit_and_holds_it_there():
     np.testing.assert_allclose(sticking, 0.3, rtol=1e-9)  # it rides with the belt, once it is as fast
 
 
-@pytest.mark.slow
 def test_one_frictionless_contact_is_the_point_gap():
     rows = np.array([[1.0, 0.7, 0.4]])
     bar = body([0.0, 30.0, 70.0], rows, ("tip",), S=np.array([[1e-5]]))
@@ -92,7 +90,6 @@ def test_the_gap_of_an_open_contact_is_where_its_body_is(soft):
     np.testing.assert_allclose(result.gap[open_at, 0], place[open_at + 1], atol=1e-13)
 
 
-@pytest.mark.slow
 def test_redundant_contacts_share_a_force_and_change_nothing():
     rows = np.array([[1.0, 0.7, 0.4]] * 5)
     names = tuple(f"tip{k}" for k in range(5))
@@ -116,7 +113,6 @@ def table(contacts=16, modes=50, slide=(0.05, 0.02)):
     )  # fmt: skip
 
 
-@pytest.mark.slow
 def test_sixteen_contacts_with_friction_in_three_dimensions():
     scheme, steps = ct.ExactModal(), 3000
     stepper = scheme.prepare(table(), ct.Coulomb(mu=0.3), dt=1e-4, courant=None)
@@ -133,7 +129,6 @@ def test_sixteen_contacts_with_friction_in_three_dimensions():
     assert abs(end.discrete - start.discrete - work) <= 1e-12 * scale
 
 
-@pytest.mark.slow
 def test_sticking_is_told_from_slipping_step_by_step(tmp_path):
     result = run(oscillator(), 0.3, 30.0, 1e-3, record=ct.Record(every=10))
     (pauses,) = result.sticking
@@ -160,7 +155,6 @@ def on_a_belt(dt, **change):
     return first
 
 
-@pytest.mark.slow
 def test_stick_and_slip_are_located_to_second_order():
     """x = .5 (1 - cos t) until x' = .3, then with the belt until the spring pulls .5."""
     caught = math.asin(0.6)
@@ -170,7 +164,6 @@ def test_stick_and_slip_are_located_to_second_order():
     assert (fine < 1e-5).all()
 
 
-@pytest.mark.slow
 def test_two_slip_directions_are_one_when_the_motion_is_straight():
     """The same oscillator seen by tangents at 37 degrees to its motion."""
     rows = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
@@ -179,7 +172,6 @@ def test_two_slip_directions_are_one_when_the_motion_is_straight():
     np.testing.assert_allclose(on_a_belt(0.02, body=block, **more), on_a_belt(0.02), atol=1e-9)
 
 
-@pytest.mark.slow
 def test_a_block_that_rests_at_its_first_turn_does_so_when_the_closed_form_says():
     def make(dt):
         ((pause,),) = run(oscillator(), 0.6, 4.0, dt).sticking
@@ -191,7 +183,6 @@ def test_a_block_that_rests_at_its_first_turn_does_so_when_the_closed_form_says(
     assert pause[1] == pytest.approx(4.0, abs=1e-9)
 
 
-@pytest.mark.slow
 def test_a_turn_without_rest_has_no_length():
     """At pi the spring pulls .4 against .3: the slip turns at once; at 2 pi it rests."""
     (turn, rest) = run(oscillator(), 0.3, 10.0, 5e-3).sticking[0]
@@ -199,7 +190,6 @@ def test_a_turn_without_rest_has_no_length():
     assert rest[0] == pytest.approx(2.0 * math.pi, abs=5e-3)  # the turn cost part of a step
 
 
-@pytest.mark.slow
 def test_a_contact_that_opens_while_it_sticks_stops_sticking():
     patch = oscillator(load=[0.0, 0.0], displacement=[0.0, 0.0], velocity=[0.0, -1.0], clearance=0.01,
                        body=body([1.0, 50.0], np.eye(2), ("x", "y")))  # fmt: skip
@@ -209,7 +199,6 @@ def test_a_contact_that_opens_while_it_sticks_stops_sticking():
     assert stuck[1] == pytest.approx(closed[1], abs=1e-9)
 
 
-@pytest.mark.slow
 def test_a_load_within_the_cone_sticks_for_as_long_as_it_acts():
     block = body([0.0, 0.0], np.eye(2), ("x", "y"))
     patch = ct.Patch(body=block, normal=("y",), tangent=(("x",),), load=[0.29, -1.0])

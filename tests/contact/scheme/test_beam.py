@@ -13,6 +13,8 @@ from contact.record.record import Record, samples
 from contact.scheme.beam.beam_implicit import prepare_beam_newmark
 from contact.scheme.beam.beam_stepper import prepare_beam
 
+pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
+
 BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
 CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
 RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
@@ -36,7 +38,6 @@ def before_and_after():
     return stepper, start, out, steps
 
 
-@pytest.mark.slow
 def test_first_contact_is_where_and_when_a_rigid_beam_meets_the_circle(before_and_after):
     _, _, out, _ = before_and_after
     first = int(np.flatnonzero(out.force[:, -1] > 0.0)[0])
@@ -46,7 +47,6 @@ def test_first_contact_is_where_and_when_a_rigid_beam_meets_the_circle(before_an
     assert not out.force[:first].any()
 
 
-@pytest.mark.slow
 def test_nothing_leaves_the_circle_and_only_closed_gaps_press(before_and_after):
     stepper, _, out, _ = before_and_after
     nodes = out.state.reshape(len(out.state), -1, 3)
@@ -69,7 +69,6 @@ def test_the_largest_frequency_of_an_element_is_that_of_its_matrices():
     assert BEAM.omega_max() == pytest.approx(math.sqrt(eigh(K, np.diag(np.tile(half, 2)))[0][-1]), rel=1e-9)
 
 
-@pytest.mark.slow
 def test_energy_equals_the_work_of_the_torque_before_contact():
     stepper = prepare_beam(CIRCLE, None, 0.2)  # the torque hits the light hinge node at once: an error of h^2
     start = stepper.stored()
@@ -80,7 +79,6 @@ def test_energy_equals_the_work_of_the_torque_before_contact():
     assert end.kinetic == pytest.approx(work, rel=1e-2)  # nearly all of it
 
 
-@pytest.mark.slow
 def test_the_ledger_and_angular_momentum_balance_to_round_off(before_and_after):
     stepper, start, _, steps = before_and_after
     end = stepper.stored()
@@ -91,13 +89,11 @@ def test_the_ledger_and_angular_momentum_balance_to_round_off(before_and_after):
     assert impulse < 0.0
 
 
-@pytest.mark.slow
 def test_contact_takes_energy_and_never_gives_it(before_and_after):
     stepper = before_and_after[0]
     assert -0.2 * stepper.stored().kinetic < stepper.sums.work.sum() < 0.0
 
 
-@pytest.mark.slow
 def test_implicit_newmark_agrees_with_the_explicit_impulse(before_and_after):
     explicit = before_and_after[0].sums.impulse.sum()
     stepper = prepare_beam_newmark(CIRCLE, 0.5, 0.55, 1e-4)
@@ -112,7 +108,6 @@ def test_implicit_newmark_agrees_with_the_explicit_impulse(before_and_after):
     assert impulse < 0.0
 
 
-@pytest.mark.slow
 def test_a_run_through_the_front_door_reports_it():
     result = ct.run(CIRCLE, t_end=0.5, courant=0.5, record=ct.Record(every=1000))
     assert len(result.intervals[-1]) > 0
@@ -169,14 +164,12 @@ def impulse(ring, t_end):
     return float(stepper.sums.impulse.sum())
 
 
-@pytest.mark.slow
 def test_modal_and_finite_element_rings_give_one_impulse():
     t_end = 1.15 * CIRCLE.first_contact_time
     modal = impulse(ct.bodies.ring_modes(RING, 20), t_end)
     assert impulse(ct.bodies.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
 
 
-@pytest.mark.slow
 def test_residual_compliance_of_the_ring_yields_with_its_modes():
     """Every node that presses lies on the rim, moved by its modes and by S times all forces."""
     modes = ct.bodies.ring_modes(RING, 4)
@@ -223,7 +216,6 @@ def test_nodes_that_press_together_all_end_on_the_rim(pressing):
     assert np.abs((0.502 + rim - np.linalg.norm(away, axis=1))[-pressing:]).max() <= 1e-9
 
 
-@pytest.mark.slow
 def test_a_stiffening_ring_becomes_the_rigid_circle():
     t_end = 1.15 * CIRCLE.first_contact_time
     rigid = impulse(None, t_end)

@@ -125,6 +125,7 @@ def test_no_angle_and_no_time_sees_more_than_the_largest_share(imperfect):
 
 
 @pytest.mark.parametrize(("imperfect", "mu"), [(0.0, 0.0), (0.05, 0.2)])
+@pytest.mark.slow
 def test_the_same_run_with_and_without_leaps(imperfect, mu):
     leaping, plain = pair(lobed(imperfect=imperfect), law=ct.Coulomb(mu=mu) if mu else ct.Unilateral())
     assert 0.02 < plain.contact_steps[0] / plain.steps < 0.5

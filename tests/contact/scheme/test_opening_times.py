@@ -7,6 +7,8 @@ import contact as ct
 from contact.model.bodies.body import PointMass, Wall
 from contact.scene.scheme import SCHEMES
 
+pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
+
 OPENS = 0.25
 
 
