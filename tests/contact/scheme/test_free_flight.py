@@ -12,6 +12,8 @@ from contact.scheme.modal.free_flight import BITS, CELLS, least_clearance, power
 from contact.scheme.modal.propagator import free_motion, propagator
 from tests.contact.synthetic_rim import blade, ring
 
+pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
+
 DT = 2e-5
 SPARSE = ct.Record(every=500, state_every=1000)
 
@@ -125,7 +127,6 @@ def test_no_angle_and_no_time_sees_more_than_the_largest_share(imperfect):
 
 
 @pytest.mark.parametrize(("imperfect", "mu"), [(0.0, 0.0), (0.05, 0.2)])
-@pytest.mark.slow
 def test_the_same_run_with_and_without_leaps(imperfect, mu):
     leaping, plain = pair(lobed(imperfect=imperfect), law=ct.Coulomb(mu=mu) if mu else ct.Unilateral())
     assert 0.02 < plain.contact_steps[0] / plain.steps < 0.5

@@ -332,6 +332,7 @@ def test_bad_sweeps_are_refused_with_their_key(scene, table, words):
     assert "scene.toml" in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_scene_with_a_sweep_runs_as_it_stands(scene):
     assert ct.run(ct.load_scene(scene(GRID))).steps == 2000
 
