@@ -7,9 +7,12 @@ unknowns, as contacts of one step have, LAPACK called from a loop takes longer.
 from __future__ import annotations
 
 import math
+from typing import Any
+
+from numba import types
 
 from contact.base.arrays import Array
-from contact.jit.compiled import jit
+from contact.jit.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.jit.vector import WIDTH, load, put, same, total
 
 PANEL = 4  # columns that `solve_in_place` takes at a time
@@ -55,10 +58,13 @@ def affine(A: Array, x: Array, b: Array, out: Array, n: int) -> None:
 
 
 @jit
-def solve_in_place(A: Array, x: Array, n: int) -> bool:
-    """Replace x by A^-1 x and A by its factors, rows exchanged for the largest pivot; False where a pivot is zero."""
+def solve_in_place(A: Array, x: Array, n: int, panels: Panels) -> bool:
+    """Replace x by A^-1 x and A by its factors, rows exchanged for the largest pivot; False where a pivot is zero.
+
+    `panels` is to be used where n may be LARGE.
+    """
     if n >= LARGE:
-        if not eliminate_panels(A, x, n):
+        if not panels(A, x, n):
             return False
     elif not eliminate(A, x, n):
         return False
@@ -91,6 +97,32 @@ def eliminate(A: Array, x: Array, n: int) -> bool:
 
 
 @jit
+def exchange(A: Array, x: Array, p: int, top: int, first: int, n: int) -> None:
+    """Rows p and `top` change places, from column `first` on."""
+    x[p], x[top] = x[top], x[p]
+    for k in range(first, n):
+        A[p, k], A[top, k] = A[top, k], A[p, k]
+
+
+@jit
+def subtract_panel(A: Array, first: int, n: int) -> None:
+    """Take rows `first` .. `first` + PANEL - 1, times the factors in these columns, from all rows below."""
+    wide, begin = A.shape[1], first + PANEL
+    p, whole = first * wide, n - (n - begin) % WIDTH
+    for i in range(begin, n):
+        row = i * wide
+        a, b, c, d = same(A[i, first]), same(A[i, first + 1]), same(A[i, first + 2]), same(A[i, first + 3])
+        for k in range(begin, whole, WIDTH):
+            left = load(A, row + k) - a * load(A, p + k)
+            left = left - b * load(A, p + wide + k)
+            left = left - c * load(A, p + 2 * wide + k)
+            put(A, row + k, left - d * load(A, p + 3 * wide + k))
+        for other in range(first, begin):
+            ratio = A[i, other]
+            for k in range(whole, n):
+                A[i, k] -= ratio * A[other, k]
+
+
 def eliminate_panels(A: Array, x: Array, n: int) -> bool:
     """Make A upper triangular, `PANEL` columns at a time: the rest is read and written once for all of them.
 
@@ -122,31 +154,11 @@ def eliminate_panels(A: Array, x: Array, n: int) -> bool:
     return True
 
 
-@jit
-def exchange(A: Array, x: Array, p: int, top: int, first: int, n: int) -> None:
-    """Rows p and `top` change places, from column `first` on."""
-    x[p], x[top] = x[top], x[p]
-    for k in range(first, n):
-        A[p, k], A[top, k] = A[top, k], A[p, k]
+class Panels(ByAddress):
+    """`eliminate_panels` as loops call it: loops of a few contacts need not contain it."""
 
-
-@jit
-def subtract_panel(A: Array, first: int, n: int) -> None:
-    """Take rows `first` .. `first` + PANEL - 1, times the factors in these columns, from all rows below."""
-    wide, begin = A.shape[1], first + PANEL
-    p, whole = first * wide, n - (n - begin) % WIDTH
-    for i in range(begin, n):
-        row = i * wide
-        a, b, c, d = same(A[i, first]), same(A[i, first + 1]), same(A[i, first + 2]), same(A[i, first + 3])
-        for k in range(begin, whole, WIDTH):
-            left = load(A, row + k) - a * load(A, p + k)
-            left = left - b * load(A, p + wide + k)
-            left = left - c * load(A, p + 2 * wide + k)
-            put(A, row + k, left - d * load(A, p + 3 * wide + k))
-        for other in range(first, begin):
-            ratio = A[i, other]
-            for k in range(whole, n):
-                A[i, k] -= ratio * A[other, k]
+    kind: Any = types.boolean(MATRIX, VECTOR, types.int64)
+    function = staticmethod(eliminate_panels)
 
 
 @jit

@@ -16,7 +16,7 @@ from contact.jit.compiled import jit, jit_entry
 from contact.loop.beam.beam import strain_energy_and_forces
 from contact.loop.tally import note_contact, store, store_state
 from contact.record.record import Samples, Tally
-from contact.solver.dense import solve_in_place
+from contact.solver.dense import LARGE, Panels, solve_in_place
 
 MOST_NEWTON, MOST_CHANGES = 30, 40
 SMALL = 1e-11  # of the element length: the Newton correction that ends a step
@@ -57,6 +57,7 @@ class ImplicitWork(NamedTuple):
     r: Array  # (4 n,)
     B: Array  # (3, 6)
     z: Array  # (6,)
+    panels: Panels
 
 
 def implicit_work(n: int) -> ImplicitWork:
@@ -65,6 +66,7 @@ def implicit_work(n: int) -> ImplicitWork:
     return ImplicitWork(
         x=x, a=a, start=start, inner=inner, seen=np.zeros(3 * n), active=np.zeros(n, dtype=np.int64),
         A=np.zeros((4 * n, 4 * n)), r=np.zeros(4 * n), B=np.zeros((3, 6)), z=np.zeros(6),
+        panels=Panels(used=4 * n >= LARGE),
     )  # fmt: skip
 
 
@@ -138,7 +140,7 @@ def newton(s: ImplicitBeam, w: ImplicitWork, h: float) -> bool:
             for i in range(size):
                 A[i, j], A[j, i] = 0.0, 0.0
             A[j, j], r[j] = 1.0, 0.0
-        if not solve_in_place(A, r, size):
+        if not solve_in_place(A, r, size, w.panels):
             return False
         largest = 0.0
         for i in range(n):

@@ -234,7 +234,7 @@ def with_closed(A: Array, gap: Array, n: int, x: Array, left: Array, room: Room)
     for i in range(size):
         for k in range(size):
             part[i, k] = A[at[i], at[k]]
-    if not solve_in_place(part, short, size):
+    if not solve_in_place(part, short, size, room.panels):
         return False
     for i in range(size):
         x[at[i]] = short[i]

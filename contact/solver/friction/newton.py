@@ -57,7 +57,7 @@ def newton(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
         if undamped == 0:
             assign(base, force, size)
         n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
-        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size, HAIR)
+        newton_step(J, closed, n, miss, inside, room, step, size, HAIR)
         part = 1.0
         for _ in range(1 if undamped > 0 else HALVINGS):
             for i in range(size):
@@ -92,7 +92,7 @@ def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
         if left <= CLOSE:
             break
         n = law_slope(W, mu, rho, dim, count, force, u, J, closed)
-        newton_step(J, closed, n, miss, inside, room.vectors[RIGHT], step, size, 0.0)
+        newton_step(J, closed, n, miss, inside, room, step, size, 0.0)
         for i in range(size):
             trial[i] = force[i] - step[i]
         law_residual(W, b, mu, rho, dim, count, trial, u, trial_miss)
@@ -247,9 +247,10 @@ def law_slope(W: Array, mu: Array, rho: Array, dim: int, count: int, force: Arra
 
 
 @jit
-def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, right: Array, step: Array,
+def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, room: Room, step: Array,
                 size: int, hair: float) -> None:  # fmt: skip
     """Solve J step = miss, J regularised by a hair, what does not press first; NaN where J is singular."""
+    right = room.vectors[RIGHT]
     assign(step, miss, size)
     for a in range(n):
         step[closed[a]] = 0.0
@@ -259,6 +260,6 @@ def newton_step(J: Array, closed: Indices, n: int, miss: Array, inside: Array, r
         for b in range(n):
             inside[a, b] = entry(J, row + entry(closed, b))
         inside[a, a] += hair
-    solved = solve_in_place(inside, right, n)
+    solved = solve_in_place(inside, right, n, room.panels)
     for a in range(n):
         step[closed[a]] = right[a] if solved else math.nan  # no step: sweeps follow

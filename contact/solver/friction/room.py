@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from contact.base.arrays import Array, Indices
-from contact.solver.dense import LARGE
+from contact.solver.dense import LARGE, Panels
 
 protocol: Any = numba.types.WrapperAddressProtocol
 Pivoted = Callable[[Array, Array, Array, int, Array], tuple[Array, float]]  # W, b, mu, dim, force: force, residual
@@ -82,6 +82,7 @@ class Room(NamedTuple):
     whole: Indices  # (2, N)
     left: Array  # (1,) largest error of a solution as motion, over the free motion of its contact
     otherwise: Otherwise
+    panels: Panels
 
 
 def staggered(size: int) -> int:
@@ -101,4 +102,5 @@ def friction_room(contacts: int, dim: int, pivoted: Pivoted | None = None) -> Ro
         vectors=vectors, matrices=matrices, pairs=np.zeros((contacts, 2)), whole=np.zeros((2, size), dtype=np.int64),
         left=np.zeros(1),
         otherwise=Otherwise(matrices[INNER], vectors[MISS], vectors[STEP], vectors[TRIAL], pivoted),
+        panels=Panels(used=size >= LARGE),
     )  # fmt: skip

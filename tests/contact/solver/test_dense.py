@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from contact.solver.dense import LARGE, eliminate, eliminate_panels, solve_in_place
+from contact.jit.compiled import entry
+from contact.solver.dense import LARGE, Panels, eliminate, eliminate_panels, solve_in_place
 
 
 def problem(n, seed=0):
@@ -21,12 +22,12 @@ def test_panels_change_no_bit_and_solve(n):
     A, x = problem(n)
     (one, a), (other, b) = ((A.copy(), x.copy()) for _ in range(2))
     assert eliminate(one, a, n)
-    assert eliminate_panels(other, b, n)
+    assert entry(eliminate_panels)(other, b, n)
     upper = np.triu_indices(n)
     assert np.array_equal(one[upper], other[upper])  # but for the sign of zeros
     assert np.array_equal(a, b)
     found, used = x.copy(), A.copy()
-    assert solve_in_place(used, found, n)
+    assert solve_in_place(used, found, n, Panels(used=True))
     assert found == pytest.approx(np.linalg.solve(A[:, :n], x), rel=1e-9)
     assert not used[:, n:].any()
 
@@ -35,4 +36,4 @@ def test_a_matrix_without_inverse_is_told():
     A, x = problem(LARGE + 2)
     A[:, 17] = A[:, 5]
     A[:, 5] = 0.0
-    assert not solve_in_place(A, x, LARGE + 2)
+    assert not solve_in_place(A, x, LARGE + 2, Panels(used=True))
