@@ -52,21 +52,22 @@ class Reach:
         """Tests in the order in which they are likely to see a change, those of one file together.
 
         Nearer ones first; tests in a file named like the changed one, in the folder that is its folder's or a little
-        above it, tests named like the changed function, and tests that use the changed method by its name, count as
-        nearer, slow ones as farther; files that are equally near come at random.
+        above it or has its name in theirs, tests named like the changed function, and tests that use the changed method
+        by its name, count as nearer, slow ones as farther; files that are equally near come at random.
         """
         top, _, method = function.rpartition(".")
         near = self.distances((file, function.partition(".")[0]))
         words, folder = set(Path(file).stem.split("_")), Path("tests", file).parent.parts
-        of_function = set(method.split("_")) - {""}
+        room, of_function = set(Path(file).parent.name.split("_")), set(method.split("_")) - {""}
 
         def rank(test: Unit) -> float:
-            own = set(Path(test[0]).stem.split("_")) & words
+            of_test = set(Path(test[0]).stem.split("_"))
+            own, of_room = of_test & words, of_test & room
             named = bool(top) and method in self.attributes[test]
             alike = len(of_function & set(test[1].split("_"))) / max(1, len(of_function))
             own_folder = Path(test[0]).parent.parts
             beside = len(own_folder) / len(folder) if own_folder == folder[: len(own_folder)] else 0.0
-            nearer = named + alike + beside + 2.0 * len(own) / len(words)
+            nearer = named + alike + beside + 2.0 * len(own) / len(words) + 4.0 * len(of_room) / len(room)
             return near.get(test, FAR) + 0.5 * self.tests[test] - nearer
 
         ranks = {test: rank(test) for test in self.tests}

@@ -157,6 +157,20 @@ def test_of_tests_equally_near_those_of_its_folder_and_its_name_come_first(campa
         assert last == "tests/test_a.py::test_1"
 
 
+def test_a_file_named_like_the_folder_comes_before_nearer_ones(campaign: Campaign) -> None:
+    """Tests of a rub call what runs all scenes, from where the loops of a rub are as far as any."""
+    (campaign.root / "tiny/rub").mkdir()
+    (campaign.root / "tiny/rub/loop.py").write_text("def step():\n    return 1\n", encoding="utf-8")
+    (campaign.root / "tiny/run.py").write_text(
+        "from tiny.rub import loop\ndef run():\n    loop.step()\n", encoding="utf-8"
+    )
+    direct = "from tiny.rub.loop import step\ndef test_1():\n    step()\n"
+    for name, text in {"any": direct, "rub_forces": "from tiny.run import run\ndef test_2():\n    run()\n"}.items():
+        (campaign.root / f"tests/test_{name}.py").write_text(text, encoding="utf-8")
+    first = read_reach(campaign.root, ("tiny",), ("tests",)).nearest("tiny/rub/loop.py", "step", 1)[0]
+    assert first == "tests/test_rub_forces.py::test_2"
+
+
 @pytest.mark.campaign
 def test_examples_of_a_docstring_are_tests(campaign: Campaign) -> None:
     """Those of a package; of other folders nothing runs them."""
