@@ -8,6 +8,9 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.export.meshes import drawn_surface
 from casingfem.export.modes_uff import write_modes_uff
+from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.imported.grid import grid_mesh
+from tests.casingfem.structure.imported.parts import supported
 from tests.casingfem.study.study_texts import PLATE, written
 
 pyuff = pytest.importorskip("pyuff")
@@ -30,6 +33,13 @@ def test_the_file_holds_the_modes(casing, path):
     for k, shape in enumerate(found.shapes):
         assert shape.values == pytest.approx(casing.fields[:, :3, k], rel=1e-5, abs=1e-30)
         assert shape.text[1] == f"n = {casing.nodal_diameters[k]}, m = 1"
+
+
+def test_the_header_says_what_the_modes_are_of(path, tmp_path):
+    part = supported(grid_mesh("hexahedron20", (2, 1, 1), lambda u: u, groups={"root": (0, 0.0)}))
+    imported = write_modes_uff(mesh_modes(part, 1), tmp_path / "part.uff")
+    assert cf.uff.read_uff(path).header[:2] == ("casingfem", "modes of a shell")
+    assert cf.uff.read_uff(imported).header[:2] == ("casingfem", "modes of an imported part")
 
 
 def test_every_side_is_drawn_once(casing, path):

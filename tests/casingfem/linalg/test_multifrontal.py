@@ -55,6 +55,12 @@ def test_solutions_and_inertia_are_the_dense_ones(size, density, shift, turned):
     assert factor.negative() == factorise(A, keep=False).negative() == factorise(A, "superlu").negative() == negative
 
 
+def test_complex_right_hand_sides_of_a_real_matrix():
+    dense = random_matrix(60, 0.1, 3.0, seed=4)
+    b = np.random.default_rng(5).standard_normal((60, 2, 2)) @ [1.0, 2.0j]
+    np.testing.assert_allclose(factorise(csc_array(dense)).solve(b), np.linalg.solve(dense, b), rtol=1e-9)
+
+
 def test_entries_may_stand_in_any_order_and_twice():
     A = csc_array(random_matrix(300, 0.02, 3.0, seed=8))
     mixed = [np.concatenate([np.arange(a, b)[::-1], [a]]) for a, b in pairwise(A.indptr.tolist())]

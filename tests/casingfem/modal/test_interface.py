@@ -145,3 +145,17 @@ def test_pieces_of_a_tip_average_to_the_tip_and_know_their_directions(steel):
     np.testing.assert_allclose((pieces @ turn.ravel()).reshape(4, 3), np.tile([0.0, 0.0, 1.0], (4, 1)), atol=1e-9)
     with pytest.raises(ValueError, match="between 1 and 100, found 0"):
         node_rows(system, TipNodes(count=0))
+
+
+def test_pieces_of_a_tip_of_uneven_curvature_have_equal_lengths(steel):
+    """Else their mean would not be that of the whole edge; along this one the length per angle changes by a fifth."""
+    shell = Shell(
+        chart=Panel(radius=0.3, length=0.12, angle=1.0), thickness=2e-3, material=steel, supports={"root": Clamped()},
+        mesh=ShellMesh(order=6, rows=1, around=4), radius_defect=FourierField.of({3: (0.0, 0.1)}),
+    )  # fmt: skip
+    system = assemble(shell)
+    across = system.grid.nodes[1]
+    fields = np.stack([across, across**2, 1.0 - across, across, across], axis=1).ravel()
+    pieces, _ = node_rows(system, TipNodes(count=3))
+    tip, _ = tip_rows(system, Tip())
+    np.testing.assert_allclose((pieces @ fields).reshape(3, 3)[:, :2].mean(axis=0), tip @ fields, rtol=1e-6)

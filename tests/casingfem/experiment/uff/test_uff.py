@@ -326,6 +326,18 @@ def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, fr
     assert shape.freq_hz == pytest.approx(freq, rel=1e-14, nan_ok=True)
 
 
+def test_numbers_that_leave_a_column_free_may_have_exponents_of_three_digits(tmp_path):
+    """As C's %12.5e and a blank write them; a digit that is lost before such an exponent is still seen."""
+    given = replace(function(even=True, is_complex=False, double=False, points=6), values=np.full(6, 1.5))
+    data = written(tmp_path, functions=[given])
+    row = b"  1.50000E+00" * 6
+    assert row in data
+    free = data.replace(row, b" 1.50000E+00 " * 5 + b"1.50000E-100 ")
+    assert parse_uff(free, "file.uff").functions[0].values.tolist() == [1.5] * 5 + [1.5e-100]
+    with pytest.raises(InputError, match=r"' 1\.5000E-100 '.*with as many digits each"):
+        parse_uff(free.replace(b"1.50000E-100", b" 1.5000E-100"), "file.uff")
+
+
 def test_names_and_nodes_as_wide_as_their_columns_stand_side_by_side(tmp_path):
     one = replace(
         function(even=True, is_complex=True, double=True),

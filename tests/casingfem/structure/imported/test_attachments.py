@@ -93,6 +93,16 @@ def test_a_force_on_an_arm_beyond_the_tip_brings_its_moment(kind, how):
     np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
 
 
+def test_an_arm_from_a_node_of_a_shell_brings_its_moment():
+    """As above, but the reference is the middle node of the tip itself, whose director alone turns the arm."""
+    e, P = 0.3, 10.0
+    mesh, node = beam(e, "shell")
+    _, middle, _ = mesh.groups["tip"].nodes.tolist()
+    part = structure(hung(mesh, rigids=(Rigid(reference=middle, nodes=np.array([node])),)))
+    found = cf.solve_static(part, [NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
+    np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
+
+
 def test_reduction_at_a_reference_node_keeps_its_static_compliance():
     mesh, node = beam(0.1)
     mass = PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.0, 0.0, 0.05))

@@ -168,6 +168,9 @@ BAD = {
     "not solid": (lambda text: text.replace("EBLOCK,19,SOLID", "EBLOCK,15,"), "an EBLOCK that is not SOLID"),
     "fewer": (lambda text: text.replace("SOLID,        1,        1", "SOLID,        1,        2"),
               "found 1 of the 2 items"),
+    "no nodes": (lambda text: re.sub("        8(        0        1).*", r"        0\1", text),
+                 "line 16: found 11 numbers, expected 11 and the nodes of an element"),
+    "kind": (lambda text: text + component("A", "LINE", [1, 2]), "line 18: expected CMBLOCK, name, NODE or ELEM"),
     "component": (lambda text: text + component("A", "NODE", [1, 2]).replace("       2\n(8", "       5\n(8"),
                   "found 2 of 5 numbers"),
 }  # fmt: skip

@@ -188,6 +188,17 @@ def test_text_op4_with_short_rows_and_dense_columns(tmp_path):
         np.testing.assert_array_equal(A.toarray().ravel(), [0.0, 1.0, 2.0, 3.0])
 
 
+@pytest.mark.parametrize("row", [0, 3])
+def test_op4_entries_outside_of_their_matrix_are_refused(row, tmp_path):
+    """Strings of three values that begin above the first row of four, or end below the last."""
+    text = f"       1      -4       2       2L       1P,3E23.16\n       1       0       8\n       7{row:8d}\n"
+    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
+    text += "       2       1       1\n 1.0000000000000000E+00\n"
+    (tmp_path / "a.op4").write_text(text)
+    with pytest.raises(ModelError, match=f"L: found rows {row} to {row + 2} of column 1 in a matrix of 4 x 1"):
+        read_op4(tmp_path / "a.op4")
+
+
 def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
     """Loads and recovery matrices of EXTSEOUT: rectangular, or complex, some with an M or a K at their beginning."""
     plain, whole = tmp_path / "plain.pch", tmp_path / "whole.pch"
@@ -460,6 +471,15 @@ def test_formats_without_dofs_ask_for_them(tmp_path):
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,y\n")
     with pytest.raises(InputError, match="found node 7 again"):
         read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv", nodes=tmp_path / "nodes.csv")
+
+
+@pytest.mark.parametrize(
+    ("dofs", "shape"), [([[7, 1, 0], [7, 2, 0]], r"\(2, 3\)"), ([7, 7], r"\(2,\)")], ids=["columns", "row"]
+)
+def test_dofs_of_another_shape_are_refused(dofs, shape, tmp_path):
+    np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2), dofs=np.array(dofs))
+    with pytest.raises(ModelError, match=rf"a.npz: dofs have shape {shape}, expected \(n, 2\)"):
+        read_matrices([tmp_path / "a.npz"])
 
 
 def test_names_of_matrices():
