@@ -123,6 +123,10 @@ REFUSED = {
         lambda: unilateral(np.ones((1, 1)), np.array([np.nan])),
         "A, b: found values that are not finite",
     ),
+    "one value of many of a step": (
+        lambda: unilateral(np.eye(2), np.array([1.0, np.nan])),
+        "A, b: found values that are not finite",
+    ),
     "what a motion varies over": (
         lambda: random_body(1, 1).over("mass", freq_hz=0.2),
         "name: found 'mass', expected 'freq_hz', 'amplitude' or 'clearance'",

@@ -6,13 +6,13 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
-from contact.loop.batch.waves import fill_lanes
+from contact.loop.batch.waves import fill_lanes, skip_in_batch
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.waves import Terms
-from contact.scheme.modal.batch import WIDTH, Layout
+from contact.scheme.modal.batch import WIDTH, Job, Layout, batch
 from contact.scheme.modal.modal_stepper import rim_rows
 from tests.contact.synthetic_rim import blade, ring
 
@@ -129,3 +129,24 @@ def test_cosines_and_sines_below_the_noise_are_left_out():
     found = one.table.terms()[0]
     assert np.abs(found.value).min() > NOISE * np.abs(found.value).max()
     assert found.value.size == one.omega.size  # a mode of a perfect ring has one wave, a blade's mode too
+
+
+@pytest.mark.slow
+def test_a_leap_of_a_lane_is_no_longer_than_its_powers_reach():
+    """Maps over 1, 2 and 4 steps: seven at most, out of reach for ever."""
+    rim = ct.RotatingRim(
+        ring(S=4e-7, zeta=0.01), blade(S=1e-6), clearance=0.03, speed_hz=20.0, blade_velocity=[0.3, -0.2],
+    )  # fmt: skip
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    job = Job(run=run, steps=100, record=ct.Record())
+    lanes = batch([job])
+    lanes.load(0, job)
+    s, flights = lanes.lanes, lanes.flights._replace(powers=lanes.flights.powers[:, :3].copy())
+    q, d = s.q[:, 0].copy(), s.d[:, 0].copy()
+    for _ in range(7):
+        d = s.al[:, 0] * d - s.be[:, 0] * q
+        q = q + d
+    assert skip_in_batch(s, flights, lanes.sums, s.d, 0, 100) == 7
+    assert (s.step[0], flights.taken[0].tolist()) == (7, [1, 7])
+    np.testing.assert_allclose(s.q[:, 0], q, rtol=0.0, atol=1e-13 * np.abs(q).max())
+    np.testing.assert_allclose(s.d[:, 0], d, rtol=0.0, atol=1e-13 * np.abs(d).max())

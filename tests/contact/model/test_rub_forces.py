@@ -5,6 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
+from contact.loop.rub.body_force import Pulls, body_force
+from contact.loop.rub.ledger import advance_modes
 from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.rub_forces import plane_participation
 from tests.contact.synthetic_rub import N_MAX, SIZE
@@ -142,6 +144,29 @@ def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact(
     energy = ct.run(still, t_end=0.01, dt=2e-5).energy
     assert energy.body_force == pytest.approx(energy.end.total - energy.start.total, rel=1e-3)
     assert "gravity and whirl" in repr(ran(pressed, 0.01))
+
+
+def test_a_whirl_that_turns_with_the_speed_pulls_only_once_it_runs_up():
+    """At rest until 1 s, then 5 Hz/s: no force before, then -r Omega' across and r Omega^2 along."""
+    whirl = ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=2e-3, per_rev=1.0), "casing", turning="blades")
+    pulls = Pulls(laws=np.array([whirl.row]), plane=np.eye(2), casing=2)
+    speed, found = ct.Speed(time=[1.0, 3.0], hz=[0.0, 10.0]), np.full(2, np.nan)
+    body_force(pulls, speed.table, 0.5, speed.angle(0.5), speed.omega(0.5), found)
+    assert found.tolist() == [0.0, 0.0]
+    t = 1.4  # 0.4 turns on
+    body_force(pulls, speed.table, t, speed.angle(t), speed.omega(t), found)
+    felt = 2e-3 * ((4.0 * np.pi) ** 2 - 10.0j * np.pi) * np.exp(0.8j * np.pi)
+    np.testing.assert_allclose(found, [felt.real, felt.imag], rtol=1e-12)
+
+
+def test_work_of_gravity_is_force_times_the_mean_of_both_increments():
+    stepper = ct.ExactModal().prepare(rub([ct.gaps.BodyForce.gravity()]), ct.Unilateral(), dt=1e-4, courant=None)
+    state, sums = stepper.wide, stepper.sums
+    state.body[:], state.old[:5] = [1.0, -2.0, 3.0, 5.0, -7.0], [0.1, 0.2, 0.3, 0.4, 0.5]
+    state.d[:5] = [0.3, -0.4, 0.5, 0.0, 0.7]
+    advance_modes(state, sums)
+    assert sums.body_force[0] == pytest.approx(0.2 + 0.2 + 1.2 + 1.0 - 4.2, rel=1e-12)
+    assert sums.external[0] == 0.0
 
 
 def test_forces_that_make_no_sense_are_refused():

@@ -181,6 +181,15 @@ def test_bouncing_bar_energy_law_ten_periods():
     assert len(result.intervals[0]) == 20
 
 
+def test_gaps_of_the_energy_law_are_those_at_the_middle_of_steps():
+    """5 m - 10 m/s t until the bar arrives, then zero: the residual compliance yields by what the modes overlap."""
+    _, result = shot(0.8, "energy")
+    before, pressed = result.time < 0.49, (result.time > 0.55) & (result.time < 1.1)
+    np.testing.assert_allclose(result.gap[before, 0], 5.0 - 10.0 * result.time[before], rtol=1e-9)
+    assert result.force[pressed, 0].min() > 0.0
+    assert np.abs(result.gap[pressed, 0]).max() <= 1e-12
+
+
 def test_energy_law_says_what_it_is_not_for():
     side = {"omega": [3.0], "channels": ("x",), "rows": [[1.0]]}
     for zeta, S, message in ((0.1, 1.0, "damped modes"), (0.0, 0.0, "residual compliance > 0")):

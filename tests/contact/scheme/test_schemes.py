@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from scipy.sparse import csr_array
 
 import contact as ct
+from contact.loop.linear.projected import note_contacts
 from contact.model.bodies.chain import assemble
 from contact.record.record import samples
 from contact.reference.exact import force_error, two_rods
@@ -208,6 +209,19 @@ def test_projecting_positions_leaves_no_penetration():
     )
     assert deep.min() > 1e-4
     assert shallow.max() <= 1e-15
+
+
+def test_a_shut_contact_whose_rate_still_closes_violates_the_law_of_projected_alpha():
+    """By the way that (1 + e) of the speed makes in a step, though its gap is zero."""
+    h, e = 0.01, 0.5
+    scheme = ct.scheme.ProjectedAlpha(restitution=e)
+    bodies = assemble([ct.PointMass(mass=2.0, velocity=3.0), ct.Wall()]).linear_form()
+    stepper = scheme.prepare(bodies, ct.Unilateral(), dt=h, courant=None)
+    corrections, still = stepper.method[2], np.zeros(stepper.size)
+    corrections.nu[:] = 1.0  # closed, and no impulse
+    out = samples(ct.Record(), 1, 1, stepper.size)
+    note_contacts(stepper.parts, stepper.state, corrections, e, still, still, stepper.sums, out, 0.0, h)
+    assert stepper.sums.residual[0] == pytest.approx(h * (1.0 + e) * 3.0, rel=1e-12)
 
 
 def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
