@@ -127,6 +127,8 @@ REFUSED = {
         lambda: unilateral(np.eye(2), np.array([1.0, np.nan])),
         "A, b: found values that are not finite",
     ),
+    "a length of no number": (lambda: replace(ROD, length=np.nan), "length: found nan, expected a finite number > 0"),
+    "a length below zero": (lambda: replace(ROD, length=-1.0), "length: found -1.0, expected a finite number > 0"),
     "what a motion varies over": (
         lambda: random_body(1, 1).over("mass", freq_hz=0.2),
         "name: found 'mass', expected 'freq_hz', 'amplitude' or 'clearance'",

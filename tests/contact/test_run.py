@@ -97,6 +97,12 @@ def test_bodies_come_masses_first():
     assert [(m.kind, m.number) for m in result.motions] == [("mass", 1), ("rod", 0)]
 
 
+def test_the_end_mass_of_a_rod_sits_where_it_faces_its_neighbour():
+    rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=2, end_mass=3.0)
+    assert assemble([rod, ct.Wall(x=2.0)]).mass.tolist() == [0.25, 0.5, 3.25, 0.0]
+    assert assemble([ct.Wall(x=-1.0), rod]).mass.tolist() == [0.0, 3.25, 0.5, 0.25]
+
+
 def test_signs_and_windows():
     result = impact()
     assert (result.lam <= 0.0).all()

@@ -52,6 +52,15 @@ def test_the_worst_is_what_a_change_alone_explains_not_the_largest_residual():
     assert strongest(shifts(), fitted, COLUMNS).rows == (0,)
 
 
+def test_changes_that_the_residuals_do_not_feel_make_no_wrong_row_less_significant():
+    residual = np.zeros(24)
+    residual[12] = -5.0
+    found = outlying(shifts(), residual, COLUMNS, 24)
+    unfelt = [Shift("orientation", (k,), np.zeros(24)) for k in range(1000)]
+    assert [one.rows for one in found] == [(12,)]
+    assert outlying([*shifts(), *unfelt], residual, COLUMNS, 24) == found
+
+
 @pytest.fixture(scope="module")
 def spoilt():
     """A table whose fifth row is 4 % off, and its fit."""

@@ -16,6 +16,7 @@ from contact.growth import floquet
 from contact.growth.closed_contact import growth
 from contact.growth.coincidence import Coincidence, coincidences, in_words, loaded
 from contact.growth.floquet import floquet_growth
+from contact.growth.growth_map import scan
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import SplitError, disk_contact
 from tests.contact.synthetic_rim import blade, ring
@@ -87,6 +88,14 @@ def test_a_band_narrower_than_the_grid_is_found():
     found = ct.growth.stability(B6.contact(), np.linspace(0.0, 100.0, 11))
     assert found.peak_growth == pytest.approx(3.7883, abs=1e-4)
     assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
+
+
+def test_a_speed_looked_at_beside_the_grid_counts_in_every_part_of_it():
+    """Growth 1 - (10 (speed - at))^2, a band of width .2 midway between speeds of the grid."""
+    for at in (0.5, 1.5, 2.5):
+        found = scan(lambda f, at=at: 1.0 - (10.0 * (f - at)) ** 2, np.arange(4.0), floor=0.0, seeds=np.array([at]))
+        assert (found.peak_speed_hz, found.peak_growth) == pytest.approx((at, 1.0), abs=1e-9)
+        assert np.array(found.bands_hz) == pytest.approx(np.array([[at - 0.1, at + 0.1]]), abs=1e-9)
 
 
 @pytest.mark.slow

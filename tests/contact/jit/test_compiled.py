@@ -114,6 +114,18 @@ def test_long_compiling_is_said_once_and_short_not_at_all() -> None:
     assert said == [WORDS]
 
 
+def test_garbage_is_let_be_from_the_first_function_that_is_compiled() -> None:
+    listening = Uncollected()
+    assert gc.isenabled()
+    try:
+        listening.on_start(None)
+        assert not gc.isenabled()
+        listening.on_end(None)
+        assert gc.isenabled()
+    finally:
+        gc.enable()
+
+
 def test_garbage_is_collected_again_after_compiling() -> None:
     running = []
 

@@ -109,6 +109,8 @@ def test_the_driven_orbit_closes_on_itself(omega, gap, e):
 def test_ball_and_oscillator():
     ball = Bounces(height=1.0, gravity=9.81, restitution=0.8)
     assert (ball.instant(1), ball.instant(200)) == pytest.approx((ball.first, ball.rest))
+    high = Bounces(height=5.0, gravity=10.0, restitution=0.5)  # falls for a second, arrives with 10 m/s
+    assert (high.first, high.rest, high.rebound(1)) == pytest.approx((1.0, 3.0, 5.0))
     assert stopped_period(1.0, 1.0, 2.0) == pytest.approx(np.pi + 2 * np.arcsin(0.5))
     with pytest.raises(ct.InputError, match="within reach"):
         stopped_period(1.0, 3.0, 2.0)

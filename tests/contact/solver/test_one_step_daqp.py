@@ -63,6 +63,16 @@ def test_pivoting_finds_it_too(kind):
         np.testing.assert_allclose(A.T @ lam, motion(A, b), atol=1e-8)
 
 
+@pytest.mark.parametrize(("apart", "expected"), [(2.0**-43, [0.5, 0.5]), (2.0**-44, [1.0, 0.0])])
+def test_rows_repeat_each_other_to_a_ten_million_millionth(apart, expected):
+    """Compliances of 1 and 1 + apart, apart being 1.1e-13 or 0.6e-13: told apart, or one contact of two."""
+    W, b, lam = np.array([[1.0, 1.0], [1.0, 1.0 + apart]]), np.array([-1.0, -1.0 - 0.5 * apart]), np.zeros(2)
+    assert contact_forces(
+        W, LawNumbers(0.0, 0, 0.0, Several(used=True)), b, lam, np.zeros(2), np.zeros((2, 2)), np.zeros(2)
+    )
+    assert lam.tolist() == expected
+
+
 def test_penalty_springs_are_a_programme_in_the_forces():
     rng = np.random.default_rng(45)
     for _ in range(100):

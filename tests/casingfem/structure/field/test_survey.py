@@ -73,6 +73,18 @@ def test_scattered_points_with_repeats_give_back_their_own_field(seed, degree):
     assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-9)
 
 
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 1e4])
+def test_a_cone_of_any_size_gives_back_its_field(scale):
+    """Points at random, so that the mean feels the waves, which are counted in it."""
+    rng = np.random.default_rng(7)
+    theta, z = rng.uniform(0, 2 * np.pi, 300), rng.uniform(0.0, 0.25, 300)
+    cos, sin = np.array([[0.05, 0.02], [0.03, 0.0]]), np.array([[0.01, 0.0], [0.0, 0.02]])
+    made = FourierField(p=np.array([2, 5]), cos=cos, sin=sin, z_mid=0.125, z_half=0.125)
+    survey = SurveyField.from_points(theta, z, scale * casing(theta, z, made), n_max=5, degree=1)
+    np.testing.assert_allclose(survey.derivatives(z, theta).value, made.derivatives(z, theta).value, atol=1e-13)
+    assert survey.mean == pytest.approx((0.5 * scale, -0.2 * scale), rel=1e-13)
+
+
 def test_turning_the_survey_turns_the_fit():
     theta, z = rings()
     turned = SurveyField.from_points(theta + 0.7, z, casing(theta, z))

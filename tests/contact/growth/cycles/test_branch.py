@@ -147,6 +147,13 @@ def test_a_range_of_nothing_is_refused():
         ct.growth.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
 
 
+def test_branches_done_and_under_way_begin_with_their_first_orbits():
+    done, way = (SimpleNamespace(points=(f"{name} 1", f"{name} 2")) for name in ("done", "way"))
+    kept = checkpoint.Found(asked="", done=(done,), way=way)
+    assert [kept.begins(number) for number in range(3)] == ["done 1", "way 1", None]
+    assert checkpoint.Found(asked="", done=(done,)).begins(1) is None
+
+
 @pytest.mark.campaign
 def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     """Stopped within its second branch, of doubled period."""
