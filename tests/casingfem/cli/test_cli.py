@@ -1,8 +1,10 @@
 """The command line: documents, files, exit codes. Bad input ends with 2, names file and key, writes nothing."""
 
+import io
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,11 @@ from click.testing import CliRunner, Result
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.cli.running import ProgressMessage
+from casingfem.cli.sweep import words as sweep_words
 from casingfem.study import load_study
+from contact.sweep.plan import load_sweep
+from contact.sweep.row import COLUMNS
+from contact.sweep.sweep import SweepResult
 from tests.casingfem.study.study_texts import STEEL, THICK
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
@@ -245,6 +251,25 @@ def test_a_message_says_the_seconds_of_the_clock(monkeypatch):
     assert message.seconds == 7.0
 
 
+def test_a_message_that_was_shown_ends_with_the_work_and_gives_the_cursor_back(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    hidden, shown = "\x1b[?25l", "\x1b[?25h"
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setattr("casingfem.cli.running.PATIENCE", 0.0)
+    monkeypatch.setenv("TERM", "xterm")
+    with ProgressMessage("modes"):
+        end = time.monotonic() + 10.0
+        while "modes" not in terminal.getvalue() and time.monotonic() < end:
+            time.sleep(0.005)
+    said = terminal.getvalue()
+    assert "modes" in said
+    assert said.rindex(shown) > said.rindex(hidden)
+
+
 @pytest.mark.slow
 def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
     result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path)
@@ -300,6 +325,23 @@ def test_a_sweep_of_which_nothing_is_done_ends_with_3(tmp_path):
     assert one.stdout.startswith("1 run over rod[1].elements")
     last = (tmp_path / "one" / "sweep.csv").read_text().splitlines()[-1]
     assert last.startswith("1,40,done,")
+
+
+@pytest.mark.parametrize(
+    ("flags", "lines"),
+    [
+        (["", "", ""], []),
+        (["", "slips", ""], ["1 run has flags: read their column"]),
+        (["slips", "", "gaps"], ["2 runs have flags: read their column"]),
+    ],
+)
+def test_a_sweep_says_how_many_runs_have_flags(tmp_path, flags, lines):
+    file = tmp_path / "rods.toml"
+    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0, 3.0]\n'
+    file.write_text((SCENES / "two_rods.toml").read_text() + vary)
+    rows = tuple(dict.fromkeys(COLUMNS) | {"status": "done", "flags": said, "why": ""} for said in flags)
+    found = SweepResult(plan=load_sweep(file), rows=rows, resumed=0)
+    assert sweep_words(found, 1.0).splitlines()[1:] == lines
 
 
 def test_sweep_refuses_a_scene_without_one():

@@ -17,7 +17,7 @@ from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
 from casingfem.modal.modes import modes
-from casingfem.modal.warm_start import restarted_modes
+from casingfem.modal.warm_start import guarded, restarted_modes
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.study import load_study
@@ -108,6 +108,11 @@ def test_a_draw_whose_restart_fails_is_solved_from_nothing(casing, mean, monkeyp
     solved = drawn_modes(casing, mean, COUNT, 1)
     assert (restarted[1], solved[1]) == (True, False)
     np.testing.assert_allclose(restarted[0].freq, solved[0].freq, rtol=3e-6)
+
+
+@pytest.mark.parametrize(("count", "known"), [(1, 9), (12, 20), (16, 24), (40, 60)])
+def test_a_restart_starts_from_half_as_many_modes_again_and_eight_more_at_least(count, known):
+    assert guarded(count) == known
 
 
 def test_a_restart_wants_modes_enough_of_the_same_mesh(casing, mean):

@@ -12,6 +12,7 @@ import pytest
 import casingfem as cf
 from casingfem.study import StudyError, load_study, perfect, schema, updated_toml
 from casingfem.study.tables.tasks import ModesTable
+from casingfem.study.tasks import run_update
 from tests.casingfem.study.study_texts import THIN, written
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
@@ -211,6 +212,11 @@ def test_the_source_changes_with_every_file_it_depends_on(tmp_path):
     first = load_study(written(tmp_path, SURVEYED)).source["sha256"]
     survey(tmp_path, taper=-0.21)
     assert load_study(tmp_path / "study.toml").source["sha256"] != first
+
+
+def test_a_study_without_an_update_says_so_when_asked_for_one(tmp_path):
+    with pytest.raises(StudyError, match=r"update: found nothing, expected a table \[update\]"):
+        run_update(load_study(written(tmp_path, THIN)))
 
 
 def test_an_updated_study_is_a_study_with_the_new_values(tmp_path):

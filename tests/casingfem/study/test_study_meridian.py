@@ -44,6 +44,22 @@ def test_pieces_of_the_file_are_those_of_the_shell(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("left_out", "thickness", "density"),
+    [
+        ("material = {E = 70e9, nu = 0.33, rho = 2700.0}\n", 5e-3, None),
+        ("thickness = 5e-3\n", 3e-3, 2700.0),
+    ],
+)
+def test_a_piece_has_a_wall_of_its_own_by_thickness_or_material_alone(tmp_path, left_out, thickness, density):
+    assert left_out in CASING
+    (tmp_path / "casing.toml").write_text(CASING.replace(left_out, "", 1))
+    shell = load_study(tmp_path / "casing.toml").shell
+    (wall,) = shell.strips
+    assert (wall.start, wall.end) == pytest.approx(shell.chart.profile.owners[1])
+    assert (wall.thickness, wall.material and wall.material.rho) == (thickness, density)
+
+
+@pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ("fillet = 3e-3\n", "", "chart.piece[3].fillet: found none at a corner of"),

@@ -19,6 +19,12 @@ def loaded(tmp_path, text):
     return load_study(written(tmp_path, text))
 
 
+def domed(start, end):
+    dome = f'kind = "dome"\nradius = 0.2\nstart_deg = {start}\nend_deg = {end}\n'
+    text = BLADE.replace('kind = "plate"\nlength = 0.11\nwidth = 0.04\n', dome).replace(HUB, "")
+    return text.replace("[support.root]", "[support.base]").replace('"clamped"', '"symmetry"').partition("[reduce]")[0]
+
+
 @pytest.mark.slow
 def test_the_blade_of_the_data_turns(tmp_path):
     study = load_study(STUDY)
@@ -36,13 +42,22 @@ def test_an_axis_by_name_and_place(tmp_path):
 
 
 def test_a_casing_turns_about_z_and_a_dome_stands_on_a_plane_of_symmetry(tmp_path):
-    dome = 'kind = "dome"\nradius = 0.2\nstart_deg = 0.0\nend_deg = 60.0\n'
-    text = BLADE.replace('kind = "plate"\nlength = 0.11\nwidth = 0.04\n', dome).replace(HUB, "")
-    text = text.replace("[support.root]", "[support.base]").replace('"clamped"', '"symmetry"').partition("[reduce]")[0]
-    shell = loaded(tmp_path, text).shell
+    shell = loaded(tmp_path, domed(0.0, 60.0)).shell
     assert shell.rotation.axis == (0.0, 0.0, 1.0)
     assert shell.supports["base"] == cf.edge.Symmetry()
     assert shell.chart.profile.length == pytest.approx(0.2 * np.pi / 3)
+
+
+def test_the_angles_of_a_dome_stay_within_one_turn(tmp_path):
+    assert loaded(tmp_path, domed(360.0, 300.0)).shell.chart.profile.length == pytest.approx(0.2 * np.pi / 3)
+    for ends, message in (
+        ((360.5, 300.0), "chart.start_deg: found 360.5"),
+        ((-360.5, -300.0), "chart.start_deg: found -360.5"),
+        ((300.0, 360.5), "chart.end_deg: found 360.5"),
+        ((-300.0, -360.5), "chart.end_deg: found -360.5"),
+    ):
+        with pytest.raises(StudyError, match=message):
+            loaded(tmp_path, domed(*ends))
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,11 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     assert 0.8 < fit.misfit < 1.2
 
 
+def test_sensors_without_labels_are_numbered_from_1(frustum):
+    shapes = cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.01)
+    assert shapes.labels.tolist() == list(range(1, 25))
+
+
 def test_shapes_that_do_not_fit_are_refused(frustum):
     table, shapes = measured(casing(frustum))
     vary = [cf.Parameter(name="material.E", lower=1e11, upper=3e11)]

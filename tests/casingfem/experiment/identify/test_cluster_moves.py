@@ -10,7 +10,7 @@ from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
 from casingfem.experiment.identify.setups.cluster_moves import improved
-from casingfem.experiment.identify.setups.clusters import Cluster
+from casingfem.experiment.identify.setups.clusters import Cluster, _noise
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import _as_good
 
@@ -75,3 +75,12 @@ def test_what_a_fit_lacks_raises_its_uncertainty_and_noise_does_not(window):
     whole, lacking = (fit_poles(first, FREQ[:n, 0], ZETA[:n]) for n in (3, 2))
     assert _by_misfit(whole).max() < 1.3
     assert _by_misfit(lacking)[1] > 2.0
+
+
+@pytest.mark.parametrize(("averaged", "alike"), [(1, 1.0), (2, 5.0 / 3.0), (3, 19.0 / 9.0)])
+def test_noise_that_is_alike_over_lines_counts_as_many_times(averaged, alike):
+    """Running means of m lines of white noise: correlations 1 - k/m, Bartlett's sum of them over two lines."""
+    rng = np.random.default_rng(7)
+    white = rng.standard_normal((4, 20000)) + 1j * rng.standard_normal((4, 20000))
+    means = np.array([np.convolve(row, np.full(averaged, 1.0 / averaged), mode="valid") for row in white])
+    assert _noise(means) == pytest.approx(alike / averaged, rel=0.02)
