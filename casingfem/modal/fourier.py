@@ -66,7 +66,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
         found += members(meridian, values, vectors)
         found.sort(key=lambda item: item[:3])
         found = found[: count + 4]
-        limit = found[min(count, len(found)) - 1].value
+        limit = max(found[min(count, len(found)) - 1].value, 0.0)  # rigid motions may come out just below zero
     values, noise = np.array([(mode.value, mode.noise) for mode in found]).T
     last = min(count, len(found) - 1)
     below, sigma = gap_after(values, last, noise=noise[last - 1 :].max())
