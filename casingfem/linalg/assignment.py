@@ -15,7 +15,7 @@ def assignment(cost: FloatArray) -> tuple[Indices, Indices]:
     >>> rows.tolist(), columns.tolist()
     ([0, 1], [1, 0])
     """
-    from scipy.optimize import linear_sum_assignment  # a tenth of a second that most studies do without
+    from scipy.optimize import linear_sum_assignment  # loaded with the first pairing, not by every study
 
     rows, columns = linear_sum_assignment(cost)
     return rows, columns

@@ -88,7 +88,7 @@ class Spline:
 @cache
 def _curves(basis: Spline) -> tuple[BSpline, FloatArray]:
     """All B-splines as one vector-valued curve, and the matrix (clamped, size) that makes natural ones of them."""
-    from scipy.interpolate import BSpline  # a sixth of the time in which modes of a casing are there
+    from scipy.interpolate import BSpline  # loaded with the first spline, not by every study
 
     k = basis.degree
     inner = np.linspace(basis.z_low, basis.z_high, basis.intervals + 1)

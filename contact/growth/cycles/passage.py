@@ -97,7 +97,7 @@ class Motion:
 
     def gap_velocity(self, x: Array, time: float) -> tuple[Array, Array, Array]:
         """Velocity of each gap, what it is of x, and what it changes by in time alone."""
-        plant, w, rows = self.plant, self.drive.w * self.drive.harmonics, self.plant.gives
+        plant, w, rows = self.plant, self.drive.w * self.drive.harmonics, self.plant.gap_rates
         moving = self.drive.c.rate(w).plus(self.drive.b.seen(plant.C))
         angle = self.angle(time)
         return rows @ x + moving.at(angle), rows, moving.rate(w).at(angle)
@@ -113,7 +113,7 @@ class Motion:
         gap, size = plant.C @ x + moved, np.abs(plant.C) @ np.abs(x) + np.abs(moved)
         if np.any((gap < -INSIDE * size)[plant.rigid]):
             raise NumericsError("a rigid contact is closed where the period begins: choose another start, or give it S")
-        force = pressing(plant.yields, gap[plant.soft])
+        force = pressing(plant.soft_S, gap[plant.soft])
         return tuple(int(i) for i in plant.soft[force > 0.0])
 
 

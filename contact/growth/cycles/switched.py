@@ -80,19 +80,19 @@ class Plant:
         return np.flatnonzero(~self.rigid)
 
     @cached_property
-    def yields(self) -> Array:
+    def soft_S(self) -> Array:
         """S of the soft contacts alone."""
         return np.asarray(self.S[np.ix_(self.soft, self.soft)])
 
     @cached_property
-    def gives(self) -> Array:
-        """Velocity of the gaps, of x: C A, (k, n)."""
+    def gap_rates(self) -> Array:
+        """C A: velocity of each gap for each state, (k, n)."""
         return np.asarray(self.C @ self.A)
 
     @cached_property
     def impulse(self) -> Array:
         """H = C A B: velocity of each gap for a unit impulse at each contact, (k, k)."""
-        return np.asarray(self.gives @ self.B)
+        return np.asarray(self.gap_rates @ self.B)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -152,7 +152,7 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
     upper = np.flatnonzero(lam.imag >= 0.0)
     U = np.linalg.inv(V)[upper]
     V = V[:, upper] * np.where(lam[upper].imag > 0.0, 2.0, 1.0)
-    rows = np.vstack([C + plant.S[:, chosen] @ K, plant.D + plant.E[:, chosen] @ K])
+    rows = np.vstack([C, plant.D]) + shift @ K
     rows[chosen] = K
     return Phase(
         closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows, push=push,
@@ -205,7 +205,7 @@ def _forcing_of_gaps(plant: Plant, drive: Drive, w: Array, chosen: list[int]) ->
         if plant.rigid[i]:
             c, of_b = Forcing(drive.c.rest[[i]], drive.c.wave[[i]]), drive.b.seen(plant.C[[i]])
             velocity = c.rate(w).plus(of_b)
-            pull = drive.b.seen(plant.gives[[i]]).plus(velocity.rate(w))
+            pull = drive.b.seen(plant.gap_rates[[i]]).plus(velocity.rate(w))
             rest[row] = pull.rest[0] + (p + r) * velocity.rest[0] + p * r * c.rest[0]
             wave[row] = pull.wave[0] + (p + r) * velocity.wave[0] + p * r * c.wave[0]
     return Forcing(rest, wave)

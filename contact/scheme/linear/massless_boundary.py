@@ -105,7 +105,6 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
                 "scheme: a contact coordinate is sprung to other contact coordinates only, refine the mesh"
             )
         moved[others] += A.ground[i] * share / share.sum()
-        moved[i] -= A.ground[i]
     moved[bare] = 0.0
     return lumped(moved)
 

@@ -23,10 +23,10 @@ class Places(NamedTuple):
 
 def nearest_places(kind: str, nodes: FloatArray, points: FloatArray) -> Places:
     """The nearest places to points (p, 3) on facets of a kind with nodes (m, nodes, 3), lines or surfaces."""
-    size = np.linalg.norm(np.ptp(nodes, axis=1), axis=1)
-    count = min(NEAR, len(nodes))
     from scipy.spatial import cKDTree  # loaded where parts are glued, not by every study
 
+    size = np.linalg.norm(np.ptp(nodes, axis=1), axis=1)
+    count = min(NEAR, len(nodes))
     near = cKDTree(nodes.mean(axis=1)).query(points, count)[1].reshape(len(points), count)
     x = np.repeat(points, count, axis=0)
     local, found = projected(kind, nodes[near.ravel()], x)
