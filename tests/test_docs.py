@@ -39,6 +39,13 @@ def test_headings_go_down_one_level_at_a_time_and_math_stands_on_its_own():
         assert not re.search(r"\$[\^_]", text), page
 
 
+def test_the_page_of_keys_is_current():
+    """It says what every key may hold and is where it is left out, so that a changed range or default is seen."""
+    page = runpy.run_path(str(DOCS / "keys.py"))["page"]()
+    assert (DOCS / "keys.md").read_text(encoding="utf-8") == page, "run .venv/bin/python docs/keys.py"
+    assert page.count("\n| ") > 700
+
+
 def test_every_example_stands_in_a_section_of_the_gallery():
     sections = re.findall(r'"gallery/(\w+)"', (DOCS / "conf.py").read_text(encoding="utf-8"))
     assert len(GALLERY) >= 24

@@ -144,12 +144,19 @@ def headline_of(end: tuple[Any, ...]) -> str:
 
 def described(name: str, info: Any, wide: int) -> list[str]:
     """A key: what it means, what it may hold, what it is where it is left out."""
-    from pydantic_core import PydanticUndefined
-
     from contact.io.tables import type_words
 
+    return [f"  {name:<{wide}}  {info.description}", f"  {'':<{wide}}    {type_words(info)}; {kept(info)}"]
+
+
+def kept(info: Any) -> str:
+    """What a key is where it is left out."""
+    from pydantic_core import PydanticUndefined
+
     default = info.get_default(call_default_factory=True) if not info.is_required() else PydanticUndefined
-    plain = isinstance(default, bool | int | float | str)
-    word = str(default).lower() if isinstance(default, bool) else f"{default}"
-    left = "must be given" if default is PydanticUndefined else f"{word} if left out" if plain else "may be left out"
-    return [f"  {name:<{wide}}  {info.description}", f"  {'':<{wide}}    {type_words(info)}; {left}"]
+    if default is PydanticUndefined:
+        return "must be given"
+    plain = bool | int | float | str
+    if isinstance(default, plain) or (isinstance(default, list) and default and isinstance(default[0], plain)):
+        return f"{str(default).lower() if isinstance(default, bool) else default} if left out"
+    return "may be left out"

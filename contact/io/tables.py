@@ -72,13 +72,24 @@ def type_words(info: FieldInfo) -> str:
     >>> from pydantic import Field
     >>> class Wall(BaseModel):
     ...     thickness: float = Field(gt=0)
-    ...     sides: list[Literal["in", "out"]] | None = None
+    ...     sides: list[Literal["in", "out"]] | None = Field(default=None, min_length=1, max_length=2)
     >>> [type_words(info) for info in keys(Wall).values()]
-    ['number > 0', 'list of "in", "out"']
+    ['number > 0', 'list of "in", "out" (1 to 2)']
     """
     limits = [(sign, getattr(m, name, None)) for m in info.metadata for name, sign in BOUNDS.items()]
     told = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None and abs(limit) < ANY]
-    return " ".join([words(info.annotation), *told])
+    return " ".join([words(info.annotation), *told, *length(info.metadata)])
+
+
+def length(metadata: Sequence[Any]) -> list[str]:
+    """How many a list or a text may have, in words; empty where nothing is said."""
+    least, most = (
+        next((found for m in metadata if (found := getattr(m, name, None)) is not None), None)
+        for name in ("min_length", "max_length")
+    )
+    if most is None:
+        return [] if least is None else ["(not empty)" if least == 1 else f"({least} or more)"]
+    return [f"({most})" if least == most else f"({least or 0} to {most})"]
 
 
 def words(annotation: Any) -> str:
