@@ -1,4 +1,4 @@
-"""The page of keys: `.venv/bin/python docs/keys.py` writes docs/keys.md from the tables of study.toml and scene.toml."""
+"""The page of keys: `.venv/bin/python docs/keys.py` writes docs/keys.md, all tables of study.toml and scene.toml."""
 
 from collections.abc import Iterator
 from pathlib import Path
