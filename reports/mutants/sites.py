@@ -157,10 +157,10 @@ class Finder(ast.NodeVisitor):
         self.generic_visit(node)
 
     def visit_BinOp(self, node: ast.BinOp) -> None:
-        """The opposite operation; text is not calculated with."""
+        """The opposite operation; text is not calculated with, and a tiny number has no side."""
         word = WORDS.get(type(node.op))
-        texts = [side for side in (node.left, node.right) if isinstance(side, ast.JoinedStr) or is_text(side)]
-        if word and not texts:
+        sides = (node.left, node.right)
+        if word and not any(isinstance(side, ast.JoinedStr) or is_text(side) or is_tiny(side) for side in sides):
             self.swap(node.left, node.right, word)
         self.generic_visit(node)
 
@@ -199,7 +199,7 @@ class Finder(ast.NodeVisitor):
             self.replace(node, str(not value))
         elif isinstance(value, int):
             self.replace(node, str(value + 1))
-        elif isinstance(value, float) and (not value or abs(value) > TINY):
+        elif isinstance(value, float) and not is_tiny(node):
             self.replace(node, repr(2.0 * value) if value else "1.0", repr(3.0 * value) if value else "1.0")
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
@@ -219,6 +219,11 @@ def is_empty(node: ast.stmt) -> bool:
 def is_text(node: ast.expr) -> bool:
     """Whether a node is text as it stands."""
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def is_tiny(node: ast.expr) -> bool:
+    """Whether a node is a number that only keeps a quotient or a logarithm finite."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, float) and 0.0 < abs(node.value) <= TINY
 
 
 def sites(text: str) -> list[Site]:

@@ -91,6 +91,7 @@ def changes(line: str) -> set[str]:
         ("x = a if b else -a", {"x = a if False else -a", "x = a if True else -a", "x = a if b else a"}),
         ("x = 1.5 + 2", {"x = 3.0 + 2", "x = 4.5 + 2", "x = 1.5 - 2", "x = 1.5 + 3"}),
         ("if a: raise ValueError(f'{b + 1}')", {"if False: raise ValueError(f'{b + 1}')", "if a: pass"}),
+        ("x = a / (b + 1e-300)", {"x = a * (b + 1e-300)"}),
         ("x = a / max(b, 1e-300)", {"x = a * max(b, 1e-300)", "x = a / min(b, 1e-300)"}),
         ("x = field(default=a, repr=False)", set()),
         ("x: Literal[1] = 'text' + a", set()),
