@@ -6,6 +6,8 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
+from contact.loop.batch.state import FORCE, SCALE, TEST
+from contact.loop.batch.step import add_up
 from contact.loop.batch.waves import fill_lanes, skip_in_batch
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
@@ -150,3 +152,27 @@ def test_a_leap_of_a_lane_is_no_longer_than_its_powers_reach():
     assert (s.step[0], flights.taken[0].tolist()) == (7, [1, 7])
     np.testing.assert_allclose(s.q[:, 0], q, rtol=0.0, atol=1e-13 * np.abs(q).max())
     np.testing.assert_allclose(s.d[:, 0], d, rtol=0.0, atol=1e-13 * np.abs(d).max())
+
+
+@jit_entry
+def step_sums(s, sums, Q, Q_next):
+    """What a step adds to the sums of eight runs."""
+    return add_up(s, sums, Q, Q_next)
+
+
+@pytest.mark.slow
+def test_a_step_adds_to_the_sums_of_each_lane_what_is_its_own():
+    """Gaps and forces of one step, no two alike, after others with extremes of their own."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    lanes = batch([Job(run=run, steps=100, record=ct.Record())])
+    s, sums, k = lanes.lanes, lanes.sums, np.arange(WIDTH)
+    before, gap, force = 1e-6 * (7.0 - k), 2e-6 * (k - 3.5), np.where(k % 3 == 0, 10.0 + k, 0.0)
+    s.h[:] = 1e-5 * (1 + k)
+    s.work[TEST], s.work[FORCE], s.work[SCALE] = gap - 1e-7 * force, force, 1e-7
+    sums.penetration[:], sums.peak[:], sums.impulse[:] = before, 11.0, k
+    step_sums(s, sums, s.Q, s.Q_next)
+    np.testing.assert_allclose(sums.penetration, np.maximum(before, -gap), rtol=1e-12)
+    np.testing.assert_allclose(sums.impulse, k + force * s.h, rtol=1e-12)
+    np.testing.assert_array_equal(sums.peak, np.maximum(11.0, force))
+    np.testing.assert_allclose(sums.residual, np.abs(np.minimum(1e-7 * force, gap)), rtol=1e-9)
