@@ -6,12 +6,12 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
-from contact.loop.batch.state import FORCE, SCALE, TEST
+from contact.loop.batch.state import FORCE, FREE, SCALE, TEST
 from contact.loop.batch.step import add_up
 from contact.loop.batch.waves import fill_lanes, skip_in_batch
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
-from contact.model.gaps.limits import motion_limits
+from contact.model.gaps.limits import REACHED, TIP, motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.waves import Terms
 from contact.scheme.modal.batch import WIDTH, Job, Layout, batch
@@ -176,3 +176,19 @@ def test_a_step_adds_to_the_sums_of_each_lane_what_is_its_own():
     np.testing.assert_allclose(sums.impulse, k + force * s.h, rtol=1e-12)
     np.testing.assert_array_equal(sums.peak, np.maximum(11.0, force))
     np.testing.assert_allclose(sums.residual, np.abs(np.minimum(1e-7 * force, gap)), rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [3e-3, 4.1e-3])
+def test_a_step_notes_how_far_each_tip_has_moved_against_its_rim_either_way(limit):
+    """From the clearance ahead; one of them passes 3 mm."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    lanes = batch([Job(run=run, steps=100, record=ct.Record())])
+    s, moved = lanes.lanes, 1e-3 * (np.arange(WIDTH) - 4.0)
+    m = len(s.q)
+    s.Q[m], s.Q_next[m] = 7e-3, 2e-4
+    s.work[FREE], s.work[SCALE] = moved + 2e-4, 1.0
+    s.limits[REACHED + TIP], s.limits[TIP] = 1.5e-3, limit
+    assert step_sums(s, lanes.sums, s.Q, s.Q_next) == (limit < 4e-3)
+    np.testing.assert_allclose(s.limits[REACHED + TIP], np.maximum(1.5e-3, np.abs(moved)), rtol=1e-12)
