@@ -7,7 +7,7 @@ import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
 from contact.loop.batch.state import FORCE, FREE, SCALE, TEST
-from contact.loop.batch.step import add_up
+from contact.loop.batch.step import add_up, touch
 from contact.loop.batch.waves import fill_lanes, skip_in_batch
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
@@ -192,3 +192,24 @@ def test_a_step_notes_how_far_each_tip_has_moved_against_its_rim_either_way(limi
     s.limits[REACHED + TIP], s.limits[TIP] = 1.5e-3, limit
     assert step_sums(s, lanes.sums, s.Q, s.Q_next) == (limit < 4e-3)
     np.testing.assert_allclose(s.limits[REACHED + TIP], np.maximum(1.5e-3, np.abs(moved)), rtol=1e-12)
+
+
+@jit_entry
+def forces(s, Q, Q_next, waves, new):
+    """Forces of eight runs without friction."""
+    touch(s, Q, Q_next, waves, new, False)
+
+
+@pytest.mark.slow
+def test_a_lane_without_a_force_that_opens_its_gap_fails_alone():
+    """Beside one that pushes, an open one and one where no run is."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    s = batch([Job(run=run, steps=100, record=ct.Record())]).lanes
+    s.live[:4], s.step[:] = [1, 1, 1, 0], 5
+    s.work[TEST, :4] = -1e-6, -1e-6, 1e-6, -1e-6
+    s.Q[len(s.q) + 1] = np.where(np.arange(WIDTH) == 1, -1e-7, 1e-7)
+    forces(s, s.Q, s.Q_next, s.waves, s.d)
+    np.testing.assert_allclose(s.work[FORCE], [10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], rtol=1e-12)
+    assert s.failed.tolist() == [0, 1, 0, 0, 0, 0, 0, 0]
+    assert (s.retry > s.step).tolist() == [True, True, *[False] * 6]  # no skip is tried just after a contact
