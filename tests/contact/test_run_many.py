@@ -1,6 +1,7 @@
 """Many runs at once: each as if it were run alone."""
 
 import importlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,6 +69,17 @@ def test_each_run_is_as_if_alone(monkeypatch):
     alone = [ct.run(scene) for scene in scenes]
     assert sum(one.contact_steps[0] > 0 for one in alone) == 9
     assert max(one.reversals[0] for one in alone) > 10
+
+
+def test_lanes_of_the_forward_law_are_as_if_alone_beside_averaged_ones():
+    forward = replace(scene(mu=0.1), scheme=ct.ExactModal(law="forward"))
+    alone, (many, averaged) = ct.run(forward), ct.run_many([forward, scene(mu=0.1)])
+    assert "forward" in many.scheme
+    assert "averaged" in averaged.scheme
+    assert alone.contact_steps[0] > 0
+    np.testing.assert_allclose(many.force, alone.force, rtol=0.0, atol=1e-10 * alone.peak_force[0])
+    assert np.array_equal(many.contact_steps, alone.contact_steps)
+    assert not np.array_equal(many.force, averaged.force)
 
 
 def test_neighbours_and_order_change_no_bit():

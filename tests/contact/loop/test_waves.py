@@ -6,10 +6,12 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
+from contact.loop.batch.state import FORCE, FREE, SCALE, TEST
+from contact.loop.batch.step import add_up, touch
 from contact.loop.batch.waves import fill_lanes, skip_in_batch
 from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.rows import fill, rotate
-from contact.model.gaps.limits import motion_limits
+from contact.model.gaps.limits import REACHED, TIP, motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.waves import Terms
 from contact.scheme.modal.batch import WIDTH, Job, Layout, batch
@@ -150,3 +152,64 @@ def test_a_leap_of_a_lane_is_no_longer_than_its_powers_reach():
     assert (s.step[0], flights.taken[0].tolist()) == (7, [1, 7])
     np.testing.assert_allclose(s.q[:, 0], q, rtol=0.0, atol=1e-13 * np.abs(q).max())
     np.testing.assert_allclose(s.d[:, 0], d, rtol=0.0, atol=1e-13 * np.abs(d).max())
+
+
+@jit_entry
+def step_sums(s, sums, Q, Q_next):
+    """What a step adds to the sums of eight runs."""
+    return add_up(s, sums, Q, Q_next)
+
+
+@pytest.mark.slow
+def test_a_step_adds_to_the_sums_of_each_lane_what_is_its_own():
+    """Gaps and forces of one step, no two alike, after others with extremes of their own."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    lanes = batch([Job(run=run, steps=100, record=ct.Record())])
+    s, sums, k = lanes.lanes, lanes.sums, np.arange(WIDTH)
+    before, gap, force = 1e-6 * (7.0 - k), 2e-6 * (k - 3.5), np.where(k % 3 == 0, 10.0 + k, 0.0)
+    s.h[:] = 1e-5 * (1 + k)
+    s.work[TEST], s.work[FORCE], s.work[SCALE] = gap - 1e-7 * force, force, 1e-7
+    sums.penetration[:], sums.peak[:], sums.impulse[:] = before, 11.0, k
+    step_sums(s, sums, s.Q, s.Q_next)
+    np.testing.assert_allclose(sums.penetration, np.maximum(before, -gap), rtol=1e-12)
+    np.testing.assert_allclose(sums.impulse, k + force * s.h, rtol=1e-12)
+    np.testing.assert_array_equal(sums.peak, np.maximum(11.0, force))
+    np.testing.assert_allclose(sums.residual, np.abs(np.minimum(1e-7 * force, gap)), rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [3e-3, 4.1e-3])
+def test_a_step_notes_how_far_each_tip_has_moved_against_its_rim_either_way(limit):
+    """From the clearance ahead; one of them passes 3 mm."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    lanes = batch([Job(run=run, steps=100, record=ct.Record())])
+    s, moved = lanes.lanes, 1e-3 * (np.arange(WIDTH) - 4.0)
+    m = len(s.q)
+    s.Q[m], s.Q_next[m] = 7e-3, 2e-4
+    s.work[FREE], s.work[SCALE] = moved + 2e-4, 1.0
+    s.limits[REACHED + TIP], s.limits[TIP] = 1.5e-3, limit
+    assert step_sums(s, lanes.sums, s.Q, s.Q_next) == (limit < 4e-3)
+    np.testing.assert_allclose(s.limits[REACHED + TIP], np.maximum(1.5e-3, np.abs(moved)), rtol=1e-12)
+
+
+@jit_entry
+def forces(s, Q, Q_next, waves, new):
+    """Forces of eight runs without friction."""
+    touch(s, Q, Q_next, waves, new, False)
+
+
+@pytest.mark.slow
+def test_a_lane_without_a_force_that_opens_its_gap_fails_alone():
+    """Beside one that pushes, an open one and one where no run is."""
+    rim = ct.RotatingRim(ring(S=4e-7), blade(S=1e-6), clearance=2e-4, speed_hz=20.0)
+    run = ct.ExactModal().prepare(rim, ct.Unilateral(), dt=2e-5, courant=None)
+    s = batch([Job(run=run, steps=100, record=ct.Record())]).lanes
+    s.live[:4], s.step[:] = [1, 1, 1, 0], 5
+    s.work[TEST, :4] = -1e-6, -1e-6, 1e-6, -1e-6
+    s.Q[len(s.q) + 1] = np.where(np.arange(WIDTH) == 1, -1e-7, 1e-7)
+    forces(s, s.Q, s.Q_next, s.waves, s.d)
+    np.testing.assert_allclose(s.work[FORCE], [10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], rtol=1e-12)
+    assert s.failed.tolist() == [0, 1, 0, 0, 0, 0, 0, 0]
+    assert (s.retry > s.step).tolist() == [True, True, *[False] * 6]  # no skip is tried just after a contact

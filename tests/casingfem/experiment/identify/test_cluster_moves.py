@@ -12,6 +12,7 @@ from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit
 from casingfem.experiment.identify.setups.cluster_moves import improved
 from casingfem.experiment.identify.setups.clusters import Cluster, _noise
 from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.places import best_beside, places
 from casingfem.experiment.identify.setups.shifted import _as_good
 
 SETUPS = [np.arange(4), np.arange(4, 8), np.arange(8, 12)]
@@ -84,3 +85,48 @@ def test_noise_that_is_alike_over_lines_counts_as_many_times(averaged, alike):
     white = rng.standard_normal((4, 20000)) + 1j * rng.standard_normal((4, 20000))
     means = np.array([np.convolve(row, np.full(averaged, 1.0 / averaged), mode="valid") for row in white])
     assert _noise(means) == pytest.approx(alike / averaged, rel=0.02)
+
+
+PAIR = [np.array([0, 2]), np.array([1, 3])]
+
+
+def clean(freq, zeta, residues):
+    """Lines from 85 to 125 Hz of four channels, two set-ups, without noise."""
+    lines = np.arange(85.0, 125.0, 0.1)
+    empty = Window(freq=lines, Y=np.zeros((2 * len(lines), 4)), power=0, residues=residues, weight=np.ones(4),
+                   floor=0.0, along=np.ones(len(lines)))  # fmt: skip
+    shapes = np.array([[1.0, -0.6, 0.8, 0.4], [-0.5, 0.9, 0.7, -1.0]]) * (1.0 if residues == "real" else 1.0 - 0.4j)
+    H = Modes(freq, zeta, shapes + 0j).response(empty, PAIR)
+    return replace(empty, Y=np.concatenate([H.real, H.imag]))
+
+
+@pytest.mark.parametrize("residues", ["real", "complex"])
+@pytest.mark.parametrize(
+    ("span", "damping", "count"), [((100.0, 100.9), 0.01, 10), ((100.0, 104.0), 5e-3, 16), ((95.0, 110.0), 1e-3, 120)]
+)
+def test_one_more_mode_stands_at_the_best_of_ten_places_to_120(span, damping, count, residues):
+    """Four to the half-power bandwidth of the lowest; the sum of squares falls by all that the known mode leaves."""
+    at = np.linspace(*span, count)[4]
+    known, zeta = np.array([[97.0, 97.2]]), np.array([3e-3])
+    window = clean(np.vstack([known, [at, at]]), np.append(zeta, damping), residues)
+    left = 0.0
+    for own, channels in zip(known.T, PAIR, strict=True):
+        terms, data = np.hstack([window.values(own, zeta), window.polynomials()]), window.as_complex[:, channels]
+        left += np.sum(np.abs(data - terms @ np.linalg.lstsq(terms, data, rcond=None)[0]) ** 2)
+    found, gain = best_beside(window, PAIR, known, zeta, damping, span)
+    assert found == pytest.approx(at, rel=1e-12)
+    assert gain == pytest.approx(left, rel=1e-9)
+
+
+@pytest.mark.parametrize("residues", ["real", "complex"])
+@pytest.mark.parametrize(("span", "count"), [((99.2, 100.7), 14), ((95.0, 110.0), 100), ((88.0, 122.0), 120)])
+def test_modes_start_at_the_best_of_places_in_each_setup(span, count, residues):
+    """With the damping of the nearest known pole; four to its bandwidth, not fewer than 14 nor more than 120."""
+    grid = np.linspace(*span, count)
+    freq = grid[[[5, 4], [-4, -3]]]
+    known = freq.mean(axis=1)
+    zeta = np.array([0.3 / known[0], 5e-3])  # bandwidths of 0.6 Hz and more
+    window = clean(freq, zeta, residues)
+    one, two = places(window, PAIR, known, zeta, 2, span)
+    assert one.shape == (1, 2)
+    np.testing.assert_allclose(two, freq, rtol=1e-12)

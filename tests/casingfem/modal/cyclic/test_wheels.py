@@ -119,6 +119,42 @@ def test_waves_run_the_way_they_run_on_a_ring():
         assert abs(found[label] / found[label[0], -label[1]] - 1.0) > 1e-4
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 0.0, -2.5)])
+def test_waves_pass_from_sector_to_sector_with_the_phase_of_their_sense(axis):
+    """Whichever way the wheel's axis is given: the sense is that of the rotation."""
+    sector = replace(bladed_disk(N, SMALL, TURNING), axis=axis)
+    waves = cyclic_whirl(sector, 1)
+    labels = list(zip(waves.nodal_diameters.tolist(), waves.sense.tolist(), strict=True))
+    assert labels == [(0, 0), (1, -1), (1, 1), (2, 0)]
+    assert np.abs(waves.freq[1] / waves.freq[2] - 1.0) > 1e-4
+    along = np.sign(axis[2])  # sector 1 follows sector 0 about the axis
+    for (n, sense), shape in zip(labels, np.moveaxis(waves.fields, 2, 0), strict=True):
+        assert np.abs(shape).max() == pytest.approx(1.0, rel=1e-12)
+        phase = np.exp(-2j * np.pi * n / N * (along * sense if sense else 1.0))
+        passed = phase * shape[sector.pairs.low] @ sector.turn.matrix.T
+        np.testing.assert_allclose(shape[sector.pairs.high], passed, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
+    waves = cyclic_whirl(bladed_disk(N, SMALL, TURNING), 1, diameters=[2, 1])
+    turns = 900.0 / (2.0 * np.pi)
+    fixed = [abs(waves.freq[0] - turns), waves.freq[1] + turns, waves.freq[2]]
+    np.testing.assert_allclose(waves.freq_fixed, fixed, rtol=1e-14)
+    title, *rows = repr(waves).splitlines()
+    assert title.split() == ["n", "wave", "turning", "[Hz]", "at", "rest", "[Hz]"]
+    assert [row.split() for row in rows] == [
+        [str(n), wave, f"{f:.3f}", f"{at:.3f}"]
+        for n, wave, f, at in zip((1, 1, 2), ("backward", "forward", "single"), waves.freq, fixed, strict=True)
+    ]
+    assert [(row["n"], row["sense"], row["freq_hz"], row["freq_fixed_hz"]) for row in waves.records()] == [
+        (n, s, pytest.approx(f, rel=1e-14), pytest.approx(at, rel=1e-14))
+        for n, s, f, at in zip((1, 1, 2), (-1, 1, 0), waves.freq, fixed, strict=True)
+    ]
+    assert len(waves) == 3
+
+
 def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
     whole = mistuned_wheel(disk, DEVIATIONS)
     exact = cf.modes(whole, 3 * N).freq

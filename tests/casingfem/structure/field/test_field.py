@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from casingfem.structure.field.field import Field, FieldValues, SumField
-from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.fourier import FourierField, SeriesBehind
 
 Z, THETA = np.linspace(-0.1, 0.3, 7)[:, None], np.linspace(0.0, 6.0, 11)
 
@@ -116,6 +116,42 @@ def test_sums_merge_when_they_can_and_agree_when_they_cannot():
     assert len((both + a).fields) == 3
 
 
+@pytest.mark.parametrize("degrees", [2, 3])
+def test_a_sum_with_a_constant_keeps_the_other_ones_scale(degrees):
+    a, constant = random_field(4, degrees=degrees), FourierField.of({4: 0.1, 40: (0.0, 0.2)})
+    for total in (a + constant, constant + a):
+        assert isinstance(total, FourierField)
+        assert (total.z_mid, total.z_half) == (0.1, 0.2)
+        assert_equal_fields(total, SumField((a, constant)))
+
+
+@pytest.mark.parametrize("scale", [{"z_mid": 0.0, "z_half": 0.2}, {"z_mid": 0.1, "z_half": 0.3}])
+def test_fields_of_another_scale_stay_apart_in_a_sum(scale):
+    a, other = random_field(4), FourierField(p=[2], cos=[[0.1, 0.2]], sin=[[0.3, -0.1]], **scale)
+    assert isinstance(a + other, SumField)
+    expected = a.derivatives(Z, THETA).value + other.derivatives(Z, THETA).value
+    np.testing.assert_allclose((a + other).derivatives(Z, THETA).value, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("which", ["cos", "sin"])
+def test_a_sum_with_one_complex_part_keeps_it(which):
+    stepped, real = FourierField.of({3: 0.1}).with_harmonic(3, **{which: 0.1 + 1e-30j}), FourierField.of({3: 0.2})
+    shape = np.cos(3 * THETA) if which == "cos" else np.sin(3 * THETA)
+    for total in (stepped + real, real + stepped):
+        np.testing.assert_allclose(total.derivatives(0.0, THETA).value.imag / 1e-30, shape, rtol=1e-12, atol=1e-14)
+
+
+def test_a_series_behind_a_field_turns_and_changes_as_itself():
+    class Fitted(SeriesBehind):
+        fit = random_field(8)
+
+    field, series = Fitted(), random_field(8)
+    p = series.harmonics[0]
+    assert_equal_fields(field.rotated(0.3), series.rotated(0.3))
+    assert field.with_harmonic(p, cos=0.2, sin=-0.7).coefficients(p) == (0.2, -0.7)
+    assert field.max_harmonic == series.max_harmonic
+
+
 def test_a_users_own_field_joins_a_sum():
     class Dent:
         def derivatives(self, z, theta):
@@ -153,6 +189,24 @@ def test_repr_names_the_largest_harmonics_first():
     assert text.splitlines()[2].split() == ["8", "4.000e-03", "11.25"]
     assert "degree 3 along z on 0.1 +- 0.2 m" in repr(random_field(1))
     assert "and 8 smaller" in repr(random_field(1, harmonics=20))
+    assert repr(random_field(1, harmonics=13)).splitlines()[-1].split() == ["...", "and", "1", "smaller", "ones"]
+    assert len(repr(random_field(1, harmonics=12)).splitlines()) == 14
+    assert repr(FourierField.of({})) == "FourierField(0 harmonics, |f| <= 0.00e+00)"
+
+
+def test_repr_tells_a_bound_of_the_field_and_where_crests_are():
+    title, _, *rows = repr(FourierField.of({0: -1e-3, 1: (0.0, 2e-3), 2: (0.0, -3e-3), 5: (3e-3, 4e-3)})).splitlines()
+    assert title == "FourierField(4 harmonics, |f| <= 1.10e-02)"
+    crests = [["5", "5.000e-03", "10.63"], ["2", "3.000e-03", "-45.00"], ["1", "2.000e-03", "90.00"]]
+    assert [row.split() for row in rows] == [*crests, ["0", "1.000e-03", "180.00"]]
+    steep = FourierField(p=[2, 7], cos=[[0.1, 9.0], [0.2, 0.0]], sin=np.zeros((2, 2)))
+    assert [row.split()[0] for row in repr(steep).splitlines()[2:]] == ["7", "2"]  # by their constant parts
+
+
+def test_amplitude_and_highest_harmonic():
+    assert FourierField.of({4: (0.3, -0.4)}).amplitude(4) == pytest.approx(0.5, rel=1e-15)
+    assert FourierField.of({}).max_harmonic == 0
+    assert FourierField.of({10_000: 0.1}).max_harmonic == 10_000
 
 
 @pytest.mark.parametrize(
@@ -167,12 +221,23 @@ def test_repr_names_the_largest_harmonics_first():
         ({"p": [0], "sin": [[0.1]]}, "use cos for the mean"),
         ({"z_half": 0.0}, "z_half > 0"),
         ({"z_mid": np.inf}, "finite z_mid"),
+        ({"z_half": np.inf}, "z_half > 0, not 0.0, inf"),
+        ({"z_half": -1.0}, "z_half > 0, not 0.0, -1.0"),
+        ({"p": [[3]]}, "list of whole numbers"),
+        ({"p": [10_001]}, "<= 10000, found 10001"),
+        ({"cos": np.ones((1, 0)), "sin": np.ones((1, 0))}, r"cos must have shape .* not \(1, 0\)"),
+        ({"sin": [[np.inf]]}, "sin holds values that are not finite"),
     ],
 )
 def test_nonsense_is_refused_by_name(arguments, message):
     good = {"p": [3], "cos": [[1.0]], "sin": [[0.0]]}
     with pytest.raises(ValueError, match=message):
         FourierField(**(good | arguments))
+
+
+def test_a_harmonic_of_three_numbers_is_refused():
+    with pytest.raises(ValueError, match=r"one number \(cos\) or a pair"):
+        FourierField.of({2: 0.1, 3: (0.1, 0.2, 0.3)})
 
 
 def test_thirty_harmonics_on_a_mesh_are_those_of_each_point():

@@ -112,3 +112,7 @@ def test_splines_that_are_none_are_refused(values):
 def test_coefficients_must_fit_the_spline():
     with pytest.raises(ModelError, match=r"cos \(1, 3\) for a spline of 8 functions"):
         FourierField(p=[2], cos=np.ones((1, 3)), sin=np.ones((1, 3)), spline=BASES[0])
+
+
+def test_repr_of_a_splined_field_tells_its_ends():
+    assert repr(wavy(BASES[0])).splitlines()[0].endswith(", 8 splines along z from 0.05 to 0.25 m)")
