@@ -369,6 +369,20 @@ def test_what_a_file_cannot_hold_is_named(tmp_path):
     assert not (tmp_path / "modes.npz").exists()
 
 
+@pytest.mark.parametrize(
+    ("array", "found"),
+    [
+        (np.array([None, 1.0]), "object"),
+        (np.array(["2026-01-01"], dtype="datetime64[D]"), r"datetime64\[D\]"),
+        (np.array([b"abc"]), r"\|S3"),
+    ],
+)
+def test_an_array_that_no_file_can_hold_is_named(tmp_path, array, found):
+    with pytest.raises(StoredError, match=f"a.2: found an array of {found}, expected one of numbers or text$"):
+        save_value(tmp_path / "value.npz", {"a": [1.0, array]})
+    assert not (tmp_path / "value.npz").exists()
+
+
 def test_any_program_reads_the_arrays_by_their_paths_and_each_is_there_once(tmp_path):
     fit = updated()
     arrays = dict(np.load(fit.save(tmp_path / "fit.npz")))

@@ -10,7 +10,8 @@ from casingfem.locate.misfit import Point
 from casingfem.locate.pair_search import best_pair
 from casingfem.locate.sparse_fit import Bounds, fitted
 from casingfem.locate.sparse_search import best_addition, search
-from casingfem.locate.unknown_coupling import half_split, mixing
+from casingfem.locate.unknown_coupling import half_split, mixing, widened
+from casingfem.modal.harmonics import Rings
 
 BOUNDS = Bounds(lower=-np.ones(6), upper=np.zeros(6))
 
@@ -62,6 +63,28 @@ def test_unknown_couplings_scatter_mixed_modes_by_what_is_said():
     np.testing.assert_allclose(scatter, c * said, rtol=0.05, atol=1e-12)
     assert said[5] == 0.0
     assert said.max() > 0.7
+
+
+def test_unknown_couplings_widen_the_rows_of_modes_that_mix():
+    """Modes 2 and 3 of n = 3 and 4 mix half and half, mode 1 stays alone, row 4 has no mode."""
+    amplitudes = np.zeros((6, 1, 3, 3), dtype=complex)
+    amplitudes[[2, 3, 4], 0, 0, [0, 1, 2]] = 1.0
+    turn = np.sqrt(0.5)
+    found = SimpleNamespace(
+        freq=np.array([100.0, 150.0, 200.0]),
+        rigid=0,
+        rings=Rings(amplitudes=amplitudes, weights=np.ones(1)),
+        coordinates=np.array([[1.0, 0.0, 0.0], [0.0, turn, -turn], [0.0, turn, turn]]),
+    )
+    table = FrequencyTable.from_arrays(
+        freq_hz=[100.0, 151.0, 199.0, 400.0], sigma_hz=[0.1, 0.2, 0.3, 0.4], n=[2, 3, 4, 5]
+    )
+    tight = SimpleNamespace(coordinates=np.eye(3), doublets=())
+    wider = widened(table, SimpleNamespace(M=np.eye(3)), tight, found, 2e-3, 0.1)
+    share = np.sqrt(0.5)  # of p = 1/2, 1/2
+    expected = [0.1, np.hypot(0.2, 2e-3 * share * 151.0), np.hypot(0.3, 2e-3 * share * 199.0), 0.4]
+    np.testing.assert_allclose(wider.sigma_hz, expected, rtol=1e-12)
+    np.testing.assert_array_equal(wider.freq_hz, table.freq_hz)
 
 
 def test_half_the_split_of_a_baseline_is_relative():

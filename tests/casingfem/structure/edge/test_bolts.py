@@ -81,6 +81,14 @@ def test_many_bolts_act_as_an_elastic_edge(frustum):
     np.testing.assert_allclose(a, b, rtol=2e-3)
 
 
+def test_bolts_along_a_part_of_the_edge_repeat_after_a_whole_turn_only():
+    equal = Bolts(count=4, k=1e8)
+    assert equal.period == 4
+    assert replace(equal, loose={1: 0.5, 3: 0.5}).period == 2
+    assert replace(equal, loose={2: 0.5}).period == 1
+    assert replace(equal, spacing=0.3).period == 1
+
+
 def test_the_default_mesh_follows_the_bolts(frustum):
     shell = frustum(supports={"base": Bolts(count=16, k=1e8)})
     assert shell.mesh.around % 16 == 0
