@@ -61,30 +61,30 @@ def test_unknown_couplings_scatter_mixed_modes_by_what_is_said():
     W = W + W.transpose(0, 2, 1)
     scatter = 0.5 * np.einsum("ki,wkl,li->wi", y, W, y, optimize=True).std(axis=0)
     np.testing.assert_allclose(scatter, c * said, rtol=0.05, atol=1e-12)
+    basis = rng.standard_normal((6, 6))  # no orthonormal one
+    tight, found = (SimpleNamespace(coordinates=basis @ a, doublets=tight.doublets) for a in (np.eye(6), y))
+    back = np.linalg.inv(basis)
+    np.testing.assert_allclose(mixing(SimpleNamespace(M=back.T @ back), tight, found), said, rtol=1e-9, atol=1e-6)
     assert said[5] == 0.0
     assert said.max() > 0.7
 
 
 def test_unknown_couplings_widen_the_rows_of_modes_that_mix():
-    """Modes 2 and 3 of n = 3 and 4 mix half and half, mode 1 stays alone, row 4 has no mode."""
-    amplitudes = np.zeros((6, 1, 3, 3), dtype=complex)
-    amplitudes[[2, 3, 4], 0, 0, [0, 1, 2]] = 1.0
-    turn = np.sqrt(0.5)
-    found = SimpleNamespace(
-        freq=np.array([100.0, 150.0, 200.0]),
-        rigid=0,
-        rings=Rings(amplitudes=amplitudes, weights=np.ones(1)),
-        coordinates=np.array([[1.0, 0.0, 0.0], [0.0, turn, -turn], [0.0, turn, turn]]),
-    )
-    table = FrequencyTable.from_arrays(
-        freq_hz=[100.0, 151.0, 199.0, 400.0], sigma_hz=[0.1, 0.2, 0.3, 0.4], n=[2, 3, 4, 5]
-    )
-    tight = SimpleNamespace(coordinates=np.eye(3), doublets=())
-    wider = widened(table, SimpleNamespace(M=np.eye(3)), tight, found, 2e-3, 0.1)
-    share = np.sqrt(0.5)  # of p = 1/2, 1/2
-    expected = [0.1, np.hypot(0.2, 2e-3 * share * 151.0), np.hypot(0.3, 2e-3 * share * 199.0), 0.4]
-    np.testing.assert_allclose(wider.sigma_hz, expected, rtol=1e-12)
-    np.testing.assert_array_equal(wider.freq_hz, table.freq_hz)
+    """Modes 3 and 4 mix half and half, so do 2 and 5, mode 1 stays alone; row 5 is beyond the reach of its mode."""
+    amplitudes = np.zeros((6, 1, 3, 5), dtype=complex)
+    amplitudes[np.arange(1, 6), 0, 0, np.arange(5)] = 1.0
+    y, half = np.eye(5), np.sqrt(0.5)
+    for pair in ([2, 3], [1, 4]):
+        y[np.ix_(pair, pair)] = [[half, -half], [half, half]]
+    rings = Rings(amplitudes=amplitudes, weights=np.ones(1))
+    found = SimpleNamespace(freq=np.array([50.0, 100.0, 150.0, 200.0, 450.0]), rigid=0, rings=rings, coordinates=y)
+    freq, sigma = np.array([50.0, 101.0, 151.0, 199.0, 400.0]), np.array([0.1, 0.2, 0.3, 0.4, 0.5])
+    table = FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=sigma, n=[1, 2, 3, 4, 5])
+    tight = SimpleNamespace(coordinates=np.eye(5), doublets=())
+    wider = widened(table, SimpleNamespace(M=np.eye(5)), tight, found, 2e-3, 0.1)
+    share = np.array([0.0, half, half, half, 0.0])  # of p = 1/2, 1/2
+    np.testing.assert_allclose(wider.sigma_hz, np.hypot(sigma, 2e-3 * share * freq), rtol=1e-12)
+    np.testing.assert_array_equal(wider.freq_hz, freq)
 
 
 def test_half_the_split_of_a_baseline_is_relative():

@@ -14,6 +14,7 @@ from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
 from casingfem.structure.field.survey.stray import passes_words
 from casingfem.structure.field.survey.survey import SurveyField
+from casingfem.structure.geometry.survey_check import check_survey
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),
@@ -281,6 +282,15 @@ def test_a_casing_refuses_the_survey_of_another_one_alone_or_in_a_sum(frustum, c
     frustum(mesh=coarse, thickness_defect=wall)
     with pytest.raises(ModelError, match=r"a mean thickness of 0\.003 m, expected about 0\.002 m.*survey-other"):
         frustum(mesh=coarse, thickness=2e-3, thickness_defect=wall)
+
+
+def test_a_survey_is_held_only_against_what_is_known(frustum, coarse):
+    theta, z = rings(heights=(0.24,))
+    ring = SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=8)  # of no extent that a shell could be held against
+    check_survey(ring, "radius", None, None)
+    frustum(mesh=coarse, radius_defect=ring)
+    wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
+    check_survey(wall, "thickness", frustum().chart, None)
 
 
 class RandomlyNothing:
