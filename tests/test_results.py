@@ -1,20 +1,24 @@
 """Every kind of result becomes a table, a picture, a cell of a notebook, a file, a copy: each kind once."""
 
 import copy
+import json
 import pickle
 from dataclasses import fields, is_dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
+from scipy.sparse import csc_array
 
 import casingfem as cf
 import contact as ct
 from casingfem.experiment.circle import ScanRecord, demodulate
 from casingfem.experiment.circle.record import turning
 from casingfem.experiment.identify.identified import Identified
+from casingfem.modal.harmonics import Rings
 from casingfem.modal.mistuning import Mistuning, Pair
 from casingfem.plot.results import PICTURES
 from casingfem.structure.imported.grid import grid_mesh
@@ -26,7 +30,7 @@ from contact.growth.cycles.basins import Attractor, Basins
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit
 from contact.io.reported import Reported
-from contact.io.stored import MOVED, StoredError, load_value, save_value
+from contact.io.stored import MOVED, StoredError, load_value, read_only, save_value
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.record.wear import Wear
 from contact.sweep.plan import load_sweep
@@ -321,6 +325,7 @@ def test_a_file_makes_nothing_but_values_of_the_packages(tmp_path):
     for found, said in (
         ("os:system", "expected a value of casingfem or contact"),
         ("casingfem.errors:warn", "dataclass"),
+        ("contact.io.stored:Packing", "expected a dataclass or a named tuple"),
     ):
         document = str(arrays["document"]).replace("casingfem.experiment.frequency_table:FrequencyTable", found)
         np.savez(path, **arrays | {"document": document})
@@ -367,6 +372,54 @@ def test_what_a_file_cannot_hold_is_named(tmp_path):
     with pytest.raises(StoredError, match=r"shell.chart: found .*Mine, expected numbers, text, or values of casingfem"):
         modes.save(tmp_path / "modes.npz")
     assert not (tmp_path / "modes.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("array", "found"),
+    [
+        (np.array([None, 1.0]), "object"),
+        (np.array(["2026-01-01"], dtype="datetime64[D]"), r"datetime64\[D\]"),
+        (np.array([b"abc"]), r"\|S3"),
+    ],
+)
+def test_an_array_that_no_file_can_hold_is_named(tmp_path, array, found):
+    with pytest.raises(StoredError, match=f"a.2: found an array of {found}, expected one of numbers or text$"):
+        save_value(tmp_path / "value.npz", {"a": [1.0, array]})
+    assert not (tmp_path / "value.npz").exists()
+
+
+def test_a_sparse_matrix_keeps_its_shape_and_no_other_kind_is_taken_for_it(tmp_path):
+    matrix = csc_array(np.array([[0.0, 1.0, 0.0], [2.0, 0.0, 3.0]]))
+    save_value(tmp_path / "value.npz", (matrix, matrix))
+    one, other = load_value(tmp_path / "value.npz", tuple)
+    assert one is other
+    np.testing.assert_array_equal(one.toarray(), matrix.toarray())
+    with pytest.raises(StoredError, match=r"found scipy\.sparse.*csr_array, expected numbers"):
+        save_value(tmp_path / "value.npz", (matrix.tocsr(),))
+
+
+def test_arrays_whose_paths_are_the_same_are_both_kept(tmp_path):
+    one, other = np.array([1.0]), np.array([2.0])
+    path = save_value(tmp_path / "value.npz", {"a": [one], "a.1": other}, beside={"more": np.array([3.0])})
+    assert load_value(path, dict) == {"a": [one], "a.1": other}
+    np.testing.assert_array_equal(np.load(path)["more"], [3.0])
+    path = save_value(path, one)
+    np.testing.assert_array_equal(load_value(path, np.ndarray), one)
+    np.testing.assert_array_equal(np.load(path)["value"], one)
+
+
+def test_the_text_of_a_file_is_json_for_any_program(tmp_path):
+    """Which has no word for numbers that are not finite."""
+    value = {"of python": np.inf, "of numpy": np.float64("nan"), "both": MappingProxyType({1: complex(0.0, -np.inf)})}
+    path = save_value(tmp_path / "value.npz", value)
+    assert json.loads(str(np.load(path)["document"]), parse_constant=pytest.fail)
+    assert repr(load_value(path, dict)) == repr(value | {"of numpy": np.nan})
+
+
+def test_arrays_at_any_depth_are_read_only():
+    deep = [np.zeros(2) for _ in range(5)]
+    read_only(({"a": deep[0]}, [deep[1]], MappingProxyType({"b": (deep[2],)}), Rings(*deep[3:])))
+    assert not any(array.flags.writeable for array in deep)
 
 
 def test_any_program_reads_the_arrays_by_their_paths_and_each_is_there_once(tmp_path):

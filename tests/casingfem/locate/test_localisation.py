@@ -18,7 +18,7 @@ from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder
+from casingfem.structure.geometry.chart import Cylinder, Frustum
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.calibration import calibrated
@@ -151,6 +151,26 @@ def test_masses_between_candidates_are_recovered(casing):
     assert len(twins) == 1
     assert [one.value for one in twins[0].found] == pytest.approx([0.02, 0.03], rel=5e-3)
     assert "g at 20.0" in repr(found)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("edge", [None, "base"])
+def test_a_mass_is_looked_for_at_the_top_unless_told(steel, edge):
+    """A free cone 0.3 m wide at its base, 0.25 m at its top: what 20 g do at either edge differs."""
+    mesh = ShellMesh(order=5, rows=1, around=7)
+    cone = Shell(chart=Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
+    heavy = replace(cone, masses={edge or "top": [EdgeMass(angle=np.radians(40.0), mass=0.02)]})
+    found = modes(heavy, 12, method="shell")
+    elastic = slice(found.rigid, None)
+    table = FrequencyTable.from_arrays(
+        freq_hz=found.freq[elastic],
+        sigma_hz=1e-4 * found.freq[elastic],
+        n=found.nodal_diameters[elastic],
+        angle_deg=found.angle_deg[elastic],
+    )
+    model = search_model(cone, table, among="mass", edge=edge, places=8)
+    (one,) = locate(cone, table, among="mass", edge=edge, most=1, model=model).found
+    assert (one.place, one.angle_deg, one.value) == (2, pytest.approx(40.0, abs=1e-4), pytest.approx(0.02, rel=1e-5))
 
 
 @pytest.mark.slow

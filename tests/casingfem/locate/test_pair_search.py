@@ -10,7 +10,8 @@ from casingfem.locate.misfit import Point
 from casingfem.locate.pair_search import best_pair
 from casingfem.locate.sparse_fit import Bounds, fitted
 from casingfem.locate.sparse_search import best_addition, search
-from casingfem.locate.unknown_coupling import half_split, mixing
+from casingfem.locate.unknown_coupling import half_split, mixing, widened
+from casingfem.modal.harmonics import Rings
 
 BOUNDS = Bounds(lower=-np.ones(6), upper=np.zeros(6))
 
@@ -60,8 +61,30 @@ def test_unknown_couplings_scatter_mixed_modes_by_what_is_said():
     W = W + W.transpose(0, 2, 1)
     scatter = 0.5 * np.einsum("ki,wkl,li->wi", y, W, y, optimize=True).std(axis=0)
     np.testing.assert_allclose(scatter, c * said, rtol=0.05, atol=1e-12)
+    basis = rng.standard_normal((6, 6))  # no orthonormal one
+    tight, found = (SimpleNamespace(coordinates=basis @ a, doublets=tight.doublets) for a in (np.eye(6), y))
+    back = np.linalg.inv(basis)
+    np.testing.assert_allclose(mixing(SimpleNamespace(M=back.T @ back), tight, found), said, rtol=1e-9, atol=1e-6)
     assert said[5] == 0.0
     assert said.max() > 0.7
+
+
+def test_unknown_couplings_widen_the_rows_of_modes_that_mix():
+    """Modes 3 and 4 mix half and half, so do 2 and 5, mode 1 stays alone; row 5 is beyond the reach of its mode."""
+    amplitudes = np.zeros((6, 1, 3, 5), dtype=complex)
+    amplitudes[np.arange(1, 6), 0, 0, np.arange(5)] = 1.0
+    y, half = np.eye(5), np.sqrt(0.5)
+    for pair in ([2, 3], [1, 4]):
+        y[np.ix_(pair, pair)] = [[half, -half], [half, half]]
+    rings = Rings(amplitudes=amplitudes, weights=np.ones(1))
+    found = SimpleNamespace(freq=np.array([50.0, 100.0, 150.0, 200.0, 450.0]), rigid=0, rings=rings, coordinates=y)
+    freq, sigma = np.array([50.0, 101.0, 151.0, 199.0, 400.0]), np.array([0.1, 0.2, 0.3, 0.4, 0.5])
+    table = FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=sigma, n=[1, 2, 3, 4, 5])
+    tight = SimpleNamespace(coordinates=np.eye(5), doublets=())
+    wider = widened(table, SimpleNamespace(M=np.eye(5)), tight, found, 2e-3, 0.1)
+    share = np.array([0.0, half, half, half, 0.0])  # of p = 1/2, 1/2
+    np.testing.assert_allclose(wider.sigma_hz, np.hypot(sigma, 2e-3 * share * freq), rtol=1e-12)
+    np.testing.assert_array_equal(wider.freq_hz, freq)
 
 
 def test_half_the_split_of_a_baseline_is_relative():

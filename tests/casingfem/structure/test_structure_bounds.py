@@ -102,9 +102,10 @@ BOUNDS = {
     "coverage.gap": (lambda k: covered(gap=(10.0, 350.0)[k]), "a gap of 350 deg in theta; expected"),
     "coverage.order": (lambda k: covered(gap=(30.0, 30.1)[k], n_max=6), "30.1"),
     "survey.mean": (lambda k: surveyed(mean=(0.549, 0.56)[k]), "a mean radius of 0.56 m, expected about 0.5 m"),
+    "survey.small": (lambda k: surveyed(mean=(0.451, 0.449)[k]), "^rig.csv: found a mean radius of 0.449 m, expected"),
     "survey.of": (lambda k: surveyed(of=("radius", "thickness")[k]), "found a survey of thickness, expected"),
     "survey.high": (lambda k: surveyed(z=((0.099, 0.101)[k], 0.3)), "found z from 0.101 to 0.3 m, expected at"),
-    "survey.low": (lambda k: surveyed(z=(-0.1, (0.101, 0.099)[k])), "found z from -0.1 to 0.099 m, expected at"),
+    "survey.low": (lambda k: surveyed(z=(-0.1, (0.101, 0.099)[k])), "at least half of the shell's 0 to 0.2 m"),
     "survey.wall": (
         lambda k: surveyed("thickness", (3e-3, 6e-3)[k], 3e-3), "a mean thickness of 0.006 m, expected about 0.003 m"
     ),

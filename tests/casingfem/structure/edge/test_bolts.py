@@ -13,6 +13,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.edges import edge_line
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter, check_parameters
@@ -81,6 +82,14 @@ def test_many_bolts_act_as_an_elastic_edge(frustum):
     np.testing.assert_allclose(a, b, rtol=2e-3)
 
 
+def test_bolts_along_a_part_of_the_edge_repeat_after_a_whole_turn_only():
+    equal = Bolts(count=4, k=1e8)
+    assert equal.period == 4
+    assert replace(equal, loose={1: 0.5, 3: 0.5}).period == 2
+    assert replace(equal, loose={2: 0.5}).period == 1
+    assert replace(equal, spacing=0.3).period == 1
+
+
 def test_the_default_mesh_follows_the_bolts(frustum):
     shell = frustum(supports={"base": Bolts(count=16, k=1e8)})
     assert shell.mesh.around % 16 == 0
@@ -127,12 +136,79 @@ def test_refuses_bolts_that_are_none(values, code):
     assert caught.value.code == code
 
 
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"k": float("inf")}, "k_rot and factors must be finite and not negative"),
+        ({"k_rot": -1.0}, "k_rot and factors must be finite and not negative"),
+        ({"loose": {1: float("inf")}}, "k_rot and factors must be finite and not negative"),
+        ({"k": 0.0, "loose": {1: 0.5}}, "bolts need k or k_rot above zero"),
+        ({"width": float("inf")}, "spacing and bolts.width must be positive and finite"),
+        ({"width": 0.1, "spacing": -0.1}, "spacing and bolts.width must be positive and finite"),
+        ({"width": 0.15, "spacing": 0.1}, r"patches 8\.594 deg wide on bolts 5\.73 deg apart overlap"),
+        ({"width": 0.6, "spacing": 0.85}, r"patches 34\.38 deg wide on bolts 19\.09 deg apart overlap"),
+    ],
+)
+def test_says_what_is_wrong_with_bolts(values, said):
+    with pytest.raises(ModelError, match=said):
+        Bolts(**{"count": 8, "k": 1e8} | values)
+
+
+def test_bolts_may_hold_by_their_rotation_alone_and_keep_what_they_were_given():
+    given = {3: 0.5}
+    bolts = Bolts(count=24, k=0.0, k_rot=1e3, loose=given)
+    given[3] = 0.0
+    assert bolts.loose == {3: 0.5}
+    with pytest.raises(TypeError):
+        bolts.loose[3] = 0.0
+    assert bolts.patch == pytest.approx(np.pi / 36, rel=1e-14)
+    with pytest.raises(KeyError, match="bolts whose k is 0 have none to change"):
+        bolts.with_number(("k",), 1e8)
+
+
+def test_the_stiffness_of_bolts_is_the_largest_of_three_and_keeps_its_form():
+    three = Bolts(count=8, k=(1e8, 4e8, 2e8), loose={2: 0.5})
+    assert (three.number(("k",)), three.number(("bolts", "2", "k"))) == (4e8, 2e8)
+    assert three.with_number(("k",), 2e8).k == (5e7, 2e8, 1e8)
+    assert Bolts(count=8, k=2e8).with_number(("k",), 1e8).k == 1e8
+    with pytest.raises(KeyError, match=r"bolts\.1\.k to bolts\.8\.k"):
+        three.number(("bolts", "0", "k"))
+
+
+@pytest.mark.parametrize("first", [0.0, -0.1])
+def test_wide_patches_across_the_seam_see_every_element(frustum, first):
+    """Patches over two and a half elements; half a turn brings each bolt to the other's place."""
+    bolts = Bolts(count=2, k=1e10, k_rot=1e6, width=2.0)
+    here, on = (assemble(bolted(frustum, replace(bolts, first_angle=a))).K for a in (first, first + np.pi))
+    assert abs(here - on).max() < 1e-13 * abs(here).max()
+
+
+def test_patches_are_integrated_whole_for_the_polynomials_of_an_element(frustum):
+    """Against so many more points, for products of all shape functions."""
+    bolts = Bolts(count=3, k=1e8, k_rot=500.0, width=1.0, loose={2: 0.5})
+    system = assemble(bolted(frustum, bolts))
+    line = edge_line(system.shell, system.grid, "base")
+    springs = bolts.springs(line)
+    places, weights, bolt = bolts.points(line.breaks, True, 30)
+    nodes, values = line.interpolate(places)
+    size = 1 + max(springs.nodes.max(), nodes.max())
+    found, exact = np.zeros((2, size, size))
+    for total, at, shape, k in (
+        (found, springs.nodes, springs.values, springs.rotation),
+        (exact, nodes, values, 500.0 * np.array([1.0, 0.5, 1.0])[bolt] * weights),
+    ):
+        np.add.at(total, (at[:, :, None], at[:, None, :]), k[:, None, None] * shape[:, :, None] * shape[:, None, :])
+    np.testing.assert_allclose(found, exact, atol=1e-13 * exact.max())
+
+
 def test_bolts_off_an_open_edge_are_refused(steel):
     panel = Panel(radius=0.6, length=0.3, angle=0.5)
     on = Bolts(count=5, k=1e8, spacing=0.1, first_angle=-0.2)
     Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": on})
     with pytest.raises(ModelError, match=r"support\.root: patches .* on an edge from -0\.25 to 0\.25.*bolt-off-edge"):
         Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.15)})
+    with pytest.raises(ModelError, match=r"patches from -0\.266667 to 0\.166667 on an edge from -0\.25 to 0\.25"):
+        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.25)})
 
 
 @pytest.mark.parametrize("name", ["support.base.k", "support.base.k_rot", "support.base.bolts.3.k", "bolts.5.k"])

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from casingfem.errors import InputError, ModelWarning
+from casingfem.errors import InputError, ModelError, ModelWarning
 from casingfem.io.strict_csv import parse
 from casingfem.modal.modes import modes
 from casingfem.structure.field.field import Field, FieldValues
@@ -14,6 +14,7 @@ from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
 from casingfem.structure.field.survey.stray import passes_words
 from casingfem.structure.field.survey.survey import SurveyField
+from casingfem.structure.geometry.survey_check import check_survey
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),
@@ -264,6 +265,32 @@ def test_modes_beyond_the_surveys_resolution_are_doubted(frustum, coarse):
     modes(frustum(mesh=coarse, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
     theta, z = rings(points=72)
     modes(frustum(mesh=coarse, radius_defect=SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
+
+
+def test_a_casing_refuses_the_survey_of_another_one_alone_or_in_a_sum(frustum, coarse):
+    theta, z = rings()
+    other = SurveyField.from_points(theta, z, 1.3 * (0.5 - 0.2 * z), n_max=8)
+    wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
+    for field in (other, DEFECT + other):
+        with pytest.raises(
+            ModelError, match=r"found a mean radius of 0\.6175 m, expected about 0\.475 m.*survey-other"
+        ):
+            frustum(mesh=coarse, radius_defect=field)
+    for field in (wall, DEFECT + wall):
+        with pytest.raises(ModelError, match=r"found a survey of thickness, expected one of radius.*survey-quantity"):
+            frustum(mesh=coarse, radius_defect=field)
+    frustum(mesh=coarse, thickness_defect=wall)
+    with pytest.raises(ModelError, match=r"a mean thickness of 0\.003 m, expected about 0\.002 m.*survey-other"):
+        frustum(mesh=coarse, thickness=2e-3, thickness_defect=wall)
+
+
+def test_a_survey_is_held_only_against_what_is_known(frustum, coarse):
+    theta, z = rings(heights=(0.24,))
+    ring = SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=8)  # of no extent that a shell could be held against
+    check_survey(ring, "radius", None, None)
+    frustum(mesh=coarse, radius_defect=ring)
+    wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
+    check_survey(wall, "thickness", frustum().chart, None)
 
 
 class RandomlyNothing:
