@@ -42,6 +42,20 @@ def test_recovery_is_kept(tmp_path):
     assert np.allclose(short.recovery_S, [[0.0, 0.1 + 2.0 / 81.0]])
 
 
+def test_retuning_scales_what_a_force_moves_elsewhere_by_the_square_of_the_ratio():
+    body = ct.ModalBody(
+        omega=[0.0, 2.0, 8.0], zeta=[0.0] * 3, channels=("span",), rows=[[0.0, 1.0, 2.0]], S=[[0.3]],
+        recovery=[[0.0, 3.0, 1.0]], recovery_S=[[0.5]],
+    )  # fmt: skip
+    again = body.retuned(3.0 / np.pi)  # the lowest elastic one from 2 to 6 rad/s, everything nine times as stiff
+    assert again.omega == pytest.approx([0.0, 6.0, 24.0], rel=1e-15)
+    moved = [
+        (one.recovery[0, 1:] * one.rows[0, 1:]) @ one.omega[1:] ** -2.0 + one.recovery_S[0, 0] for one in (body, again)
+    ]
+    assert moved[0] == pytest.approx(0.75 + 2.0 / 64.0 + 0.5, rel=1e-15)
+    assert moved[1] == pytest.approx(moved[0] / 9.0, rel=1e-14)
+
+
 def test_empty_recovery_counts_as_none(tmp_path):
     none = np.zeros((0, 0))
     file = written(tmp_path / "casing.npz", recovery=none, recovery_S=none, recovery_points=np.zeros((0, 3)))
