@@ -140,3 +140,12 @@ def test_locate_refuses_a_table_without_labels(folder, tmp_path):
     result = invoke("locate", folder / "casing.toml", tmp_path / "bare.csv")
     assert result.exit_code == 2
     assert "locate-unlabelled" in result.stderr
+
+
+@pytest.mark.slow
+def test_locate_refuses_to_judge_masses_by_shapes(folder):
+    result = invoke(
+        "locate", folder / "casing.toml", folder / "loose.csv", "--shapes", folder / "loose.uff", "--among", "mass"
+    )
+    assert result.exit_code == 2
+    assert "--shapes judges loose bolts, not masses" in result.stderr

@@ -90,6 +90,19 @@ def test_the_gap_of_an_open_contact_is_where_its_body_is(soft):
     np.testing.assert_allclose(result.gap[open_at, 0], place[open_at + 1], atol=1e-13)
 
 
+@pytest.mark.parametrize("far", [np.inf, np.nan])
+def test_a_gap_that_is_no_number_stops_the_step_it_arises_in(far):
+    two = body([1.0, 2.0], np.eye(2), ("x", "y"))
+    stepper = ct.ExactModal().prepare(
+        ct.Patch(body=two, normal=("x", "y"), clearance=0.1), ct.Unilateral(), dt=1e-2, courant=None
+    )
+    out = samples(ct.Record(), 5, 2, stepper.size)
+    assert stepper.advance(out, 0, 3) == -1
+    stepper.state.place[0] = far
+    assert stepper.advance(out, 3, 2) == 3
+    assert stepper.why() == "the motion is not a number"
+
+
 def test_redundant_contacts_share_a_force_and_change_nothing():
     rows = np.array([[1.0, 0.7, 0.4]] * 5)
     names = tuple(f"tip{k}" for k in range(5))

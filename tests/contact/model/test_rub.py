@@ -317,6 +317,17 @@ def test_the_rigid_gap_follows_its_laws():
 
 
 @pytest.mark.slow
+def test_a_profile_of_more_waves_than_the_rim_has_is_followed():
+    profile = ct.RimProfile.fourier([{"p": 20, "cos": 1e-4}, {"p": 1, "sin": 3e-5}])
+    rub = ct.Rub(rim3(), [nodes(3)], tips(3), clearance=1e-3, speed=ct.Speed.constant(5.0), profile=profile)
+    result = ct.run(rub, scheme=ct.ExactModal(law="forward"), t_end=0.01, dt=1e-5, record=ct.Record(every=50))
+    phi = np.radians([tip.angle_deg for tip in rub.tips]) - 10.0 * np.pi * (result.time[:, None] + 1e-5)
+    own = np.array([tip.clearance for tip in rub.tips])
+    exact = 1e-3 + own + 1e-4 * np.cos(20.0 * phi) + 3e-5 * np.sin(phi)
+    np.testing.assert_allclose(result.gap, exact, atol=1e-14)
+
+
+@pytest.mark.slow
 def test_a_table_profile_is_smooth_and_stays_between_its_points():
     theta = np.array([0.1, 0.5, 1.4, 3.0, 4.4, 5.9])
     depth = np.array([0.0, 2e-4, 2e-4, -1e-4, 0.0, 1e-4])
