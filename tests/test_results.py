@@ -383,7 +383,7 @@ def test_what_a_file_cannot_hold_is_named(tmp_path):
     ],
 )
 def test_an_array_that_no_file_can_hold_is_named(tmp_path, array, found):
-    with pytest.raises(StoredError, match=f"a.2: found an array of {found}, expected one of numbers or text$"):
+    with pytest.raises(StoredError, match=rf"^a\.2: found an array of {found}, expected one of numbers or text$"):
         save_value(tmp_path / "value.npz", {"a": [1.0, array]})
     assert not (tmp_path / "value.npz").exists()
 

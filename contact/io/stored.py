@@ -43,6 +43,11 @@ class StoredError(ValueError):
     """A value that no file can hold, or a file that holds none: which, what was found, what is expected."""
 
 
+def below(name: str, part: object) -> str:
+    """The name of a part of what has this name, which a file's own value has not."""
+    return f"{name}.{part}" if name else f"{part}"
+
+
 @singledispatch
 def read_only(value: Any) -> Any:
     """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
@@ -118,19 +123,19 @@ class Packing:
     def values(self, part: Any, values: Mapping[str, Any], name: str) -> dict[str, Any]:
         """A value of named parts, by its class."""
         kind = f"{type(part).__module__}:{type(part).__qualname__}"
-        return self.numbered(part, {"value": kind, "fields": self.inside(values, f"{name}." if name else "")})
+        return self.numbered(part, {"value": kind, "fields": self.inside(values, name)})
 
-    def inside(self, values: Mapping[str, Any], path: str) -> dict[str, Any]:
+    def inside(self, values: Mapping[str, Any], name: str) -> dict[str, Any]:
         """Parts by their names."""
-        return {key: self.packed(value, f"{path}{key}") for key, value in values.items()}
+        return {key: self.packed(value, below(name, key)) for key, value in values.items()}
 
     def entries(self, part: Iterable[Any], name: str) -> list[Any]:
         """Parts by their numbers."""
-        return [self.packed(entry, f"{name}.{k + 1}") for k, entry in enumerate(part)]
+        return [self.packed(entry, below(name, k + 1)) for k, entry in enumerate(part)]
 
     def pairs(self, part: Mapping[Any, Any], name: str) -> list[Any]:
         """Keys with their parts."""
-        return [[self.packed(key, name), self.packed(entry, f"{name}.{key}")] for key, entry in part.items()]
+        return [[self.packed(key, name), self.packed(entry, below(name, key))] for key, entry in part.items()]
 
     def numbered(self, part: Any, document: dict[str, Any]) -> dict[str, Any]:
         """The document of a part that is written once, however often the tree holds it."""
@@ -151,7 +156,7 @@ def written(part: Any, name: str, packing: Packing) -> Any:
     """The JSON of a part by its class; of a sparse matrix or a dataclass by what it has."""
     if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
         arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
-        return packing.numbered(part, {"sparse": list(part.shape), "fields": packing.inside(arrays, f"{name}.")})
+        return packing.numbered(part, {"sparse": list(part.shape), "fields": packing.inside(arrays, name)})
     if is_dataclass(part) and type(part).__module__.startswith(OWN):
         return packing.values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
     found = f"{type(part).__module__}.{type(part).__qualname__}"

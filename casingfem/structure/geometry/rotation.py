@@ -49,7 +49,8 @@ class Rotation:
     @property
     def direction(self) -> FloatArray:
         """Unit vector along the axis, (3,)."""
-        return np.asarray(np.asarray(self.axis) / np.linalg.norm(self.axis))
+        axis = np.asarray(self.axis) / np.abs(self.axis).max()  # squares of very large or small lengths are no numbers
+        return np.asarray(axis / np.linalg.norm(axis))
 
     @property
     def plane(self) -> FloatArray:

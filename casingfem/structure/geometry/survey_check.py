@@ -34,10 +34,10 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
     if survey.quantity != quantity:
         found = f"{name}: found a survey of {survey.quantity}, expected one of {quantity}"
         raise ModelError("survey-quantity", found)
-    if quantity == "thickness" or chart is None:
-        nominal, mean = thickness, float(survey.mean[0])
-    else:
-        nominal, mean = mean_radius(chart), float(survey.mean_radius(np.real(np.mean(chart.bounds[0]))))
+    nominal, mean = thickness, float(survey.mean[0])
+    if quantity != "thickness":
+        nominal = None if chart is None else mean_radius(chart)
+        mean = mean if chart is None else float(survey.mean_radius(np.real(np.mean(chart.bounds[0]))))
     if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
         raise ModelError(
             "survey-other", f"{name}: found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"

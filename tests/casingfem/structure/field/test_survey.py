@@ -288,6 +288,7 @@ def test_a_survey_is_held_only_against_what_is_known(frustum, coarse):
     theta, z = rings(heights=(0.24,))
     ring = SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=8)  # of no extent that a shell could be held against
     check_survey(ring, "radius", None, None)
+    check_survey(ring, "radius", None, 3e-3)
     frustum(mesh=coarse, radius_defect=ring)
     wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
     check_survey(wall, "thickness", frustum().chart, None)

@@ -254,6 +254,11 @@ def test_matrices_are_the_derivatives_of_the_strain_energy():
     assert added.nonlinear**2 == pytest.approx(energy(quadratic(u1), quadratic(u1)) / energy(linear(u1), linear(u1)))
 
 
+@pytest.mark.parametrize("length", [1e-170, 1e-320, 2.0, 1e200])
+def test_an_axis_of_any_length_has_a_direction(length):
+    assert cf.Rotation(omega=1.0, axis=(0.0, -length, 0.0)).direction.tolist() == [0.0, -1.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("make", "code"),
     [
