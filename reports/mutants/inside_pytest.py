@@ -26,7 +26,8 @@ class Job:
     """What a pytest process does.
 
     `tests`, named without their parameters, run in this order until `budget` processor seconds are spent, those of one
-    file until `share` are; what takes longer than `limit` is ended, and the process with it.
+    file until `share` are; what takes longer than `limit` is ended, and the process with it. Where `record` is a path,
+    the functions of `packages` that each file of tests runs are written there.
     """
 
     journal: str
@@ -34,6 +35,8 @@ class Job:
     budget: float
     share: float
     limit: float
+    record: str = ""
+    packages: tuple[str, ...] = ()
 
     def write(self, path: Path) -> None:
         """Leave the job for the plugin to find."""
@@ -43,7 +46,7 @@ class Job:
     def read(cls, path: Path) -> "Job":
         """What was left."""
         fields = json.loads(path.read_text(encoding="utf-8"))
-        return cls(**{**fields, "tests": tuple(fields["tests"])})
+        return cls(**{**fields, "tests": tuple(fields["tests"]), "packages": tuple(fields["packages"])})
 
     def lines(self) -> list[Line]:
         """The journal so far; "begun" is the outcome of what did not end."""
@@ -133,6 +136,11 @@ def keep_what_stays_compiled() -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Take the job."""
-    config.pluginmanager.register(Runner(Job.read(Path(os.environ[JOB]))))
+    job = Job.read(Path(os.environ[JOB]))
+    config.pluginmanager.register(Runner(job))
+    if job.record:
+        from reports.mutants.executed import Recorder
+
+        config.pluginmanager.register(Recorder(Path(job.record), job.packages))
     if (config.rootpath / "contact/jit/compiled.py").exists():
         keep_what_stays_compiled()

@@ -12,6 +12,7 @@ from reports.mutants.draw import Mutant
 from reports.mutants.inside_pytest import JOB, Job, Line
 from reports.tables import ROOT
 
+RECORDED = "executed.json"
 NOT_COPIED = shutil.ignore_patterns(
     ".git", ".venv", "__pycache__", ".*_cache", ".hypothesis", "*.egg-info", "out", "build", "dist"
 )  # fmt: skip
@@ -21,13 +22,17 @@ NOT_COPIED = shutil.ignore_patterns(
 class Limits:
     """What one mutant may take: processor seconds of all tests, of those of one file, of one test; how many files.
 
-    Where a compiled loop is changed, it may take `compiling` seconds more each, for tests compile it again.
+    `files` of those that are near where nothing is known of what they run, else the `nearest` and up to `running` that
+    run the changed function. Where a compiled loop is changed, it may take `compiling` seconds more each, for tests
+    compile it again.
     """
 
-    budget: float = 120.0
+    budget: float = 180.0
     share: float = 40.0
     test: float = 100.0
     files: int = 16
+    nearest: int = 4
+    running: int = 48
     compiling: float = 100.0
 
 
@@ -54,14 +59,24 @@ class Tree:
         shutil.rmtree(self.copy, ignore_errors=True)
         shutil.copytree(self.root, self.copy, ignore=NOT_COPIED)
 
+    @property
+    def recorded(self) -> Path:
+        """Where it is written which tests run which functions."""
+        return self.beside(RECORDED)
+
     def beside(self, name: str) -> Path:
         """A file or folder of this tree's own, outside it."""
         return self.copy.with_name(f"{self.copy.name}-{name}")
 
-    def run(self, tests: Sequence[str], limits: Limits, *, first_failure: bool = True) -> tuple[list[Line], int, str]:
-        """Run tests in their order: the journal, how pytest ended, what it printed."""
+    def run(
+        self, tests: Sequence[str], limits: Limits, *, first_failure: bool = True, record: tuple[str, ...] = ()
+    ) -> tuple[list[Line], int, str]:
+        """Run tests in their order: the journal, how pytest ended, what it printed; `record` names packages."""
         files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
-        job = Job(str(self.beside("journal.jsonl")), tuple(tests), limits.budget, limits.share, limits.test)
+        job = Job(
+            str(self.beside("journal.jsonl")), tuple(tests), limits.budget, limits.share, limits.test,
+            str(self.recorded) if record else "", record,
+        )  # fmt: skip
         Path(job.journal).unlink(missing_ok=True)
         job.write(self.beside("job.json"))
         shutil.rmtree(self.copy / ".hypothesis", ignore_errors=True)

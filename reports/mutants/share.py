@@ -1,27 +1,30 @@
 """How many random mutants of both packages the tests kill: small faults put in one at a time, tests near them run.
 
-`python -m reports.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR]`. Plots are left out. A rerun
-continues: each mutant's verdict is a file of its own, valid as long as packages, tests and data stay as they are.
-survivors.csv has a column `note` for what would kill a mutant or why it is none; what stands there is kept.
+`python -m reports.mutants --seed N --count 120 [--jobs J] [--only PATTERN] [--out DIR] [--record]`. Plots are left out.
+A rerun continues: each mutant's verdict is a file of its own, valid as long as packages, tests and data stay as they
+are. With --record all tests run once before, to see which functions they run; what was seen is kept and used later.
+mutants_survivors.csv has a column `note` for what would kill a mutant or why it is none; what stands there is kept, and
+mutants whose note begins with "equivalent" are left out of the second share.
 """
 
 import argparse
-import csv
 import hashlib
 import itertools
 import json
 import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from queue import SimpleQueue
 
 from contact.io.outfiles import json_text, write_atomic
 from reports.mutants.draw import Mutant, draw, read_sources
-from reports.mutants.judge import Limits, Tree, Verdict
-from reports.mutants.reach import read_reach
-from reports.tables import OUT, ROOT, Row, show, write
+from reports.mutants.executed import read_executed
+from reports.mutants.judge import RECORDED, Limits, Tree, Verdict
+from reports.mutants.reach import Reach, read_reach
+from reports.mutants.table import report
+from reports.tables import OUT, ROOT, Row
 
 PACKAGES = ("casingfem", "contact")
 COMPILED = (
@@ -47,6 +50,7 @@ class Campaign:
     jobs: int = 1
     out: Path = OUT
     limits: Limits = field(default_factory=Limits)
+    record: bool = False
 
     @property
     def folder(self) -> Path:
@@ -57,20 +61,34 @@ class Campaign:
         """The draw."""
         return draw(read_sources(self.root, self.packages, self.without), self.seed, self.count, self.only)
 
+    @property
+    def trees(self) -> list[Tree]:
+        """The copies of the project, one for each worker."""
+        return [Tree(self.root, self.folder / f"tree-{k}") for k in range(self.jobs)]
+
+    def reach(self) -> Reach:
+        """References between sources and tests."""
+        return read_reach(self.root, self.packages, ("reports", "tests"))
+
     def tests(self, mutants: Iterable[Mutant]) -> dict[Mutant, list[str]]:
         """Tests for each mutant, nearest first, those of so many files as the limits allow."""
-        reach = read_reach(self.root, self.packages, ("reports", "tests"))
+        reach, limits = self.reach(), self.limits
+        executed = read_executed(sorted(self.folder.glob(f"tree-*-{RECORDED}")))
         chosen = {}
         for mutant in mutants:
             nearest = reach.nearest(mutant.file, mutant.function, self.seed)
-            files = list(dict.fromkeys(test.partition("::")[0] for test in nearest))[: self.limits.files]
+            order = list(dict.fromkeys(test.partition("::")[0] for test in nearest))
+            running = executed.running(reach, mutant.file, mutant.function)
+            files = set(order[: limits.nearest if running else limits.files])
+            files.update([file for file in order if file in running][: limits.running])
+            files.update(file for file in order[: limits.files] if file not in executed.known)
             chosen[mutant] = [test for test in nearest if test.partition("::")[0] in files]
         return chosen
 
     def limits_of(self, mutant: Mutant) -> Limits:
         """More time where loops are compiled again."""
         limits, more = self.limits, self.limits.compiling * mutant.file.startswith(COMPILED)
-        return Limits(limits.budget + more, limits.share + more, limits.test + more, limits.files)
+        return replace(limits, budget=limits.budget + more, share=limits.share + more, test=limits.test + more)
 
 
 def contents(root: Path) -> str:
@@ -115,6 +133,23 @@ def read_verdict(folder: Path, mutant: Mutant) -> Verdict:
     return Verdict(**{name: kept[name] for name in Verdict.__slots__})
 
 
+def record(campaign: Campaign, trees: Sequence[Tree]) -> None:
+    """Run all tests once, each worker its files, and keep which functions they run."""
+    tests = sorted(f"{file}::{name}" for file, name in campaign.reach().tests)
+    files = sorted({test.partition("::")[0] for test in tests})
+    unlimited = Limits(budget=1e6, share=1e6, test=1e6)
+
+    def one(k: int) -> None:
+        own = set(files[k :: len(trees)])
+        trees[k].run(
+            [test for test in tests if test.partition("::")[0] in own], unlimited, first_failure=False,
+            record=campaign.packages,
+        )  # fmt: skip
+
+    with ThreadPoolExecutor(len(trees)) as pool:
+        list(pool.map(one, range(len(trees))))
+
+
 def never_passing(tree: Tree, tests: Iterable[str], limits: Limits) -> list[str]:
     """Tests that fail without a mutant as well, of those that killed one."""
     named = sorted({test.partition("[")[0] for test in tests})
@@ -140,9 +175,11 @@ def collected(tree: Tree, tests: Iterable[str]) -> None:
 def main(campaign: Campaign) -> list[Row]:
     """Draw, judge, print the share killed and the survivors."""
     folder = campaign.folder / f"verdicts-{contents(campaign.root)}"
-    trees = [Tree(campaign.root, campaign.folder / f"tree-{k}") for k in range(campaign.jobs)]
+    trees = campaign.trees
     for tree in trees:
         tree.refresh()
+    if campaign.record and not trees[0].recorded.exists():
+        record(campaign, trees)
     tests = campaign.tests(campaign.mutants())
     collected(trees[0], itertools.chain.from_iterable(tests.values()))
     broken: set[str] = set()
@@ -158,49 +195,7 @@ def main(campaign: Campaign) -> list[Row]:
         for mutant, by in kills.items():
             if by.partition("[")[0] in newly:
                 verdict_file(folder, mutant).unlink()
-    return report(campaign, verdicts, broken)
-
-
-def row_of(mutant: Mutant, found: Verdict) -> Row:
-    """A mutant and its verdict, a row of the table."""
-    return {
-        "mutant": f"{mutant.file}:{mutant.line}", "function": mutant.function, "before": mutant.before,
-        "after": mutant.after, "killed": found.killed, "killed by": found.by, "how": found.how.partition("\n")[0],
-        "tests": len(found.ran), "left out": found.left_out,
-        "files": " ".join(dict.fromkeys(test.partition("::")[0] for test in found.ran)),
-    }  # fmt: skip
-
-
-def notes(path: Path) -> dict[tuple[str, str], str]:
-    """What was noted of survivors, by place and change."""
-    if not path.exists():
-        return {}
-    with path.open(newline="", encoding="utf-8") as stream:
-        return {(row["mutant"], row["after"]): row["note"] for row in csv.DictReader(stream)}
-
-
-def report(campaign: Campaign, verdicts: dict[Mutant, Verdict], broken: Iterable[str]) -> list[Row]:
-    """Print and write the tables."""
-    rows = [row_of(mutant, found) for mutant, found in verdicts.items()]
-    write(campaign.out / "mutants.csv", rows)
-    path = campaign.out / "mutants_survivors.csv"
-    noted = notes(path)
-    survivors: list[Row] = [
-        {name: row[name] for name in ("mutant", "before", "after", "tests", "left out", "files")}
-        | {"note": noted.get((str(row["mutant"]), str(row["after"])), "")}
-        for row in rows
-        if not row["killed"]
-    ]
-    path.unlink(missing_ok=True)
-    if survivors:
-        write(path, survivors)
-        shown = ("mutant", "before", "after", "tests", "note")
-        show("Mutants that no test killed", [{name: row[name] for name in shown} for row in survivors])
-    for test in broken:
-        print(f"left out, since it fails without a mutant: {test}")
-    killed = len(rows) - len(survivors)
-    print(f"\nseed {campaign.seed}: {killed} of {len(rows)} mutants killed, {100.0 * killed / len(rows):.1f} %")
-    return rows
+    return report(campaign.out, campaign.seed, verdicts, broken)
 
 
 def positive(text: str) -> int:
@@ -217,6 +212,7 @@ def command_line(arguments: Sequence[str] | None = None) -> Campaign:
     parser.add_argument("--count", type=positive, default=120, help="how many mutants")
     parser.add_argument("--jobs", type=positive, default=os.cpu_count() or 1, help="how many at a time")
     parser.add_argument("--only", default="*", help="pattern of the files to change, such as 'contact/scheme/*'")
+    parser.add_argument("--record", action="store_true", help="first see which functions all tests run: ten minutes")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     campaign = Campaign(**vars(parser.parse_args(arguments)))
     if not campaign.mutants():

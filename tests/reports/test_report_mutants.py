@@ -12,7 +12,7 @@ from reports.mutants.draw import draw, mutant
 from reports.mutants.inside_pytest import keep_what_stays_compiled
 from reports.mutants.judge import Limits, verdict
 from reports.mutants.reach import read_reach
-from reports.mutants.share import Campaign, command_line, main
+from reports.mutants.share import Campaign, command_line, main, record
 from reports.mutants.sites import sites
 
 SOURCE = '''"""A module."""
@@ -219,7 +219,7 @@ def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     }
     assert "2 of 4 mutants killed, 50.0 %" in capsys.readouterr().out
     table = campaign.out / "mutants_survivors.csv"
-    survivors = pd.read_csv(table).assign(note="seen by none")
+    survivors = pd.read_csv(table).assign(note=["equivalent: seen by none", "seen by none"])
     assert list(survivors["files"]) == ["tests/test_module.py"] * 2
     survivors.to_csv(table, index=False)
     kept = sorted(campaign.folder.glob("verdicts-*/*.json"))
@@ -229,8 +229,29 @@ def test_seen_mutants_are_killed_others_survive_and_a_rerun_continues(
     assert main(campaign) == rows
     assert kept[0].exists()
     assert [path.stat().st_mtime_ns for path in kept[1:]] == stamps
-    assert list(pd.read_csv(table)["note"]) == ["seen by none"] * 2
+    assert list(pd.read_csv(table)["note"]) == ["equivalent: seen by none", "seen by none"]
+    assert "of the 3 that are not noted as equivalent: 66.7 %" in capsys.readouterr().out
     assert (campaign.root / "tiny/module.py").read_text("utf-8") == SOURCE
+
+
+@pytest.mark.slow
+def test_what_tests_run_is_recorded_and_decides_which_of_them_judge(campaign: Campaign) -> None:
+    """Those that run a function; of what Python does not run itself, those that run its user."""
+    more = {
+        "tiny/far.py": "from tiny.near import STEP\ndef far(x):\n    return x + STEP\n",
+        "tiny/near.py": "STEP = 1\n",
+        "tests/test_far.py": "from tiny.far import far\ndef test_far():\n    assert far(1) == 2\n",
+    }
+    for name, text in more.items():
+        (campaign.root / name).write_text(text, encoding="utf-8")
+    campaign = replace(campaign, count=30, limits=Limits(nearest=0, files=0))
+    assert set(map(len, campaign.tests(campaign.mutants()).values())) == {0}
+    for tree in campaign.trees:
+        tree.refresh()
+    record(campaign, campaign.trees)
+    judging = {(m.file, m.function): tests for m, tests in campaign.tests(campaign.mutants()).items()}
+    assert judging["tiny/module.py", "seen"][0] == "tests/test_module.py::test_seen"
+    assert judging["tiny/near.py", ""] == ["tests/test_far.py::test_far"]
 
 
 @pytest.mark.campaign
