@@ -207,8 +207,9 @@ class ModalBody:
         if not elastic.size:
             raise InputError("freq_hz: found a body of rigid modes only, expected an elastic mode to retune")
         ratio = 2.0 * np.pi * freq_hz / float(elastic.min())
-        recovery_S = None if self.recovery_S is None else self.recovery_S / ratio**2
-        return replace(self, omega=self.omega * ratio, S=self.S / ratio**2, recovery_S=recovery_S)
+        soft = ("S", "recovery_S", "output_S")
+        compliance = {name: given / ratio**2 for name in soft if (given := getattr(self, name)) is not None}
+        return replace(self, omega=self.omega * ratio, **compliance)
 
     def detuned(self, scatter: float, *, seed: int) -> ModalBody:
         """Each frequency times 1 + scatter x, x normal and seeded: what small imperfections do to pairs, at random."""

@@ -48,7 +48,7 @@ def test_recovery_is_kept(tmp_path):
 def test_retuning_scales_what_a_force_moves_elsewhere_by_the_square_of_the_ratio():
     body = ct.ModalBody(
         omega=[0.0, 2.0, 8.0], zeta=[0.0] * 3, channels=("span",), rows=[[0.0, 1.0, 2.0]], S=[[0.3]],
-        recovery=[[0.0, 3.0, 1.0]], recovery_S=[[0.5]],
+        recovery=[[0.0, 3.0, 1.0]], recovery_S=[[0.5]], outputs=("u",), output_rows=[[0.0, 3.0, 1.0]], output_S=[[0.5]],
     )  # fmt: skip
     again = body.retuned(3.0 / np.pi)  # the lowest elastic one from 2 to 6 rad/s, everything nine times as stiff
     assert again.omega == pytest.approx([0.0, 6.0, 24.0], rel=1e-15)
@@ -57,6 +57,7 @@ def test_retuning_scales_what_a_force_moves_elsewhere_by_the_square_of_the_ratio
     ]
     assert moved[0] == pytest.approx(0.75 + 2.0 / 64.0 + 0.5, rel=1e-15)
     assert moved[1] == pytest.approx(moved[0] / 9.0, rel=1e-14)
+    assert np.array_equal(again.output_S, again.recovery_S)  # an output at the point of the recovery
 
 
 def test_empty_recovery_counts_as_none(tmp_path):
