@@ -98,6 +98,17 @@ def test_energy_closes_with_rotation(imperfect, mu):
         assert len(result.intervals[0]) > 3
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_intervals_hold_all_forces_and_end_within_a_step_of_them(mu):
+    result = ct.run(rim(), law=law(mu), t_end=0.1, dt=1e-5)
+    pressed, h = np.flatnonzero(result.force[:, 0] > 0.0), result.dt
+    runs = np.split(result.time[pressed], np.flatnonzero(np.diff(pressed) > 1) + 1)
+    assert len(result.intervals[0]) == len(runs) > 3
+    for (closes, opens), times in zip(result.intervals[0], runs, strict=True):
+        assert times[0] - h <= closes <= times[0]
+        assert times[-1] <= opens <= times[-1] + h
+
+
 def test_static_push_at_standstill():
     """Omega = 0, heavy damping: force = -g_0/(sum Q^2/omega^2 + S)."""
     scene = rim(imperfect=0.05, zeta=0.9, speed_hz=0.0, angle_deg=33.0, waves=[])
