@@ -53,6 +53,14 @@ def test_an_end_between_the_members_of_a_double_keeps_both():
     assert found.eigenvalues[[0, -1]] == pytest.approx([10.0, 20.0], rel=1e-8)
 
 
+def test_an_end_beside_a_cluster_moves_past_all_of_it():
+    """Nine equal values stand where round-off cannot tell them from the one on the end."""
+    values = np.r_[np.arange(1.0, 30.0), np.full(9, 10.0 * (1 + 1.5e-7))]
+    found = solve_band(*with_spectrum(values), (7.5, 10.0), shift=-0.01)
+    np.testing.assert_allclose(found.eigenvalues, np.r_[8.0, 9.0, 10.0, np.full(9, 10.0 * (1 + 1.5e-7))], rtol=1e-10)
+    assert found.sturm_count == 12
+
+
 def test_many_modes_are_found_in_slices(monkeypatch):
     monkeypatch.setattr(slicing, "MANY", 8)
     values = np.r_[np.arange(1.0, 101.0), np.full(12, 50.0), np.arange(1.0, 30.0) + 1e-12]

@@ -55,6 +55,16 @@ def test_the_unchanged_casing_is_exact_and_its_pairs_are_cosine_and_sine(model):
     assert abs(second.real) < 1e-6 * abs(second)
 
 
+def test_a_pair_hardly_parted_has_no_orientation_yet(model):
+    """A bolt that is looser by almost nothing does not turn the pair to itself: it stays cosine and sine."""
+    found = model.modes(np.where(np.arange(8) == 2, -1e-7, 0.0), 8)
+    low, high = next(pair for pair in found.doublets if found.nodal_diameters[pair[0]] % 4)
+    n = found.nodal_diameters[low]
+    first, second = (found.rings.profile(k, n)[0] for k in (low, high))
+    assert abs(first.imag) < 1e-6 * abs(first)
+    assert abs(second.real) < 1e-6 * abs(second)
+
+
 @pytest.mark.slow
 def test_bolts_under_a_ring(frustum):
     ring = Ring(section=Section.rectangle(width=0.03, depth=0.03), support=BOLTS)
