@@ -6,7 +6,7 @@ from scipy.sparse import block_diag, csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning, NumericsError
-from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off
+from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal import fourier
@@ -67,6 +67,13 @@ def test_a_band_that_round_off_drowns_is_not_counted_and_no_error(monkeypatch, b
 def test_the_warning_names_the_upper_end_where_round_off_reaches_both():
     with pytest.warns(ModelWarning, match=r"those below 0\.5157 Hz cannot be counted"):
         solve_band(*stiff(3e15), (3.5, 10.5), shift=-1e-2)
+
+
+def test_the_warning_says_how_far_the_nearest_mode_moves():
+    values = (2 * np.pi * np.array([1.0, 9.9, 12.0])) ** 2
+    noise = (2 * np.pi) ** 2 * (np.array([10.1, 10.5, 11.0]) ** 2 - 10.0**2)
+    with pytest.warns(ModelWarning, match=r"those below 10 Hz cannot be counted, round-off moves the next by 0\.5 Hz"):
+        warn_of_count((2 * np.pi * 10.0) ** 2, values, noise)
 
 
 def beside_stiff(largest):
