@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array
+from scipy.sparse import block_diag, csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning, NumericsError
-from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off
+from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal import fourier
@@ -62,6 +62,37 @@ def test_a_band_that_round_off_drowns_is_not_counted_and_no_error(monkeypatch, b
     with pytest.warns(ModelWarning, match=DROWNED):
         found = solve_band(*stiff(3e15), band, shift=-1e-2)
     assert found.sturm_count is None
+
+
+def test_the_warning_names_the_upper_end_where_round_off_reaches_both():
+    with pytest.warns(ModelWarning, match=r"those below 0\.5157 Hz cannot be counted"):
+        solve_band(*stiff(3e15), (3.5, 10.5), shift=-1e-2)
+
+
+def test_the_warning_says_how_far_the_nearest_mode_moves():
+    values = (2 * np.pi * np.array([1.0, 9.9, 12.0])) ** 2
+    noise = (2 * np.pi) ** 2 * (np.array([10.1, 10.5, 11.0]) ** 2 - 10.0**2)
+    with pytest.warns(ModelWarning, match=r"those below 10 Hz cannot be counted, round-off moves the next by 0\.5 Hz"):
+        warn_of_count((2 * np.pi * 10.0) ** 2, values, noise)
+
+
+def beside_stiff(largest):
+    """What round-off of `stiff` drowns up to 20, and, apart from it, what it leaves alone from 98 on."""
+    K = block_diag([stiff(largest)[0], np.diag(np.arange(98.0, 110.0))], format="csc")
+    return csc_array(K), np.ones(K.shape[0])
+
+
+def test_round_off_at_the_lower_end_alone_leaves_a_band_uncounted():
+    with pytest.warns(ModelWarning, match=r"those below 0\.2978 Hz cannot be counted"):
+        found = solve_band(*beside_stiff(3e15), (3.5, 100.5), shift=-1e-2)
+    assert found.sturm_count is None
+
+
+def test_round_off_that_reaches_below_zero_leaves_a_band_from_zero_counted():
+    K, mass = beside_stiff(6e15)
+    values, vectors = np.linalg.eigh(K.toarray())
+    assert np.any(round_off(K, vectors) > values + 1e-2)
+    assert solve_band(K, mass, (0.0, 100.5), shift=-1e-2).sturm_count == 23
 
 
 def test_what_stands_clear_of_round_off_is_counted():

@@ -48,6 +48,18 @@ def test_loose_bolts_are_as_in_full_solutions(casing, model, loose):
 def test_the_unchanged_casing_is_exact_and_its_pairs_are_cosine_and_sine(model):
     found = model.modes(np.zeros(8), 8)
     np.testing.assert_allclose(found.freq, model.nominal.freq[:8], rtol=1e-9)
+    np.testing.assert_allclose(found.purity, model.nominal.purity[:8], atol=1e-4)  # fewer diameters are known
+    assert np.array_equal(found.meridional, model.nominal.meridional[:8])
+    low, high = next(pair for pair in found.doublets if found.nodal_diameters[pair[0]] % 4)
+    n = found.nodal_diameters[low]
+    first, second = (found.rings.profile(k, n)[0] for k in (low, high))
+    assert abs(first.imag) < 1e-6 * abs(first)
+    assert abs(second.real) < 1e-6 * abs(second)
+
+
+def test_a_pair_hardly_parted_has_no_orientation_yet(model):
+    """A bolt that is looser by almost nothing does not turn the pair to itself: it stays cosine and sine."""
+    found = model.modes(np.where(np.arange(8) == 2, -1e-7, 0.0), 8)
     low, high = next(pair for pair in found.doublets if found.nodal_diameters[pair[0]] % 4)
     n = found.nodal_diameters[low]
     first, second = (found.rings.profile(k, n)[0] for k in (low, high))
@@ -80,8 +92,12 @@ def test_masses_are_as_in_full_solutions(casing):
 
 def test_motions_of_a_free_casing_as_a_whole_stay_without_diameters(frustum, coarse):
     system = assemble(frustum(supports={}, mesh=coarse))
-    found = affine_model(system, mass_changes(system, "top", np.array([0.3])), 12).modes(np.array([0.05]), 8)
+    model = affine_model(system, mass_changes(system, "top", np.array([0.3])), 12)
+    found = model.modes(np.array([0.05]), 8)
+    assert found.rigid == 6
     assert found.nodal_diameters.tolist() == [-1] * 6 + [2] * 2
+    lighter = model.modes(np.array([-0.05]), 8)  # what is taken away weighs on the shift as well
+    np.testing.assert_allclose(lighter.freq[:6], 0.0, atol=1e-4 * lighter.freq[6])
 
 
 def test_derivatives_are_those_of_the_squares(model):
@@ -92,6 +108,31 @@ def test_derivatives_are_those_of_the_squares(model):
         ahead, behind = (model.modes(x + side * step, 8).omega ** 2 for side in (1.0, -1.0))
         slope = np.diagonal(G[change])
         np.testing.assert_allclose(slope, (ahead - behind) / 2e-4, rtol=1e-4, atol=1e-6 * slope.max())
+
+
+def test_derivatives_by_masses_in_a_basis_for_bolts_are_those_of_the_squares(model):
+    heavy = model.with_changes(mass_changes(model.system, "top", np.array([0.4, 2.5, 4.0])))
+    assert heavy.changes == 3
+    assert heavy.stiffness is None
+    x = np.array([0.02, 0.05, 0.03])
+    found = heavy.modes(x, 8)
+    G = heavy.derivatives(found)
+    assert G.shape == (3, 8, 8)
+    for change in (0, 2):
+        step = 1e-5 * np.eye(3)[change]
+        ahead, behind = (heavy.modes(x + side * step, 8).omega ** 2 for side in (1.0, -1.0))
+        slope = np.diagonal(G[change])
+        np.testing.assert_allclose(slope, (ahead - behind) / 2e-5, rtol=1e-4, atol=-1e-6 * slope.min())
+    shared = G / found.omega[:, None] ** 2  # phi_i^T M_c phi_j
+    np.testing.assert_allclose(shared, shared.swapaxes(1, 2), atol=1e-10 * np.abs(shared).max())
+
+
+def test_a_bolt_that_is_loose_already_changes_as_a_tight_one(casing, model):
+    shell = replace(casing, supports={"base": replace(BOLTS, loose={3: 0.5})})
+    changes = bolt_changes(replace(model.system, shell=shell), "base")
+    for loose, tight in zip(changes, bolt_changes(model.system, "base"), strict=True):
+        assert np.array_equal(loose.stiffness.dofs, tight.stiffness.dofs)
+        assert np.array_equal(loose.stiffness.D, tight.stiffness.D)
 
 
 def test_an_open_shell_is_refused(steel):

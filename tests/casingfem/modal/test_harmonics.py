@@ -104,6 +104,19 @@ def test_doublets_are_the_nearest_partners_of_one_n():
     assert find_doublets(rings, n) == [(0, 2), (1, 4)]
 
 
+@pytest.mark.parametrize(("apart", "pairs"), [(0.45, []), (0.55, [(0, 1)])])
+def test_waves_are_partners_where_more_than_half_is_a_quarter_wave_apart(apart, pairs):
+    rings = content(radial_wave(5, 0.1), radial_wave(5, 0.1 + np.arcsin(apart) / 5))
+    assert find_doublets(rings, np.array([5, 5])) == pairs
+
+
+def test_weights_of_rings_integrate_along_the_meridian():
+    """Over 0 to 1, a ring between two rows counts for both."""
+    weights, z = content(radial_wave(2, 0.0)).weights, np.unique(GRID.nodes[0].round(12))
+    z = z / z[-1]
+    np.testing.assert_allclose([weights @ z**k for k in range(4)], [1.0, 1 / 2, 1 / 3, 1 / 4], rtol=1e-9)
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.floats(-3.0, 3.0), st.integers(1, 9), st.booleans())
 def test_a_perfect_pair_is_turned_into_cosine_and_sine(angle, n, swap):
