@@ -140,7 +140,7 @@ def solve_slice(counter: Counter, start: End, end: End) -> Slice:
 
 def around_middle(counter: Counter, start: End, end: End, block: int, clear: float) -> RitzPairs:
     """All pairs of a slice, those on its ends, and what is next to them, from a shift near its middle."""
-    pencil, low, high = counter.pencil, start.place, end.place
+    pencil, low, high, products = counter.pencil, start.place, end.place, 0
     for place in PLACES:
         sigma = low + place * (high - low)
         radius = max(high - sigma + 10.0 * counter.width(high, clear), sigma - low + 10.0 * counter.width(low, clear))
@@ -148,7 +148,7 @@ def around_middle(counter: Counter, start: End, end: End, block: int, clear: flo
             factor = factorise(pencil.shifted(sigma), counter.direct)
         except NumericsError:
             continue
-        wanted, products = end.below - start.below + 4, 0
+        wanted = end.below - start.below + 4
         while True:
             try:
                 found = nearest(pencil, factor.solve, sigma, min(wanted, pencil.modes), block)

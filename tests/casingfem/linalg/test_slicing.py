@@ -54,10 +54,8 @@ def test_an_end_between_the_members_of_a_double_keeps_both():
     assert found.eigenvalues[[0, -1]] == pytest.approx([10.0, 20.0], rel=1e-8)
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize("other", [0.0, 2.5])
-def test_an_end_beside_a_cluster_moves_past_all_of_it(monkeypatch, way, other):
-    """Nine equal values stand where round-off cannot tell them from the one on the end."""
+def searches(monkeypatch):
+    """What each search finds from now on."""
     calls = []
 
     def spying(*arguments):
@@ -65,6 +63,14 @@ def test_an_end_beside_a_cluster_moves_past_all_of_it(monkeypatch, way, other):
         return calls[-1]
 
     monkeypatch.setattr(slicing, "nearest", spying)
+    return calls
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("other", [0.0, 2.5])
+def test_an_end_beside_a_cluster_moves_past_all_of_it(monkeypatch, way, other):
+    """Nine equal values stand where round-off cannot tell them from the one on the end."""
+    calls = searches(monkeypatch)
     values = np.r_[np.arange(1.0, 30.0), np.full(9, 10.0 * (1 + way * 1.5e-7))]
     band = (other, 10.0) if way > 0 else (10.0, 22.3 - other)
     found = solve_band(*with_spectrum(values), band, shift=-0.01)
@@ -142,12 +148,15 @@ def test_too_many_modes_of_a_band_are_refused_and_those_below_it_are_not_counted
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-13])
-def test_a_shift_on_an_eigenvalue_is_put_elsewhere(off):
+def test_a_shift_on_an_eigenvalue_is_put_elsewhere(off, monkeypatch):
     """What stands in the middle of the band, to the last bit or nearly so, would drown the others."""
+    calls = searches(monkeypatch)
     low, high = 3.5 * (1 - 1e-7), 9.25 * (1 + 1e-7)
     values = np.r_[np.arange(1.0, 40.0), (low + 0.5 * (high - low)) * (1 + off)]
     found = solve_band(csc_array(np.diag(values)), np.ones(40), (3.5, 9.25), shift=-0.01)
     np.testing.assert_allclose(found.eigenvalues, np.sort(values[(values > 3.5) & (values < 9.25)]), rtol=1e-13)
+    assert len(calls) == (1 if off == 0.0 else 2)  # where it is exact, nothing can be factorised
+    assert found.products == sum(call.products for call in calls)
 
 
 def failing(times):
