@@ -13,6 +13,7 @@ from contact.growth.cycles.basins import _start
 from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.passage import Event, pressing
 from contact.growth.cycles.switched import Plant, phase_of
+from contact.model.bodies.modal_body import rim_channels
 from reports.contact.cycles import mass_on_stop
 from tests.contact.growth.cycles.test_closed_forms import ball, ball_orbit, oscillator
 from tests.contact.synthetic_rim import blade, ring
@@ -245,3 +246,63 @@ def test_an_orbit_further_from_the_range_than_its_length_is_not_looked_for(taken
     assert found.x == pytest.approx((1.0 + 0.5 * taken) * at.x, rel=1e-9)
     with pytest.raises(ct.NumericsError, match=rf"no orbit after 8 Newton steps near amplitude = {2.0 + refused:.8g}"):
         course.next(at, along, refused)
+
+
+def gravity_on(rub):
+    bodies = [replace(body, participation=np.ones((3, body.omega.size))) for body in rub.bodies]
+    return replace(rub, casing=bodies[0], blades=bodies[1:], forces=[ct.gaps.BodyForce.gravity()])
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (gravity_on, "gravity"),
+        (lambda rub: replace(rub, stiffening=[ct.gaps.Stiffening(K_omega=np.eye(2))]), "stiffening"),
+        (lambda rub: replace(rub, closing=ct.gaps.Closing(time=[0.0, 1.0], by=[0.0, -1e-5])), "closing"),
+        (lambda rub: replace(rub, blade_starts=[ct.gaps.Start(load=[0.0, 1.0])]), "load"),
+        (lambda rub: replace(rub, whirl=[ct.gaps.Whirl(amplitude=1e-6, per_rev=-0.5)]), "whirl"),
+    ],
+)
+def test_what_has_no_period_of_a_turn_is_named(change, word):
+    """A load of zeros, a closing by nothing and a whirl in whole turns have one."""
+    still = {
+        "closing": ct.gaps.Closing(time=[0.0, 1.0], by=[0.0, 0.0]),
+        "casing_start": ct.gaps.Start(load=np.zeros(10)),
+    }
+    rub = ct.Rub(ring(), (blade(),), whirl=[ct.gaps.Whirl(amplitude=1e-6, per_rev=-3.0)], **still)
+    assert ct.growth.cycles.RimFamily(rim=rub).at(-4.0)[1] == pytest.approx(0.125, rel=1e-12)
+    with pytest.raises(ct.InputError, match=rf"^{word}: found one, which periodic motions of a rub do not take; long"):
+        ct.growth.cycles.RimFamily(rim=change(rub))
+
+
+def axial_ring():
+    """One pair of two diameters that moves along the radius alone, and gives way along all three."""
+    rows = np.zeros((15, 2))
+    rows[2, 0] = rows[4, 1] = 1.0
+    return ct.ModalBody(omega=[300.0] * 2, zeta=[0.01] * 2, channels=rim_channels(2, 3), rows=rows, S=1e-8 * np.eye(15),
+                        kind="rim", n_max=2, radius=0.4)  # fmt: skip
+
+
+def test_friction_along_the_axis_is_for_long_runs():
+    three = ct.ModalBody(
+        omega=[1000.0], zeta=[0.01], channels=("span", "flap", "chord"), rows=np.ones((3, 1)), S=1e-8 * np.eye(3)
+    )
+    rub = ct.Rub(axial_ring(), (three,), (ct.ContactPoint(axial="chord"),))
+    assert ct.growth.cycles.RimFamily(rim=rub).mu == 0.0
+    with pytest.raises(ct.InputError, match=r"^tips\.axial: found one, which periodic motions of a rub do not take"):
+        ct.growth.cycles.RimFamily(rim=rub, mu=0.1)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_drive_is_at_a_resonance_within_1e_12_of_its_frequency(sense):
+    body = ct.ModalBody(omega=[TURN], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]])
+    patch = ct.Patch(body=body, normal=("x",), clearance=1.0)
+    driven = ct.growth.cycles.DrivenBody(patch=patch, channel="x", amplitude=1.0, stiffness=1.0)
+    family = driven.over("freq_hz", freq_hz=1.0)
+    motion, _ = family.at(1.0 + sense * 1.1e-12)
+    assert np.abs(motion.phase(()).X[0, 0]) == pytest.approx(1.0 / (2.0 * TURN**2 * 1.1e-12), rel=1e-3)
+    motion, _ = family.at(1.0 + sense * 0.9e-12)
+    with pytest.raises(
+        ct.NumericsError, match="the drive is at the resonance of an undamped mode, expected damping or"
+    ):
+        motion.phase(())
