@@ -8,6 +8,7 @@ from scipy.sparse import csc_array, csr_array, diags_array
 
 import contact as ct
 from contact.io.units import units_of
+from contact.model.gaps.rod_modes import side
 from contact.scheme.linear.leapfrog import CONSISTENT
 from contact.solver.unilateral.active_set import unilateral
 from tests.contact.growth.cycles.bodies import random_body
@@ -114,6 +115,22 @@ REFUSED = {
             **RUNS,
         ),
         "fixed",
+    ),
+    "three bodies by their modes": (
+        lambda: ct.run([ct.PointMass(mass=1.0, x=float(k)) for k in range(3)], scheme=ct.ExactModal(), **RUNS),
+        "bodies: found 3, expected two for the exact-modal scheme",
+    ),
+    "a body without modes": (
+        lambda: side(ct.Wall(), "left", 1, modes=2, gravity=0.0),
+        "bodies: found Wall, which has no modes, expected a rod or a mass for the exact-modal scheme",
+    ),
+    "a displacement that leaves the gap": (
+        lambda: ct.gaps.Side(body=BODY, channel="x", sign=0),
+        "sign: found 0, expected 1 (opens the gap) or -1 (closes it)",
+    ),
+    "a displacement that counts twice": (
+        lambda: ct.gaps.Side(body=BODY, channel="x", sign=2),
+        "sign: found 2, expected 1 (opens the gap) or -1 (closes it)",
     ),
     "shapes of a step": (
         lambda: unilateral(np.ones((2, 1)), np.ones(3)),

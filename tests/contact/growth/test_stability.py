@@ -326,3 +326,23 @@ def test_a_turn_of_too_many_steps_is_refused(monkeypatch):
     monkeypatch.setattr(floquet, "MOST_STEPS", steps - 1)
     with pytest.raises(ct.LimitError, match=f"speed_hz: found {steps} steps a turn, expected at most {steps - 1}"):
         floquet_growth(split, 5.0)
+
+
+@pytest.mark.parametrize("speeds", [[[50.0, 51.0]], [50.0, math.nan], math.inf, -math.inf])
+def test_speeds_of_poles_are_finite_and_in_one_row(speeds):
+    with pytest.raises(ct.InputError, match="speed_hz: found speeds that are not finite, or not in one row, expected"):
+        ct.growth.poles(B6.contact(), speeds)
+    assert np.array_equal(ct.growth.poles(B6.contact(), 50.0), ct.growth.poles(B6.contact(), [50.0]))
+
+
+@pytest.mark.parametrize("speeds", [50.0, [50.0], [51.0, 50.0], [50.0, 51.0, 51.0], [50.0, math.nan], [[50.0, 51.0]]])
+def test_a_map_of_growth_takes_two_or_more_ascending_speeds(speeds):
+    assert ct.growth.stability(B6.contact(), [50.0, 51.0]).growth.shape == (2,)
+    with pytest.raises(ct.InputError, match="speed_hz: found no ascending row, expected at least two ascending speeds"):
+        ct.growth.stability(B6.contact(), speeds)
+
+
+def test_coincidences_by_a_formula_are_those_of_one_contact():
+    casing, disk = (ct.gaps.ModalPair(n=5, freq_hz=hz, modal_mass=1.0) for hz in (300.0, 120.0))
+    with pytest.raises(ct.InputError, match="contact: found 2 contacts, expected one"):
+        coincidences(disk_contact(casing, disk, stiffness=1e3, blades=22))

@@ -173,6 +173,8 @@ def test_rim_limits():
         ct.run(rim(speed_hz=200.0), t_end=0.1, dt=5e-5)
     with pytest.raises(ct.InputError, match="kind 'point', expected 'rim'"):
         ct.RotatingRim(blade(), blade(), clearance=0.0, speed_hz=1.0)
+    with pytest.raises(ct.InputError, match="blade: found a basis of kind 'rim', expected 'point'"):
+        ct.RotatingRim(ring(), ring(), clearance=0.0, speed_hz=1.0)
     with pytest.raises(ct.InputError, match="'energy' on a rotating rim"):
         ct.run(rim(), t_end=0.1, dt=1e-5, scheme=ct.ExactModal(law="energy"))
     with pytest.raises(ct.InputError, match="out_of_roundness"):

@@ -404,7 +404,7 @@ def test_recovered_surfaces_touch(mu):
 
 def test_bad_rubs_are_refused():
     def rub(**more):
-        return ct.Rub(more.pop("casing", rim3()), [nodes(2)], more.pop("tips", tips(2)), **more)
+        return ct.Rub(more.pop("casing", rim3()), more.pop("blades", [nodes(2)]), more.pop("tips", tips(2)), **more)
 
     for bad, match in (
         ({"tips": [ct.ContactPoint(span="node9.span", flap="node0.flap")]}, r"tips\[0\]: channel: found 'node9.span'"),
@@ -419,9 +419,28 @@ def test_bad_rubs_are_refused():
         ({"stiffening": [ct.gaps.Stiffening(K_omega=np.eye(2))]}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
         ({"blade_starts": [ct.gaps.Start(velocity=[1.0])]}, r"blade.velocity: found shape \(1,\), expected \(3,\)"),
         ({"thickness": 0.0}, "thickness: found 0.0"),
+        ({"casing": nodes(2)}, "casing: found a basis of kind 'point', expected 'rim'"),
+        ({"blades": [nodes(2), rim3()]}, r"blades\[1\]: found a basis of kind 'rim', expected 'point'"),
+        ({"blade_starts": [ct.gaps.Start()] * 2}, "blade_starts: found 2, expected one for each blade or none"),
+        (
+            {"blades": [nodes(2)] * 3, "blade_starts": [ct.gaps.Start()] * 2},
+            "blade_starts: found 2, expected one for each blade or none",
+        ),
+        (
+            {"stiffening": [ct.gaps.Stiffening(blade=1, K_omega=np.eye(3))]},
+            r"stiffening: found blade 1, expected 0 \.\. 0$",
+        ),
+        (
+            {"blades": [nodes(2)] * 2, "stiffening": [ct.gaps.Stiffening(blade=-1, K_omega=np.eye(3))]},
+            r"stiffening: found blade -1, expected 0 \.\. 1$",
+        ),
     ):
         with pytest.raises(ct.InputError, match=match):
             rub(**bad)
+    every = [ct.gaps.Stiffening(blade=b, K_omega=np.eye(3)) for b in (0, 1)]
+    taken = rub(blades=[nodes(2)] * 2, blade_starts=[ct.gaps.Start()] * 2, stiffening=every)
+    assert [stiff.blade for stiff in taken.stiffening] == [0, 1]
+    assert len(rub(blades=[nodes(2)] * 2).blade_starts) == 2
     with pytest.raises(
         ct.InputError, match=r"found 2 rim lines in 3 directions, expected one .*\(Rub takes them all\)"
     ):

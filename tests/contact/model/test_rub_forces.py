@@ -174,6 +174,8 @@ def test_forces_that_make_no_sense_are_refused():
         ct.gaps.BodyForce(on="rotor")
     with pytest.raises(ct.InputError, match="turning: found 'rim', expected casing or blades"):
         ct.gaps.BodyForce.gravity(turning="rim")
+    with pytest.raises(ct.InputError, match="on: found 'both', expected casing or blades, whichever whirls"):
+        ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-3), "both")
     bare = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.1], [1.0]], S=np.zeros((2, 2)))
     with pytest.raises(ct.InputError, match="blade: found a basis without participation"):
         ct.Rub(casing(), [bare], forces=[ct.gaps.BodyForce.gravity()])
@@ -183,6 +185,9 @@ def test_forces_that_make_no_sense_are_refused():
         ct.run(
             ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce.gravity()]), t_end=0.1, dt=1e-4
         )
+    idle = ct.Rub(casing(), [blade(), blade()], [ct.ContactPoint()], forces=[ct.gaps.BodyForce.gravity()])
+    with pytest.raises(ct.InputError, match="forces: found no tip of blade 1, expected one that says where it stands"):
+        ct.gaps.settled(idle)
     for tips in (apart, [ct.ContactPoint(angle_deg=0.0)]):  # a blade that no force pulls may have its tips anywhere
         pulled = ct.Rub(
             casing(), [blade()], tips, clearance=0.01, forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0)]
