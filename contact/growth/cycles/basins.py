@@ -11,6 +11,7 @@ from contact.base.arrays import Array, require_count, require_positive
 from contact.base.errors import NumericsError
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, passage
+from contact.growth.cycles.shooting import require_state
 from contact.io.brief import brief
 from contact.io.reported import Reported
 
@@ -76,6 +77,7 @@ def basins(
     inside a rigid contact are drawn anew. Raises InputError.
     """
     require_count(starts=starts, settle=settle, longest=longest)
+    size = require_state(size, family, "size")
     require_positive(size=float(np.abs(size).max(initial=0.0)))
     motion, period = family.at(value)
     draw = np.random.default_rng(seed)

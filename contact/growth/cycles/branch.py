@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.base.errors import NumericsError
+from contact.base.arrays import Array
+from contact.base.errors import InputError, NumericsError
 from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.result import Branch, Special
 from contact.growth.cycles.shooting import Orbit, map_of, orbit
@@ -44,17 +45,21 @@ def followed(
             new = course.next(at, along, length)
             after = course.tangent(new, along)
             end = CORNER if course.product(after, along, new.x) < STRAIGHT else ""
+            value, x = new.value, new.x
         except (NumericsError, np.linalg.LinAlgError) as error:
-            end = str(error)
-        if end:
+            end, value, x = str(error), at.value, at.x
+        except InputError as error:  # beyond the range there may be nothing: its edge is where the step would leave it
+            end, value, x = str(error), float(at.value + length * along.value), at.x + length * along.x
+        outside = not course.low <= value <= course.high
+        edge = _at_edge(course, at, value, x) if outside else None
+        if end and edge is None:
             length *= 0.5
             if length < LEAST * longest:
                 return Branch(points=tuple(points), specials=tuple(specials), end=_why(course, at, along, end))
             continue
-        if not course.low <= new.value <= course.high:
-            edge = _at_edge(course, at, new)
+        if outside:
             if edge is not None:
-                part = (edge.value - at.value) / (new.value - at.value)
+                part = (edge.value - at.value) / (value - at.value)
                 specials += passed(course, at, edge, along, part * length, course.tangent(edge, along))
                 points.append(edge)
             break
@@ -88,20 +93,20 @@ def _why(course: Course, at: Orbit, along: Tangent, error: str) -> str:
         value = at.value + length * along.value
         try:
             ahead = map_of(course.family, value, at.start, at.periods)(at.x + length * along.x, tangent=False)
-        except NumericsError as other:
+        except (NumericsError, InputError) as other:
             return str(other)
         if sum(event.closes for event in ahead.events) != sum(at.closings):
             return f"a contact grazes ({error})"
     return error
 
 
-def _at_edge(course: Course, at: Orbit, new: Orbit) -> Orbit | None:
-    """The orbit where the branch leaves the range; None where that is the last one, or none is found."""
-    edge = course.low if new.value < course.low else course.high
+def _at_edge(course: Course, at: Orbit, value: float, x: Array) -> Orbit | None:
+    """The orbit where a step that goes outside leaves the range; None where that is the last one, or none is found."""
+    edge = course.low if value < course.low else course.high
     if abs(at.value - edge) <= 1e-12 * course.span:
         return None
-    part = (edge - at.value) / (new.value - at.value)
+    part = (edge - at.value) / (value - at.value)
     try:
-        return orbit(course.family, edge, guess=at.x + part * (new.x - at.x), start=at.start, periods=at.periods)
+        return orbit(course.family, edge, guess=at.x + part * (x - at.x), start=at.start, periods=at.periods)
     except NumericsError:
         return None

@@ -50,10 +50,14 @@ class Course:
         length = np.sqrt(self.product(t, t, x))
         return Tangent(t.x / length, t.value / length)
 
+    def difference(self, value: float) -> float:
+        """A small change of the parameter, into the range."""
+        sense = 1.0 if value < self.low + 0.5 * self.span else -1.0
+        return sense * DIFFERENCE * max(abs(value), 1e-3 * self.span)
+
     def slope(self, at: Orbit) -> Array:
         """How the state after a period changes with the parameter (n,)."""
-        sense = 1.0 if at.value < self.low + 0.5 * self.span else -1.0  # into the range
-        change = sense * DIFFERENCE * max(abs(at.value), 1e-3 * self.span)
+        change = self.difference(at.value)
         moved = map_of(self.family, at.value + change, at.start, at.periods)(at.x, tangent=False)
         return (moved.x - at.x) / change
 
@@ -67,7 +71,10 @@ class Course:
         return self.unit(Tangent(found[:n], float(found[n])), at.x)
 
     def next(self, at: Orbit, along: Tangent, length: float) -> Orbit:
-        """The orbit on the plane across `along` at a distance; raises NumericsError."""
+        """The orbit on the plane across `along` at a distance.
+
+        Raises NumericsError where none is found, and InputError on the way to a value that the family has not.
+        """
         n = at.x.size
         weight = 1.0 / max(float(at.x @ at.x), self.size**2)
         x, value = at.x + length * along.x, float(at.value + length * along.value)
@@ -76,7 +83,7 @@ class Course:
         for k in range(NEWTON):
             map_ = map_of(self.family, value, at.start, at.periods)
             found = map_(x)
-            delta = DIFFERENCE * max(abs(value), 1e-3 * self.span)
+            delta = self.difference(value)
             moved = map_of(self.family, value + delta, at.start, at.periods)(x, tangent=False)
             assert found.M is not None
             J[:n, :n], J[:n, n] = found.M - np.eye(n), (moved.x - found.x) / delta

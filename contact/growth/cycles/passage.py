@@ -174,7 +174,9 @@ def passage(
         x, M, closed, event = _switched(motion, x, M, closed, hit, time)
         events.append(event)
         if len(events) > EVENTS:
-            raise NumericsError(f"found {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters")
+            raise NumericsError(
+                f"found over {EVENTS} openings and closings in {time - start:.4g} s: the contact chatters"
+            )
     shown = slice(0, len(plant.D) - plant.hidden)
     return Passage(
         start=start, x=x, M=M, events=tuple(events), gap=reached.gap, force=reached.force,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, readonly, require_count, require_finite
-from contact.base.errors import NumericsError
+from contact.base.errors import InputError, NumericsError
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, Passage, passage
 
@@ -110,7 +110,7 @@ def orbit(
         guess, start = settled(family, value, settle, periods)
     start = start or 0.0
     map_ = map_of(family, value, start, periods)
-    x, iterations = guess, 0
+    x, iterations = require_state(guess, family, "guess"), 0
     found = map_(x)
     eye = np.eye(x.size)
     while True:
@@ -118,14 +118,27 @@ def orbit(
         change = np.asarray(np.linalg.solve(found.M - eye, x - found.x))
         iterations += 1
         size = float(np.linalg.norm(change))
+        if not size < HUGE:
+            raise NumericsError(f"{family.name} = {value:.8g}: the motion from this guess grows without bound")
         if size <= CLOSE * float(np.linalg.norm(x)) or size == 0.0:
             return made(family, value, map_, periods, start, x + change, found, iterations)
         if iterations > NEWTON:
             raise NumericsError(
-                f"{family.name} = {value:.8g}: no orbit of {periods} periods after {NEWTON} Newton steps, the last "
+                f"{family.name} = {value:.8g}: no orbit of period {periods} after {NEWTON} Newton steps, the last "
                 f"{size / np.linalg.norm(x):.2g} of the state: begin elsewhere, or with another number of periods"
             )
         x, found = _nearer(map_, x, found, change)
+
+
+def require_state(x: Array, family: Family, name: str) -> Array:
+    """A state of a family's motion, or sizes of one; raises InputError for anything else."""
+    x = np.asarray(x, dtype=float)
+    if x.shape != family.begin.shape or not np.all(np.isfinite(x)):
+        raise InputError(
+            f"{name}: found {x.size - int(np.isfinite(x).sum())} entries that are NaN or infinite in shape {x.shape}, "
+            f"expected {family.begin.size} numbers, displacements and velocities"
+        )
+    return x
 
 
 def _nearer(map_: Map, x: Array, found: Passage, change: Array) -> tuple[Array, Passage]:

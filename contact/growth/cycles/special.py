@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.base.errors import NumericsError
+from contact.base.errors import InputError, NumericsError
 from contact.growth.cycles.course import Course, Tangent
 from contact.growth.cycles.result import Special
 from contact.growth.cycles.shooting import Orbit
@@ -72,7 +72,7 @@ def passed(course: Course, at: Orbit, new: Orbit, along: Tangent, length: float,
                     low, before = middle, trial
                 else:
                     high, reached, there = middle, trial, here
-        except (NumericsError, np.linalg.LinAlgError):
+        except (NumericsError, InputError, np.linalg.LinAlgError):
             pass  # it is as near as one comes
         found += [Special(kind=kind, orbit=reached, before=before) for kind in kinds(left, there)]
         left, low = there, high

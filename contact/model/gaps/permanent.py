@@ -92,7 +92,7 @@ class ModalPair:
 
     def __post_init__(self) -> None:
         require_positive(freq_hz=self.freq_hz, modal_mass=self.modal_mass)
-        if self.n < 0:
+        if not (0 <= self.n < math.inf and self.n % 1 == 0):
             raise InputError(f"n: found {self.n!r}, expected a whole number of nodal diameters >= 0")
         if not 0.0 <= self.zeta < 1.0:
             raise InputError(f"zeta: found {self.zeta!r}, expected 0 <= zeta < 1")

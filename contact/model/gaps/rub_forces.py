@@ -49,15 +49,16 @@ def axial_load(rub: Rub) -> Array:
 def place(rub: Rub, blade: int) -> tuple[float, float]:
     """Angle at t = 0 and lean of one blade [rad]; raises InputError where its tips stand in several places."""
     tips = [tip for tip in rub.tips if tip.blade == blade]
-    angles, leans = [tip.angle_deg for tip in tips], [tip.lean_deg for tip in tips]
     if not tips:
-        raise InputError(f"forces: found no tip of blade {blade}, expected one that says where it stands")
-    if np.ptp(angles) > SPREAD or np.ptp(leans) > 0.0:
+        raise InputError(f"forces: found no tip of blade {blade + 1}, expected one that says where it stands")
+    first, leans = tips[0].angle_deg, [tip.lean_deg for tip in tips]
+    away = [(tip.angle_deg - first + 180.0) % 360.0 - 180.0 for tip in tips]  # 359 and 1 degree are near each other
+    if np.ptp(away) > SPREAD or np.ptp(leans) > 0.0:
         raise InputError(
-            f"forces: found the tips of blade {blade} over {np.ptp(angles):g} degrees and leans that differ by "
+            f"forces: found the tips of blade {blade + 1} over {np.ptp(away):g} degrees and leans that differ by "
             f"{np.ptp(leans):g}, expected one blade in one place (at most {SPREAD:g} degrees, one lean)"
         )
-    return math.radians(float(np.mean(angles))), math.radians(leans[0])
+    return math.radians(first + float(np.mean(away))), math.radians(leans[0])
 
 
 def plane_force(forces: Sequence[BodyForce], angle: float, omega: float, slope: float, t: float) -> Array:

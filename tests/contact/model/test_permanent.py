@@ -1,5 +1,7 @@
 """Contact that stays closed: the mean of a turning compliance, modes that are equal, what turns into itself."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -28,8 +30,9 @@ def test_modes_are_equal_to_eight_digits_and_in_damping(apart, groups):
 
 def test_diameters_of_a_pair_are_none_or_more():
     assert ct.gaps.ModalPair(n=0, freq_hz=1.0, modal_mass=1.0).n == 0
-    with pytest.raises(ct.InputError, match="n: found -1, expected a whole number of nodal diameters >= 0"):
-        ct.gaps.ModalPair(n=-1, freq_hz=1.0, modal_mass=1.0)
+    for n in (-1, 2.5, math.nan, math.inf):
+        with pytest.raises(ct.InputError, match=f"n: found {n}, expected a whole number of nodal diameters >= 0"):
+            ct.gaps.ModalPair(n=n, freq_hz=1.0, modal_mass=1.0)
 
 
 def closed(S):

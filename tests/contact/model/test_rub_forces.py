@@ -8,7 +8,7 @@ import contact as ct
 from contact.loop.rub.body_force import Pulls, body_force
 from contact.loop.rub.ledger import advance_modes
 from contact.model.bodies.modal_body import rim_channels
-from contact.model.gaps.rub_forces import plane_participation
+from contact.model.gaps.rub_forces import place, plane_participation
 from tests.contact.synthetic_rub import N_MAX, SIZE
 
 G = 9.80665
@@ -181,12 +181,12 @@ def test_forces_that_make_no_sense_are_refused():
         ct.Rub(casing(), [bare], forces=[ct.gaps.BodyForce.gravity()])
     ct.Rub(casing(), [bare], forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0)])
     apart = [ct.ContactPoint(angle_deg=0.0), ct.ContactPoint(angle_deg=90.0)]
-    with pytest.raises(ct.InputError, match="tips of blade 0 over 90 degrees"):
+    with pytest.raises(ct.InputError, match="tips of blade 1 over 90 degrees"):
         ct.run(
             ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce.gravity()]), t_end=0.1, dt=1e-4
         )
     idle = ct.Rub(casing(), [blade(), blade()], [ct.ContactPoint()], forces=[ct.gaps.BodyForce.gravity()])
-    with pytest.raises(ct.InputError, match="forces: found no tip of blade 1, expected one that says where it stands"):
+    with pytest.raises(ct.InputError, match="forces: found no tip of blade 2, expected one that says where it stands"):
         ct.gaps.settled(idle)
     for tips in (apart, [ct.ContactPoint(angle_deg=0.0)]):  # a blade that no force pulls may have its tips anywhere
         pulled = ct.Rub(
@@ -204,3 +204,11 @@ def test_forces_that_make_no_sense_are_refused():
     )  # fmt: skip
     with pytest.raises(ct.InputError, match="blade: found rigid modes"):
         ct.gaps.settled(ct.Rub(casing(), [floating], forces=[ct.gaps.BodyForce.gravity()]))
+
+
+def test_tips_on_either_side_of_zero_degrees_stand_in_one_place():
+    apart, across = (
+        ct.Rub(casing(), [blade()], [ct.ContactPoint(angle_deg=a) for a in angles]) for angles in ((9, 12), (359, 2))
+    )
+    assert place(apart, 0)[0] == pytest.approx(np.radians(10.5), rel=1e-15)
+    assert place(across, 0)[0] % (2.0 * np.pi) == pytest.approx(np.radians(0.5), rel=1e-12)

@@ -130,7 +130,7 @@ def test_more_hits_than_are_counted_in_a_period_are_chatter(monkeypatch):
     monkeypatch.setattr(passage, "EVENTS", 3)
     assert len(three(state).events) == 3
     monkeypatch.setattr(passage, "EVENTS", 2)
-    with pytest.raises(ct.NumericsError, match=r"found 2 openings and closings in 0\.\d+ s: the contact chatters"):
+    with pytest.raises(ct.NumericsError, match=r"found over 2 openings and closings in 0\.\d+ s: the contact chatters"):
         three(state)
 
 
@@ -190,9 +190,39 @@ def test_newtons_method_ends_after_its_steps(monkeypatch):
     again = ct.growth.cycles.orbit(family, 0.16, guess=np.array([0.05, 0.0]))
     assert np.array_equal(again.x, found.x)
     monkeypatch.setattr(shooting, "NEWTON", found.iterations - 2)
-    words = rf"freq_hz = 0\.16: no orbit of 1 periods after {found.iterations - 2} Newton steps, the last .* begin else"
+    words = rf"freq_hz = 0\.16: no orbit of period 1 after {found.iterations - 2} Newton steps, the last .* begin else"
     with pytest.raises(ct.NumericsError, match=words):
         ct.growth.cycles.orbit(family, 0.16, guess=np.array([0.05, 0.0]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "between"), [("amplitude", (0.02, 0.0)), ("clearance", (0.1, 0.0)), ("freq_hz", (0.16, 0.01))]
+)
+def test_a_branch_ends_on_the_edge_of_its_range_though_nothing_is_beyond(name, between):
+    """No amplitude, no clearance below zero: steps beyond cannot be tried."""
+    family = mass_on_stop(5.0).over(name, freq_hz=0.16)
+    (way,) = ct.growth.cycles.follow(family, between, longest=0.5).branches
+    (back,) = ct.growth.cycles.follow(family, between[::-1], longest=0.5).branches
+    assert [at.value for at in (way.points[0], way.points[-1])] == list(between)
+    assert np.allclose(back.points[0].x, way.points[-1].x, rtol=0.0, atol=1e-8)
+    assert way.end == ""
+
+
+@pytest.mark.parametrize("guess", [np.zeros(3), np.zeros((1, 2)), [np.inf, 0.0], [0.0, np.nan]])
+def test_what_is_no_state_is_refused(guess):
+    family = mass_on_stop(5.0).over("freq_hz", freq_hz=0.16)
+    with pytest.raises(ct.InputError, match=r"^guess: found .* expected 2 numbers, displacements and velocities$"):
+        ct.growth.cycles.orbit(family, 0.16, guess=guess)
+    with pytest.raises(ct.InputError, match=r"^size: found .* expected 2 numbers, displacements and velocities$"):
+        ct.growth.cycles.basins(family, 0.16, guess, seed=1)
+
+
+@pytest.mark.slow
+def test_a_guess_whose_squares_are_no_numbers_is_no_orbit():
+    family = mass_on_stop(1.0).over("freq_hz", freq_hz=0.2)
+    with pytest.raises(ct.NumericsError, match="from this guess grows without bound"):
+        ct.growth.cycles.orbit(family, 0.2, guess=[1e200, 0.0])
 
 
 @pytest.mark.slow
