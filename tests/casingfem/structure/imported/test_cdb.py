@@ -207,7 +207,7 @@ def test_coordinates_that_are_left_out_at_the_end_of_a_line_are_zero(tmp_path):
     mesh = grid_mesh("hexahedron", (1, 1, 1), place)
     lines = cdb(mesh.points, mesh.cells, 185).splitlines(keepends=True)
     lines[8] = lines[8][: 3 * 9 + 21] + "\n"  # x of the fifth node
-    lines[4] = lines[4][: 3 * 9] + "\n"
+    lines[4] = lines[4][:9] + "\n"  # the number alone
     (tmp_path / "part.cdb").write_text("".join(lines))
     np.testing.assert_array_equal(read_mesh(tmp_path / "part.cdb").points[[0, 4]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
