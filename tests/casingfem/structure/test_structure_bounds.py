@@ -1,12 +1,15 @@
 """Bounds of what a structure may say: the value just inside is taken, the one just outside refused in words."""
 
 import math
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.errors import ModelWarning
+from casingfem.structure.field.field import SumField
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.structure.field.survey.fit import _check_coverage
@@ -19,7 +22,7 @@ from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 INF, NAN = math.inf, math.nan
-PLATE = cf.Plate(length=0.3, width=0.1)
+PLATE, TUBE = cf.Plate(length=0.3, width=0.1), cf.Cylinder(radius=1.0, height=1.0)
 
 
 def field(**changes):
@@ -71,12 +74,45 @@ def of_bounds(bounds):
     check_chart(SimpleNamespace(bounds=bounds, edges={}, periodic=False, surface=PLATE.surface))
 
 
+def holed(part, value):
+    """A plate with something added to one part of its surface, at one point."""
+
+    def surface(a, b, defect):
+        whole = PLATE.surface(a, b, defect)
+        return whole._replace(**{part: getattr(whole, part) + np.where(np.arange(a.size) == 9, value, 0.0)})
+
+    check_chart(SimpleNamespace(bounds=PLATE.bounds, edges={}, periodic=False, surface=surface))
+
+
+def wound(gap):
+    """A cylinder of 1.28 m from corner to corner that rises by a gap around."""
+    cylinder, rise = cf.Cylinder(radius=0.4, height=0.6), gap / (2.0 * math.pi)
+
+    def surface(a, b, defect):
+        s, up = cylinder.surface(a, b, defect), np.array([[0.0], [0.0], [rise]])
+        return s._replace(x=s.x + up * b, x2=s.x2 + up)
+
+    check_chart(SimpleNamespace(bounds=cylinder.bounds, edges={}, periodic=True, surface=surface))
+
+
+def walled(chart, thickness):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)
+        cf.Shell(chart=chart, thickness=thickness, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={})
+
+
 TAKEN, REFUSED = 0, 1
 BOUNDS = {
     "panel": (lambda k: cf.Panel(radius=1.0, length=1.0, angle=(6.28, 2.0 * math.pi)[k]), "chart.angle must be below"),
     "bounds.order": (lambda k: of_bounds(((0.0, (0.3, 0.0)[k]), (-0.05, 0.05))), "chart.bounds: found"),
     "bounds.across": (lambda k: of_bounds(((0.0, 0.3), (-0.05, (0.05, -0.05)[k]))), "chart.bounds: found"),
     "bounds.nan": (lambda k: of_bounds(((0.0, 0.3), (-0.05, (0.05, INF)[k]))), "chart.bounds: found"),
+    "chart.place": (lambda k: holed("x", (0.0, NAN)[k]), "surface or its derivatives are not finite somewhere"),
+    "chart.last": (lambda k: holed("x22", (0.0, INF)[k]), "surface or its derivatives are not finite somewhere"),
+    "chart.seam": (lambda k: wound((1.2e-9, 1.4e-9)[k]), "said to be periodic, its ends lie 1.4e-09 m apart"),
+    "field.sum": (lambda k: SumField((field(),)[k:]), "SumField needs at least one field"),
+    "field.three": (lambda k: FourierField.of({2: (0.1, 0.2, 0.3)[: 2 + k]}), "one number .cos. or a pair .cos, sin."),
+    "field.one": (lambda k: FourierField.of({2: (0.1, 0.2)[k:]}), "each harmonic is one number .cos. or a pair"),
     "field.z_half": (lambda k: field(z_half=(1e-9, 0.0)[k]), "z_half > 0, not 0.0, 0.0"),
     "field.z_mid": (lambda k: field(z_mid=(1e9, INF)[k]), "need finite z_mid, z_half > 0, not inf"),
     "field.z_inf": (lambda k: field(z_half=(1e9, INF)[k]), "need finite z_mid, z_half > 0, not 0.0, inf"),
@@ -122,6 +158,18 @@ BOUNDS = {
     "stagger": (
         lambda k: Rotation.of_blade(PLATE, omega=1.0, hub_radius=0.1, stagger=(9.0, INF)[k]), "0.1, stagger inf"
     ),
+    "hub.closed": (
+        lambda k: Rotation.of_blade((PLATE, TUBE)[k], omega=1.0, hub_radius=0.1), "a stagger on a closed casing"
+    ),
+    "wall.long": (
+        lambda k: walled(cf.Plate(length=0.25, width=0.125), (0.249, 0.25)[k]),
+        "the wall is 0.25 m thick on a surface 0.25 m long",
+    ),
+    "wall.wide": (
+        lambda k: walled(cf.Plate(length=0.125, width=0.25), (0.249, 0.25)[k]),
+        "the wall is 0.25 m thick on a surface 0.25 m long",
+    ),
+    "wall.bent": (lambda k: walled(TUBE, (1.0, 1.01)[k]), "1.01 times its smallest radius of curvature"),
     "bend": (lambda k: bent((0.1001, 0.1)[k]), r"chart.piece\[1\].radius: found 0.1 m for a way of 0.2 m"),
     "bend.back": (lambda k: bent((-0.1001, -0.1)[k]), r"chart.piece\[1\].radius: found -0.1 m for a way of 0.2 m"),
 }  # fmt: skip

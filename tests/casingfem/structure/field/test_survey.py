@@ -240,6 +240,22 @@ def test_a_robust_fit_does_not_believe_a_minority():
         SurveyField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
 
 
+@pytest.mark.parametrize("between", [0, 1, 2])
+def test_a_robust_fit_says_when_what_it_keeps_is_too_little(between):
+    """A ring of four points off their own plane tells the slope of three columns, and so do three points between."""
+    theta, z = rings(heights=(0.0,), points=36)
+    theta = np.concatenate([theta, np.radians([0.0, 90.0, 180.0, 270.0]), np.radians([45.0, 165.0, 285.0])])
+    z = np.concatenate([z, np.full(4, 0.2), np.full(3, 0.1)])
+    radius = 0.5 + 1e-6 * np.random.default_rng(1).normal(size=z.size)
+    radius[36:40] += [1e-3, -1e-3, 1e-3, -1e-3]
+    with pytest.warns(ModelWarning, match=r"survey: 4 of 43 points set aside .*survey-outliers"):
+        assert len(SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True).set_aside) == 4
+    given = slice(40 + between)
+    found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
+    with pytest.raises(InputError, match=found):
+        SurveyField.from_points(theta[given], z[given], radius[given], n_max=1, degree=1, robust=True)
+
+
 def test_repeats_give_the_noise_whatever_the_fit():
     """200 repeats of 20 um: the estimate scatters by 1/sqrt(2 * 200) = 5 %; the fit misses harmonic 20."""
     theta, z = rings(points=180)

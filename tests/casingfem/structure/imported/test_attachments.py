@@ -576,6 +576,22 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
         ),
         ("*ELEMENT,TYPE=DCOUP3D,ELSET=S\n9,5\n*DISTRIBUTING COUPLING,ELSET=S\n", "COUPLING: found no nodes"),
         ("*NGEN\n1,4\n", "not written out"),
+        ("*ELEMENT,TYPE=SPRING2,ELSET=S\n9,4\n", "line 10: found '9,4', expected a number and 2 nodes"),
+        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4,5\n", "line 10: found '9,4,5', expected a number and 1 nodes"),
+        *(
+            (f"*ELEMENT,TYPE=MASS,ELSET=M\n9,4\n*MASS,ELSET=M\n{cell}\n", f"line 12: found '{cell}', expected a number")
+            for cell in ("2.x", "nan", "inf", "1e999")
+        ),
+        *(
+            (f"*EQUATION\n2\n4,{cell},1.,3,1,-1.\n", f"line 10: found '{cell}', expected a degree of freedom 1 to 6")
+            for cell in ("0", "7", "-1", "1.")
+        ),
+        ("*NSET\n1\n", r"line 9: \*NSET without a name"),
+        ("*ELSET,GENERATE\n1,2\n", r"line 9: \*ELSET without a name"),
+        (
+            "*NODE\n7,0.,0.,1.\n*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,4,7\n*SPRING,ELSET=S\n\n1e6\n",
+            r"line 13: SPRINGA 9 \(line 13\): found two nodes at one place, which have no line between them",
+        ),
         ("*TRANSFORM,NSET=N\n1.,0.,0.,0.,1.,0.\n*EQUATION\n2\n4,1,1.,3,1,-1.\n", "along the global axes"),
     ],
 )
@@ -614,6 +630,50 @@ def test_what_cannot_be_attached_is_refused_by_card_and_node(card, told, tmp_pat
     part = Solid(mesh=read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
     with pytest.raises(ModelError, match=told + ".*mesh-attachment"):
         part.assembled()
+
+
+MIDDLE, LAST = 4, 6  # two nodes of the beam of shells, numbered 5 and 7 from 1
+
+
+def sums(coefficient, component):
+    return {"equations": (Equation(terms=(Term(MIDDLE, component, coefficient), Term(LAST, 0, 1.0))),)}
+
+
+@pytest.mark.parametrize(
+    ("taken", "refused", "told"),
+    [
+        (
+            sums(1e-9, 0),
+            sums(0.0, 0),
+            "equation: node 5: found a coefficient of 0 in the first term, expected a motion",
+        ),
+        (sums(1.0, 2), sums(1.0, 3), "equation: node 5: found a turn of a shell's node in the first term, expected a"),
+        (sums(1.0, 2), sums(1.0, 4), "equation: node 5: found a turn of a shell's node in the first term, expected a"),
+        (
+            {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), where="RBE2 8"),)},
+            {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST, MIDDLE]), where="RBE2 8"),)},
+            "RBE2 8: node 5: found it among the nodes that follow it",
+        ),
+        *(
+            (
+                {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=whole),)},
+                {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=part),)},
+                "rigid connection: node 7: found some of the turns of a shell's node, expected all three or none",
+            )
+            for whole, part in (((0, 1, 2), (0, 1, 2, 4)), ((0, 3, 4, 5), (0, 3, 5)))
+        ),
+        (
+            {"means": (Mean(reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 1, 2)),)},
+            {"means": (Mean(reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 3)),)},
+            "mean connection: node 5: found turns of a node on cells, expected x, y, z alone",
+        ),
+    ],
+)
+def test_what_nodes_of_shells_cannot_follow_is_refused(taken, refused, told):
+    mesh, _ = beam(kind="shell")
+    structure(hung(mesh, **taken)).assembled()
+    with pytest.raises(ModelError, match=told + ".*mesh-attachment"):
+        structure(hung(mesh, **refused)).assembled()
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")

@@ -158,6 +158,7 @@ def test_archives_cut_short_are_refused(tmp_path):
         read_mesh(tmp_path / "none.cdb")
 
 
+NUMBERS = "        8        0        1"  # how many nodes an element has, 0, its own number
 BAD = {
     "number": (lambda text: text.replace("        1        0        0", "        x        0        0", 1),
                "line 5: found 'x', expected a whole number"),
@@ -171,6 +172,21 @@ BAD = {
     "no nodes": (lambda text: re.sub("        8(        0        1).*", r"        0\1", text),
                  "line 16: found 11 numbers, expected 11 and the nodes of an element"),
     "kind": (lambda text: text + component("A", "LINE", [1, 2]), "line 18: expected CMBLOCK, name, NODE or ELEM"),
+    "layout": (lambda text: text.replace("(3i9,6e21.13e3)", "(3i9)"),
+               "line 4: expected columns of whole numbers and reals, such as"),
+    "narrow": (lambda text: text.replace("6e21.13e3", "6e20.13e3"),
+               "line 5: found 90 characters, expected columns of 9 and 20"),
+    "cut line": (lambda text: text.replace("E+000\n", "E+00\n", 1),
+                 "line 5: found 89 characters, expected columns of 9 and 21"),
+    "long line": (lambda text: text.replace("E+000\n", "E+0000\n", 1),
+                  "line 5: found 91 characters, expected columns of 9 and 21"),
+    "more nodes": (lambda text: text.replace(NUMBERS, "        7        0        1"),
+                   "line 16: found element 1 with 8 of 7 nodes"),
+    "fewer nodes": (lambda text: text.replace(NUMBERS, "       10        0        1"),
+                    "line 17: found element 1 with 9 of 10 nodes: cut short"),
+    "corner": (lambda text: text.replace("        4\n       -1", "        0\n       -1"), "element 1 lacks a corner"),
+    "first corner": (lambda text: text.replace(f"{NUMBERS}        1", f"{NUMBERS}       -1"),
+                     "element 1 lacks a corner"),
     "component": (lambda text: text + component("A", "NODE", [1, 2]).replace("       2\n(8", "       5\n(8"),
                   "found 2 of 5 numbers"),
 }  # fmt: skip
@@ -180,8 +196,29 @@ BAD = {
 def test_damage_is_named_with_its_line(name, tmp_path):
     change, message = BAD[name]
     mesh = grid_mesh("hexahedron", (1, 1, 1), place)
-    (tmp_path / "part.cdb").write_text(change(cdb(mesh.points, mesh.cells, 185)))
+    text = cdb(mesh.points, mesh.cells, 185)
+    assert change(text) != text
+    (tmp_path / "part.cdb").write_text(change(text))
     with pytest.raises(ModelError, match=message):
+        read_mesh(tmp_path / "part.cdb")
+
+
+def test_coordinates_that_are_left_out_at_the_end_of_a_line_are_zero(tmp_path):
+    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    lines = cdb(mesh.points, mesh.cells, 185).splitlines(keepends=True)
+    lines[8] = lines[8][: 3 * 9 + 21] + "\n"  # x of the fifth node
+    lines[4] = lines[4][:9] + "\n"  # the number alone
+    (tmp_path / "part.cdb").write_text("".join(lines))
+    np.testing.assert_array_equal(read_mesh(tmp_path / "part.cdb").points[[0, 4]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+def test_an_archive_of_what_is_no_solid_or_shell_alone_is_refused(tmp_path):
+    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, mesh.cells, 154))
+    with (
+        pytest.warns(ModelWarning, match="part.cdb: 1 elements of type 154: .*mesh-left-out"),
+        pytest.raises(ModelError, match=r"part.cdb: found 8 nodes and no solid or shell elements.*mesh-no-cells"),
+    ):
         read_mesh(tmp_path / "part.cdb")
 
 

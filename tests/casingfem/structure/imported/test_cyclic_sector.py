@@ -1,6 +1,7 @@
 """Sectors of wheels: which nodes pair, what is refused; nodes on the axis."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,15 +10,19 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.cyclic.wheel import wheel_modes
+from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.support import Fixed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"low": (1, 0.0), "high": (1, 1.0), "base": (2, 0.0), "rim": (0, 1.0)}
 WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+CASING = cf.Shell(chart=cf.Cylinder(radius=0.4, height=0.6), thickness=0.01, material=STEEL, supports={})
+HALVES = {"one": [0, 2], "other": [1]}
 
 
 def part(place=lambda u: u, **given):
@@ -74,6 +79,11 @@ def moved(mesh, node, shift):
     return replace(mesh, points=points)
 
 
+def weighed(solid):
+    masses = Attachments(masses=(PointMass(node=3, mass=1.0),))
+    return replace(solid, mesh=replace(solid.mesh, attachments=masses))
+
+
 def bent(radius):
     """A node of the high face moved along the axis."""
     solid = part()
@@ -98,6 +108,8 @@ def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
         (part, {"sectors": 9}, "turned by 40 degrees.*cyclic-faces"),
         (part, {"sectors": 16}, "repeats itself within.*cyclic-sectors"),
         (part, {"sectors": 1}, "found 1.*cyclic-sectors"),
+        (lambda: CASING, {"sectors": 8}, "cyclic: found Shell, expected a Solid or MeshShell.*structure-unknown"),
+        (lambda: weighed(part()), {"sectors": 8}, "a sector of a wheel with 1 point mass.*mesh-attachment"),
         (part, {"sectors": 8, "faces": ("low", "rim")}, "nodes in 'low'.*cyclic-faces"),
         (part, {"sectors": 8, "faces": ("low", "hgh")}, "did you mean 'high'.*mesh-no-group"),
         (lambda: part(rotation=cf.Rotation(omega=9.0, axis=(1.0, 0.0, 0.0))), {"sectors": 8}, "cyclic-axis"),
@@ -108,6 +120,34 @@ def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
 def test_what_is_no_sector_is_refused(make, given, words):
     with pytest.raises(ModelError, match=words):
         CyclicSector(structure=make(), **given)
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
+def test_a_part_that_meets_itself_on_the_axis_alone_is_no_sector():
+    quarter = cf.Solid(mesh=wedge(2, 4), material=STEEL)
+    assert len(CyclicSector(structure=quarter, sectors=4).pairs.low) == 6
+    found = "turned by 120 degrees about .*, found no nodes of faces but those on the axis.*cyclic-faces"
+    with pytest.raises(ModelError, match=found):
+        CyclicSector(structure=quarter, sectors=3)
+
+
+@pytest.mark.parametrize("kind", ["hexahedron20", "quad8"])
+def test_the_stiffness_of_a_blade_is_that_of_its_cells(kind):
+    """Of all cells, and of two groups that have each cell once, it adds up to that of the part."""
+    place = (lambda u: u) if kind == "hexahedron20" else (lambda u: np.insert(u, 2, 0.3 * u[:, 0] ** 2, axis=1))
+    mesh = grid_mesh(kind, (3, 1, 1)[: 3 if kind == "hexahedron20" else 2], place, groups={"root": (0, 0.0)})
+    groups = {name: Group(nodes=mesh.cells[rows].ravel(), cells=np.array(rows)) for name, rows in HALVES.items()}
+    mesh = replace(mesh, groups={**mesh.groups, **groups})
+    make = cf.Solid if kind == "hexahedron20" else partial(cf.MeshShell, thickness=0.01)
+    structure = make(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()})
+    system = structure.assembled()
+    K = system.K.toarray()
+    whole, one, other = (blade_stiffness(structure, system, group).toarray() for group in (None, "one", "other"))
+    np.testing.assert_allclose(whole, K, atol=1e-12 * np.abs(K).max())
+    np.testing.assert_allclose(one + other, K, atol=1e-12 * np.abs(K).max())
+    assert np.abs(one).max() > 0.1 * np.abs(K).max() < 10.0 * np.abs(other).max()
+    with pytest.raises(ModelError, match=r"blade 'root'.*mesh-group-no-cells"):
+        blade_stiffness(structure, system, "root")
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")

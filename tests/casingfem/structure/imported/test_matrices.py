@@ -1,6 +1,7 @@
 """Matrices of other programs: every format gives the same basis; what is wrong is named with its line."""
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -199,6 +200,115 @@ def test_op4_entries_outside_of_their_matrix_are_refused(row, tmp_path):
         read_op4(tmp_path / "a.op4")
 
 
+OP4 = """       1       2       2       2K       1P,3E23.16
+       1       1       4
+ 1.0000000000000000E+00 2.0000000000000000E+00
+       2       1       1
+ 1.0000000000000000E+00
+"""
+STRINGS = OP4.replace("       1       1       4\n", "       1       0       5\n  196609\n")  # one, from row 1
+
+
+def test_the_two_values_of_a_small_op4_file(tmp_path):
+    for text in (OP4, STRINGS, "\n" + OP4 + "\n"):
+        (tmp_path / "a.op4").write_text(text)
+        assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        *(
+            (f"{'2K':>8}", f"{kind:>7}K", f"K: found type {kind}, 2 rows, 1 columns, expected a real matrix")
+            for kind in (-1, 0, 5)
+        ),
+        ("2K  ", "3KAA", "KAA: found type 3, 2 rows, 1 columns, expected a real matrix"),
+        ("2K  ", "4KAA", "KAA: found type 4, 2 rows, 1 columns, expected a real matrix"),
+        ("       1       2  ", "       0       2  ", "K: found type 2, 2 rows, 0 columns, expected a real matrix"),
+        ("       1       2  ", "       1       0  ", "K: found type 2, 0 rows, 1 columns, expected a real matrix"),
+        ("3E23.16", "3F23.16", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
+        ("2       2K", "        2K", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
+        ("       1       2  ", "       1       x  ", "line 1: found '       1       x .*', expected whole numbers"),
+        ("       1       4", "       1       x", "line 2: found '       1       1       x', expected whole numbers"),
+        (
+            "       1       1       4",
+            "       1       1",
+            "line 2: found '       1       1', expected column, row, words",
+        ),
+        ("       1       1       4", "  196609", "line 2: found '  196609', expected column, row, words"),
+        ("       4\n", "       4\n  196609\n", "line 3: found '  196609', expected column, row, words"),
+        ("2.0000", "2.000x", "line 3: found ' 1.00.*', expected numbers of 23 characters"),
+        ("       2       1       1\n 1.0000000000000000E+00\n", "", "K: the file ends in column 1 of 1: cut short"),
+        (OP4.partition("\n")[2], "", "K: the file ends in column 0 of 1: cut short"),
+    ],
+)
+def test_text_op4_that_is_damaged_is_named_with_its_line(old, new, message, tmp_path):
+    assert OP4.count(old) == 1
+    (tmp_path / "a.op4").write_text(OP4.replace(old, new))
+    with pytest.raises(ModelError, match=rf"a\.op4: {message}.*matrix-file"):
+        read_op4(tmp_path / "a.op4")
+
+
+def test_strings_of_long_rows_have_two_numbers(tmp_path):
+    (tmp_path / "a.op4").write_text(STRINGS.replace("       1       2  ", "       1      -2  "))
+    with pytest.raises(ModelError, match=r"a\.op4: line 3: found '  196609', expected column, row, words"):
+        read_op4(tmp_path / "a.op4")
+    (tmp_path / "a.op4").write_text(STRINGS.replace("  196609", "       5       1"))
+    with pytest.raises(ModelError, match=r"line 3: found '       5       1', expected column, row, words"):
+        read_op4(tmp_path / "a.op4")
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "taken", "refused"),
+    [(2, OP4, (2, 8), (1, 9)), (1, OP4, (2, 6), (1, 7)), (2, STRINGS, (2, 8), (1, 9))],
+)
+def test_columns_of_op4_with_fewer_or_more_words_than_values_are_refused(kind, text, taken, refused, tmp_path):
+    """Two values of a word or two each, and up to four words of their string, which programs count or do not."""
+    for words in (*taken, *refused):
+        told = text.replace(f"{'2K':>8}", f"{kind:>7}K").replace("       4\n", f"{words:8d}\n")
+        (tmp_path / "a.op4").write_text(told.replace("       5\n", f"{words:8d}\n"))
+        if words in taken:
+            assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
+            continue
+        with pytest.raises(ModelError, match=rf"K: found 2 values in column 1, announced {words} words: cut short"):
+            read_op4(tmp_path / "a.op4")
+
+
+def record(*numbers, more=b""):
+    data = np.array(numbers, "<i4").tobytes() + more
+    return np.int32(len(data)).tobytes() + data + np.int32(len(data)).tobytes()
+
+
+HEAD, TWO = record(1, 2, 2, 2, more=b"K       "), np.array([1.0, 2.0]).tobytes()
+COLUMN, LAST = record(1, 1, 4, more=TWO), record(2, 1, 2, more=TWO[:8])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (HEAD + COLUMN + record(2, 1, 0), ""),
+        (HEAD + COLUMN + LAST + HEAD.replace(b"K", b"M") + COLUMN + LAST, ""),
+        (HEAD + COLUMN + LAST[:-1], "byte 68: found no whole record: cut short"),
+        (HEAD + COLUMN + LAST + b"\0\0\0", "byte 96: found no whole record: cut short"),
+        (HEAD + COLUMN + LAST[:-1] + b"\1", "byte 68: found no whole record: cut short"),  # its lengths differ
+        (HEAD + COLUMN, "byte 68: found no whole record: cut short"),
+        (HEAD + COLUMN + record(2, 1, more=b"\0\0\0"), "found a column of 11 bytes"),
+        (HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, more=b"\0\0\0"), "found a header of 23 bytes, expected 24"),
+        (HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, 0, more=b"\0"), "found a header of 25 bytes, expected 24"),
+        (HEAD + record(1, 1, 3, more=TWO) + LAST, "found 16 bytes, expected 12"),
+        (HEAD + record(1, 1, 5, more=TWO) + LAST, "found 16 bytes, expected 20"),
+        (record(1, 2, 2, 5, more=b"K       ") + COLUMN + LAST, "K: found type 5, 2 rows, 1 columns, expected a real"),
+    ],
+)
+def test_binary_op4_is_read_whole_or_refused_in_words(content, message, tmp_path):
+    (tmp_path / "a.op4").write_bytes(content)
+    if not message:
+        assert all(A.toarray().tolist() == [[1.0], [2.0]] for A in read_op4(tmp_path / "a.op4").values())
+        return
+    with pytest.raises(ModelError, match=rf"a\.op4: {'' if message[0] in 'bK' else 'byte .*: '}{message}.*matrix-file"):
+        read_op4(tmp_path / "a.op4")
+
+
 def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
     """Loads and recovery matrices of EXTSEOUT: rectangular, or complex, some with an M or a K at their beginning."""
     plain, whole = tmp_path / "plain.pch", tmp_path / "whole.pch"
@@ -380,6 +490,8 @@ BAD = {
     "two": (PCH + PCH.replace("KAAX", "KBBX").replace("MAAX", "BAAX"), "2 of them for K"),
     "number": (PCH.replace("1.000000000D+06", "1.0x0000000D+06"), "line 2: DMIG: .*expected a real number"),
     "value": (PCH.replace(" 1.000000000D+06", ""), "expected node, component and value of a row"),
+    "fields": (PCH + "DMIG,KAAX,8\n", "line 7: DMIG: found 2 fields, expected a name, a node and a component"),
+    "blank": (PCH + "DMIG\n", "line 7: DMIG: found 0 fields, expected a name, a node and a component"),
 }
 
 
@@ -390,6 +502,115 @@ def test_bad_punch_files_name_the_line(name, tmp_path):
     with pytest.raises(ModelError, match=message):
         read_matrices([tmp_path / "set.pch"])
     assert run("import", tmp_path / "set.pch", "--contact", "7").exit_code == 2
+
+
+def test_a_column_of_dmig_may_be_empty(tmp_path):
+    (tmp_path / "set.pch").write_text(PCH + "DMIG,KAAX,7,1\n")
+    assert read_matrices(tmp_path / "set.pch").K.toarray().tolist() == [[1e6]]
+
+
+DENSE = "%%MatrixMarket matrix array real general\n"
+ONE, CALCULIX = "1,1,1,1,2.\n", {"a.sti": "1 1 1.0\n", "a.mas": "1 1 1.0\n", "a.dof": "6.6\n"}
+SQUARE = f"{DENSE}2 2\n1\n2\n3\n4\n"
+
+
+@pytest.mark.parametrize(
+    ("taken", "refused", "message"),
+    [
+        (CALCULIX, {"a.sti": "2 1 1.0\n"}, r"a.sti: found row 2 of 1 dofs: .*matrix-size"),
+        (CALCULIX, {"a.mas": "1 2 1.0\n"}, r"a.mas: found row 2 of 1 dofs: .*matrix-size"),
+        (CALCULIX, {"a.sti": "0 1 1.0\n"}, r"a.sti: found row .*matrix-size"),
+        (CALCULIX, {"a.mas": "1 1 1.0 1\n"}, "a.mas: found 4 columns, expected 3"),
+        (CALCULIX, {"a.mas": "1 1 1.0x\n"}, "a.mas: .*'1.0x'"),
+        *((CALCULIX, {"a.dof": f"{dof}\n"}, f"a.dof: line 1: found '{dof}', expected node") for dof in
+          ("6.7", "6", "6.", ".1", "x.1", "6.-1")),
+        ({"K.mtx": ONE, "M.mtx": ONE}, {"M.mtx": ONE + "2,1,2,1,3.\n"},
+         r"K.mtx, M.mtx: dof \(2, 1\) has mass or damping and no stiffness.*matrix-size"),
+        ({"K.mtx": ONE, "M.mtx": ONE}, {"M.mtx": "1,1,1,2.\n"}, "M.mtx: found 4 columns, expected 5"),
+        ({"K.mtx": ONE, "M.mtx": ONE}, {"M.mtx": "1,1,1,1,2.,3.\n"}, "M.mtx: found 6 columns, expected 5"),
+        ({"K.mtx": ONE, "M.mtx": ONE}, {"M.mtx": "1,1,1,1,2.\n2,1\n"}, "M.mtx: .*columns changed from 5 to 2"),
+        *((
+            {"K.mtx": f"{MARKET}2 2 1\n2 1 1.0\n", "M.mtx": f"{MARKET}2 2 1\n1 1 1.0\n", "K.dof": "6.0\n7.0\n"},
+            {"K.mtx": f"{MARKET}{text}\n"}, f"K.mtx: {message}"
+        ) for text, message in (
+            ("2 2 1\n0 1 1.0", "found an entry outside of 2 x 2"),
+            ("2 2 1\n3 1 1.0", "found an entry outside of 2 x 2"),
+            ("2 2 1\n1 2 1.0", "found entries above the diagonal of a symmetric matrix"),
+            ("2 2 2\n2 1 1.0", r"found 1 entries, announced \[2, 2, 2\] rows, columns, entries: cut short"),
+            ("2 2 0\n2 1 1.0", r"found 1 entries, announced \[2, 2, 0\] rows, columns, entries: cut short"),
+            ("2 3 1\n2 1 1.0", r"found 1 entries, announced \[2, 3, 1\] rows, columns, entries: cut short"),
+            ("0 0 0", r"found 0 entries, announced \[0, 0, 0\] rows, columns, entries: cut short"),
+            (f"{10**8 + 1} {10**8 + 1} 0", "found 0 entries, announced .100000001, 100000001, 0. rows"),
+            ("", r"found 0 entries, announced \[0, 0, 0\] rows, columns, entries: cut short"),
+        )),
+        *((
+            {"K.mtx": SQUARE, "M.mtx": SQUARE, "K.dof": "6.1\n7.1\n"}, {"K.mtx": text}, f"K.mtx: {message}"
+        ) for text, message in (
+            (DENSE, r"not enough values.*matrix-file"),
+            (SQUARE.replace("2 2", "2 x"), r".*'x'.*matrix-file"),
+            (SQUARE.replace("3", "3x"), r".*'3x'.*matrix-file"),
+            (SQUARE[:-2], "found 3 entries of 2 x 2, expected 4 of a square matrix: cut short"),
+            (SQUARE + "5\n", "found 5 entries of 2 x 2, expected 4 of a square matrix: cut short"),
+            (SQUARE.replace("2 2", "2 3"), "found 4 entries of 2 x 3, expected 4 of a square matrix"),
+            (SQUARE.replace("general", "symmetric"), "found 4 entries of 2 x 2, expected 3 of a square matrix"),
+            (f"{DENSE}0 0\n", "found 0 entries of 0 x 0, expected 0 of a square matrix"),
+            (SQUARE.replace("real", "complex"), "found matrix array complex general, expected matrix coord"),
+            (SQUARE.replace("general", "hermitian"), "found matrix array real hermitian, expected matrix"),
+            (SQUARE.replace(" general", ""), "found matrix array real, expected matrix coordinate or array"),
+        )),
+    ],
+)  # fmt: skip
+def test_lists_of_entries_are_read_whole_or_refused(taken, refused, message, tmp_path):
+    for name, text in taken.items():
+        (tmp_path / name).write_text(text)
+    given = tmp_path / "a.sti" if "a.sti" in taken else [tmp_path / "K.mtx", tmp_path / "M.mtx"]
+    read_matrices(given)
+    for name, text in refused.items():
+        (tmp_path / name).write_text(text)
+    with pytest.raises(ModelError, match=message):
+        read_matrices(given)
+
+
+def test_columns_of_tables_of_nodes_and_dofs_are_asked_for_by_name(tmp_path):
+    np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2))
+    nodes, dofs = tmp_path / "nodes.csv", tmp_path / "dofs.csv"
+    nodes.write_text("# of the tip\nz,y,x,node\n4,3,2,1\n")
+    dofs.write_text("direction,node,note\nx,1,a\ny,1,b\n")
+    found = read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
+    assert found.points[1].tolist() == [2.0, 3.0, 4.0]
+    assert found.dofs.tolist() == [[1, 1], [1, 2]]
+    nodes.write_text("# of the tip\nnode,x,z\n1,2,4\n")
+    with pytest.raises(InputError, match=r"nodes.csv, line 2: found no column y; expected columns node, x, y, z"):
+        read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
+    dofs.write_text("point,dir\n1,x\n")
+    with pytest.raises(
+        InputError, match=r"dofs.csv, line 1: found no column node, direction; expected columns node, d"
+    ):
+        read_matrices(tmp_path / "a.npz", dofs=dofs)
+
+
+@pytest.mark.parametrize("names", [("a.npz", "b.npz"), ("K.mtx", "M.npz"), ("a.xyz",), ("K.mtx", "M")])
+def test_files_that_do_not_go_together_are_named(names, tmp_path):
+    with pytest.raises(ModelError, match=rf"found {', '.join(names)}: .*matrix-format"):
+        read_matrices([tmp_path / name for name in names])
+
+
+@pytest.mark.parametrize("part", ["data", "indices"])
+def test_a_sparse_matrix_of_an_npz_has_three_parts(part, tmp_path):
+    K = {"K_data": np.ones(1), "K_indices": np.zeros(1, int), "K_indptr": np.array([0, 1])}
+    rest = {"M": np.eye(1), "dofs": np.array([[1, 1]])}
+    np.savez(tmp_path / "a.npz", **K, **rest)
+    assert read_matrices(tmp_path / "a.npz").K.toarray().tolist() == [[1.0]]
+    del K[f"K_{part}"]
+    np.savez(tmp_path / "a.npz", **K, **rest)
+    with pytest.raises(ModelError, match=r"a.npz: K: expected K_data, K_indices, K_indptr.*matrix-file"):
+        read_matrices(tmp_path / "a.npz")
+
+
+def test_what_hdf5_needs_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(ModelError, match=r"a.h5: HDF5 needs h5py: .*test-data.*matrix-file"):
+        read_matrices(tmp_path / "a.h5")
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import warnings
 
+import meshio
 import numpy as np
 import pytest
 
@@ -223,6 +224,7 @@ def test_join_closes_a_seam(steel):
     np.testing.assert_allclose(whole, mesh_modes(wrapped, 6).freq, rtol=1e-9)
 
 
+ELEMENTS = GMSH_TWICE.partition("$Elements")[0] + "$Elements\n{}\n$EndElements\n"
 BROKEN = {
     "a.txt": ("", "mesh-format"),
     "empty.msh": ("", "cut short"),
@@ -273,6 +275,8 @@ BROKEN = {
     "digits.bdf": (BDF.replace("GRID,3,", f"GRID,{10**20},"), "expected a number of at most eight digits"),
     "nan.bdf": (BDF.replace("2.0D0", "nan"), "found 'nan', expected a real number"),
     "last.bdf": (BDF[: BDF.index("MAT1") - 1], "the last line, .* has no end: cut short?"),
+    "lines.msh": (ELEMENTS.format("2\n1 1 2 1 1 3 9\n2 1 2 1 1 9 4"), "lines.msh: found 2 line: .*mesh-no-cells"),
+    "nothing.msh": (ELEMENTS.format(0), "nothing.msh: found no cells: .*mesh-no-cells"),
     "number.msh": (GMSH_TWICE.replace("\n4 0 ", "\n1600000000 0 "), "the number 1600000000 in a file of .* bytes"),
     "name.msh": (GMSH_TWICE.replace('"', '"' + 1000 * "many words ", 1), "PhysicalNames: a line of more than 10000"),
     "mark.msh": (GMSH_TWICE.replace('"', '"\u202e', 1), "found the group '.u202e"),
@@ -287,6 +291,24 @@ def test_broken_files_are_refused_with_the_place(name, tmp_path):
     with pytest.raises(ModelError, match=message) as caught:
         read_mesh(write(tmp_path / name, text))
     assert name in str(caught.value)
+
+
+@pytest.mark.slow
+def test_a_binary_file_that_says_it_fills_the_memory_is_not_read(tmp_path):
+    head = b"$MeshFormat\n2.2 1 8\n" + struct.pack("<i", 1) + b"\n$EndMeshFormat\n"
+    nodes = b"$Nodes\n%d\n" % 10**9 + struct.pack("<iddd", 1, 0.0, 0.0, 0.0) + b"\n$EndNodes\n"
+    (tmp_path / "a.msh").write_bytes(head + nodes + b"$Elements\n0\n$EndElements\n")
+    with pytest.raises(
+        ModelError, match=r"a\.msh: cannot be read \(its reader took more than .*GB, or crashed.*mesh-file"
+    ):
+        read_mesh(tmp_path / "a.msh")
+
+
+def test_polyhedra_are_refused_by_their_name(tmp_path):
+    faces = [np.array(face) for face in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]
+    meshio.Mesh(np.eye(4, 3), [("polyhedron4", [faces])]).write(tmp_path / "a.vtu")
+    with pytest.raises(ModelError, match=r"a.vtu: found polyhedron4: .*mesh-unsupported-cell"):
+        read_mesh(tmp_path / "a.vtu")
 
 
 def test_what_meshio_drops_without_a_word_is_counted(tmp_path):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, NumericsError
 from casingfem.modal.campbell import spin_from_rest
+from casingfem.structure.imported import solid_spin
 from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.grid import grid_mesh, revolved
@@ -207,6 +208,15 @@ def test_softening_beyond_the_stiffness_is_refused():
     assert at_half == pytest.approx(first * np.sqrt(0.75), rel=2e-2)
     with pytest.raises(ModelError, match="rotation-unstable"):
         cf.modes(block(about_span.at(1.2 * first)), 1)
+
+
+def test_a_steady_state_that_is_not_found_is_named_with_its_speed(monkeypatch):
+    part, turning = block(None, (2, 1, 1)), AXES["flapping out of it"].at(1e4)
+    start = np.zeros_like(part.mesh.points)
+    steady_stiffness(part.assembled(), part, turning, start)
+    monkeypatch.setattr(solid_spin, "STEPS", 2)
+    with pytest.raises(NumericsError, match="rotation: found no steady state at 1592 turns a second in 2 steps"):
+        steady_stiffness(part.assembled(), part, turning, start)
 
 
 def test_parts_without_an_axis_or_without_support_are_named():

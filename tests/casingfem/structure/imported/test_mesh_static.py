@@ -1,5 +1,7 @@
 """Statics of imported parts: resultants of loads, beams and pressure vessels, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import FacetPressure, NodeLoad, nodal_loads
+from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
+from casingfem.structure.imported.mesh.mesh_data import Group
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0), "top": (2, 1.0)}
@@ -16,6 +20,14 @@ SKIN = grid_mesh(
     "quad9", (32, 6), lambda u: revolved((0.5, 0.5), (0.0, 1.0), 0.01)(np.insert(u, 0, 0.5, axis=1)),
     groups={"base": (1, 0.0), "end": (1, 1.0)}, wrap=0,
 )  # fmt: skip
+
+
+PINNED = replace(SOLID, mesh=replace(BEAM, groups={**BEAM.groups, "pin": Group(nodes=BEAM.groups["tip"].nodes[:3])}))
+
+
+def weighed(offset):
+    mass = PointMass(node=int(BEAM.groups["tip"].nodes[0]), mass=2.0, offset=(0.0, offset, 0.0), where="CONM2 7")
+    return replace(SOLID, mesh=replace(BEAM, attachments=Attachments(masses=(mass,))))
 
 
 def shell(**supports):
@@ -34,6 +46,15 @@ def test_resultants_of_loads():
         nodal = nodal_loads(SOLID, load)
         np.testing.assert_allclose(nodal.sum(axis=0), force, atol=1e-9 * 780)
         np.testing.assert_allclose(np.cross(BEAM.points, nodal).sum(axis=0), moment, atol=1e-9 * 780)
+
+
+def test_the_weight_of_a_mass_hangs_on_its_node():
+    load = cf.loads.Gravity(acceleration=(1.0, 0.0, -10.0))
+    more = nodal_loads(weighed(0.0), load) - nodal_loads(SOLID, load)
+    assert np.flatnonzero(more.any(axis=1)).tolist() == [BEAM.groups["tip"].nodes[0]]
+    np.testing.assert_allclose(more.sum(axis=0), [2.0, 0.0, -20.0], rtol=1e-12)
+    with pytest.raises(ModelError, match=r"Gravity on the CONM2 7, which stands off its node.*load-edge"):
+        nodal_loads(weighed(-1e-9), load)
 
 
 def test_loads_on_a_shells_wall():
@@ -77,6 +98,8 @@ def test_a_cantilever_under_its_weight():
         (SOLID, NodeLoad(node=99999, force=(0.0, 0.0, 1.0)), "node 99999, which no cell has"),
         (shell(base=cf.Clamped()), FacetPressure(group="end", pressure=1.0), "expected a Pressure on its wall"),
         (cf.Solid(mesh=BEAM, material=STEEL), cf.loads.Gravity(), "static-loose"),
+        (PINNED, FacetPressure(group="pin", pressure=1.0), r"load on 'pin'.*mesh-group-no-facets"),
+        (PINNED, cf.loads.EdgeLoad(edge="pin", force=(0.0, 0.0, 1.0)), r"load on 'pin'.*mesh-group-no-facets"),
     ],
 )
 def test_loads_that_cannot_be_are_named(part, load, message):

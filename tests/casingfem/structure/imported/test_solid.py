@@ -1,5 +1,7 @@
 """Solids: patch tests, volume, rigid motions, frequencies of beams and cubes, supports, materials."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse.linalg import eigsh
@@ -7,7 +9,7 @@ from scipy.sparse.linalg import eigsh
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.cell_kind import SOLIDS
+from casingfem.structure.imported.mesh.cell_kind import SHELLS, SOLIDS
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.solid import Solid, assemble_solid
 from casingfem.structure.imported.support import Fixed
@@ -144,8 +146,18 @@ def test_refuses_supports_that_solids_cannot_have(steel):
         Solid(mesh=mesh, material=steel, supports={"root": ElasticEdge(k_r=1e6)})
     with pytest.raises(ModelError, match="mesh-support"):
         Solid(mesh=mesh, material=steel, supports={"root": ShearDiaphragm()})
+    pinned = replace(mesh, groups={"pin": Group(nodes=mesh.groups["root"].nodes[:3])})
+    with pytest.raises(ModelError, match=r"support.pin.*mesh-group-no-facets"):
+        Solid(mesh=pinned, material=steel, supports={"pin": ElasticEdge(k_face=1e6)})
     with pytest.raises(ModelError, match=r"no group 'rot' \(did you mean 'root'"):
         Solid(mesh=mesh, material=steel, supports={"rot": Clamped()})
+
+
+@pytest.mark.parametrize("kind", SHELLS)
+def test_cells_of_shells_are_no_solid(kind, steel):
+    skin = grid_mesh(kind, (1, 1), lambda u: np.insert(u, 2, 0.0, axis=1))
+    with pytest.raises(ModelError, match=rf"cells of kind {kind}: .*mesh-not-solid"):
+        Solid(mesh=skin, material=steel)
 
 
 def test_linear_cells_are_doubted_and_lock(steel):

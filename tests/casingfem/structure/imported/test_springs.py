@@ -211,6 +211,7 @@ def test_systems_by_grids_are_systems_by_their_places(kind, tmp_path):
         ("CBUSH,30,3,5,6,.5,.2,0.\nPBUSH,3,K,1.,1.", "an orientation along the line"),
         ("CBUSH,30,3,5\nPBUSH,3,K,1.,1.", "coincident grids, or one, and no system"),
         ("CBUSH,30,3,5,6,,,,0,+\n+,.5,7\nPBUSH,3,K,1.,1.", r"offset in system 7 \(OCID\)"),
+        ("CBUSH,30,2,5,6,1.,2.,0.\nPBUSH,3,K,1.,1.", "CBUSH: found the property 2, which no PBUSH gives"),
         ("CBUSH,30,3,5,6,,,,8\nPBUSH,3,K,1.,1.", "coordinate system 8: no system 8"),
         ("GRID,8,,.1,0.,3.,5\nCELAS2,30,7.,8,1", "a point on the axis of system 5"),
     ],

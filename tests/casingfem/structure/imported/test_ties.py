@@ -1,5 +1,7 @@
 """Tied faces: those that match against one mesh, others against CalculiX and one mesh; rigid and linear motions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.attachments.projection import nearest_places
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
-from casingfem.structure.imported.mesh.mesh_data import beside
+from casingfem.structure.imported.mesh.mesh_data import Group, beside
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import joined
 from casingfem.structure.imported.shell import MeshShell
@@ -187,6 +189,9 @@ def test_faces_that_are_not_there_or_apart_are_named():
     both = pair("hexahedron", (1, 1, 1), (1, 2, 2))
     with pytest.raises(ModelError, match=r"tie: no group 'b.hih. \(did you mean b.high.*mesh-tie"):
         tied(both, [Gluing(follower="b.hih", master="a.high")])
+    corner = replace(both, groups={**both.groups, "pin": Group(nodes=both.groups["a.high"].nodes[:3])})
+    with pytest.raises(ModelError, match=r"tie: group 'pin' has no facets.*mesh-tie"):
+        tied(corner, [Gluing(follower="b.low", master="pin")])
     with pytest.raises(ModelError, match=r"'b.high' stands 0.4 m from 'a.high' or farther.*mesh-tie"):
         tied(both, [Gluing(follower="b.high", master="a.high")])
     with pytest.warns(ModelWarning, match=r"9 nodes .* of 'b' off 'a.high'.*mesh-tie-loose"):
