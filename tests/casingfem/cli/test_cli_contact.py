@@ -65,6 +65,19 @@ def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path
 
 
 @pytest.mark.slow
+def test_campbell_of_a_blade_that_stands_asks_for_a_speed(tmp_path):
+    study = tmp_path / "blade.toml"
+    text = (DATA / "studies" / "rotating_blade.toml").read_text(encoding="utf-8")
+    study.write_text(text.replace("speed_hz = 100.0", "speed_hz = 0.0"), encoding="utf-8")
+    refused = call("campbell", study)
+    assert refused.exit_code == 2
+    assert "--to-hz: STUDY is at rest: give the highest speed" in refused.stderr
+    given = call("campbell", study, "--count", 1, "--steps", 2, "--to-hz", 10.0, "--json")
+    assert given.exit_code == 0, given.stderr
+    assert json.loads(given.stdout)["speed_hz"] == [0.0, pytest.approx(10.0)]
+
+
+@pytest.mark.slow
 def test_campbell_of_a_blade(tmp_path):
     found = call(
         "campbell", DATA / "studies" / "rotating_blade.toml", "--count", 2, "--steps", 3, "--to-hz", 50.0,

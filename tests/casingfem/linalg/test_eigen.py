@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 
-from casingfem.errors import NumericsError
-from casingfem.linalg import eigen
+from casingfem.errors import ModelError, NumericsError
+from casingfem.linalg import eigen, krylov
 from casingfem.linalg.eigen import factorise, gap_after, solve, solve_modes, sturm_count
-from casingfem.linalg.krylov import RitzPairs, nearest
+from casingfem.linalg.factor import solve_held
+from casingfem.linalg.krylov import ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import make_pencil
 from casingfem.structure.shell.assembly import assemble
 
@@ -194,6 +195,47 @@ def test_refuses_a_mass_of_another_size():
 def test_singular_matrix_is_refused():
     with pytest.raises(NumericsError, match="singular: the structure is not supported"):
         factorise(csc_array(np.zeros((4, 4))))
+
+
+def test_superlu_says_where_it_cannot_factor_or_count():
+    """[[0, 1], [1, 0]] has the eigenvalues 1 and -1, but no pivot on its diagonal."""
+    with pytest.raises(NumericsError, match="singular: the structure is not supported"):
+        factorise(csc_array(np.ones((3, 3))), "superlu")
+    swapped = factorise(csc_array(np.array([[0.0, 1.0], [1.0, 0.0]])), "superlu")
+    np.testing.assert_allclose(swapped.solve(np.array([2.0, 3.0])), [3.0, 2.0])
+    with pytest.raises(NumericsError, match="pivots left the diagonal"):
+        swapped.negative()
+    assert factorise(csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])), "superlu").negative() == 1
+
+
+def test_a_stiffness_that_holds_nothing_is_called_loose():
+    np.testing.assert_allclose(solve_held(chain(2), np.array([3.0, 0.0])), [2.0, 1.0])
+    with pytest.raises(ModelError, match=r"found a singular stiffness.*static-loose"):
+        solve_held(csc_array(np.zeros((2, 2))), np.ones(2))
+
+
+@pytest.mark.parametrize("direct", ["multifrontal", "superlu"])
+def test_nothing_is_counted_on_an_eigenvalue(direct):
+    pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 9.0))), np.ones(8))
+    assert [pencil.count_below(sigma, direct) for sigma in (2.999, 3.001)] == [2, 3]
+    with pytest.raises(NumericsError, match="no Sturm count at shift 3: the matrix is singular"):
+        pencil.count_below(3.0, direct)
+
+
+def test_a_mass_in_one_place_moves_one_way():
+    pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 31.0))), csc_array(np.diag(np.eye(30)[0])))
+    solve = factorise(pencil.shifted(-1.0)).solve
+    np.testing.assert_allclose(nearest(pencil, solve, -1.0, 1).values, [1.0])
+    with pytest.raises(NumericsError, match="the mass moves 1 ways, 2 modes were asked for"):
+        nearest(pencil, solve, -1.0, 2)
+
+
+def test_pairs_that_never_converge_end_the_search(monkeypatch):
+    """A factor that answers noise."""
+    monkeypatch.setattr(krylov, "RESTARTS", 2)
+    pencil, rng = make_pencil(chain(300), np.ones(300)), np.random.default_rng(4)
+    with pytest.raises(ConvergenceError, match=r"0 of 5 modes near shift 0\.25 converged in 2 restarts"):
+        nearest(pencil, lambda b: rng.standard_normal(b.shape), 0.25, 5)
 
 
 @pytest.mark.parametrize("count", [0, -3, 27, 500])

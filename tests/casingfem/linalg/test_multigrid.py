@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csc_array, eye_array
 
 from casingfem.errors import ModelWarning
 from casingfem.linalg import factor, multigrid, multigrid_cycle
@@ -47,6 +48,32 @@ def test_static_shapes_equal_those_of_a_factor(steel, monkeypatch):
     monkeypatch.setattr(multigrid, "ITERATIONS", 2)
     with pytest.raises(ConvergenceError, match="of a load is not balanced after 2 cycles"):
         multigrid.static_by_cycles(system.K, near_null, loads)
+
+
+def test_matrices_beyond_their_first_eigenvalue_are_refused(steel):
+    system, near_null, shift = block(steel, (2, 1, 1), (1.0, 0.8, 0.6))
+    load, one = np.eye(system.size)[:, [3]], eye_array(system.size)
+    lowest = np.linalg.eigvalsh(system.K.toarray())[0]
+    held, loose = (csc_array(system.K - part * lowest * one) for part in (0.99, 1.01))
+    np.testing.assert_allclose(held @ multigrid.static_by_cycles(held, near_null, load), load, atol=1e-9)
+    with pytest.raises(ConvergenceError, match="the coarsest matrix is not positive definite"):
+        multigrid.static_by_cycles(loose, near_null, load)
+    pencil, first = make_pencil(system.K, system.M), solve_modes(system.K, system.M, 1, shift).eigenvalues[0]
+    multigrid.make_levels(pencil, near_null, 0.99 * first)
+    with pytest.raises(ConvergenceError, match="the coarsest matrix is not positive definite"):
+        multigrid.make_levels(pencil, near_null, 1.01 * first)
+
+
+def test_an_iteration_beside_known_modes_finds_the_next_and_refuses_the_same_twice(steel):
+    system, near_null, shift = block(steel, (2, 1, 1), (1.0, 0.8, 0.6))
+    exact = solve_modes(system.K, system.M, 4, shift)
+    pencil = make_pencil(system.K, system.M)
+    levels = multigrid.make_levels(pencil, near_null, shift)
+    _, known, _ = multigrid.iterate(pencil, levels, 4, shift)
+    values, _, _ = multigrid.iterate(pencil, levels, 2, shift, beside=known[:, :2])
+    np.testing.assert_allclose(values, exact.eigenvalues[2:4], rtol=1e-9)
+    with pytest.raises(ConvergenceError, match="the iteration broke down: Linearly dependent"):
+        multigrid.iterate(pencil, levels, 2, shift, beside=known[:, [0, 0]])
 
 
 def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypatch):

@@ -236,6 +236,21 @@ def test_a_mode_lost_in_a_slice_is_an_error(monkeypatch, low, said):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), (low, 8.3), shift=-0.01)
 
 
+@pytest.mark.slow
+def test_a_slice_with_a_mode_wherever_a_shift_may_stand_is_an_error():
+    """With one place free the band is whole."""
+    low, high = 10.0 * (1.0 - 1e-7), 20.0 * (1.0 + 1e-7)  # as an end moves to meet a mode on it
+    taken = [low + place * (high - low) for place in slicing.PLACES]
+    for modes in (taken[:-1], taken):
+        spectrum = np.r_[np.arange(1.0, 10.0), 10.5, 19.5, np.arange(21.0, 50.0), modes]
+        if modes == taken:
+            with pytest.raises(NumericsError, match=r"no shift between 10 and 20 .* lies clear of the modes"):
+                solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)
+        else:
+            found = solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)
+            np.testing.assert_allclose(found.eigenvalues, inside(spectrum, 10.0, 20.0), rtol=1e-10)
+
+
 def test_a_cluster_larger_than_the_block_is_found_whole():
     values = np.r_[np.full(21, 2.0), np.arange(3.0, 60.0)]
     K, M = with_spectrum(values)

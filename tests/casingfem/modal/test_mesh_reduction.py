@@ -14,6 +14,7 @@ from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, 
 from casingfem.modal.interface.view import view
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import NodeLoad
+from casingfem.structure.imported.mesh.mesh_data import Group
 
 TABLE = cf.FrequencyTable.from_csv(Path(__file__).parents[3] / "data" / "experiments" / "rig_casing.csv")
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -231,6 +232,13 @@ def test_a_structure_of_ones_own_needs_the_protocol_alone():
     assert cf.solve_static(twice, load).energy == pytest.approx(0.5 * cf.solve_static(one, load).energy)
 
 
+def cornered():
+    """A solid with a group of one node, which no facet has as its only one."""
+    part = solid()
+    corner = Group(nodes=part.mesh.groups["tip"].nodes[:1])
+    return replace(part, mesh=replace(part.mesh, groups={**part.mesh.groups, "corner": corner}))
+
+
 OPEN = grid_mesh(
     "quad9", (12, 2), lambda u: revolved((0.5, 0.45), (0.0, 0.25), 0.02)(np.insert(u, 0, 0.5, axis=1) * [1, 0.8, 1]),
     groups={"base": (1, 0.0), "top": (1, 1.0)},
@@ -239,6 +247,10 @@ BAD = {
     "no node": (solid, AtNodes((1, 99999)), "node 99999 that no cell has"),
     "twice": (solid, AtNodes((1, 1)), "each once"),
     "held": (solid, AtNodes((1,)), "node 1 is held"),
+    "corner": (cornered, Tip("corner"), "grid: interface 'corner': .*mesh-group-no-facets"),
+    "no pieces": (solid, TipNodes("tip", 0), "TipNodes.count must lie between 1 and 100, found 0: .*interface-nodes"),
+    "101 pieces": (solid, TipNodes("tip", 101), "TipNodes.count must lie between 1 and 100, found 101"),
+    "100 pieces": (solid, TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
     "group": (solid, Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
     "pieces": (lambda: strip((2, 1)), TipNodes("tip", 60), "has no facet"),
     "held edge": (solid, Tip("root"), "edge 'root' is held"),

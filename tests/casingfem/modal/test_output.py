@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.errors import ModelError
 from casingfem.modal.campbell import campbell
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.loads import EdgeLoad
 from casingfem.structure.shell.static import solve_static
 from reports.rub.harmonic_basis import harmonic_basis
@@ -48,6 +50,19 @@ def test_a_tip_load_strains_the_root_as_a_beam(strip, method):
     full = solve_static(strip, [EdgeLoad(edge="tip", force=(0.0, 0.0, sign * force / WIDTH))])
     assert middle == pytest.approx(full.at(0.5 * LENGTH, 0.01)[2], rel=1e-4)
     assert abs(along) < 1e-12
+
+
+def test_around_the_axis_there_is_no_direction_on_it(strip):
+    """The z axis meets the plate in the middle of its root; beside it radial is along the plate, tangential across."""
+    system = assemble(strip)
+
+    def row(direction, x):
+        return cf.modal.Displacement(name="u", at=(x, 0.0), direction=direction).row(system)
+
+    for direction, cartesian in (("radial", "x"), ("tangential", "y")):
+        np.testing.assert_allclose(row(direction, 1e-9), row(cartesian, 1e-9), atol=1e-12)
+        with pytest.raises(ModelError, match=f"output 'u': found {direction} on the axis.*output-direction"):
+            row(direction, 0.0)
 
 
 def test_outputs_survive_the_file_and_the_modes_cut_off(strip, tmp_path):

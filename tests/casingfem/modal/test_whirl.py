@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackError
 
 import casingfem as cf
 from casingfem.errors import NumericsError
@@ -79,6 +81,26 @@ def test_a_missed_mode_is_noticed(casing, monkeypatch):
     )
     with pytest.raises(NumericsError, match="lie below"):
         cf.whirl_modes(casing, 4)
+
+
+def test_masses_on_turning_springs_have_their_closed_form(monkeypatch):
+    """x'' + g J x' + w^2 x = 0 of a mass in a plane: sqrt(w^2 + g^2/4) +- g/2."""
+    w, g = np.array([3.0, 7.0, 11.0, 16.0, 22.0, 29.0]), np.array([0.5, 1.0, 2.0, 0.3, 0.4, 0.2])
+    A, G = csc_array(np.diag(np.repeat(w**2, 2))), csc_array(np.kron(np.diag(g), [[0.0, -1.0], [1.0, 0.0]]))
+    exact = np.sort(np.hypot(w, 0.5 * g) + 0.5 * g * np.array([[1.0], [-1.0]]), axis=None)
+    found, _, certified = whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
+    np.testing.assert_allclose(found, exact[:2], rtol=1e-12)
+    assert certified == 2
+    for count in (0, 3):
+        with pytest.raises(NumericsError, match=f"count must lie between 1 and 2, found {count}"):
+            whirl.gyroscopic_modes(A, G, count, scale=3.0, extra=3)
+
+    def fails(*_, **__):
+        raise ArpackError(-9999)
+
+    monkeypatch.setattr(whirl, "eigs", fails)
+    with pytest.raises(NumericsError, match="ARPACK did not converge on 5 rotating modes"):
+        whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from casingfem.errors import InputError, ModelError
+from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.field import FieldValues
 from casingfem.structure.field.fourier import FourierField
@@ -205,3 +206,17 @@ def test_bare_parts_are_checked_when_they_are_a_shell_again(frustum):
     assert bare.thickness == -1.0
     with pytest.raises(ModelError, match="thickness"):
         remade(Shell, bare)
+
+
+def test_bolts_without_stiffness_have_none_to_change(frustum):
+    """Three stiffnesses keep their ratios, which zeros do not have; `k_rot` is one number."""
+
+    def bolted(frustum, k):
+        return frustum(supports={"base": Bolts(count=4, k=k, k_rot=1e3)})
+
+    some = with_value(bolted(frustum, (0.0, 0.0, 1e-9)), "support.base.k", 2.0)
+    np.testing.assert_allclose(some.supports["base"].stiffness, [0.0, 0.0, 2.0])
+    for name in ("support.base.k", "support.base.bolts.3.k"):
+        with pytest.raises(InputError, match=f"'{name}': bolts whose k is 0 have none to change"):
+            with_value(bolted(frustum, 0.0), name, 1e6)
+    assert with_value(bolted(frustum, 0.0), "support.base.k_rot", 2e3).supports["base"].k_rot == 2e3

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.study import load_any
 from casingfem.updating.addresses import get_value, with_value
+from casingfem.updating.mesh_numbers import mesh_numbers
 from casingfem.updating.sensitivity import eigen_derivatives, of_mesh
 from reports.modes.mesh_files import write_inp
 
@@ -135,6 +137,26 @@ def test_angles_are_left_out_with_a_warning_and_shapes_refused():
     spun = solid(rotation=cf.Rotation(omega=10.0, centre=(-0.1, 0.0, 0.0)))
     with pytest.raises(ModelError, match="rotation-update"):
         cf.update(spun, table, vary)
+
+
+@pytest.mark.parametrize("make", [solid, shell])
+def test_shapes_are_not_fitted_on_an_imported_part(make):
+    plate = cf.Shell(
+        chart=cf.Cylinder(radius=0.3, height=0.2), thickness=3e-3, material=STEEL, supports={"base": cf.Clamped()},
+        mesh=cf.ShellMesh(order=4, rows=1, around=7),
+    )  # fmt: skip
+    shapes = cf.updating.SensorShapes.on_edge(plate, "top", np.zeros(1), np.ones((1, 1)), 0.1)
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=1.0)
+    with pytest.raises(ModelError, match=r"update: found shapes to fit on an imported part.*structure-chart"):
+        cf.update(make(), table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)], shapes=shapes)
+
+
+def test_only_solids_and_shells_have_numbers_to_vary():
+    """A structure of one's own has modes, but says nothing of what it is made of."""
+    assert "shell.thickness" in mesh_numbers(shell())
+    assert "solid.material.far.E" in mesh_numbers(solid())
+    with pytest.raises(ModelError, match=r"found SimpleNamespace, expected a Solid or MeshShell.*structure-chart"):
+        mesh_numbers(SimpleNamespace(mesh=solid().mesh))
 
 
 STUDY = """[material]

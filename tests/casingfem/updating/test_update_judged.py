@@ -1,11 +1,16 @@
 """What is said about an update: identifiability, regularisation, left-out rows, posteriors, the model's own error."""
 
 import json
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.extras import remedy
+from casingfem.study import StudyError, tasks
 from casingfem.updating.identifiability import identifiability
 from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, trade_off
 from casingfem.updating.uncertainty.posterior import parabolas
@@ -187,6 +192,47 @@ def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
         gradient.append((states[0][0].T @ states[0][1] - states[1][0].T @ states[1][1]) / (2.0 * h[k]))
     np.testing.assert_allclose(np.linalg.inv(sure.covariance) * np.outer(h, h), np.array(gradient) * np.outer(h, h),
                                atol=2e-3)  # fmt: skip
+
+
+def bent(fit, part):
+    """Parabolas whose curvatures take so much from J^T J: sum r H = -part J^T J."""
+    near = parabolas(fit)
+    return replace(near, H=-part * near.r[:, None, None] / (near.r @ near.r) * (near.J.T @ near.J))
+
+
+def test_a_fit_is_a_minimum_while_its_curvatures_leave_something(fit):
+    left = 1e-6
+    sure = cf.updating.laplace(fit, bent(fit, 1.0 - left))
+    np.testing.assert_allclose(sure.sigma, fit.stated_sigma / np.sqrt(left), rtol=1e-6)
+    J = parabolas(fit).J
+    steepest = np.linalg.norm(J / np.linalg.norm(J, axis=0), 2) ** 2
+    words = rf"posterior: the fit is no minimum \(lowest curvature {-left * steepest:.2g}\): "
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.updating.laplace(fit, bent(fit, 1.0 + left))
+
+
+def test_without_emcee_it_is_named(fit, monkeypatch):
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(cf.errors.MissingExtraError) as caught:
+        cf.updating.sample_posterior(fit)
+    assert str(caught.value) == f'posterior = "emcee" needs the package emcee: {remedy("sampling")}'
+
+
+@pytest.mark.slow
+def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monkeypatch):
+    emcee = pytest.importorskip("emcee")
+    monkeypatch.setattr(emcee.EnsembleSampler, "get_autocorr_time", lambda *_, **__: np.array([1.0, 2.5, 2.0]))
+    assert cf.updating.sample_posterior(fit, steps=51, checks=1).autocorrelation == 2.5
+    with pytest.raises(cf.errors.InputError, match="chains of 50 steps forget their start after 2; take more"):
+        cf.updating.sample_posterior(fit, steps=50, checks=1)
+
+
+def test_what_a_study_asks_beyond_its_fit_is_refused_with_its_file(fit, monkeypatch):
+    study = SimpleNamespace(path="blade.toml")
+    monkeypatch.setattr(tasks, "laplace", lambda fit: cf.updating.laplace(fit, bent(fit, 2.0)))
+    with pytest.raises(StudyError, match=r"^blade\.toml: update: posterior: the fit is no minimum"):
+        tasks.judge_update(study, fit, left_out=False, posterior="laplace", say=lambda _: None)
+    assert tasks.judge_update(study, fit, left_out=False, posterior=None, say=lambda _: None) == {}
 
 
 @pytest.mark.slow

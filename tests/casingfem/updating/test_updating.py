@@ -324,6 +324,12 @@ def test_refuses_nothing_to_vary():
         update(blade(), blade_table(), [])
 
 
+@pytest.mark.parametrize("part", [-1e-9, 1.0, float("nan")])
+def test_refuses_a_model_error_that_is_no_part(part):
+    with pytest.raises(InputError, match=rf"model_error must lie in \[0, 1\), found {part!r}"):
+        update(blade(), blade_table(), VARY[:1], model_error=part)
+
+
 def test_refuses_a_parameter_named_twice():
     with pytest.raises(InputError, match=r"material\.E is varied twice"):
         update(blade(), blade_table(), [VARY[0], VARY[1], VARY[0]])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
+from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import clear_rate, line_frequencies
 from casingfem.experiment.circle.pair import split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
@@ -289,6 +290,36 @@ def test_lines_that_fall_together_are_named_and_a_better_rate_works():
     assert np.diff(freq).min() >= 0.19
     demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(better, FS, 20000), tones=tones), 9)
     assert clear_rate(tones, n, 0.1, 1.0, FS) is None
+
+
+def test_lines_are_told_apart_by_the_record_until_it_is_too_short():
+    """Two lines d apart correlate over T as sin(x)/x, x = pi d T: the least eigenvalue is 1 - sin(x)/x."""
+    record = wave(0, 0.0, tone=300.0, seconds=1.0, phase=0.0)
+    close, closer = (np.array([300.0, 300.0 + x / np.pi]) for x in (0.0246, 0.0244))  # 1.009e-4 and 0.992e-4
+    found = fit_lines(record, 2.0 * np.pi * close, np.zeros(2))
+    np.testing.assert_allclose(found.amplitude, [1.0, 0.0], atol=1e-9)
+    with pytest.raises(InputError, match=r"does not tell its lines apart \(least eigenvalue 9\.9e-05\)"):
+        fit_lines(record, 2.0 * np.pi * closer, np.zeros(2))
+
+
+@pytest.mark.slow
+def test_two_members_of_one_frequency_and_damping_are_not_told_apart():
+    tones, orders = np.linspace(368.1, 371.9, 6), np.array([-8, 8])
+    omega, psi = 2.0 * np.pi * tones[:, None], np.array([0.13, 0.13 + np.pi / 16])
+
+    def seen(freq):
+        own = 2.0 * np.pi * np.asarray(freq)
+        h = 1j * omega / (own**2 - omega**2 + 2j * 0.002 * own * omega)
+        cosine, sine = (h * part(8 * psi) @ [1.0, 0.8] for part in (np.cos, np.sin))
+        V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
+        sigma = np.full(V.shape, 1e-3 * np.abs(V).max())
+        return CircleScan(tones=tones, n=orders, V=V, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
+
+    pair = split_pair(seen([370.0, 370.01]), 8)
+    np.testing.assert_allclose(pair.freq, [370.0, 370.01], rtol=1e-9)
+    np.testing.assert_allclose(pair.angle_deg, np.degrees(psi), rtol=1e-6)
+    with pytest.raises(InputError, match="the pair n = 8: the tones do not tell two members apart"):
+        split_pair(seen([370.0, 370.0001]), 8)
 
 
 def test_what_cannot_be_demodulated_is_refused():

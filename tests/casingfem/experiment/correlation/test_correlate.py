@@ -1,5 +1,7 @@
 """Measured shapes against modes: where sensors stand, what pairs, where shapes differ, what expansion predicts."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
@@ -8,9 +10,11 @@ from casingfem.errors import InputError, ModelError
 from casingfem.experiment.correlation.comac import comac, ecomac
 from casingfem.experiment.correlation.correlate import correlate
 from casingfem.experiment.correlation.expansion import expand, well_conditioned
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
+from casingfem.experiment.uff.nodes import Nodes
+from casingfem.experiment.uff.read import read_uff
 from casingfem.export.modes_uff import write_modes_uff
 from casingfem.modal.modes import modes
 from casingfem.structure.field.fourier import FourierField
@@ -222,6 +226,52 @@ def test_universal_files_give_shapes_at_their_points(tmp_path, found):
     assert [match.modes for match in result.pairing.matches] == [(0, 1), (4,)]
     assert result.alike.min() > 0.9999
     assert result.sensors.distance.max() < 1e-4
+
+
+def scalars(shape):
+    return replace(shape, characteristic=1, values=shape.values[:, :1])
+
+
+@pytest.mark.parametrize(
+    ("nodes", "change", "words"),
+    [
+        (lambda nodes: None, lambda shape: shape, "found no nodes; expected a set 15 or 2411"),
+        (
+            lambda nodes: nodes,
+            lambda shape: replace(shape, nodes=shape.nodes[:-1], values=shape.values[:-1]),
+            "found shapes with values at different nodes",
+        ),
+        (
+            lambda nodes: Nodes(**{field.name: getattr(nodes, field.name)[1:] for field in fields(nodes)}),
+            lambda shape: shape,
+            "found values at node 1, which has no point; expected its point",
+        ),
+        (
+            lambda nodes: replace(nodes, motions=7 * (nodes.labels == 3)),
+            lambda shape: shape,
+            "found motions in coordinate system 7; expected global motions, 0",
+        ),
+        (lambda nodes: nodes, scalars, "found data characteristic 1; expected 2 or 3: translations"),
+        (lambda nodes: nodes, lambda shape: replace(shape, analysis=1), "found 2 shapes, none of a mode"),
+    ],
+)
+def test_universal_files_whose_shapes_have_no_place_are_refused(tmp_path, found, nodes, change, words):
+    given = read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0, 1]))
+    first, second = given.shapes
+    if words.startswith("found 2 shapes"):
+        first = change(first)
+    with pytest.raises(InputError, match=words):
+        uff_shapes(replace(given, nodes=nodes(given.nodes), shapes=(first, change(second))))
+
+
+@pytest.mark.parametrize("width", [3, 6])
+def test_translations_of_a_universal_file_come_with_or_without_turns(tmp_path, found, width):
+    given = read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0]))
+    values = np.zeros((len(given.nodes.labels), width))
+    values[:, :3] = np.arange(1.0, 1.0 + values[:, :3].size).reshape(-1, 3)
+    values[:, 3:] = 1e9  # turns, which no translation is
+    shape = replace(given.shapes[0], characteristic=width // 3 + 1, values=values)
+    np.testing.assert_array_equal(uff_shapes(replace(given, shapes=(shape,))).values[:, 0], values[:, :3].ravel())
 
 
 def test_complex_shapes_are_made_real():

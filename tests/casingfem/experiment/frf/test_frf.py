@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.experiment.frf.files import file_coherence, read_coherence
+from casingfem.experiment.frf.files import file_coherence, read_coherence, read_places
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.uff.write import write_uff
 
@@ -103,6 +103,17 @@ CSV = (
     "# unit: m/N\nfreq_hz,response_point,response_direction,reference_point,reference_direction,real,imag\n"
     "10,1,3,1,3,0.5,0\n20,1,3,1,3,0.6,0\n10,2,3,1,3,0.5,1\n20,2,3,1,3,0.6,2\n"
 )
+
+
+def test_places_have_their_radius_and_none_below_0(tmp_path):
+    file = tmp_path / "angles.csv"
+    file.write_text("point,angle_deg,radius_m,z_m\n4,90,0.5,0.1\n7,30,0,0.2\n")
+    angles, places = read_places(file)
+    assert angles == {4: 90.0, 7: 30.0}
+    np.testing.assert_allclose([places[4], places[7]], [[0.0, 0.5, 0.1], [0.0, 0.0, 0.2]], atol=1e-16)
+    file.write_text("point,angle_deg,radius_m,z_m\n4,90,0.5,0.1\n7,30,-1e-9,0.2\n")
+    with pytest.raises(InputError, match=r"angles\.csv, line 3, column 'radius_m': found -1e-09; expected 0 or more"):
+        read_places(file)
 
 
 def test_a_table_written_by_hand(tmp_path):

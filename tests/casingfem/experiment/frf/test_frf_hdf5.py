@@ -1,5 +1,7 @@
 """Frequency responses in HDF5: the same bits back, and what is no such file refused in words."""
 
+import sys
+
 import h5py
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.files import read_frfs
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.hdf5 import ARRAYS, read_hdf5, write_hdf5
+from casingfem.extras import remedy
 
 
 @pytest.fixture
@@ -40,7 +43,15 @@ def change(path, edit):
     ("edit", "said"),
     [
         (lambda file: file.pop("x"), "no data set 'x'"),
+        (
+            lambda file: file.pop("responses"),
+            "no data set 'responses'; expected data sets x, responses, ",
+        ),
         (lambda file: file.attrs.pop("unit"), "no attribute 'unit'"),
+        (
+            lambda file: (file.pop("responses"), file.create_dataset("responses", data=[[True, False, True]])),
+            r"f\.hdf5: member 'responses': found bool, expected numbers",
+        ),
         (lambda file: file["x"].write_direct(np.array([10.0, np.nan, 40.0])), "nan or infinity"),
         (lambda file: file.attrs.__setitem__("kind", "shape"), "kind 'shape'"),
         (lambda file: (file.pop("x"), file.create_dataset("x", data=[1.0, 2.0])), "x \\(2,\\)"),
@@ -51,6 +62,15 @@ def test_what_does_not_fit_is_refused(edit, said, two, tmp_path):
     change(path, edit)
     with pytest.raises(InputError, match=said):
         read_hdf5(path)
+
+
+def test_without_h5py_it_is_named(two, tmp_path, monkeypatch):
+    path = write_hdf5(two, tmp_path / "f.h5")
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    for call in (lambda: read_hdf5(path), lambda: write_hdf5(two, path)):
+        with pytest.raises(InputError) as caught:
+            call()
+        assert f"{path}: found an HDF5 file; expected the package h5py: {remedy('test-data')}" in str(caught.value)
 
 
 def test_places_may_be_missing(two, tmp_path):

@@ -111,6 +111,12 @@ def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
     assert 0.3 * shapes.sigma[2] < np.linalg.norm(off) < 3.0 * shapes.sigma[2]
 
 
+def test_no_mode_has_no_shape(found):
+    none = replace(found, freq=found.freq[:0], shapes=found.shapes[:, :0], sigma_shapes=found.sigma_shapes[:, :0])
+    with pytest.raises(InputError, match=r"found\.npz: found no mode; expected at least one"):
+        cf.correlation.identified_shapes(none, "found.npz")
+
+
 @pytest.mark.slow
 def test_hoop_axial_and_turned_sensors_have_their_directions():
     hoop = cf.correlation.identified_shapes(cf.identify(responses(2), angles=ANGLES, places=PLACES))

@@ -105,6 +105,27 @@ def test_damping_spreads_as_said():
     assert np.median(zeta) == pytest.approx(0.002, rel=0.01)
 
 
+BELOW = np.nextafter(1.0, 0.0)
+
+
+@pytest.mark.parametrize(("zeta", "spread"), [(0.0, 0.0), (1.0, 0.0), (0.1, -1e-9), (0.1, 2.0), (np.nan, 0.0)])
+def test_damping_that_is_none_is_refused(zeta, spread):
+    with pytest.raises(InputError, match=f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread"):
+        damping_spread(zeta, spread, 2, seed=SEED)
+
+
+@pytest.mark.parametrize(("zeta", "spread"), [(1e-9, 0.0), (BELOW, 0.0), (0.1, 2.0 * BELOW)])
+def test_the_last_damping_is_taken(zeta, spread):
+    drawn = damping_spread(zeta, spread, 2, seed=SEED)
+    np.testing.assert_allclose(drawn, zeta * damping_spread(0.5, spread, 2, seed=SEED) / 0.5, rtol=1e-12)
+
+
+def test_a_circle_has_at_least_one_place():
+    assert circle(0.25, 1, first_angle=0.3) == [Place(at=(0.25, 0.3))]
+    with pytest.raises(InputError, match="count: found 0, expected at least one place"):
+        circle(0.25, 0)
+
+
 @pytest.mark.parametrize(
     ("arrays", "words"),
     [

@@ -7,11 +7,12 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, NumericsError
 from casingfem.linalg.factor import factorise
-from casingfem.modal.cyclic.mistuned import mistuned_modes
+from casingfem.modal.cyclic.mistuned import mistuned_modes, mixed
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.cyclic.reduction import cyclic_reduce
+from casingfem.modal.cyclic.waves import Waves
 from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import cyclic_whirl
 from casingfem.modal.interface.kinds import AtNodes, Rim, TipNodes
@@ -227,6 +228,60 @@ def test_the_basis_is_a_body_whose_tips_stand_around(tuned, tmp_path):
     assert cf.ModalBasis.load(tmp_path / "wheel.npz").sectors == N
 
 
+def loose(disk):
+    return cf.imported.CyclicSector(structure=replace(disk.structure, supports={}), sectors=N)
+
+
+def test_nodes_of_a_wheel_stand_off_its_axis():
+    """A quarter of a square block: one edge of it is the axis."""
+    steel, groups = cf.Material(E=210e9, nu=0.3, rho=7800.0), {"low": (1, 0.0), "high": (0, 0.0), "held": (2, 0.0)}
+    mesh = grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)
+    part = cf.Solid(mesh=mesh, material=steel, supports={"held": cf.Clamped()})
+    quarter = cf.imported.CyclicSector(structure=part, sectors=4)
+    on, off = (int(mesh.node_numbers[np.linalg.norm(mesh.points - at, axis=1).argmin()]) for at in
+               ([0.0, 0.0, 0.05], [0.1, 0.1, 0.05]))  # fmt: skip
+    assert cyclic_reduce(quarter, AtNodes((off,)), modes=1).channels[:3] == tuple(
+        f"sector0.{off}.{name}" for name in ("span", "flap", "chord")
+    )
+    with pytest.raises(ModelError, match=f"at: found node {on} on the wheel's axis.*interface-nodes"):
+        cyclic_reduce(quarter, AtNodes((off, on)), modes=1)
+
+
+def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
+    """Its way across the axis, seen in the turning frame: w^2 = k/m - Omega^2."""
+    wall = revolved((0.5, 0.5), (0.0, 0.05), 0.02)
+    mesh = grid_mesh(
+        "hexahedron20", (1, 1, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0), "top": (2, 1.0)}
+    )
+    springs = dict.fromkeys(("base", "top"), cf.ElasticEdge(k_face=1e6))
+    steel, own = cf.Material(E=210e9, nu=0.3, rho=7800.0), np.sqrt(2.0 * 1e6 / (7800.0 * 0.05))
+
+    def lowest(speed):
+        turning = cf.Rotation(omega=speed * own)
+        ring = cf.Solid(mesh=mesh, material=steel, supports=springs, rotation=turning)
+        return cyclic_modes(cf.imported.CyclicSector(structure=ring, sectors=8), 1, diameters=[1]).freq[0]
+
+    assert (2.0 * np.pi * lowest(0.99) / own) ** 2 == pytest.approx(1.0 - 0.99**2, abs=1e-6)
+    with pytest.raises(ModelError, match=r"modes: found omega\^2 = -103\.\d rad\^2/s\^2, n = 1.*rotation-unstable"):
+        lowest(1.01)
+
+
+@pytest.mark.parametrize(("energy", "omega"), [(4.0, np.sqrt(6.0)), (12.0, 0.0)])
+def test_a_softer_blade_may_leave_a_wheel_no_stiffness_but_not_less(energy, omega):
+    """One wave of w^2 = 9 whose blade, at half its own frequency, lacks 3/4 of its elastic energy."""
+    one = np.ones(1)
+    wave = Waves(
+        sectors=1, n=0 * one, omega=3.0 * one, modes=one > 0.0, partner=np.zeros(1, int), sign=one,
+        places=one[None], blade=energy * one[None], added=np.zeros((0, 0)),
+    )  # fmt: skip
+    found, turn = mixed(wave, -0.5 * one)
+    np.testing.assert_allclose(found, [omega], atol=1e-7)
+    assert abs(turn.item()) == 1.0
+    softer = replace(wave, blade=12.001 * one[None])
+    with pytest.raises(NumericsError, match=r"mistuned wheel: found omega\^2 = -0\.00075 rad\^2/s\^2"):
+        mixed(softer, -0.5 * one)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -237,6 +292,9 @@ def test_the_basis_is_a_body_whose_tips_stand_around(tuned, tmp_path):
         (lambda disk: cyclic_reduce(disk, Rim("tip", 2)), "interface-edge"),
         (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), zeta=1.0), "reduce-damping"),
         (lambda disk: cyclic_reduce(disk, TipNodes("hub", 1)), "interface-held"),
+        (lambda disk: cyclic_reduce(loose(disk), TipNodes("tip", 2)), "an unsupported structure has .*reduce-rigid"),
+        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), modes=0), "between 1 and 74, found 0.*modes-count"),
+        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), modes=75), "between 1 and 74, found 75.*modes-count"),
     ],
 )
 def test_what_a_wheel_cannot_be_asked_is_refused(disk, call, words):

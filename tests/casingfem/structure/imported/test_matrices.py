@@ -22,6 +22,7 @@ from casingfem.structure.imported.matrix.op4 import read_op4
 from casingfem.structure.imported.matrix.read import read_dofs, read_matrices
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, matrix_files
+from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
 from contact.model.gaps.rub_laws import Speed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -397,6 +398,18 @@ def test_a_shell_on_a_chart_as_matrices():
         structure_matrices(ringed)
 
 
+def test_what_ties_nodes_to_others_has_no_matrices_of_its_nodes():
+    tip = MESH.groups["tip"].nodes
+    heavy = replace(MESH, attachments=Attachments(masses=(PointMass(node=int(tip[0]), mass=0.5),)))
+    added = structure_matrices(replace(BLADE, mesh=heavy)).M - SET.M
+    at = np.flatnonzero(SET.dofs[:, 0] == MESH.node_numbers[tip[0]])
+    np.testing.assert_allclose(added.toarray()[np.ix_(at, at)], 0.5 * np.eye(3), atol=1e-12)
+    assert added.sum() == pytest.approx(1.5, rel=1e-9)
+    tied = replace(MESH, attachments=Attachments(rigids=(Rigid(reference=int(tip[0]), nodes=tip[1:]),)))
+    with pytest.raises(ModelError, match=r"matrices: found connections in grid, which tie nodes.*matrix-size"):
+        structure_matrices(replace(BLADE, mesh=tied))
+
+
 def test_bases_whose_channels_hang_together_are_refused():
     basis = cf.reduce(BLADE, AtNodes(NODES), modes=5)
     with pytest.raises(ModelError, match="a singular S"):
@@ -473,6 +486,17 @@ def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
     document = json.loads(ran.stdout)
     np.testing.assert_allclose(document["freq_hz"], EXACT.freq, rtol=1e-9)
     assert document["channels"] == list(EXACT.channels)
+
+
+def test_import_needs_nodes_and_an_npz(tmp_path):
+    (tmp_path / "set.pch").write_text(PCH)
+    ran = run("import", tmp_path / "set.pch", "--contact", "7", "--out", tmp_path / "set.json")
+    assert ran.exit_code == 2
+    assert "--out: found 'set.json', expected a file name ending in .npz" in ran.stderr
+    ran = run("import", tmp_path / "set.pch")
+    assert ran.exit_code == 2
+    assert "set.pch: found no nodes that contact sees; expected --contact, or --nodes" in ran.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["set.pch"]
 
 
 PCH = """DMIG    KAAX           0       6       2       0
