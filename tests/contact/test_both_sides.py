@@ -1,6 +1,7 @@
 """Bounds of what is taken: the value just inside is, the one just outside is refused in words."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,14 +13,20 @@ from contact.model.gaps.gap import require_term
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub_laws import Closing, Whirl
-from contact.reference.impacts import stopped_period
+from contact.model.law import MOST_BARS
+from contact.reference.exact import bouncing_bar
+from contact.reference.impacts import driven_orbit, stopped_period
 from contact.reference.waves import impact_by_characteristics
+from contact.scheme.beam.beam_stepper import beam_step
 from contact.solver.friction.coulomb import coulomb
 from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rub import nodes, rim3, tips
 
 BODY = {"omega": [2.0], "zeta": [0.0], "channels": ("x",), "rows": [[1.0]], "S": [[1e-3]]}
 ROD = {"length": 1.0, "area": 1.0, "E": 1.0, "rho": 1.0, "elements": 4}
 BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=4)
+STABLE = 2.0 / BEAM.omega_max()
+COATING = ct.Abradable(E=1e9, yield_stress=2e4, hardening=1e6, thickness=1e-3, width=0.02, tip=6e-3)
 THIN = {"width": 0.02, "height": 0.005, "E": 210e9, "rho": 7800.0, "k_r": 1e6, "k_t": 1e5}
 
 
@@ -47,6 +54,19 @@ def rim(radius):
     return ct.bodies.ring_modes(ct.bodies.ThinRing(radius=radius, **THIN), 2)
 
 
+def rim_elements(elements, n_max):
+    return ct.bodies.ring_elements(ct.bodies.ThinRing(radius=0.51, **THIN), elements, n_max)
+
+
+def linear_body(skew=0.0, gap=0.1, row=1.0):
+    K = np.array([[2.0, 1.0 + skew], [1.0, 2.0]])
+    return ct.LinearBody(M=np.ones(2), K=K, Q=np.array([[row, 0.0]]), gap0=np.array([gap]))
+
+
+def patch(normal=("x", "y"), tangent=()):
+    return ct.Patch(body=body(channels=("x", "y"), rows=[[1.0], [0.5]], S=np.eye(2)), normal=normal, tangent=tangent)
+
+
 def modal(*bodies, scheme=ct.ExactModal, law=None, t_end=0.2, **changes):
     return ct.run(bodies, scheme=scheme(modes=3), t_end=t_end, law=law, **changes)
 
@@ -57,6 +77,19 @@ def linear(*bodies, scheme=ct.CentralDifference, **changes):
 
 def gap(scheme=ct.ExactModal, dt=None, t_end=0.2, **changes):
     return ct.run(ct.PointGap(sides=(side(**changes),), clearance=1.0), scheme=scheme(), t_end=t_end, dt=dt)
+
+
+def prepared(scheme, problem, law=None, dt=0.1, courant=None):
+    return scheme.prepare(problem, law or ct.Unilateral(), dt=dt, courant=courant)
+
+
+def one_gap(law=None, **step):
+    return prepared(ct.ExactModal(), ct.PointGap(sides=(side(),), clearance=1.0), law, **step)
+
+
+def orbit(**changes):
+    given = {"omega": 1.0, "drive": 1.0, "drive_omega": 2.0, "gap": 0.0, "restitution": 0.5}
+    return driven_orbit(**given | changes)
 
 
 def driven(S, stiffness=math.inf, **changes):
@@ -164,6 +197,84 @@ BOUNDS = {
     "coulomb.mu": (lambda k: friction(mu=(0.0, -0.1)[k]), "mu: found -0.1, expected coefficients >= 0"),
     "coulomb.b": (lambda k: friction(b=(1.0, math.nan)[k]), "W, b, mu: found values that are not finite"),
     "coulomb.inf": (lambda k: friction(W=(1.0, math.inf)[k]), "W, b, mu: found values that are not finite"),
+    "beam.torque": (lambda k: replace(BEAM, torque=(-1.0, math.nan)[k]), "torque: found nan, expected a finite numb"),
+    "beam.angle": (lambda k: replace(BEAM, angle_deg=(-400.0, -math.inf)[k]), "angle_deg: found -inf, expected a fini"),
+    "beam.spin": (lambda k: replace(BEAM, spin=(-1.0, math.inf)[k]), "spin: found inf, expected a finite number$"),
+    "beam.never": (
+        lambda k: beam(radius=0.5 + (0.99, 1.0)[k] / 128, offset=1 / 128).first_contact_angle,
+        r"radius: found 0.507812 m, expected between 0\.492188 and 0\.507812 m for the tip to meet it",
+    ),
+    "beam.always": (
+        lambda k: beam(radius=0.5 - (0.99, 1.0)[k] / 128, offset=1 / 128).first_contact_angle,
+        r"radius: found 0.492188 m, expected between 0\.492188 and 0\.507812 m for the tip to meet it",
+    ),
+    "beam.centred": (
+        lambda k: beam(radius=0.505, offset=(0.01, 0.0)[k]).first_contact_angle, r"expected between 0\.5 and 0\.5 m for"
+    ),
+    "beam.neither": (lambda k: beam_step(beam(), (1e-6, None)[k], None), "dt: found both or neither of dt and courant"),
+    "beam.both": (lambda k: beam_step(beam(), (None, 1e-6)[k], 0.5), "dt: found both or neither of dt and courant"),
+    "beam.dt": (
+        lambda k: beam_step(beam(), STABLE * (1.0 + (0.9e-9, 1.1e-9)[k]), None),
+        r"dt \* omega_max = 2, expected <= 2 \(stability of central differences\): take dt <= 1\.3905e-05 s$",
+    ),
+    "beam.courant": (lambda k: beam_step(beam(), None, (1.0, 1.01)[k]), r"dt \* omega_max = 2\.02, expected <= 2"),
+    "beam.friction": (
+        lambda k: prepared(ct.CentralDifference(), beam(), (ct.Unilateral(), ct.Coulomb(mu=0.1))[k], 1e-6),
+        r"law: found Coulomb\(mu=0\.1\), expected Unilateral\(\) for a beam in a circle$",
+    ),
+    "elements.waves": (
+        lambda k: rim_elements(4, (4, 5)[k]), "elements: found 4 for n_max = 5, expected at least n_max, and 3$",
+    ),
+    "elements.few": (lambda k: rim_elements((3, 2)[k], 1), "elements: found 2 for n_max = 1, expected at least n_max"),
+    "linear.skew": (
+        lambda k: linear_body(skew=(1.9e-9, 2.2e-9)[k]), "K: found an asymmetry of 1.1e-09 of the largest entry, expect"
+    ),
+    "linear.gap": (
+        lambda k: linear_body(gap=-(0.9e-12, 1.1e-12)[k]), "gap0: contact 1 penetrates by 1.1e-12 m at t = 0, expected"
+    ),
+    "linear.rows": (
+        lambda k: linear_body(row=(-1.0, -math.inf)[k]), "Q: found entries that are NaN or infinite, expected finite"
+    ),
+    "patch.none": (lambda k: patch(("x",)[k:]), "normal: found no channel, expected one for each contact$"),
+    "patch.few": (
+        lambda k: patch(tangent=(("y",), ("x",))[k:]), "tangent: found 1 entries, expected 2 of one or two channels ea"
+    ),
+    "patch.no_each": (lambda k: patch(tangent=(("y",)[k:],) * 2), "tangent: found 2 entries, expected 2 of one or two"),
+    "patch.three_each": (
+        lambda k: patch(tangent=(("y", "x") + ("x",) * k,) * 2), "tangent: found 2 entries, expected 2 of one or two"
+    ),
+    "patch.mixed": (
+        lambda k: patch(tangent=(("y",), (("x",), ("x", "y"))[k])), "tangent: found 2 entries, expected 2 of one or two"
+    ),
+    "bars": (
+        lambda k: replace(COATING, bars=MOST_BARS + k),
+        r"bars: found 10001, expected a whole number under the tip from 1 to 10,000$",
+    ),
+    "bouncing": (lambda k: bouncing_bar(1 - k), "contacts: found 0, expected a whole number >= 1$"),
+    "orbit": (
+        lambda k: orbit(drive_omega=2.7, gap=1.0 / (2.7**2 - 1.0) - (1e-9, -1e-9)[k]),
+        r"drive: found 1 m/s\^2, expected one strong enough to reach the stop in every period$",
+    ),
+    "orbit.never": (lambda k: orbit(gap=(0.0, 9.0)[k]), r"drive: found 1 m/s\^2, expected one strong enough to reach"),
+    "run.end": (
+        lambda k: ct.run([mass(x=0.5, velocity=0.0), ct.Wall()], dt=0.1, **({"t_end": 0.1}, {})[k]),
+        "t_end: found none, expected the end of the run in seconds$",
+    ),
+    "modal.law": (
+        lambda k: ct.ExactModal(law=("energy", "midpoint")[k]),
+        "law: found 'midpoint', expected one of 'auto', 'forward', 'averaged', 'energy'$",
+    ),
+    "modal.dt": (
+        lambda k: one_gap(dt=(None, 0.1)[k], courant=0.1), "dt: found both dt and courant, expected one of them$",
+    ),
+    "modal.friction": (
+        lambda k: one_gap(ct.Coulomb(mu=(0.0, 1e-9)[k])),
+        "law: found Coulomb friction on a scene without tangential motion, expected a rim$",
+    ),
+    "modal.energy": (
+        lambda k: prepared(ct.ExactModal(law=("forward", "energy")[k]), ct.Rub(rim3(), (nodes(1),), tips(1)), dt=1e-5),
+        "law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'$",
+    ),
 }  # fmt: skip
 
 
@@ -173,3 +284,13 @@ def test_just_inside_is_taken_and_just_outside_refused(name):
     made(TAKEN)
     with pytest.raises(ct.InputError, match=words):
         made(REFUSED)
+
+
+def test_a_circle_is_met_at_a_right_angle_where_its_radius_is_a_hypotenuse():
+    """The tip stands above the hinge, as far from the centre as Pythagoras says."""
+    assert beam(radius=math.hypot(0.5, 0.12), offset=0.12).first_contact_angle == pytest.approx(math.pi / 2, rel=1e-12)
+
+
+def test_the_stops_of_a_drive_at_twice_the_frequency_are_met_by_a_closed_form():
+    """tan(omega T/2) is infinite: V = 2 drive_omega |G| / (1 - e) at a stop where the spring is at rest."""
+    assert orbit().speed == pytest.approx(2.0 * 2.0 / 3.0 / 0.5, rel=1e-12)

@@ -7,8 +7,11 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
 import contact as ct
+from contact.confirmed import confirming_run
 from contact.io.units import units_of
 from contact.model.gaps.rod_modes import side
+from contact.recovery import rub_forces
+from contact.scene.roundness import Roundness
 from contact.scheme.linear.leapfrog import CONSISTENT
 from contact.solver.unilateral.active_set import unilateral
 from tests.contact.growth.cycles.bodies import random_body
@@ -153,6 +156,22 @@ REFUSED = {
     "what a rub varies over": (
         lambda: ct.growth.cycles.RimFamily(rim=RIM, name="mass"),
         "name: found 'mass', expected 'speed_hz', 'clearance' or 'friction'",
+    ),
+    "what no run confirms": (
+        lambda: confirming_run([RIM], 5.0),
+        "what: found list, expected a RotatingRim, a Rub or a HandPair",
+    ),
+    "forces on what is not there": (
+        lambda: rub_forces(RIM, None, "blades"),
+        "name: found 'blades', expected one of casing, blade (did you mean blade?)",
+    ),
+    "forces on a blade too many": (
+        lambda: rub_forces(ct.Rub(rim3(), (nodes(1),) * 2, tips(1)), None, "blade 3"),
+        "name: found 'blade 3', expected one of casing, blade 1, blade 2",
+    ),
+    "a shape of two lines": (
+        lambda: Roundness(out_of_roundness="basis").terms(rim3()),
+        "out_of_roundness: found 'basis' with 2 rim lines, which may differ, expected one line, or harmonics",
     ),
 }
 

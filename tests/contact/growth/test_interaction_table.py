@@ -1,5 +1,6 @@
 """One answer to "at which speed?": the table against formulas, poles against eigenvalues, a run beside it."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -110,6 +111,17 @@ def test_a_run_at_one_speed_confirms_the_poles(what, mu, hz):
     run = confirming_run(what, hz, mu=mu)
     assert run.run == pytest.approx(run.poles, rel=0.02)
     assert run.poles > 1.0
+
+
+@pytest.mark.parametrize("hz", [5.0, 90.0, 400.0])
+def test_a_run_is_refused_where_one_of_two_tips_side_by_side_lifts_off(hz):
+    """The stiffer blade's tip presses the rim away from the other's, five degrees further."""
+    tips = [replace(tip, angle_deg=5.0 * k) for k, tip in enumerate(TWO_BLADES.tips)]
+    words = rf"^contact: found forces at rest from (\S+) to (\S+) N at {hz:g} Hz, expected all above 0: not every"
+    with pytest.raises(ct.InputError, match=words) as caught:
+        confirming_run(replace(TWO_BLADES, tips=tips), hz, mu=0.3)
+    low, high = (float(force) for force in re.match(words, str(caught.value)).groups())
+    assert low < 0.0 < high
 
 
 @pytest.mark.slow

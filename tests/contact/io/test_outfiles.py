@@ -119,6 +119,38 @@ def test_what_cannot_hold_a_set_is_refused_before_anything_is_written(tmp_path):
     assert result.stderr == f"{tmp_path / 'link'}: found a link to nothing, expected a folder or none\n"
 
 
+@pytest.mark.parametrize("others", [1, 9, 10])
+def test_a_folder_is_left_as_it_was_when_others_come_first_ten_times(tmp_path, monkeypatch, others):
+    folder, tries, rename = tmp_path / "out", [], os.rename
+    write_files(folder, OLD)
+
+    def late(source, target):
+        tries.append(target)
+        if len(tries) <= others:
+            raise OSError(errno.ENOTEMPTY, "Directory not empty")
+        rename(source, target)
+
+    monkeypatch.setattr(os, "rename", late)
+    if others < 10:
+        write_files(folder, SET)
+        assert found(tmp_path) == {f"out/{name}": text for name, text in SET.items()}
+        return
+    with pytest.raises(FileExistsError, match="found a folder that others write to all the time") as caught:
+        write_files(folder, SET)
+    assert (caught.value.errno, caught.value.filename, len(tries)) == (errno.EEXIST, str(folder / NEW), 10)
+    assert found(tmp_path) == {f"out/{name}": text for name, text in OLD.items()}
+
+
+def test_a_folder_that_cannot_take_its_name_is_no_crowd(tmp_path, monkeypatch):
+    def refused(source, target):
+        raise PermissionError(errno.EACCES, "Permission denied", str(source))
+
+    monkeypatch.setattr(os, "rename", refused)
+    with pytest.raises(PermissionError, match="Permission denied"):
+        write_files(tmp_path / "out", SET)
+    assert found(tmp_path) == {}
+
+
 def test_a_file_in_the_way_of_a_folder_is_named(tmp_path):
     file, out = tmp_path / "file", tmp_path / "file" / "deep" / "out"
     file.write_text("x")

@@ -181,6 +181,7 @@ I2 = np.eye(2)
         (I2, [[1.0, 2.0], [2.0, 1.0]], {}, "without negative modes"),
         (np.diag([1.0, -1.0]), I2, {}, "M: found"),
         (np.zeros((2, 2)), I2, {}, "M: found zeros alone"),
+        (1.0 - I2, I2, {}, "M: found no mass on its diagonal"),
         (I2, I2, {"dofs": [(1, "x"), (1, "x")]}, "dofs: found 1.x twice"),
         (I2, I2, {"dofs": [(1, "x"), (1, "w")]}, "direction 'w' at node 1"),
         (I2, I2, {"contact": [3]}, "contact: found node 3"),
@@ -197,6 +198,49 @@ I2 = np.eye(2)
 def test_what_cannot_be_a_body_is_named(M, K, change, message):
     with pytest.raises(ct.InputError, match=message):
         ct.ModalBody.from_matrices(M, K, **{**TWO, "modes": 2, **change})
+
+
+SLOW = np.r_[np.full(6, 1e-3), np.ones(8)]  # the shift, a millionth of the median, is large beside the seventh mode
+
+
+@pytest.mark.parametrize(
+    ("K", "dense", "message"),
+    [
+        (np.diag([-0.9e-9, *SLOW]), True, None),
+        (
+            np.diag([-1.1e-9, *SLOW]),
+            True,
+            "K: found omega.2 = -1.1e-09 rad.2/s.2, expected a stiffness without negative",
+        ),
+        (np.diag([-0.9e-6, 1.0, 1.0]), False, None),
+        (np.diag([-1.1e-6, 1.0, 1.0]), False, "K: found an indefinite stiffness, expected one without negative modes"),
+    ],
+)
+def test_a_stiffness_may_be_negative_by_a_millionth_of_its_elastic_modes(K, dense, message, monkeypatch):
+    if not dense:
+        monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
+    size = len(K)
+
+    def made():
+        return ct.ModalBody.from_matrices(np.eye(size), K, dofs=[(k, "x") for k in range(size)], contact=[1])
+
+    if message is None:
+        np.testing.assert_allclose(
+            made().omega ** 2, np.maximum(np.sort(np.diag(K)), 0.0)[: made().omega.size], rtol=1e-9
+        )
+        return
+    with pytest.raises(ct.InputError, match=message):
+        made()
+
+
+def test_no_rigid_mode_is_left_out():
+    """Two pairs of masses that nothing holds: two rigid modes, and two of omega^2 = 2 k/m."""
+    K = np.kron(I2, [[3.0, -3.0], [-3.0, 3.0]])
+    given = {"dofs": [(k, "x") for k in range(4)], "contact": [0]}
+    np.testing.assert_allclose(ct.ModalBody.from_matrices(np.eye(4), K, modes=2, **given).omega, 0.0, atol=0.0)
+    np.testing.assert_allclose(ct.ModalBody.from_matrices(np.eye(4), K, **given).omega[2:] ** 2, 6.0, rtol=1e-9)
+    with pytest.raises(ct.InputError, match="modes: found 1, expected at least the 2 rigid modes of these matrices"):
+        ct.ModalBody.from_matrices(np.eye(4), K, modes=1, **given)
 
 
 def test_channels_of_ones_own():

@@ -270,3 +270,6 @@ def test_recovered_surfaces_touch_where_the_contact_is_closed(mu):
         recovery.at_points(scene.blade, result.state_of("blade"), blade_force)
     with pytest.raises(ct.InputError, match="expected one of casing, blade, tips"):
         result.state_of("ring")
+    bare = ct.run(scene, law=law(mu), t_end=1e-4, dt=5e-6, record=ct.Record(every=2))
+    with pytest.raises(ct.InputError, match="state: found none stored, expected a record with state_every or at"):
+        recovery.rub_forces(scene, bare, "blade")

@@ -87,6 +87,44 @@ def test_an_indefinite_matrix_is_refused(monkeypatch):
         ct.run(thrown(M=bad), scheme=ct.MoreauJean(), t_end=1.0, dt=0.1)
 
 
+@pytest.mark.parametrize("wide", [False, True])
+@pytest.mark.parametrize(
+    ("entries", "band_says", "entries_say"),
+    [
+        ([[2.0, 1.0], [1.0, 0.25]], "not positive definite", "not positive definite, pivot -0.25"),
+        ([[2.0, 1.0], [1.0, 0.0]], *["a diagonal entry <= 0 in row 2, expected > 0"] * 2),
+        ([[-1e-300, 1.0], [1.0, 2.0]], *["a diagonal entry <= 0 in row 1, expected > 0"] * 2),
+        ([[2.0, 0.0], [0.0, np.nan]], *["a diagonal entry <= 0 in row 2, expected > 0"] * 2),
+        (
+            [[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]],  # the second pivot is nothing
+            "not positive definite",
+            "pivots away from the diagonal, expected a positive definite matrix",
+        ),
+    ],
+)
+def test_a_factor_says_what_is_not_positive(entries, band_says, entries_say, wide):
+    A = band(np.array(entries), np.arange(len(entries)), wide=wide)
+    with pytest.raises(ct.InputError, match=f"^M: found .*{entries_say if wide else band_says}"):
+        factor(A, "M")
+
+
+def test_a_consistent_mass_matrix_has_its_highest_frequency_up_to_a_size(monkeypatch):
+    """Linear elements of a bar held at both ends: omega^2 = 6 (1 - cos a)/(2 + cos a), a = pi n/(n + 1)."""
+    monkeypatch.setattr(packing, "DENSE", 40)
+
+    def highest(n):
+        K, M = (diags_array([np.full(n - 1, off), np.full(n, on), np.full(n - 1, off)], offsets=[-1, 0, 1])
+                for on, off in ((2.0, -1.0), (2.0 / 3.0, 1.0 / 6.0)))  # fmt: skip
+        body = ct.LinearBody(M=M, K=K, Q=csr_array(([1.0], ([0], [0])), shape=(1, n)), gap0=[0.1])
+        return packing.omega_max(packing.linear_system(body))
+
+    cos = np.cos(np.pi * 40 / 41)
+    assert highest(40) == pytest.approx(np.sqrt(6.0 * (1.0 - cos) / (2.0 + cos)), rel=1e-12)
+    words = "M: found a consistent mass matrix of 41 coordinates, expected at most 40, or lumped"
+    with pytest.raises(ct.InputError, match=words):
+        highest(41)
+
+
 def test_springs_between_masses_alone_hold_nothing_to_the_ground_whatever_round_off_leaves():
     """Rows of a free chain sum to zero but for the last digits of their entries, 1e7 times those of another."""
     k = np.array([0.1, 0.7, 1e6 / 3.0, 0.3])

@@ -85,3 +85,14 @@ def test_broken_scenes_name_file_and_key(tmp_path, old, new, words):
     with pytest.raises(ct.scene.SceneError, match=words) as raised:
         ct.scene.load_cycles(file)
     assert all(str(file) in problem for problem in raised.value.problems)
+
+
+@pytest.mark.parametrize("ends", ["from_hz = 0.15\nto_hz = 0.2", "from_hz = 0.2\nto_hz = 0.15"])
+def test_random_starts_are_asked_for_between_the_ends_of_the_range(tmp_path, ends):
+    text = TEXT.replace("from_hz = 0.15\nto_hz = 0.2", ends) + "[basins]\nseed = 1\nat = {}\n"
+    for at in (0.15, 0.2):
+        assert ct.scene.load_cycles(written(tmp_path, text.format(at))).ask.at == at
+    for at in (0.1499, 0.2001):
+        words = rf"basins\.at: found {at}, expected a value from 0\.15 to 0\.2$"
+        with pytest.raises(ct.scene.SceneError, match=words):
+            ct.scene.load_cycles(written(tmp_path, text.format(at)))

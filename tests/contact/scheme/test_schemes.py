@@ -417,3 +417,29 @@ def test_a_motion_beyond_the_arithmetic_is_refused_without_a_warning():
     rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-1e160)
     with pytest.raises(ct.NumericsError, match="outgrown the arithmetic"):
         ct.run([rod, ct.Wall(x=0.0)], t_end=2.0, courant=0.9)
+
+
+@pytest.mark.parametrize(
+    ("masses", "touched", "moved"),
+    [
+        (3, [0, 2], [0.0, 3.0, 0.0]),
+        (4, [1, 2], [2.0, 0.0, 0.0, 2.0]),  # each has a neighbour of either kind
+        (3, [0, 1], None),
+        (3, [0, 1, 2], None),
+    ],
+)
+def test_a_massless_boundary_needs_a_neighbour_that_keeps_its_mass(masses, touched, moved):
+    """Masses of 1 kg in a row: those that are touched give theirs to those that are not."""
+    K = 2.0 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+    body = ct.LinearBody(M=np.ones(masses), K=K, Q=np.eye(masses)[touched], gap0=np.full(len(touched), 0.1))
+
+    def prepared():
+        return ct.scheme.MasslessBoundary().prepare(body, ct.Unilateral(), dt=0.01, courant=None)
+
+    if moved is not None:
+        system = prepared().system
+        assert system.M.ground[system.place].tolist() == moved
+        return
+    words = "scheme: a contact coordinate is sprung to other contact coordinates only, refine the mesh"
+    with pytest.raises(ct.InputError, match=words):
+        prepared()

@@ -1,5 +1,7 @@
 """One-step problems: the active set and the friction solver against pivoting, closed forms and degenerate cases."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,17 @@ def test_a_delassus_matrix_gives_its_rows():
 def test_contacts_wedged_without_compliance_are_refused():
     with pytest.raises(NumericsError, match="press against each other"):
         unilateral(np.array([[1.0], [-1.0]]), np.array([-1.0, 0.5]))
+
+
+def test_walls_too_close_by_round_off_alone_do_not_wedge():
+    """A unit that two walls touch at once: 1e-10 of the motion and of the gap is taken for round-off."""
+    wedged = np.array([[1.0], [-1.0]])
+    found = unilateral(wedged, np.array([-1.0, 1.0 - 1.9e-10]))
+    assert found.force.tolist() == [1.0, 0.0]
+    with pytest.raises(
+        NumericsError, match=r"^no motion opens all gaps at once: contacts press .* without compliance$"
+    ):
+        unilateral(wedged, np.array([-1.0, 1.0 - 2.1e-10]))
 
 
 @pytest.mark.parametrize(
@@ -223,6 +236,21 @@ def test_bad_friction_problems_are_named(W, b, mu, word):
 
 
 @pytest.mark.parametrize("dim", [2, 3])
+def test_contacts_that_close_each_other_have_forces_until_they_do_it_more_than_they_open(dim):
+    """Each of two opens by its own force, is closed by a part c of the other's: 1/(1 - c), and none from c = 1 on."""
+    b = np.zeros((2, dim))
+    b[:, 0] = -1.0
+    for c in (0.5, 0.99, 1.0, 1.01):
+        W = np.eye(2 * dim)
+        W[0, dim] = W[dim, 0] = -c
+        if c < 1.0:
+            assert coulomb(W, b, 0.0).force[:, 0] == pytest.approx(1.0 / (1.0 - c), rel=1e-12)
+            continue
+        with pytest.raises(NumericsError, match=r"^friction: residual .* after \d+ iterations, wanted 1e-12$"):
+            coulomb(W, b, 0.0)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
 def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
     """All slide fast: the start is the solution; something sticks: the start is left alone."""
     rng = np.random.default_rng(23)
@@ -331,7 +359,7 @@ def motion_error(W, b, mu, force):
 @pytest.mark.parametrize("cond", [1e6, 1e10, 1e12])
 def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_said(cond, dim):
     """Few modes behind many contacts: forces nearly cancel, and 1e-12 of the largest was up to 0.4 of the motion."""
-    rng, solved = np.random.default_rng(7), 0
+    rng, solved, said = np.random.default_rng(7), 0, []
     for _ in range(60):
         c = int(rng.integers(2, 7))
         A = rng.standard_normal((c * dim, max(3, c * dim // 3)))
@@ -339,13 +367,18 @@ def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_said(cond, d
         b = rng.standard_normal((c, dim)) - np.eye(dim)[0]
         try:
             found = coulomb(W, b, 0.3)
-        except NumericsError:
+        except NumericsError as error:
+            said.append(str(error))
             continue
         solved += 1
         assert found.left <= 1e-6
         # what is left is round-off, of which another order of sums leaves more or less
         assert motion_error(W, b, 0.3, found.force) <= 4.0 * max(found.left, 1e-10)
     assert solved >= (60 if cond == 1e6 else 40)
+    words = "friction: (residual .* wanted 1e-12|forces leave (.*) of a contact's motion in a step: .* let contacts .*)"
+    left = [re.fullmatch(words, one)[2] for one in said]
+    assert all(one is None or float(one) >= 1e-6 for one in left)
+    assert any(left) == (cond > 1e6)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -1,6 +1,7 @@
 """Sweeps from scene files: what is run, what the table says, the same bits whatever happens on the way."""
 
 import csv
+import os
 import sys
 import time
 from dataclasses import replace
@@ -431,6 +432,29 @@ def test_without_a_scheduler_and_without_the_package(scene, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ct.InputError, match="pip install distributed"):
         sweep.run_sweep(plan, scheduler="tcp://127.0.0.1:1")
+
+
+def dies(task):
+    """Ends its process until it has been begun as often as the task says; then its rows."""
+    begun, often = task
+    with begun.open("a") as file:
+        file.write("x")
+    if len(begun.read_text()) <= often:
+        os._exit(1)
+    return [often]
+
+
+@pytest.mark.slow  # where workers are no copies they import everything
+def test_a_task_that_kills_its_workers_time_and_again_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep, "_load_loop", lambda task: None)
+    monkeypatch.setattr(sweep, "run_task", dies)
+    monkeypatch.setattr(sweep, "TRIES", 2)
+    assert list(sweep.in_processes([(tmp_path / "once", 1)], 1)) == [[1]]
+    rows = sweep.in_processes([(tmp_path / "never", 0), (tmp_path / "many", 9)], 1)
+    assert next(rows) == [0]
+    with pytest.raises(ct.InputError, match=r"^sweep: 1 tasks ended with their worker killed, 2 times over$"):
+        next(rows)
+    assert [len((tmp_path / name).read_text()) for name in ("once", "never", "many")] == [2, 1, 2]
 
 
 @pytest.mark.campaign
