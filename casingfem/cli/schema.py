@@ -151,11 +151,9 @@ def described(name: str, info: Any, wide: int) -> list[str]:
 
 def kept(info: Any) -> str:
     """What a key is where it is left out."""
-    from pydantic_core import PydanticUndefined
-
-    default = info.get_default(call_default_factory=True) if not info.is_required() else PydanticUndefined
-    if default is PydanticUndefined:
+    if info.is_required():
         return "must be given"
+    default = info.default if info.default_factory is None else info.default_factory()
     plain = bool | int | float | str
     if isinstance(default, plain) or (isinstance(default, list) and default and isinstance(default[0], plain)):
         return f"{str(default).lower() if isinstance(default, bool) else default} if left out"

@@ -25,7 +25,7 @@ def draw(result: Any, ax: Axes | None = None, **options: Any) -> Figure | None:
     painter = next((PICTURES[name] for name in map(full_name, type(result).__mro__) if name in PICTURES), None)
     if painter is None:
         return None
-    whole: Any = None if ax is None else ax.get_figure(root=True)
+    whole: Any = None if ax is None else ax.figure.figure
     with placed(ax):
         figure = painter(result, **options)
     return figure if whole is None else whole

@@ -60,7 +60,7 @@ class Inset(SubFigure):
 
     def __init__(self, ax: Axes) -> None:
         self.given = ax
-        root: Any = ax.get_figure(root=False)
+        root: Any = ax.figure
         spec = ax.get_subplotspec()
         if spec is None:
             box = ax.get_position()

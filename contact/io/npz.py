@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from tokenize import TokenError
-from typing import Any, Literal
+from typing import IO, Any, Literal
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
@@ -36,9 +36,18 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, ArrayLike], *, 
 
     def store(part: Path) -> None:
         with part.open("wb") as stream:
-            (np.savez_compressed if compressed else np.savez)(stream, allow_pickle=False, **arrays)
+            save_npz(stream, arrays, compressed=compressed)
 
     return write_atomic(Path(path), store)
+
+
+def save_npz(stream: IO[bytes], arrays: Mapping[str, ArrayLike], *, compressed: bool = False) -> None:
+    """Write arrays by name to a stream; raises ValueError for objects, which numpy would pickle."""
+    given = {name: np.asanyarray(array) for name, array in arrays.items()}
+    for name, array in given.items():
+        if array.dtype.hasobject:  # numpy 2.0 cannot be told to refuse them
+            raise ValueError(f"member {name!r}: found {array.dtype}, expected numbers or text")
+    (np.savez_compressed if compressed else np.savez)(stream, **given)  # type: ignore[arg-type]
 
 
 def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:

@@ -98,7 +98,7 @@ class DrivenBody:
         if soft.size and not np.linalg.eigvalsh((S + S.T)[np.ix_(soft, soft)])[0] > 1e-12 * np.diag(S).max():
             raise InputError("S: found contacts whose compliances depend on each other, expected a stiffness for each")
         rigid = self.patch.rows()[:: self.patch.dimensions][np.diag(S) == 0.0]
-        if np.linalg.matrix_rank(rigid) < len(rigid):
+        if len(rigid) and np.linalg.matrix_rank(rigid) < len(rigid):
             raise InputError("normal: found rigid contacts that are not independent, expected a stiffness for each")
 
     def pushes(self) -> Array:

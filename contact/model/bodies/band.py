@@ -231,6 +231,8 @@ def solve(A: Factor, right: Array) -> Array:
         below = spsolve_triangular(csr_array(half.T), right, lower=True, unit_diagonal=True)
         return np.asarray(spsolve_triangular(half.tocsr(), below * A.inverse[:, None], lower=False, unit_diagonal=True))
     n, width = A.low.shape
+    if n == 1 or not width:  # scipy 1.14 has no banded solution of one unknown
+        return np.asarray(right * A.inverse[:, None])
     unit = np.concatenate([np.ones((1, n)), A.low.T])
     half = solve_banded((width, 0), unit, right)
     transposed = np.zeros((width + 1, n))

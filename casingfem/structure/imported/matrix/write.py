@@ -10,6 +10,7 @@ from scipy.sparse import csc_array, tril
 
 from casingfem.structure.imported.matrix.arrays import to_columns
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet
+from contact.io.npz import save_npz
 
 NAMES = ("q", "x", "y", "z", "rx", "ry", "rz")
 
@@ -110,7 +111,7 @@ def npz(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """Compressed columns in an npz."""
     stream = BytesIO()
     arrays = {key: part for name, A in named(matrices).items() for key, part in to_columns(name, A).items()}
-    np.savez(stream, allow_pickle=False, **arrays, **with_tables(matrices))
+    save_npz(stream, {**arrays, **with_tables(matrices)})
     return {f"{stem}.npz": stream.getvalue()}
 
 
