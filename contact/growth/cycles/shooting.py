@@ -16,6 +16,7 @@ from contact.growth.cycles.passage import Motion, Passage, passage
 SETTLED = 1e-9  # of the state: change over a period of a run that has come to rest
 HUGE = 1e30  # change over a period of a run that diverges
 CLOSE = 1e-8  # of the state: Newton's last step; the error is of the order of its square
+REST = 1e-6  # of the guess: a smaller state is rest, which nothing is small beside
 SHORT = 1e-3  # of a period: less time without rigid contact is none
 NEWTON = 15
 HALVINGS = 5
@@ -112,15 +113,13 @@ def orbit(
     map_ = map_of(family, value, start, periods)
     x, iterations = require_state(guess, family, "guess"), 0
     found = map_(x)
-    eye = np.eye(x.size)
+    eye, small = np.eye(x.size), REST * float(np.linalg.norm(x))
     while True:
         assert found.M is not None
         change = np.asarray(np.linalg.solve(found.M - eye, x - found.x))
         iterations += 1
         size = float(np.linalg.norm(change))
-        if not size < HUGE:
-            raise NumericsError(f"{family.name} = {value:.8g}: the motion from this guess grows without bound")
-        if size <= CLOSE * float(np.linalg.norm(x)) or size == 0.0:
+        if size <= CLOSE * max(float(np.linalg.norm(x)), small) or size == 0.0:
             return made(family, value, map_, periods, start, x + change, found, iterations)
         if iterations > NEWTON:
             raise NumericsError(
@@ -133,11 +132,12 @@ def orbit(
 def require_state(x: Array, family: Family, name: str) -> Array:
     """A state of a family's motion, or sizes of one; raises InputError for anything else."""
     x = np.asarray(x, dtype=float)
-    if x.shape != family.begin.shape or not np.all(np.isfinite(x)):
+    if x.shape != family.begin.shape:
         raise InputError(
-            f"{name}: found {x.size - int(np.isfinite(x).sum())} entries that are NaN or infinite in shape {x.shape}, "
-            f"expected {family.begin.size} numbers, displacements and velocities"
+            f"{name}: found shape {x.shape}, expected {family.begin.shape}, displacements and then velocities"
         )
+    if not np.all(np.abs(x) < HUGE):
+        raise InputError(f"{name}: found entries that are NaN or infinite or huge, expected numbers below {HUGE:g}")
     return x
 
 
