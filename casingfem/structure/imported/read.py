@@ -97,9 +97,9 @@ def blocks_of(mesh: Any, file: Path) -> list[Block]:
     """Cells as blocks, numbered from 1 in the order of the file."""
     blocks, start = [], 1
     for block in mesh.cells:
-        cells = np.asarray(block.data, dtype=np.int64)
-        if cells.ndim != 2:
+        if block.type.startswith("polyhedron"):  # lists of faces, of which sizes may differ: no array
             raise ModelError("mesh-unsupported-cell", f"{file.name}: found {block.type}")
+        cells = np.asarray(block.data, dtype=np.int64)
         if cells.size and (cells.min() < 0 or cells.max() >= len(mesh.points)):
             bad = start + int(np.flatnonzero((cells < 0).any(axis=1) | (cells >= len(mesh.points)).any(axis=1))[0])
             raise ModelError("mesh-file", f"{file.name}: cell {bad} names a node that is not given")

@@ -121,7 +121,8 @@ class _Problem:
     def __init__(self, points: SurveyPoints, heights: int, n: int, degree: int) -> None:
         low, high = float(points.z.min()), float(points.z.max())
         self.points, self.n, self.degree = points, n, degree
-        self.z_mid, self.z_half = (low + high) / 2, (high - low) / 2 if heights > 1 else 1.0
+        spread = heights > 1 and points.rings().any()  # a robust fit may leave one of the heights
+        self.z_mid, self.z_half = (low + high) / 2, (high - low) / 2 if spread else 1.0
         zeta = (points.z - self.z_mid) / self.z_half
         angle = points.theta[:, None] * np.arange(1, n + 1)
         around = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)

@@ -47,8 +47,10 @@ class MatrixSet:
         if set(shapes.values()) != {(n, n)}:
             found = ", ".join(f"{name} {shape[0]} x {shape[1]}" for name, shape in shapes.items())
             raise ModelError("matrix-size", f"{self.source}: found {found} and {n} dofs")
+        if not n:
+            raise ModelError("matrix-file", f"{self.source}: found no entries and no dofs")
         rows, counts = np.unique(self.dofs, axis=0, return_counts=True)
-        if n and counts.max() > 1:
+        if counts.max() > 1:
             node, direction = rows[counts.argmax()].tolist()
             raise ModelError("matrix-dofs", f"{self.source}: found direction {direction} of node {node} twice")
 

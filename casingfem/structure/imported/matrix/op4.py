@@ -16,14 +16,15 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray
-from casingfem.structure.imported.matrix.matrix_set import OF_A_SET
+from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, role_of
 
 FORMAT = re.compile(r"E(\d+)\.", re.IGNORECASE)
 NUMBERS = re.compile(r"\s*[-+]?\d*\.\d")  # how a line of values begins, and no other
 WORDS = {1: 1, 2: 2}  # of a number, by type of real matrices
 OF_COMPLEX = {3: 1, 4: 2}  # of complex ones, whose values are two numbers each
 ROW_BITS = 65536
+MOST = 2**31 - 1  # rows or columns: what a binary file can say
 
 
 @dataclass(slots=True)
@@ -50,7 +51,15 @@ class Entries:
         none = np.zeros(0)
         values = np.concatenate([none, *(values for _, _, values in self.parts)])
         places = (np.concatenate([none, *rows]).astype(int), columns.astype(int))
+        self.check_once(places[1] * self.rows + places[0], source)
         return csc_array(coo_array((values, places), shape=(self.rows, self.columns)))
+
+    def check_once(self, places: IntArray, source: str) -> None:
+        """Refuse entries given again, by their places counted column by column."""
+        ordered = np.sort(places)
+        for again in ordered[1:][ordered[1:] == ordered[:-1]][:1].tolist():
+            column, row = divmod(again, self.rows)
+            raise fault(source, f"{self.name}: found row {row + 1} of column {column + 1} again, expected it once")
 
 
 def fault(source: str, message: str) -> ModelError:
@@ -72,7 +81,7 @@ def read_op4(path: Path) -> dict[str, csc_array]:
             return read_binary(content, path.name)
         except ModelError:
             raise
-        except ValueError as error:  # numpy's, of records that are no whole number of values
+        except ValueError as error:  # of strings, and numpy's of records that are no whole number of values
             raise fault(path.name, f"found a record that does not fit its matrix ({error})") from None
     return read_text(content.decode("latin-1").splitlines(), path.name)
 
@@ -80,10 +89,21 @@ def read_op4(path: Path) -> dict[str, csc_array]:
 def begun(source: str, name: str, columns: int, rows: int, kind: int) -> Entries:
     """A matrix by its header; complex ones are passed over, but KAA and its like."""
     passed = kind in OF_COMPLEX and not OF_A_SET.fullmatch(name.upper())
-    if (kind not in WORDS and not passed) or columns < 1 or rows == 0:
+    if kind not in WORDS and not passed:
         found = f"type {kind}, {rows} rows, {columns} columns"
         raise fault(source, f"{name}: found {found}, expected a real matrix (type 1 or 2)")
+    if not (0 < columns <= MOST and 0 < abs(rows) <= MOST):
+        raise fault(source, f"{name}: found {abs(rows)} rows, {columns} columns, expected 1 to {MOST} of each")
     return Entries(name, abs(rows), columns, rows < 0, (WORDS | OF_COMPLEX)[kind], [], not passed)
+
+
+def keep(found: dict[str, csc_array], entries: Entries, source: str) -> None:
+    """Put a matrix beside those before it; complex ones are passed over, a second K, M or C of one name is refused."""
+    if not entries.real:
+        return
+    if entries.name in found and role_of(entries.name):
+        raise fault(source, f"found the matrix {entries.name} again, expected it once")
+    found[entries.name] = entries.matrix(source)
 
 
 def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
@@ -100,8 +120,7 @@ def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
         columns, rows, _, kind = integers(lines[at][:32], at, source)
         entries = begun(source, lines[at][32:40].strip(), columns, rows, kind)
         at = text_columns(lines, at + 1, int(width[1]), entries, source)
-        if entries.real:
-            found[entries.name] = entries.matrix(source)
+        keep(found, entries, source)
     return found
 
 
@@ -155,8 +174,8 @@ def check_column(source: str, at: int, entries: Entries, column: int, wanted: in
     strings = [len(values) for _, _, values in own]
     found = sum(strings)
     if column and not found <= wanted <= entries.words * found + 4 * len(strings):
-        message = f"{entries.name}: found {found} values in column {column}, announced {wanted} words: cut short?"
-        raise fault(source, f"line {at}: {message}")
+        message = f"{entries.name}: found {found} values in column {column}, announced {wanted} words"
+        raise fault(source, f"line {at}: {message}{': cut short?' if found < wanted else ''}")
 
 
 def split_word(word: int) -> tuple[int, int]:
@@ -169,35 +188,34 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
     """The matrices of a binary file, in Fortran's records."""
     order = "<" if content[:4] == b"\x18\0\0\0" else ">"
     found: dict[str, csc_array] = {}
-    at = 0
+    start = at = 0  # of the last record, and of the next
 
     def record() -> bytes:
-        nonlocal at
+        nonlocal start, at
         length = int(np.frombuffer(content, f"{order}i4", 1, at)[0]) if at + 4 <= len(content) else -1
         end = at + 8 + length
         if length < 0 or end > len(content) or content[at : at + 4] != content[end - 4 : end]:
             raise fault(source, f"byte {at}: found no whole record: cut short?")
-        body, at = content[at + 4 : end - 4], end
-        return body
+        start, at = at, end
+        return content[start + 4 : end - 4]
 
     while at < len(content):
         head = record()
         if len(head) != 24:
-            raise fault(source, f"byte {at}: found a header of {len(head)} bytes, expected 24")
+            raise fault(source, f"byte {start}: found a header of {len(head)} bytes, expected 24")
         columns, rows, _, kind = np.frombuffer(head, f"{order}i4", 4).tolist()
         entries = begun(source, head[16:].decode("latin-1").strip(), columns, rows, kind)
         while True:
             body = record()
             if len(body) < 12:
-                raise fault(source, f"byte {at}: found a column of {len(body)} bytes")
+                raise fault(source, f"byte {start}: found a column of {len(body)} bytes, expected 12 or more")
             column, row, words = np.frombuffer(body, f"{order}i4", 3).tolist()
             if column > entries.columns:
                 break
             if len(body) != 12 + 4 * words:
-                raise fault(source, f"byte {at}: found {len(body) - 12} bytes, expected {4 * words}")
+                raise fault(source, f"byte {start}: found {len(body) - 12} bytes of values, expected {4 * words}")
             entries.parts += binary_parts(body[12:], column, row, entries, order)
-        if entries.real:
-            found[entries.name] = entries.matrix(source)
+        keep(found, entries, source)
     return found
 
 
@@ -214,6 +232,10 @@ def binary_parts(data: bytes, column: int, row: int, entries: Entries, order: st
         else:
             length, first = split_word(int(np.frombuffer(data, f"{order}i4", 1, at)[0]))
         at += 8 if entries.long else 4
+        left = (len(data) - at) // 4
+        if not 0 < length <= left or length % entries.words:
+            found = f"a string of {length} words in column {column}"
+            raise ValueError(f"{found}, expected {entries.words} a value and {left} at most")
         parts.append((column, first, np.frombuffer(data[at : at + 4 * length], kind).astype(float)))
-        at += 4 * max(length, 1)
+        at += 4 * length
     return parts

@@ -46,11 +46,10 @@ def read_matrices(
     files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
     endings = {file.suffix.lower() for file in files}
     rows = None if dofs is None else read_dofs(Path(dofs))
-    first = files[0]
     if len(endings) != 1 or not endings <= set(ENDINGS) or (len(files) > 1 and endings != {".mtx"}):
-        found = ", ".join(file.name for file in files)
+        found = ", ".join(file.name for file in files) or "no file"
         raise ModelError("matrix-format", f"found {found}")
-    ending = endings.pop()
+    first, ending = files[0], endings.pop()
     if ending in DMIG:
         found_set = read_dmig(first)
     elif ending in CALCULIX:

@@ -60,7 +60,8 @@ def read_market(path: Path) -> csc_array:
         `matrix-file` for another kind of matrix, entries outside of it, or fewer or more than announced.
     """
     head = path.read_text(encoding="utf-8", errors="replace").partition("\n")[0].lower().split()
-    if len(head) != 5 or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
+    shaped = len(head) == 5 and head[1] == "matrix" and head[2] in ("coordinate", "array")
+    if not shaped or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
         found = (
             f"found {' '.join(head[1:]) or 'no kind'}, expected matrix coordinate or array, real, general or symmetric"
         )
@@ -68,12 +69,12 @@ def read_market(path: Path) -> csc_array:
     if head[2] == "array":
         return dense_market(path, symmetric=head[4] == "symmetric")
     table = numbers(path, 3)
-    announced = whole(table[0], path) if len(table) else np.zeros(3, dtype=np.int64)
-    size, count = int(announced[0]), int(announced[2])
+    if not len(table):
+        raise ModelError("matrix-file", f"{path.name}: found no rows, columns and entries: cut short?")
+    size, columns, count = whole(table[0], path).tolist()
     entries = table[1:]
-    if announced[1] != size or not 0 < size <= MOST or len(entries) != count:
-        found = f"found {len(entries)} entries, announced {announced.tolist()} rows, columns, entries"
-        raise ModelError("matrix-file", f"{path.name}: {found}: cut short?")
+    check_square(path, size, columns)
+    check_count(path, len(entries), count)
     places = whole(entries[:, :2], path) - 1
     if count and not (places.min() >= 0 and places.max() < size):
         raise ModelError("matrix-file", f"{path.name}: found an entry outside of {size} x {size}")
@@ -86,19 +87,39 @@ def read_market(path: Path) -> csc_array:
     return from_triples(rows, columns, entries[:, 2], size)
 
 
+def check_square(path: Path, rows: int, columns: int) -> None:
+    """Refuse a matrix that is not square, empty or too large."""
+    if rows != columns or not 0 < rows <= MOST:
+        found = f"found a matrix of {rows} x {columns}, expected a square one of 1 to {MOST} rows"
+        raise ModelError("matrix-file", f"{path.name}: {found}")
+
+
+def check_count(path: Path, found: int, wanted: int) -> None:
+    """Refuse fewer or more entries than a matrix has."""
+    if found != wanted:
+        short = ": cut short?" if found < wanted else ""
+        raise ModelError("matrix-file", f"{path.name}: found {found} entries, expected {wanted}{short}")
+
+
+def real(word: str, path: Path) -> float:
+    """A number, also with Fortran's exponent D."""
+    try:
+        return float(word.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        raise ModelError("matrix-file", f"{path.name}: found {word!r}, expected a number") from None
+
+
 def dense_market(path: Path, *, symmetric: bool) -> csc_array:
     """A matrix of Matrix Market that gives every entry, column by column."""
-    words = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
-    words = " ".join(line for line in words if not line.startswith("%")).split()
-    try:
-        size, columns = (int(word) for word in words[:2])
-        values = np.array(words[2:], dtype=float)
-    except ValueError as error:
-        raise ModelError("matrix-file", f"{path.name}: {error}") from None
-    wanted = size * (size + 1) // 2 if symmetric else size * size
-    if size != columns or size < 1 or len(values) != wanted:
-        found = f"found {len(values)} entries of {size} x {columns}, expected {wanted} of a square matrix"
-        raise ModelError("matrix-file", f"{path.name}: {found}: cut short?")
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
+    words = " ".join(line for line in lines if not line.startswith("%")).split()
+    if len(words) < 2 or not all(word.isdecimal() and len(word) < 16 for word in words[:2]):
+        found = f"{' '.join(words[:2])!r}, expected rows and columns, whole numbers"
+        raise ModelError("matrix-file", f"{path.name}: found {found}")
+    size, columns = (int(word) for word in words[:2])
+    check_square(path, size, columns)
+    check_count(path, len(words) - 2, size * (size + 1) // 2 if symmetric else size * size)
+    values = np.array([real(word, path) for word in words[2:]])
     if not symmetric:
         return csc_array(values.reshape(size, size).T)
     A = np.zeros((size, size))
@@ -167,8 +188,7 @@ def read_calculix(path: Path) -> MatrixSet:
     for suffix in (".sti", ".mas"):
         table = numbers(parts[suffix], 3)
         places = whole(table[:, :2], parts[suffix]) - 1
-        if len(places) and not (0 <= places.min() and places.max() < len(dofs)):
-            found = f"row {places.max() + 1} of {len(dofs)} dofs"
-            raise ModelError("matrix-size", f"{parts[suffix].name}: found {found}")
+        for outside in places[(places < 0) | (places >= len(dofs))][:1]:
+            raise ModelError("matrix-size", f"{parts[suffix].name}: found row {outside + 1} of {len(dofs)} dofs")
         matrices.append(from_triples(places[:, 0], places[:, 1], table[:, 2], len(dofs)))
     return MatrixSet(K=matrices[0], M=matrices[1], dofs=dofs, source=path.name)

@@ -268,7 +268,8 @@ class AbaqusAttachments:
         axis = places[1] - places[0]
         length = float(np.linalg.norm(axis))
         if not length > 0.0:
-            raise self.names.fault(card.line, f"{where}: found two nodes at one place, which have no line between them")
+            which = where.removesuffix(f" (line {card.line})")
+            raise self.names.fault(card.line, f"{which}: found two nodes at one place, which have no line between them")
         terms = [
             Term(int(node), c, sign * float(axis[c] / length))
             for node, sign in zip(nodes, (1.0, -1.0), strict=True)

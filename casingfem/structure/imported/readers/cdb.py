@@ -110,7 +110,8 @@ def check_count(archive: Archive, at: int, fields: list[str], found: int) -> Non
     """Refuse a block with fewer or more items than it says."""
     wanted = announced(fields)
     if wanted is not None and found != wanted:
-        raise archive.fault(at, f"found {found} of the {wanted} items that the block announces: cut short?")
+        short = ": cut short?" if found < wanted else ""
+        raise archive.fault(at, f"found {found} of the {wanted} items that the block announces{short}")
 
 
 def take_nodes(archive: Archive, at: int, fields: list[str]) -> int:
@@ -153,12 +154,12 @@ def take_elements(archive: Archive, at: int, fields: list[str]) -> int:
         if len(numbers) <= FACTS:
             raise archive.fault(at, f"found {len(numbers)} numbers, expected {FACTS} and the nodes of an element")
         wanted = FACTS + numbers[COUNT]
-        while len(numbers) < wanted and at + 1 < len(archive.lines):
+        while len(numbers) < wanted and at + 1 < len(archive.lines) and archive.lines[at + 1].strip() != "-1":
             at += 1
             numbers += archive.whole(at, width)
         if len(numbers) != wanted:
             found = f"element {numbers[OWN]} with {len(numbers) - FACTS} of {numbers[COUNT]} nodes"
-            raise archive.fault(at, f"found {found}: cut short?")
+            raise archive.fault(at, f"found {found}{': cut short?' if len(numbers) < wanted else ''}")
         archive.elements.append(numbers)
         at += 1
     raise archive.fault(begun, "EBLOCK without its end: cut short?")

@@ -256,6 +256,29 @@ def test_a_robust_fit_says_when_what_it_keeps_is_too_little(between):
         SurveyField.from_points(theta[given], z[given], radius[given], n_max=1, degree=1, robust=True)
 
 
+def one_height_and_four_points():
+    """Four of 36 points stand on a height of their own, which counts beside a ring of 32, and lie off."""
+    theta, z = rings(heights=(0.0,), points=32)
+    theta, z = np.append(theta, np.radians([0.0, 90.0, 180.0, 270.0])), np.append(z, np.full(4, 0.2))
+    radius = 0.5 + 1e-6 * np.random.default_rng(1).normal(size=z.size)
+    radius[32:] += [1e-3, -1e-3, 1e-3, -1e-3]
+    return theta, z, radius
+
+
+@pytest.mark.parametrize("spread", [0.0, 1e-4])
+def test_a_robust_fit_that_keeps_one_of_two_heights_is_refused(spread):
+    theta, z, radius = one_height_and_four_points()
+    z[:32:2] += spread
+    found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
+    with pytest.raises(InputError, match=found):
+        SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True)
+
+
+def test_a_plain_fit_whose_stray_points_are_a_height_has_no_fit_without_them():
+    survey = SurveyField.from_points(*one_height_and_four_points(), n_max=1, degree=1)
+    assert (survey.heights, survey.without, survey.doubted) == (2, None, ())
+
+
 def test_repeats_give_the_noise_whatever_the_fit():
     """200 repeats of 20 um: the estimate scatters by 1/sqrt(2 * 200) = 5 %; the fit misses harmonic 20."""
     theta, z = rings(points=180)

@@ -590,7 +590,7 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
         ("*ELSET,GENERATE\n1,2\n", r"line 9: \*ELSET without a name"),
         (
             "*NODE\n7,0.,0.,1.\n*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,4,7\n*SPRING,ELSET=S\n\n1e6\n",
-            r"line 13: SPRINGA 9 \(line 13\): found two nodes at one place, which have no line between them",
+            r"line 13: SPRINGA 9: found two nodes at one place, which have no line between them",
         ),
         ("*TRANSFORM,NSET=N\n1.,0.,0.,0.,1.,0.\n*EQUATION\n2\n4,1,1.,3,1,-1.\n", "along the global axes"),
     ],

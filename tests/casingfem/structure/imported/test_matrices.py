@@ -1,6 +1,7 @@
 """Matrices of other programs: every format gives the same basis; what is wrong is named with its line."""
 
 import json
+import re
 import sys
 from dataclasses import replace
 
@@ -225,8 +226,9 @@ def test_the_two_values_of_a_small_op4_file(tmp_path):
         ),
         ("2K  ", "3KAA", "KAA: found type 3, 2 rows, 1 columns, expected a real matrix"),
         ("2K  ", "4KAA", "KAA: found type 4, 2 rows, 1 columns, expected a real matrix"),
-        ("       1       2  ", "       0       2  ", "K: found type 2, 2 rows, 0 columns, expected a real matrix"),
-        ("       1       2  ", "       1       0  ", "K: found type 2, 0 rows, 1 columns, expected a real matrix"),
+        ("       1       2  ", "       0       2  ", "K: found 2 rows, 0 columns, expected 1 to 2147483647 of"),
+        ("       1       2  ", "       1       0  ", "K: found 0 rows, 1 columns, expected 1 to 2147483647 of"),
+        ("       1       2  ", "1     2147483648  ", "K: found 2147483648 rows, 1 columns, expected 1 to 2147483647"),
         ("3E23.16", "3F23.16", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
         ("2       2K", "        2K", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
         ("       1       2  ", "       1       x  ", "line 1: found '       1       x .*', expected whole numbers"),
@@ -271,7 +273,8 @@ def test_columns_of_op4_with_fewer_or_more_words_than_values_are_refused(kind, t
         if words in taken:
             assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
             continue
-        with pytest.raises(ModelError, match=rf"K: found 2 values in column 1, announced {words} words: cut short"):
+        said = f"K: found 2 values in column 1, announced {words} words{': cut short.: ' if words > 2 else ': write'}"
+        with pytest.raises(ModelError, match=said):
             read_op4(tmp_path / "a.op4")
 
 
@@ -293,11 +296,17 @@ COLUMN, LAST = record(1, 1, 4, more=TWO), record(2, 1, 2, more=TWO[:8])
         (HEAD + COLUMN + LAST + b"\0\0\0", "byte 96: found no whole record: cut short"),
         (HEAD + COLUMN + LAST[:-1] + b"\1", "byte 68: found no whole record: cut short"),  # its lengths differ
         (HEAD + COLUMN, "byte 68: found no whole record: cut short"),
-        (HEAD + COLUMN + record(2, 1, more=b"\0\0\0"), "found a column of 11 bytes"),
-        (HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, more=b"\0\0\0"), "found a header of 23 bytes, expected 24"),
-        (HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, 0, more=b"\0"), "found a header of 25 bytes, expected 24"),
-        (HEAD + record(1, 1, 3, more=TWO) + LAST, "found 16 bytes, expected 12"),
-        (HEAD + record(1, 1, 5, more=TWO) + LAST, "found 16 bytes, expected 20"),
+        (HEAD + COLUMN + record(2, 1, more=b"\0\0\0"), "byte 68: found a column of 11 bytes, expected 12 or"),
+        (
+            HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, more=b"\0\0\0"),
+            "byte 96: found a header of 23 bytes, expect",
+        ),
+        (
+            HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, 0, more=b"\0"),
+            "byte 96: found a header of 25 bytes, expect",
+        ),
+        (HEAD + record(1, 1, 3, more=TWO) + LAST, "byte 32: found 16 bytes of values, expected 12"),
+        (HEAD + record(1, 1, 5, more=TWO) + LAST, "byte 32: found 16 bytes of values, expected 20"),
         (record(1, 2, 2, 5, more=b"K       ") + COLUMN + LAST, "K: found type 5, 2 rows, 1 columns, expected a real"),
     ],
 )
@@ -306,8 +315,44 @@ def test_binary_op4_is_read_whole_or_refused_in_words(content, message, tmp_path
     if not message:
         assert all(A.toarray().tolist() == [[1.0], [2.0]] for A in read_op4(tmp_path / "a.op4").values())
         return
-    with pytest.raises(ModelError, match=rf"a\.op4: {'' if message[0] in 'bK' else 'byte .*: '}{message}.*matrix-file"):
+    with pytest.raises(ModelError, match=rf"a\.op4: {message}.*matrix-file"):
         read_op4(tmp_path / "a.op4")
+
+
+@pytest.mark.parametrize("long", [False, True])
+@pytest.mark.parametrize("length", [-1, 0, 1, 3, 4])
+def test_strings_of_other_lengths_than_their_column_holds_are_refused(length, long, tmp_path):
+    """In words: one double has two, which is all that the column holds."""
+    head, own = (-3, [length + 1, 1]) if long else (3, [1 + 65536 * (length + 1)])
+    begun = record(1, head, 2, 2, more=b"K       ")
+    column = record(1, 0, len(own) + 2, *own, more=TWO[:8])
+    (tmp_path / "a.op4").write_bytes(begun + column + LAST)
+    told = f"a string of {length} words in column 1, expected 2 a value and 2 at most"
+    with pytest.raises(ModelError, match=rf"a\.op4: found a record that does not fit its matrix \({told}\).*matrix-f"):
+        read_op4(tmp_path / "a.op4")
+
+
+def test_op4_entries_that_are_given_again_are_refused(tmp_path):
+    """A column twice in a text file, overlapping strings in a binary one: they were added."""
+    lines = OP4.splitlines(keepends=True)
+    (tmp_path / "a.op4").write_text("".join([*lines[:3], *lines[1:]]))
+    with pytest.raises(ModelError, match=r"a\.op4: K: found row 1 of column 1 again, expected it once.*matrix-file"):
+        read_op4(tmp_path / "a.op4")
+    strings = [np.array([1 + row + 65536 * 5], "<i4").tobytes() + TWO for row in (0, 1)]
+    begun = record(1, 3, 2, 2, more=b"K       ")
+    (tmp_path / "a.op4").write_bytes(begun + record(1, 0, 10, more=b"".join(strings)) + LAST)
+    with pytest.raises(ModelError, match=r"a\.op4: K: found row 2 of column 1 again, expected it once.*matrix-file"):
+        read_op4(tmp_path / "a.op4")
+
+
+def test_a_second_matrix_of_one_name_in_an_op4_file_is_refused(tmp_path):
+    """What is no K, M or C may come again, as a load of each subcase."""
+    for content in (OP4.encode() * 2, (HEAD + COLUMN + LAST) * 2):
+        (tmp_path / "a.op4").write_bytes(content)
+        with pytest.raises(ModelError, match=r"a\.op4: found the matrix K again, expected it once.*matrix-file"):
+            read_op4(tmp_path / "a.op4")
+    (tmp_path / "a.op4").write_text(OP4.replace("2K ", "2PG") * 2)
+    assert list(read_op4(tmp_path / "a.op4")) == ["PG"]
 
 
 def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
@@ -543,7 +588,8 @@ SQUARE = f"{DENSE}2 2\n1\n2\n3\n4\n"
     [
         (CALCULIX, {"a.sti": "2 1 1.0\n"}, r"a.sti: found row 2 of 1 dofs: .*matrix-size"),
         (CALCULIX, {"a.mas": "1 2 1.0\n"}, r"a.mas: found row 2 of 1 dofs: .*matrix-size"),
-        (CALCULIX, {"a.sti": "0 1 1.0\n"}, r"a.sti: found row .*matrix-size"),
+        (CALCULIX, {"a.sti": "0 1 1.0\n"}, r"a.sti: found row 0 of 1 dofs: .*matrix-size"),
+        ({"K.mtx": ONE, "M.mtx": ONE}, {"K.mtx": "", "M.mtx": ""}, "K.mtx, M.mtx: found no entries and no dofs"),
         (CALCULIX, {"a.mas": "1 1 1.0 1\n"}, "a.mas: found 4 columns, expected 3"),
         (CALCULIX, {"a.mas": "1 1 1.0x\n"}, "a.mas: .*'1.0x'"),
         *((CALCULIX, {"a.dof": f"{dof}\n"}, f"a.dof: line 1: found '{dof}', expected node") for dof in
@@ -560,24 +606,28 @@ SQUARE = f"{DENSE}2 2\n1\n2\n3\n4\n"
             ("2 2 1\n0 1 1.0", "found an entry outside of 2 x 2"),
             ("2 2 1\n3 1 1.0", "found an entry outside of 2 x 2"),
             ("2 2 1\n1 2 1.0", "found entries above the diagonal of a symmetric matrix"),
-            ("2 2 2\n2 1 1.0", r"found 1 entries, announced \[2, 2, 2\] rows, columns, entries: cut short"),
-            ("2 2 0\n2 1 1.0", r"found 1 entries, announced \[2, 2, 0\] rows, columns, entries: cut short"),
-            ("2 3 1\n2 1 1.0", r"found 1 entries, announced \[2, 3, 1\] rows, columns, entries: cut short"),
-            ("0 0 0", r"found 0 entries, announced \[0, 0, 0\] rows, columns, entries: cut short"),
-            (f"{10**8 + 1} {10**8 + 1} 0", "found 0 entries, announced .100000001, 100000001, 0. rows"),
-            ("", r"found 0 entries, announced \[0, 0, 0\] rows, columns, entries: cut short"),
+            ("2 2 2\n2 1 1.0", "found 1 entries, expected 2: cut short"),
+            ("2 2 0\n2 1 1.0", "found 1 entries, expected 0: write"),
+            ("2 3 1\n2 1 1.0", "found a matrix of 2 x 3, expected a square one of 1 to 100000000 rows: write"),
+            ("0 0 0", "found a matrix of 0 x 0, expected a square one"),
+            (f"{10**8 + 1} {10**8 + 1} 0", "found a matrix of 100000001 x 100000001, expected a square one of 1 to"),
+            ("", "found no rows, columns and entries: cut short"),
         )),
         *((
             {"K.mtx": SQUARE, "M.mtx": SQUARE, "K.dof": "6.1\n7.1\n"}, {"K.mtx": text}, f"K.mtx: {message}"
         ) for text, message in (
-            (DENSE, r"not enough values.*matrix-file"),
-            (SQUARE.replace("2 2", "2 x"), r".*'x'.*matrix-file"),
-            (SQUARE.replace("3", "3x"), r".*'3x'.*matrix-file"),
-            (SQUARE[:-2], "found 3 entries of 2 x 2, expected 4 of a square matrix: cut short"),
-            (SQUARE + "5\n", "found 5 entries of 2 x 2, expected 4 of a square matrix: cut short"),
-            (SQUARE.replace("2 2", "2 3"), "found 4 entries of 2 x 3, expected 4 of a square matrix"),
-            (SQUARE.replace("general", "symmetric"), "found 4 entries of 2 x 2, expected 3 of a square matrix"),
-            (f"{DENSE}0 0\n", "found 0 entries of 0 x 0, expected 0 of a square matrix"),
+            (DENSE, r"found '', expected rows and columns, whole numbers: .*matrix-file"),
+            (SQUARE.replace("2 2", "2 x"), r"found '2 x', expected rows and columns, whole numbers: .*matrix-file"),
+            (SQUARE.replace("2 2", f"{'9' * 5000} 2"), "found '99.*9 2', expected rows and columns, whole numbers"),
+            (SQUARE.replace("2 2", "-2 -2"), r"found '-2 -2', expected rows and columns, whole numbers"),
+            (SQUARE.replace("3", "3x"), r"found '3x', expected a number: .*matrix-file"),
+            (SQUARE[:-2], "found 3 entries, expected 4: cut short"),
+            (SQUARE + "5\n", "found 5 entries, expected 4: write"),
+            (SQUARE.replace("2 2", "2 3"), "found a matrix of 2 x 3, expected a square one"),
+            (SQUARE.replace("general", "symmetric"), "found 4 entries, expected 3: write"),
+            (f"{DENSE}0 0\n", "found a matrix of 0 x 0, expected a square one"),
+            (SQUARE.replace("matrix array", "vector coordinate"), "found vector coordinate real general, expected mat"),
+            (SQUARE.replace("matrix array", "matrix banded"), "found matrix banded real general, expected matrix"),
             (SQUARE.replace("real", "complex"), "found matrix array complex general, expected matrix coord"),
             (SQUARE.replace("general", "hermitian"), "found matrix array real hermitian, expected matrix"),
             (SQUARE.replace(" general", ""), "found matrix array real, expected matrix coordinate or array"),
@@ -617,6 +667,11 @@ def test_columns_of_tables_of_nodes_and_dofs_are_asked_for_by_name(tmp_path):
 def test_files_that_do_not_go_together_are_named(names, tmp_path):
     with pytest.raises(ModelError, match=rf"found {', '.join(names)}: .*matrix-format"):
         read_matrices([tmp_path / name for name in names])
+
+
+def test_no_file_of_matrices_is_refused():
+    with pytest.raises(ModelError, match=r"found no file: .*matrix-format"):
+        read_matrices([])
 
 
 @pytest.mark.parametrize("part", ["data", "indices"])
@@ -666,7 +721,7 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
         ({"a.sti": "1 1\n", "a.mas": "1 1 1.0\n", "a.dof": "6.1\n"}, "found 2 columns, expected 3"),
         ({"K.mtx": "%%MatrixMarket matrix array real general\n", "M.mtx": ""}, "K.mtx: "),
         ({"K.mtx": f"{MARKET}1 1 1\n1 1 1.7e", "M.mtx": ""}, "K.mtx: .*1.7e"),  # ends the program in scipy's reader
-        ({"K.mtx": f"{MARKET}2 2 2\n1 1 1.0\n", "M.mtx": ""}, "K.mtx: found 1 entries, announced .2, 2, 2."),
+        ({"K.mtx": f"{MARKET}2 2 2\n1 1 1.0\n", "M.mtx": ""}, "K.mtx: found 1 entries, expected 2: cut short"),
         ({"K.mtx": f"{MARKET}1 1 1\n1 2 1.0\n", "M.mtx": ""}, "K.mtx: found an entry outside of 1 x 1"),
         ({"K.mtx": f"{MARKET}2 2 1\n1 2 1.0\n", "M.mtx": ""}, "K.mtx: found entries above the diagonal"),
         ({"K.mtx": MARKET.replace("real", "complex"), "M.mtx": ""}, "K.mtx: found matrix coordinate complex"),
@@ -694,6 +749,14 @@ def test_matrix_market_is_read_as_scipy_reads_it(tmp_path, dense, symmetry):
     mmwrite(path, A if dense else csc_array(np.where(np.abs(A) > 0.5, A, 0.0)), symmetry=symmetry, comment="a line")
     found = mmread(path)
     np.testing.assert_array_equal(read_market(path).toarray(), found if dense else found.toarray())
+
+
+@pytest.mark.parametrize("exponent", ["D", "d"])
+def test_matrix_market_with_fortrans_exponents(exponent, tmp_path):
+    coordinates = MARKET + "2 2 2\n1 1 3.0E1\n2 2 4.0E0\n"
+    for text in (coordinates, f"{DENSE}2 2\n3.0E1\n0\n0\n4.0E+0\n"):
+        (tmp_path / "K.mtx").write_text(re.sub(r"(?<=\.0)E", exponent, text))
+        assert read_market(tmp_path / "K.mtx").toarray().tolist() == [[30.0, 0.0], [0.0, 4.0]]
 
 
 def test_formats_without_dofs_ask_for_them(tmp_path):

@@ -304,10 +304,17 @@ def test_a_binary_file_that_says_it_fills_the_memory_is_not_read(tmp_path):
         read_mesh(tmp_path / "a.msh")
 
 
-def test_polyhedra_are_refused_by_their_name(tmp_path):
-    faces = [np.array(face) for face in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]
-    meshio.Mesh(np.eye(4, 3), [("polyhedron4", [faces])]).write(tmp_path / "a.vtu")
-    with pytest.raises(ModelError, match=r"a.vtu: found polyhedron4: .*mesh-unsupported-cell"):
+@pytest.mark.parametrize(
+    "faces",
+    [
+        ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)),
+        ((0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (0, 2, 5, 3)),  # of two sizes
+    ],
+)
+def test_polyhedra_are_refused_by_their_name(faces, tmp_path):
+    kind = f"polyhedron{max(map(max, faces)) + 1}"
+    meshio.Mesh(np.eye(6, 3), [(kind, [[np.array(face) for face in faces]])]).write(tmp_path / "a.vtu")
+    with pytest.raises(ModelError, match=rf"a.vtu: found {kind}: .*mesh-unsupported-cell"):
         read_mesh(tmp_path / "a.vtu")
 
 
