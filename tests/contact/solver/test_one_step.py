@@ -222,6 +222,15 @@ def test_bad_friction_problems_are_named(W, b, mu, word):
         coulomb(W, b, mu)
 
 
+@pytest.mark.parametrize("c", [1.0, 1.5])
+def test_where_contacts_that_close_each_other_have_no_forces_it_is_said_that_there_may_be_none(c):
+    W = np.kron(np.array([[1.0, -c], [-c, 1.0]]), np.eye(2))
+    with pytest.raises(
+        NumericsError, match=r"friction: residual .*: there may be no solution; contacts that close each"
+    ):
+        coulomb(W, np.array([[-1.0, 0.0], [-1.0, 0.0]]), 0.1)
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
     """All slide fast: the start is the solution; something sticks: the start is left alone."""
