@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_not_negative, require_positive
-from contact.base.errors import InputError
+from contact.base.arrays import Array, readonly, require_count, require_not_negative, require_positive
 from contact.model.bodies.body import Rod
 
 Force = Callable[[Array], Array]
@@ -75,8 +74,7 @@ def bouncing_bar(contacts: int) -> ExactContact:
     >>> round(bouncing_bar(2).impulse, 6)
     533.333333
     """
-    if contacts < 1:
-        raise InputError(f"contacts: found {contacts!r}, expected a whole number >= 1")
+    require_count(contacts=contacts)
     k = np.arange(contacts)
     start = np.where(k % 2 == 0, 1.0, 11.0 / 3.0) + (k // 2) * (16.0 / 3.0)
     lines = np.where((k % 2 == 0)[:, None], [300.0, 500.0], [500.0, 300.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from contact.base.arrays import require_positive
+from contact.base.arrays import require_count, require_finite, require_positive
 from contact.base.errors import InputError
 
 
@@ -71,14 +71,31 @@ def driven_orbit(*, omega: float, drive: float, drive_omega: float, gap: float, 
     A = -(1 + e) V/(2 omega tan(omega T/2)), c = gap - A, d = V (1 - e)/2, c^2 + (d/drive_omega)^2 = G^2,
     G = drive/(omega^2 - drive_omega^2) (Shaw, Holmes, J. Sound Vib. 90, 1983, 129). `drive` [m/s^2].
 
+    Raises InputError where there is no such orbit, as at resonance, or where one of any speed would do.
+
     >>> orbit = driven_orbit(omega=1.0, drive=1.0, drive_omega=2.7, gap=0.0, restitution=0.8)
     >>> round(orbit.speed, 6)
     0.407663
     """
-    require_positive(omega=omega, drive=drive, drive_omega=drive_omega, cycles=cycles)
+    require_positive(omega=omega, drive=drive, drive_omega=drive_omega)
+    require_finite(gap=gap)
+    require_count(cycles=cycles)
+    if not 0.0 <= restitution <= 1.0:
+        raise InputError(f"restitution: found {restitution!r}, expected between 0 and 1")
     e, period = restitution, 2.0 * math.pi * cycles / drive_omega
-    p = (1.0 + e) / (2.0 * omega * math.tan(0.5 * omega * period))
+    tan = math.tan(0.5 * omega * period)
+    if abs(tan) < 1e-12:
+        raise InputError(
+            f"drive_omega: found {drive_omega:g} rad/s with cycles = {cycles}, expected a period that is no whole "
+            f"number of the oscillator's own, 2 pi/{omega:g} s"
+        )
+    p = (1.0 + e) / (2.0 * omega * tan)
     q = (1.0 - e) / (2.0 * drive_omega)
+    if omega * math.hypot(p, q) < 1e-12:
+        raise InputError(
+            f"restitution: found {e:g} at drive_omega = {drive_omega:g} rad/s, expected less: every impact takes the "
+            "oscillator to the next by itself, whatever its speed"
+        )
     G = drive / (omega**2 - drive_omega**2)
     root = (p * gap) ** 2 - (p * p + q * q) * (gap * gap - G * G)
     speed = (-p * gap + math.sqrt(root)) / (p * p + q * q) if root >= 0.0 else math.nan

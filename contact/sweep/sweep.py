@@ -7,7 +7,7 @@ already. So the table is the same to the last bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
@@ -165,23 +165,31 @@ def _workers(todo: Sequence[Task], jobs: int, scheduler: str | None) -> Iterator
 
 def in_processes(todo: Sequence[Task], jobs: int) -> Iterator[Rows]:
     """Rows from worker processes; where one is killed, what it had not finished is given out again."""
-    waiting, tries = dict(enumerate(todo)), dict.fromkeys(range(len(todo)), 0)
+    waiting, rounds = dict(enumerate(todo)), 0
     if forks():  # what this process loads or compiles now, its copies have
         _load_loop(todo[0])
     while waiting:
-        with worker_pool(min(jobs, len(waiting))) as pool:
-            futures = {pool.submit(run_task, task): number for number, task in waiting.items()}
+        if rounds == TRIES:
+            raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
+        rounds += 1
+        with suppress(BrokenProcessPool), worker_pool(min(jobs, len(waiting))) as pool:
+            futures = _given_out(pool, waiting)
             for future in as_completed(futures):
-                number = futures[future]
                 try:
                     rows = future.result()
                 except BrokenProcessPool:
-                    tries[number] += 1
                     continue
-                del waiting[number]
+                del waiting[futures[future]]
                 yield rows
-        if waiting and min(tries[number] for number in waiting) >= TRIES:
-            raise InputError(f"sweep: {len(waiting)} tasks ended with their worker killed, {TRIES} times over")
+
+
+def _given_out(pool: ProcessPoolExecutor, waiting: dict[int, Task]) -> dict[Future[Rows], int]:
+    """Futures of the tasks; where a worker dies meanwhile, of those that it was early enough for."""
+    futures: dict[Future[Rows], int] = {}
+    with suppress(BrokenProcessPool):
+        for number, task in waiting.items():
+            futures[pool.submit(run_task, task)] = number
+    return futures
 
 
 def _load_loop(task: Task) -> None:

@@ -22,6 +22,7 @@ PAIR = csc_array(np.diag([1.0, 2.0]))
 RIM = ct.RotatingRim(ring(), blade(), clearance=1e-5, speed_hz=5.0)
 FRAME = ct.LinearBody(M=np.ones(2), K=2.0 * np.eye(2), Q=np.array([[1.0, 0.0]]), gap0=np.array([0.1]))
 BODY = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+RING = ct.bodies.ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
 ROD = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="right")
 RUNS = {"t_end": 1e-3, "dt": 1e-5}
 
@@ -149,6 +150,16 @@ REFUSED = {
     ),
     "a length of no number": (lambda: replace(ROD, length=np.nan), "length: found nan, expected a finite number > 0"),
     "a length below zero": (lambda: replace(ROD, length=-1.0), "length: found -1.0, expected a finite number > 0"),
+    "a ring of fewer than no waves": (lambda: ct.bodies.ring_modes(RING, -1), "n_max: found -1, expected a whole"),
+    "a ring of parts of waves": (lambda: ct.bodies.ring_modes(RING, 2.5), "n_max: found 2.5, expected a whole"),
+    "elements that show fewer than no waves": (
+        lambda: ct.bodies.ring_elements(RING, 10, n_max=-1),
+        "n_max: found -1, expected a whole number >= 0",
+    ),
+    "parts of elements": (
+        lambda: ct.bodies.ring_elements(RING, 3.5, n_max=2),
+        "elements: found 3.5, expected a whole number >= 1",
+    ),
     "what a motion varies over": (
         lambda: random_body(1, 1).over("mass", freq_hz=0.2),
         "name: found 'mass', expected 'freq_hz', 'amplitude' or 'clearance'",

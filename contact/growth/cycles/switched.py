@@ -139,7 +139,7 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
             velocity = C[i] @ A
             seen[i] = velocity @ A + (p + r) * velocity + p * r * C[i]
             L[row] = plant.impulse[i, chosen]
-    if chosen and not np.linalg.cond(L) < 1e12:
+    if chosen and not np.linalg.cond(_balanced(L)) < 1e12:
         names = ", ".join(str(i + 1) for i in chosen)
         raise InputError(f"contact: rigid contacts {names} are not independent, expected a compliance (S or stiffness)")
     solve = np.asarray(np.linalg.inv(L))
@@ -158,6 +158,14 @@ def phase_of(plant: Plant, closed: tuple[int, ...]) -> Phase:
         closed=closed, K=K, solve=solve, A=joined, lam=lam[upper], V=V, U=np.ascontiguousarray(U), rows=rows, push=push,
         shift=shift, lam_parts=_parts(lam[upper]), seen_parts=_parts(rows @ V),
     )  # fmt: skip
+
+
+def _balanced(L: Array) -> Array:
+    """Rows, then columns, over their largest entry: contacts of any size may be independent. Zeros stay zeros."""
+    for axis in (1, 0):
+        largest = np.abs(L).max(axis=axis, keepdims=True)
+        L = L / np.where(largest > 0.0, largest, 1.0)
+    return L
 
 
 class DrivenPhase(NamedTuple):

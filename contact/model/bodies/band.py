@@ -194,7 +194,10 @@ def _sparse_factor(A: Band, name: str) -> Factor:
     from scipy.sparse.linalg import splu
 
     n = A.ground.size
-    lu = splu(sparse_form(A), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    try:
+        lu = splu(sparse_form(A), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:  # SuperLU's, of a pivot that is zero
+        raise InputError(f"{name}: found a matrix that is not positive definite ({error})") from error
     if not (np.array_equal(lu.perm_r, np.arange(n)) and np.array_equal(lu.perm_c, np.arange(n))):
         raise InputError(f"{name}: found pivots away from the diagonal, expected a positive definite matrix")
     pivots = lu.U.diagonal()

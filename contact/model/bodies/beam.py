@@ -147,9 +147,17 @@ class BeamInCircle:
 
     @property
     def first_contact_time(self) -> float:
-        """Time of it for a rigid beam from rest at angle 0: sqrt(2 theta J/torque) [s]."""
-        start = math.radians(self.beam.angle_deg)
-        return math.sqrt(2.0 * (self.first_contact_angle - start) * self.beam.inertia / self.beam.torque)
+        """Time of it for a rigid beam [s]: spin t + torque t^2/(2 J) is the angle from `angle_deg` to the contact.
+
+        Raises InputError where torque or spin turns the beam away from that angle, or both are 0.
+        """
+        require_not_negative(torque=self.beam.torque, spin=self.beam.spin)
+        if not self.beam.torque and not self.beam.spin:
+            raise InputError("torque: found 0 N m and a spin of 0 rad/s, expected one of them > 0 to reach the circle")
+        start = math.remainder(math.radians(self.beam.angle_deg), 2.0 * math.pi)
+        way = max(self.first_contact_angle - start, 0.0)
+        last = math.sqrt(self.beam.spin**2 + 2.0 * way * self.beam.torque / self.beam.inertia)
+        return 2.0 * way / (self.beam.spin + last) if way else 0.0
 
 
 def ring_table(ring: ModalBody | None) -> tuple[Array, Array]:

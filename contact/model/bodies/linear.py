@@ -49,7 +49,7 @@ class Part:
 class LinearBody:
     """M u'' + C u' + K u = load + sum of forcing + Q^T force;  gap = gap0 + Q u, force >= 0 opens it.
 
-    `M` (N,) when lumped, else (N, N); `K`, `C` (N, N), dense or SciPy sparse, symmetric; `Q` (k, N) and `gap0` (k,)
+    `M`, `K`, `C` (N, N), dense or SciPy sparse, symmetric, or (N,) when diagonal; `Q` (k, N) and `gap0` (k,)
     of k contacts; `load`, `displacement`, `velocity` (N,) zero when left out; `potential` [J] of the load at
     u = 0. M must be positive definite (`MasslessBoundary` makes its own). Storage and time grow with N times the
     band width that reverse Cuthill-McKee leaves, or with the entries (of the factor, for implicit schemes) where these
@@ -79,7 +79,7 @@ class LinearBody:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        n = np.shape(self.M)[0] if np.ndim(self.M) == 1 else self.M.shape[0]
+        n = np.shape(self.M)[0] if np.ndim(self.M) else 1
         for name in ("M", "K", "C"):
             object.__setattr__(self, name, _matrix(name, getattr(self, name), n))
         object.__setattr__(self, "gap0", readonly(np.atleast_1d(self.gap0)))
@@ -126,6 +126,8 @@ def _matrix(name: str, A: Any, n: int) -> Any:
 
     if A is None:
         return csr_array((n, n))
+    if np.shape(A) not in ((n, n), (n,)):
+        raise InputError(f"{name}: found shape {np.shape(A)}, expected {(n, n)}, or {(n,)} of a diagonal matrix")
     if np.ndim(A) == 1:
         vector = readonly(A)
         require_shape(name, vector, (n,))
@@ -134,8 +136,6 @@ def _matrix(name: str, A: Any, n: int) -> Any:
             raise InputError(f"M: found {vector[k]:g} kg at coordinate {k + 1}, expected a mass > 0")
         return diags_array(vector).tocsr()
     matrix = A.tocsr() if issparse(A) else np.array(A, dtype=np.float64)
-    if matrix.shape != (n, n):
-        raise InputError(f"{name}: found shape {matrix.shape}, expected {(n, n)}")
     values = matrix.data if issparse(matrix) else matrix
     if not np.isfinite(values).all():
         raise InputError(f"{name}: found entries that are NaN or infinite, expected finite numbers")
@@ -148,6 +148,8 @@ def _matrix(name: str, A: Any, n: int) -> Any:
 def _require_rows(rows: Any, gap0: Array, n: int) -> None:
     if rows.shape != (gap0.size, n):
         raise InputError(f"Q: found shape {rows.shape}, expected {(gap0.size, n)}, a row for each of gap0")
+    if not gap0.size:
+        raise InputError("Q: found no rows, expected one for each contact")
     require_shape("gap0", gap0, (gap0.size,))
     sizes = np.asarray(abs(rows).sum(axis=1)).ravel()
     if not np.isfinite(sizes).all():

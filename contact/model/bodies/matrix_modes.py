@@ -69,10 +69,7 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
     from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
     M, K, n = matrices.M, matrices.K, matrices.size
-    heavy = M.diagonal() > 0.0
-    if not heavy.any():
-        raise InputError("M: found no mass on its diagonal")
-    shift = 1e-6 * float(np.median(K.diagonal()[heavy] / M.diagonal()[heavy]))
+    shift = _shift(matrices)
     if n <= DENSE:
         try:
             theta, X = eigh(M.toarray(), (K + shift * M).toarray())
@@ -106,6 +103,18 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
     if kept < rigid:
         raise InputError(f"modes: found {count}, expected at least the {rigid} rigid modes of these matrices")
     return lam[:kept], np.ascontiguousarray(X[:, :kept]), rigid
+
+
+def _shift(matrices: Matrices) -> float:
+    """Shift s [rad^2/s^2], small beside what springs hold: masses that none holds say nothing of the others."""
+    masses, springs = matrices.M.diagonal(), matrices.K.diagonal()
+    heavy = masses > 0.0
+    if not heavy.any():
+        raise InputError("M: found no mass on its diagonal")
+    rates = springs[heavy] / masses[heavy]
+    if not (rates > 0.0).any():
+        raise InputError("K: found no stiffness on its diagonal where there is mass")
+    return 1e-6 * float(np.median(rates[rates > 0.0]))
 
 
 def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:

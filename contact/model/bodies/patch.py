@@ -44,12 +44,16 @@ class Patch:
     __repr__ = brief
 
     def __post_init__(self) -> None:
+        _require_names("normal", self.normal)
+        for names in (self.tangent, *self.tangent):
+            _require_names("tangent", names)
         k, m = len(self.normal), self.body.omega.size
         if k == 0:
             raise InputError("normal: found no channel, expected one for each contact")
-        widths = {len(pair) for pair in self.tangent}
-        if self.tangent and (len(self.tangent) != k or widths not in ({1}, {2})):
-            raise InputError(f"tangent: found {len(self.tangent)} entries, expected {k} of one or two channels each")
+        widths = [len(pair) for pair in self.tangent]
+        if self.tangent and (len(widths) != k or set(widths) not in ({1}, {2})):
+            found = f"{len(widths)} entries of {', '.join(map(str, widths))} channels"
+            raise InputError(f"tangent: found {found}, expected {k} entries of one channel each, or of two each")
         for name in (*self.normal, *(channel for pair in self.tangent for channel in pair)):
             self.body.channel(name)
         for name in ("clearance", "pressed"):
@@ -97,3 +101,9 @@ class Patch:
         """Residual compliance between the contact directions, (k dimensions, k dimensions)."""
         chosen = self.channels()
         return self.body.S[np.ix_(chosen, chosen)]
+
+
+def _require_names(name: str, given: object) -> None:
+    """Raise InputError for a text: its letters would be read as names."""
+    if isinstance(given, str):
+        raise InputError(f"{name}: found the text {given!r}, expected a tuple of channel names")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices, require_not_negative, require_positive
+from contact.base.arrays import Array, Indices, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody, rim_channels
 
@@ -78,6 +78,7 @@ def ring_modes(ring: ThinRing, n_max: int = 20) -> ModalBody:
     >>> ring_modes(ring, 8)
     ModalBody(rim, 34 modes, 0 .. 1.332e+04 Hz, 34 channels)
     """
+    require_count(0, n_max=n_max)
     channels = rim_channels(n_max)
     place = {name: row for row, name in enumerate(channels)}
     omega: list[float] = []
@@ -112,6 +113,8 @@ def ring_elements(ring: ThinRing, elements: int, n_max: int = 20) -> ModalBody:
     """
     from scipy.linalg import eigh
 
+    require_count(0, n_max=n_max)
+    require_count(elements=elements)
     if elements < 3 or n_max > elements:
         raise InputError(f"elements: found {elements} for n_max = {n_max}, expected at least n_max, and 3")
     K, M = _assembled(ring, elements)

@@ -56,6 +56,8 @@ class ClosedContact:
     def __post_init__(self) -> None:
         keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt")
         m, r = self.omega.size, len(self.Q)
+        if not r:
+            raise InputError("Q: found no contact, expected a row for each of one or more")
         shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
         for name, shape in shapes.items():
             require_shape(name, getattr(self, name), shape)

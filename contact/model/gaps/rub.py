@@ -142,7 +142,7 @@ class Rub:
         for body, start, name in zip(self.bodies, self.starts, self.names, strict=True):
             _require_start(name, body, start)
         for stiff in self.stiffening:
-            if not 0 <= stiff.blade < len(self.blades):
+            if not _counts(stiff.blade, len(self.blades)):
                 raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
             m = self.blades[stiff.blade].omega.size
             require_shape("K_omega", stiff.K_omega, (m, m))
@@ -165,9 +165,9 @@ class Rub:
                 )
 
     def _require_tip(self, j: int, tip: ContactPoint) -> None:
-        if not 0 <= tip.blade < len(self.blades):
+        if not _counts(tip.blade, len(self.blades)):
             raise InputError(f"tips[{j}].blade: found {tip.blade}, expected 0 .. {len(self.blades) - 1}")
-        if not 0 <= tip.line < self.casing.rim_lines:
+        if not _counts(tip.line, self.casing.rim_lines):
             raise InputError(f"tips[{j}].line: found {tip.line}, expected 0 .. {self.casing.rim_lines - 1}")
         try:
             tip.directions(self.blades[tip.blade])
@@ -217,6 +217,11 @@ class Rub:
         if len(self.blades) == 1:
             return ("casing", "blade")
         return ("casing", *(f"blade {b + 1}" for b in range(len(self.blades))))
+
+
+def _counts(number: object, count: int) -> bool:
+    """Whether it is the number of one of so many, from 0."""
+    return isinstance(number, int | np.integer) and number in range(count)
 
 
 def _require_start(name: str, body: ModalBody, start: Start) -> None:

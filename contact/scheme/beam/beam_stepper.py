@@ -90,8 +90,8 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
     require_positive(dt=dt)
     if dt > limit * (1.0 + 1e-9):
         raise LimitError(
-            f"dt: found {dt:.6g} s, dt * omega_max = {2.0 * dt / limit:.4g}, expected <= 2 (stability of central "
-            f"differences): take dt <= {limit:.6g} s"
+            f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected <= 2 (stability of central "
+            f"differences): take dt <= {limit:.11g} s"
         )
     return dt
 

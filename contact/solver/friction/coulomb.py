@@ -82,7 +82,10 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
     room = solver_room(len(b), b.shape[1])
     iterations, residual = friction_forces(W, b.ravel(), friction, b.shape[1], len(b), force, room)
     if not residual <= TOLERANCE:
-        raise NumericsError(f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}")
+        raise NumericsError(
+            f"friction: residual {residual:.2e} after {iterations} iterations, wanted {TOLERANCE:.0e}: there may be no "
+            "solution; contacts that close each other, directly or by friction, need not have one"
+        )
     left = float(room.left[0])
     if not left <= LEFT:
         raise NumericsError(f"friction: {inexact(left)}")

@@ -58,6 +58,15 @@ def test_a_free_rod_keeps_its_rigid_mode_and_the_compliance_of_the_others():
     np.testing.assert_allclose(body.participation[0] ** 2, [0.78, *np.zeros(5)], atol=1e-9)
 
 
+def test_masses_that_nothing_holds_may_outnumber_those_that_something_does():
+    three = {"dofs": [(k, "x") for k in (1, 2, 3)], "contact": [1, 3]}
+    body = ct.ModalBody.from_matrices(np.eye(3), np.diag([0.0, 0.0, 4.0]), **three)
+    assert body.omega.tolist() == pytest.approx([0.0, 0.0, 2.0], rel=1e-9)
+    np.testing.assert_allclose(np.sort(np.abs(body.rows), axis=1)[:, -1], [1.0, 1.0], rtol=1e-9)
+    with pytest.raises(ct.InputError, match="K: found no stiffness on its diagonal where there is mass"):
+        ct.ModalBody.from_matrices(np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 0.0, 4.0]), **three)
+
+
 def test_massless_dofs_go_into_the_residual():
     """A spring 2e6 to a mass of 3 kg on 1e6: one mode, and the whole static compliance at the massless end."""
     K = [[2e6, -2e6], [-2e6, 3e6]]

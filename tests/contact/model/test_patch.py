@@ -225,8 +225,15 @@ def test_a_load_within_the_cone_sticks_for_as_long_as_it_acts():
     [
         ({"normal": ()}, "normal"),
         ({"normal": ("z",)}, "channel"),
-        ({"tangent": (("x",), ("x",))}, "tangent"),
-        ({"tangent": (("x", "x", "x"),)}, "tangent"),
+        ({"normal": "y"}, "normal: found the text 'y', expected a tuple of channel names"),
+        ({"tangent": "x"}, "tangent: found the text 'x', expected a tuple of channel names"),
+        ({"tangent": ("x",)}, "tangent: found the text 'x', expected a tuple of channel names"),
+        ({"tangent": (("x",), ("x",))}, "tangent: found 2 entries of 1, 1 channels, expected 1 entries of one channel"),
+        ({"tangent": (("x", "x", "x"),)}, "tangent: found 1 entries of 3 channels, expected 1 entries of one channel"),
+        (
+            {"normal": ("y", "y"), "tangent": (("x",), ("x", "y"))},
+            "found 2 entries of 1, 2 channels, expected 2 entries of one channel each, or of two each",
+        ),
         ({"displacement": [0.0, -0.1]}, "penetrates"),
         ({"load": [1.0]}, "load"),
         ({"velocity": [np.nan, 0.0]}, "velocity"),

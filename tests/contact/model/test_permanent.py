@@ -50,6 +50,12 @@ def test_a_closed_contact_gives_way_whatever_presses_it(S, lowest):
         closed(S)
 
 
+def test_a_closed_contact_is_one_or_more():
+    none = {"Q": np.zeros((0, 1)), "T": np.zeros((0, 1)), "S_nn": np.zeros((0, 0)), "S_nt": np.zeros((0, 0))}
+    with pytest.raises(ct.InputError, match="Q: found no contact, expected a row for each of one or more"):
+        ClosedContact(omega=[1.0], zeta=[0.0], G=[[0.0]], casing=0, **none)
+
+
 def test_a_closed_contact_may_give_way_by_next_to_nothing():
     assert closed([[1e-300]]).joined(1.0) == pytest.approx(np.array([[1e300]]), rel=1e-14)
     assert closed([[1.0, 0.0], [1.9, 1.0]]).joined(1.0) == pytest.approx(np.array([[0.1]]), rel=1e-12)

@@ -413,6 +413,8 @@ def test_bad_rubs_are_refused():
             r"tips\[0\].line: found 2, expected 0 .. 1",
         ),
         ({"tips": [ct.ContactPoint(blade=1)]}, r"tips\[0\].blade: found 1"),
+        ({"tips": [ct.ContactPoint(blade=0.5)]}, r"tips\[0\].blade: found 0.5, expected 0 .. 0"),
+        ({"tips": [ct.ContactPoint(line=0.5)]}, r"tips\[0\].line: found 0.5, expected 0 .. 1"),
         ({"tips": [*tips(1), *tips(1, axial=False)]}, "expected all or none"),
         ({"casing": ring(), "tips": tips(1)}, "without axial channels"),
         ({"clearance": 0.05}, "at most a tenth"),
@@ -425,6 +427,10 @@ def test_bad_rubs_are_refused():
         (
             {"blades": [nodes(2)] * 3, "blade_starts": [ct.gaps.Start()] * 2},
             "blade_starts: found 2, expected one for each blade or none",
+        ),
+        (
+            {"stiffening": [ct.gaps.Stiffening(blade=0.5, K_omega=np.eye(3))]},
+            r"stiffening: found blade 0\.5, expected 0 \.\. 0$",
         ),
         (
             {"stiffening": [ct.gaps.Stiffening(blade=1, K_omega=np.eye(3))]},

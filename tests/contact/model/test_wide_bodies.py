@@ -125,6 +125,12 @@ def test_a_consistent_mass_matrix_has_its_highest_frequency_up_to_a_size(monkeyp
         highest(41)
 
 
+@pytest.mark.parametrize("wide", [False, True])
+def test_a_singular_matrix_is_refused(wide):
+    with pytest.raises(ct.InputError, match="M: found a matrix that is not positive definite"):
+        factor(band(csr_array(np.ones((2, 2))), np.arange(2), wide=wide), "M")
+
+
 def test_springs_between_masses_alone_hold_nothing_to_the_ground_whatever_round_off_leaves():
     """Rows of a free chain sum to zero but for the last digits of their entries, 1e7 times those of another."""
     k = np.array([0.1, 0.7, 1e6 / 3.0, 0.3])

@@ -106,6 +106,31 @@ def test_the_driven_orbit_closes_on_itself(omega, gap, e):
     assert whole.y[:, -1] == pytest.approx([gap, orbit.speed], abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"gap": np.nan}, "gap: found nan, expected a finite number"),
+        ({"restitution": 1.5}, "restitution: found 1.5, expected between 0 and 1"),
+        ({"restitution": -1.5}, "restitution: found -1.5, expected between 0 and 1"),
+        ({"restitution": np.nan}, "restitution: found nan, expected between 0 and 1"),
+        ({"drive_omega": 1.0}, "drive_omega: found 1 rad/s with cycles = 1, expected a period that is no whole number"),
+        ({"drive_omega": 2.0, "cycles": 2}, "drive_omega: found 2 rad/s with cycles = 2, expected a period that is no"),
+        ({"drive_omega": 2.0, "restitution": 1.0}, "restitution: found 1 at drive_omega = 2 rad/s, expected less"),
+        ({"cycles": 1.5}, "cycles: found 1.5, expected a whole number >= 1"),
+        ({"gap": 10.0}, "drive: found 1 m/s"),
+    ],
+)
+def test_what_has_no_driven_orbit_is_refused(given, words):
+    with pytest.raises(ct.InputError, match=words):
+        driven_orbit(**({"omega": 1.0, "drive": 1.0, "drive_omega": 2.7, "gap": 0.0, "restitution": 0.8} | given))
+
+
+@pytest.mark.parametrize("contacts", [0, 1.5, np.nan])
+def test_a_bar_bounces_a_whole_number_of_times(contacts):
+    with pytest.raises(ct.InputError, match=f"contacts: found {contacts}, expected a whole number >= 1"):
+        bouncing_bar(contacts)
+
+
 def test_ball_and_oscillator():
     ball = Bounces(height=1.0, gravity=9.81, restitution=0.8)
     assert (ball.instant(1), ball.instant(200)) == pytest.approx((ball.first, ball.rest))

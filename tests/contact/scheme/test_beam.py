@@ -11,7 +11,7 @@ import contact as ct
 from contact.model.trig import harmonics
 from contact.record.record import Record, samples
 from contact.scheme.beam.beam_implicit import prepare_beam_newmark
-from contact.scheme.beam.beam_stepper import prepare_beam
+from contact.scheme.beam.beam_stepper import beam_step, prepare_beam
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
 
@@ -225,6 +225,41 @@ def test_a_stiffening_ring_becomes_the_rigid_circle():
     ]
     assert gaps[0] > 3.0 * gaps[2]
     assert gaps[2] < 0.02
+
+
+@pytest.mark.parametrize(("torque", "spin"), [(1.0, 0.0), (1.0, 2.0), (0.0, 2.0)])
+@pytest.mark.parametrize(("angle_deg", "start_deg"), [(0.0, 0.0), (30.0, 30.0), (-390.0, -30.0)])
+def test_torque_and_spin_bring_a_rigid_beam_to_the_circle(torque, spin, angle_deg, start_deg):
+    scene = replace(CIRCLE, beam=replace(BEAM, torque=torque, spin=spin, angle_deg=angle_deg))
+    t = scene.first_contact_time
+    way = spin * t + 0.5 * torque / BEAM.inertia * t**2
+    assert math.radians(start_deg) + way == pytest.approx(scene.first_contact_angle, rel=1e-12)
+
+
+def test_a_beam_that_starts_where_its_tip_meets_the_circle_is_there_at_once():
+    there = replace(BEAM, angle_deg=math.degrees(CIRCLE.first_contact_angle) * (1.0 - 1e-15))
+    assert replace(CIRCLE, beam=there).first_contact_time == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"torque": 0.0}, "torque: found 0 N m and a spin of 0 rad/s, expected one of them > 0"),
+        ({"torque": -1.0}, "torque: found -1.0, expected a finite number >= 0"),
+        ({"spin": -1.0}, "spin: found -1.0, expected a finite number >= 0"),
+    ],
+)
+def test_a_beam_that_turns_away_or_not_at_all_has_no_time_of_contact(motion, words):
+    with pytest.raises(ct.InputError, match=words):
+        _ = replace(CIRCLE, beam=replace(BEAM, **motion)).first_contact_time
+
+
+@pytest.mark.parametrize("courant", [1.0000001, 1.00000001])
+def test_a_step_just_beyond_the_limit_is_told_from_it_and_the_one_advised_is_taken(courant):
+    with pytest.raises(ct.LimitError, match=r"omega_max = 2\.0000000?2, expected <= 2 .*take dt <=") as caught:
+        beam_step(CIRCLE, None, courant)
+    advised = float(str(caught.value).rpartition("<= ")[2].removesuffix(" s"))
+    assert beam_step(CIRCLE, advised, None) == advised
 
 
 @pytest.mark.parametrize(

@@ -360,6 +360,10 @@ def test_limits_are_refused_with_numbers(scheme, dt, limit):
         ({"M": np.array([1.0, 0.0, 1.0])}, "M: found 0 kg at coordinate 2"),
         ({"M": np.array([1.0, np.nan, 1.0])}, "M: found 1 entries that are NaN"),
         ({"K": np.eye(2)}, r"K: found shape \(2, 2\), expected \(3, 3\)"),
+        ({"K": np.ones(2)}, r"K: found shape \(2,\), expected \(3, 3\), or \(3,\) of a diagonal matrix"),
+        ({"C": np.ones(2)}, r"C: found shape \(2,\), expected \(3, 3\), or \(3,\) of a diagonal matrix"),
+        ({"M": 1.0}, r"M: found shape \(\), expected \(1, 1\), or \(1,\)"),
+        ({"Q": np.zeros((0, 3)), "gap0": []}, "Q: found no rows, expected one for each contact"),
         ({"K": np.triu(np.ones((3, 3)))}, "K: found an asymmetry of 1"),
         ({"K": np.diag([1.0, np.nan, 1.0])}, "K: found entries that are NaN"),
         ({"Q": np.zeros((2, 3))}, "Q: row 1 is zero: contact 1 touches nothing"),
@@ -372,6 +376,12 @@ def test_limits_are_refused_with_numbers(scheme, dt, limit):
 def test_linear_bodies_that_cannot_be(given, message):
     with pytest.raises(ct.InputError, match=message):
         frame(**given)
+
+
+def test_matrices_as_nested_lists_are_those_as_arrays():
+    given = {"M": [[2.0, 0.5, 0.0], [0.5, 2.0, 0.5], [0.0, 0.5, 1.0]], "K": np.diag([1.0, 2.0, 3.0]).tolist()}
+    for name, matrix in given.items():
+        np.testing.assert_array_equal(getattr(frame(**given), name), np.array(matrix))
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)

@@ -235,6 +235,15 @@ def test_bad_friction_problems_are_named(W, b, mu, word):
         coulomb(W, b, mu)
 
 
+@pytest.mark.parametrize("c", [1.0, 1.5])
+def test_where_contacts_that_close_each_other_have_no_forces_it_is_said_that_there_may_be_none(c):
+    W = np.kron(np.array([[1.0, -c], [-c, 1.0]]), np.eye(2))
+    with pytest.raises(
+        NumericsError, match=r"friction: residual .*: there may be no solution; contacts that close each"
+    ):
+        coulomb(W, np.array([[-1.0, 0.0], [-1.0, 0.0]]), 0.1)
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_contacts_that_close_each_other_have_forces_until_they_do_it_more_than_they_open(dim):
     """Each of two opens by its own force, is closed by a part c of the other's: 1/(1 - c), and none from c = 1 on."""

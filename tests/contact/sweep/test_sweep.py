@@ -4,6 +4,9 @@ import csv
 import os
 import sys
 import time
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -455,6 +458,41 @@ def test_a_task_that_kills_its_workers_time_and_again_is_told(tmp_path, monkeypa
     with pytest.raises(ct.InputError, match=r"^sweep: 1 tasks ended with their worker killed, 2 times over$"):
         next(rows)
     assert [len((tmp_path / name).read_text()) for name in ("once", "never", "many")] == [2, 1, 2]
+
+
+class DyingPool:
+    """Does three tasks; then its workers are dead."""
+
+    def __init__(self):
+        self.left = 3
+
+    def submit(self, work, task):
+        if not self.left:
+            raise BrokenProcessPool
+        self.left -= 1
+        done = Future()
+        done.set_result(work(task))
+        return done
+
+
+@pytest.mark.parametrize("count", [15, 16])
+def test_a_worker_that_dies_while_tasks_are_given_out_loses_none_of_them(count, monkeypatch):
+    """Five pools do fifteen tasks."""
+
+    @contextmanager
+    def dying_pool(_):
+        yield DyingPool()
+
+    monkeypatch.setattr(sweep, "worker_pool", dying_pool)
+    monkeypatch.setattr(sweep, "forks", lambda: False)
+    monkeypatch.setattr(sweep, "run_task", lambda task: {str(task): {}})
+    rows = sweep.in_processes(range(count), 2)
+    assert {key for _ in range(15) for key in next(rows)} == {str(task) for task in range(15)}
+    if count == 15:
+        assert next(rows, None) is None
+        return
+    with pytest.raises(ct.InputError, match="sweep: 1 tasks ended with their worker killed, 5 times over"):
+        next(rows)
 
 
 @pytest.mark.campaign

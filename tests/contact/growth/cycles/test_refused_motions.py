@@ -242,14 +242,22 @@ def test_a_run_that_changes_by_1e30_in_a_period_grows_without_bound():
 
 
 def test_rigid_contacts_that_are_all_but_one_are_told_by_number():
-    """Rows across each other, of sizes 1 and d: the condition of their impulses is d^-2, at most 1e12."""
+    """Rows of any size at an angle d: the condition of their impulses is 4 d^-2, at most 1e12."""
 
-    def closed(d):
-        return phase_of(before([[-1.0, 0.0], [0.0, -d]]).over("freq_hz", freq_hz=1.0).plant, (0, 1))
+    def closed(d, size):
+        return phase_of(before([[-1.0, 0.0], [-size, -d * size]]).over("freq_hz", freq_hz=1.0).plant, (0, 1))
 
-    assert closed(1.01e-6).solve == pytest.approx(np.diag([1.0, 1.01e-6**-2]), rel=1e-12)
-    with pytest.raises(ct.InputError, match=r"contact: rigid contacts 1, 2 are not independent, expected a compliance"):
-        closed(0.99e-6)
+    for size in (1.0, 1e-9, 1e9):
+        impulses = np.array([[1.0, size], [size, size**2]]) + np.diag([0.0, (2.01e-6 * size) ** 2])
+        assert closed(2.01e-6, size).solve @ impulses == pytest.approx(np.eye(2), abs=1e-3 * max(size, 1.0 / size))
+        with pytest.raises(ct.InputError, match=r"contact: rigid contacts 1, 2 are not independent, expected a compl"):
+            closed(1.99e-6, size)
+
+
+@pytest.mark.parametrize("d", [1e-3, 0.99e-6, 1e-12, 1e12])
+def test_rigid_contacts_across_each_other_are_independent_whatever_their_sizes(d):
+    plant = before([[-1.0, 0.0], [0.0, -d]]).over("freq_hz", freq_hz=1.0).plant
+    assert phase_of(plant, (0, 1)).solve == pytest.approx(np.diag([1.0, d**-2]), rel=1e-12)
 
 
 def test_modes_that_have_become_one_are_refused():
