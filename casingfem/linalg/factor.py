@@ -60,11 +60,17 @@ class SuperLUFactor:
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
-def multifrontal(A: Symmetric, keep: bool = True) -> Factor:
-    """Factorise by dense fronts, or count negative eigenvalues alone."""
-    if not (isinstance(A, ElementSum) or A.has_canonical_format):  # as plans expect it
+def canonical(A: csc_array) -> csc_array:
+    """The matrix with its entries in order and each once; itself where they are."""
+    if not A.has_canonical_format:
         A = A.copy()
         A.sum_duplicates()
+    return A
+
+
+def multifrontal(A: Symmetric, keep: bool = True) -> Factor:
+    """Factorise by dense fronts, or count negative eigenvalues alone."""
+    A = A if isinstance(A, ElementSum) else canonical(A)  # as plans expect it
     try:
         fronts = planned(A)
         require_memory(fronts.bytes(keep, A.dtype.itemsize), A.shape[0], free_memory())

@@ -14,7 +14,7 @@ from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Symmetric
-from casingfem.linalg.factor import Direct, factorise
+from casingfem.linalg.factor import Direct, canonical, factorise
 from casingfem.linalg.memory import MemoryNeedError
 
 Mass: TypeAlias = FloatArray | csc_array  # the diagonal of M, or M itself
@@ -140,6 +140,7 @@ def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
         assert M is None
         scale = 1.0 / np.sqrt(diagonal)
         return Pencil(A=K.scaled(scale), B=None, scale=scale, places=np.zeros(0, dtype=np.int64))
+    K, M = canonical(K), None if M is None else canonical(M)  # places are those of entries in order
     places = places_in(K, M)
     if len(places) != (K.shape[0] if M is None else len(M.data)):
         K = widened(K, csc_array(diags_array(diagonal)) if M is None else M)

@@ -76,7 +76,7 @@ def type_words(info: FieldInfo) -> str:
     >>> [type_words(info) for info in keys(Wall).values()]
     ['number > 0', 'list of "in", "out" (1 to 2)']
     """
-    limits = [(sign, getattr(m, name, None)) for m in info.metadata for name, sign in BOUNDS.items()]
+    limits = [(sign, getattr(m, name, None)) for name, sign in BOUNDS.items() for m in info.metadata]
     told = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None and abs(limit) < ANY]
     return " ".join([words(info.annotation), *told, *length(info.metadata)])
 

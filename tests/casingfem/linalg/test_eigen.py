@@ -1,5 +1,7 @@
 """Eigen solver: Sturm count against dense eigenvalues, recovery of missed modes, refusals."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -147,6 +149,20 @@ def test_a_mass_that_is_not_diagonal():
     assert found.sturm_count == 12
     assert off_sines(found.vectors).max() < 1e-10
     assert sturm_count(K, M, 0.5 * (exact[6] + exact[7])) == 7
+
+
+def test_entries_may_stand_in_any_order_and_in_parts():
+    """As matrices of other programs have them: each column backwards, each entry as two halves."""
+    K, M = chain(40), consistent_mass(40)
+    exact = solve_modes(K, M, 6, shift=-1e-6)
+    mixed = []
+    for A in (csc_array(K), csc_array(M)):
+        order = np.concatenate([np.arange(a, b)[::-1].repeat(2) for a, b in pairwise(A.indptr)])
+        mixed.append(csc_array((0.5 * A.data[order], A.indices[order], 2 * A.indptr), shape=A.shape))
+    found = solve_modes(*mixed, 6, shift=-1e-6)
+    np.testing.assert_allclose(found.eigenvalues, exact.eigenvalues, rtol=1e-12)
+    assert found.sturm_count == 6
+    assert sturm_count(*mixed, 0.5 * (exact.eigenvalues[2] + exact.eigenvalues[3])) == 3
 
 
 def test_a_hermitian_stiffness_that_lacks_entries_of_the_mass():
