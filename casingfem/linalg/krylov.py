@@ -81,9 +81,10 @@ class Basis:
     def begin(self, block: Array) -> None:
         """Take a block of new directions as the next one."""
         Q, block = self.Q[:, : self.count], np.array(block, dtype=self.Q.dtype, order="F")
+        size = self.pencil.norm(block)
         for _ in range(2):
             project_out(self.pencil, Q, block)
-        self.fresh, _ = orthonormal(self.pencil, block, NOISE * self.pencil.norm(block))
+        self.fresh, _ = orthonormal(self.pencil, block, NOISE * size)
         self.coupling = np.zeros((self.fresh.shape[1], self.coupling.shape[1]))
 
     def ritz(self) -> tuple[FloatArray, Array, FloatArray]:

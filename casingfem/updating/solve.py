@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import paired_rows
 from casingfem.updating.levenberg import levenberg_marquardt
@@ -14,6 +15,15 @@ from casingfem.updating.result import POOR
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 ROUNDS = 8  # solutions until a weight must have settled
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
+
+
+def require_enough(residuals: int, parameters: int, without: str = "") -> None:
+    """Refuse to fit more parameters than there are residuals, priors among them; `without` names what is left out."""
+    if residuals < parameters:
+        raise InputError(
+            f"{without}{residuals} residuals cannot determine {parameters} parameters: "
+            "measure more modes, vary less, or give priors"
+        )
 
 
 def covariance(jacobian: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
@@ -169,5 +170,21 @@ def jacobian(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match], at
 
 
 def with_model_error(table: FrequencyTable, model_error: float) -> FrequencyTable:
-    """The table with what the model itself may be off by, relative, added to each sigma in squares."""
-    return replace(table, sigma_hz=np.hypot(table.sigma_hz, model_error * table.freq_hz)) if model_error else table
+    """The table with what the model itself may be off by, relative, added to each sigma in squares.
+
+    Raises
+    ------
+    InputError
+        If a sigma reaches its frequency that way.
+    """
+    sigma = np.hypot(table.sigma_hz, model_error * table.freq_hz)
+    large = np.flatnonzero(~(sigma < table.freq_hz))
+    if large.size:
+        row = int(large[0])
+        raise InputError(
+            "model_error",
+            found=f"{model_error!r}, which makes sigma_hz {sigma[row]:.4g} at the {table.freq_hz[row]:.4g} Hz "
+            f"of row {row + 1}",
+            expected="each sigma_hz below its frequency",
+        )
+    return replace(table, sigma_hz=sigma) if model_error else table

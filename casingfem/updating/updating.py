@@ -27,7 +27,7 @@ from casingfem.updating.problem import Problem, Progress
 from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
-from casingfem.updating.solve import WAYS, covariance, solve, solve_regularised
+from casingfem.updating.solve import WAYS, covariance, require_enough, solve, solve_regularised
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import notebook_progress
 
@@ -142,11 +142,7 @@ def fitted(
     before = problem.state(problem.start)
     if before.modes.rigid:
         raise InputError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
-    if len(problem.fun(problem.start)) < len(vary):
-        raise InputError(
-            f"{len(problem.fun(problem.start))} residuals cannot determine {len(vary)} parameters: "
-            "measure more modes, vary less, or give priors"
-        )
+    require_enough(len(problem.fun(problem.start)), len(vary))
     if regularise is None:
         x, stopped = solve(problem, lower, upper, max_iterations, begin, ways)
         regularised = None

@@ -7,15 +7,19 @@ Real modes of one order n make V_+-n = (C -+ i S)/2 with C and S the cosine and 
 a_k, b_k real, (c, s) what other modes bring, slow across the pair. Given omega_k, zeta_k the rest is linear: variable
 projection (Golub & Pereyra, SIAM J. Numer. Anal. 10, 1973, 413). The member k has its antinode at
 psi_k = atan2(b_k, a_k)/n.
+
+One resonance has four unknowns less, and a double of equal damping is one. Two are there where they lower the sum of
+squares by more than noise would, by an F test: what noise adds to a double looks like a member too.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.special import fdtrc
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.scan import CircleScan
@@ -24,6 +28,7 @@ from casingfem.io.arrays import Array, FloatArray
 TONES = 6  # at least: ten unknowns, four equations a tone, and something left to judge by
 STARTS = 9  # frequencies tried for each member
 ZETAS = (1e-3, 4e-3, 1.6e-2)  # damping ratios tried
+LEVEL = 1e-3  # how often noise may make two of a double, at most
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,7 +63,8 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     Raises
     ------
     InputError
-        Too few tones, an order that was not fitted, or data that do not tell two members apart.
+        Too few tones, an order that was not fitted, or data that do not tell two members apart: one frequency and
+        damping fit them as well but for noise.
     """
     if n < 1 or n not in scan.n:
         raise InputError(f"order n = {n}: expected one of the orders fitted, 1 or more")
@@ -72,6 +78,7 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     parts, residual = linear_part(scan.tones, poles, data, sigma)
     freedom = residual.size - 10
     misfit = float(np.sqrt(residual @ residual / freedom))
+    require_two(n, scan.tones, data, sigma, misfit)
     J = jacobian(scan.tones, poles, parts, sigma)
     scaled = J / np.linalg.norm(J, axis=0)
     if np.linalg.cond(scaled) > 1e8:
@@ -80,6 +87,22 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
         )
     covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
     return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
+
+
+def require_two(n: int, tones: FloatArray, data: Array, sigma: FloatArray, misfit: float) -> None:
+    """Refuse data that one resonance fits as well as two, which leave `misfit`.
+
+    A second one could stand in many places, of which the fit takes the best: each counts as a test of its own.
+    """
+    residual = linear_part(tones, fitted_poles(tones, data, sigma, 1), data, sigma)[1]
+    one, freedom = float(residual @ residual), residual.size - 10
+    gain = (one - freedom * misfit**2) / 4.0 / max(misfit, 1.0) ** 2
+    if gain <= 0.0 or STARTS * len(ZETAS) * fdtrc(4, freedom, gain) > LEVEL:
+        raise InputError(
+            f"the pair n = {n}: the tones do not tell two members apart: found a misfit of {misfit:.3g} with two and "
+            f"{np.sqrt(one / (freedom + 4)):.3g} with one, expected one to misfit by more than noise: less noise, or "
+            "more tones, closer to the peaks"
+        )
 
 
 def described(n: int, poles: FloatArray, parts: FloatArray, covariance: FloatArray, misfit: float) -> Pair:
@@ -109,8 +132,9 @@ def described(n: int, poles: FloatArray, parts: FloatArray, covariance: FloatArr
 
 
 def basis(tones: FloatArray, poles: FloatArray, sigma: FloatArray) -> Array:
-    """The two resonances and the slow rest, over the noise, (tones, 3)."""
-    omega, own, zeta = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * poles[:2], np.exp(poles[2:])
+    """The resonances and the slow rest, over the noise, (tones, members + 1)."""
+    freq, log_zeta = np.split(poles, 2)
+    omega, own, zeta = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * freq, np.exp(log_zeta)
     h = 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
     return np.asarray(np.hstack([h, 1j * omega]) / sigma[:, None])
 
@@ -121,31 +145,27 @@ def real(values: Array) -> FloatArray:
 
 
 def linear_part(tones: FloatArray, poles: FloatArray, data: Array, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Best real (a, c), (b, s) for given poles, (3, 2), and the residual over the noise."""
+    """Best real (a, c), (b, s) for given poles, (members + 1, 2), and the residual over the noise."""
     A, y = real(basis(tones, poles, sigma)), real(data)
     scale = np.linalg.norm(A, axis=0)
     x = np.linalg.lstsq(A / scale, y, rcond=None)[0] / scale[:, None]
     return np.asarray(x), np.asarray((A @ x - y).ravel())
 
 
-def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray) -> FloatArray:
-    """f1, f2 [Hz], ln zeta1, ln zeta2 of the best fit, from a grid of starts."""
+def fitted_poles(tones: FloatArray, data: Array, sigma: FloatArray, members: int = 2) -> FloatArray:
+    """Frequencies [Hz], then ln zeta, of the best fit of so many members, from a grid of starts."""
     grid = np.linspace(tones[0], tones[-1], STARTS)
-    starts = [
-        np.r_[grid[i], grid[j], np.log([zeta, zeta])]
-        for i, j, zeta in product(range(STARTS), range(STARTS), ZETAS)
-        if i < j
-    ]
+    starts = [np.r_[freq, np.log([zeta] * members)] for freq, zeta in product(combinations(grid, members), ZETAS)]
     cost = [np.sum(linear_part(tones, start, data, sigma)[1] ** 2) for start in starts]
     span = tones[-1] - tones[0]
-    low, high = np.r_[[tones[0] - span] * 2, [-14.0] * 2], np.r_[[tones[-1] + span] * 2, [-0.7] * 2]
+    low, high = (np.repeat(ends, members) for ends in ([tones[0] - span, -14.0], [tones[-1] + span, -0.7]))
     found = [
         least_squares(
             lambda p: linear_part(tones, p, data, sigma)[1],
             starts[k],
             jac="3-point",
             bounds=(low, high),
-            x_scale=np.r_[[span / STARTS] * 2, [0.5] * 2],
+            x_scale=np.repeat([span / STARTS, 0.5], members),
             xtol=1e-12,
             ftol=1e-12,
         )

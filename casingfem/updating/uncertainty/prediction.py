@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from casingfem.errors import InputError
 from casingfem.experiment.correlation.matches import Match
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.following import followed
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.solve import covariance, solve
+from casingfem.updating.solve import covariance, require_enough, solve
 from casingfem.updating.targets import HERTZ2, rates
 from contact.io.reported import Reported
 
@@ -99,11 +100,16 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
 def predicted(fit: UpdateResult, match: Match, max_iterations: int) -> list[Prediction]:
     """The rows of one match, by an update without them."""
     whole = fit.given
-    table = whole.table.without(*whole.table.mode[list(match.rows)].tolist())
+    left_out = whole.table.mode[list(match.rows)].tolist()
+    without = f"{whole.table.path}: without mode {' and '.join(map(str, left_out))}, "
+    if len(left_out) == len(whole.table):
+        raise InputError(f"{without}no row is left to predict it from: measure more modes")
+    table = whole.table.without(*left_out)
     shapes = whole.shapes
     if shapes is not None:
         shapes = shapes.only([row for row in range(len(whole.table)) if row not in match.rows])
     problem = replace(whole, table=table, shapes=shapes, exact=False).problem()
+    require_enough(len(problem.fun(fit.x)), len(problem.vary), without)
     x, _ = solve(problem, fit.lower, fit.upper, max_iterations, begin=fit.x)
     state = problem.state(x)
     carried = followed(fit.pairing, fit.after, state.modes, whole.table)

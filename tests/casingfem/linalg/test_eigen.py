@@ -238,12 +238,13 @@ def test_nothing_is_counted_on_an_eigenvalue(direct):
         pencil.count_below(3.0, direct)
 
 
-def test_a_mass_in_one_place_moves_one_way():
-    pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 31.0))), csc_array(np.diag(np.eye(30)[0])))
+@pytest.mark.parametrize("ways", [1, 2, 5])
+def test_a_mass_in_few_places_moves_as_many_ways(ways):
+    pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 31.0))), csc_array(np.diag(1.0 * (np.arange(30) < ways))))
     solve = factorise(pencil.shifted(-1.0)).solve
-    np.testing.assert_allclose(nearest(pencil, solve, -1.0, 1).values, [1.0])
-    with pytest.raises(NumericsError, match="the mass moves 1 ways, 2 modes were asked for"):
-        nearest(pencil, solve, -1.0, 2)
+    np.testing.assert_allclose(nearest(pencil, solve, -1.0, ways).values, np.arange(1.0, ways + 1.0))
+    with pytest.raises(NumericsError, match=f"the mass moves {ways} ways, {ways + 1} modes were asked for"):
+        nearest(pencil, solve, -1.0, ways + 1)
 
 
 def test_pairs_that_never_converge_end_the_search(monkeypatch):

@@ -159,6 +159,27 @@ def test_a_left_out_row_is_not_used():
     assert row.deviation < -10.0
 
 
+@pytest.mark.parametrize(
+    ("rows", "names", "words"),
+    [
+        (2, ("material.E", "shell.thickness"), "table: without mode 1, 1 residuals cannot determine 2 parameters"),
+        (1, ("material.E",), "table: without mode 1, no row is left to predict it from"),
+    ],
+)
+def test_rows_that_the_parameters_cannot_do_without_are_not_left_out(rows, names, words):
+    fit = cf.update(blade(), table(rows=rows), vary(*names), outliers="keep")
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.updating.leave_one_out(fit)
+
+
+@pytest.mark.slow
+def test_a_prior_stands_in_for_a_row_left_out():
+    free = [vary("material.E")[0], *vary("shell.thickness", sigma=1e-4)]
+    left = cf.updating.leave_one_out(cf.update(blade(), table(rows=2), free, outliers="keep"))
+    assert [row.mode for row in left.rows] == [1, 2]
+    assert left.rms > 1e-4
+
+
 def test_parabolas_are_right_to_second_order(fit):
     near = parabolas(fit)
     step = 2.0 * fit.sigma * [1.0, -1.0, 1.0]

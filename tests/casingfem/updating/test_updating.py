@@ -330,6 +330,14 @@ def test_refuses_a_model_error_that_is_no_part(part):
         update(blade(), blade_table(), VARY[:1], model_error=part)
 
 
+def test_a_model_error_as_large_as_a_frequency_is_named():
+    words = (
+        r"model_error: found 0.9999999999999999, which makes sigma_hz [\d.]+ at the [\d.]+ Hz of row 1; expected each"
+    )
+    with pytest.raises(InputError, match=words):
+        update(blade(), blade_table(), VARY[:1], model_error=0.9999999999999999)
+
+
 def test_refuses_a_parameter_named_twice():
     with pytest.raises(InputError, match=r"material\.E is varied twice"):
         update(blade(), blade_table(), [VARY[0], VARY[1], VARY[0]])
