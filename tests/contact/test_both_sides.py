@@ -215,7 +215,7 @@ BOUNDS = {
     "beam.both": (lambda k: beam_step(beam(), (None, 1e-6)[k], 0.5), "dt: found both or neither of dt and courant"),
     "beam.dt": (
         lambda k: beam_step(beam(), STABLE * (1.0 + (0.9e-9, 1.1e-9)[k]), None),
-        r"dt \* omega_max = 2\.0000000022, expected <= 2 \(stability of central differences\): take dt <= 1\.39050\d+e-05 s$",
+        r"dt \* omega_max = 2\.0000000022, expected <= 2 .*: take dt <= 1\.3905\d+e-05",
     ),
     "beam.courant": (lambda k: beam_step(beam(), None, (1.0, 1.01)[k]), r"dt \* omega_max = 2\.02, expected <= 2"),
     "beam.friction": (
@@ -237,9 +237,9 @@ BOUNDS = {
     ),
     "patch.none": (lambda k: patch(("x",)[k:]), "normal: found no channel, expected one for each contact$"),
     "patch.few": (
-        lambda k: patch(tangent=(("y",), ("x",))[k:]), "tangent: found 1 entries of 1 channels, expected 2 entries of one channel each, or"
+        lambda k: patch(tangent=(("y",), ("x",))[k:]), "tangent: found 1 entries of 1 channels, exp"
     ),
-    "patch.no_each": (lambda k: patch(tangent=(("y",)[k:],) * 2), "tangent: found 2 entries of 0, 0 channels, expected 2"),
+    "patch.no_each": (lambda k: patch(tangent=(("y",)[k:],) * 2), "found 2 entries of 0, 0 channels, exp"),
     "patch.three_each": (
         lambda k: patch(tangent=(("y", "x") + ("x",) * k,) * 2), "tangent: found 2 entries of 3, 3 channels, exp"
     ),
