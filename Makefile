@@ -75,7 +75,7 @@ campaign: $(READY) ## quick reports that no test repeats, then every report in f
 	$(BIN)/python -m reports.campaign $(NAMES)
 
 mutants: $(READY) ## share of 120 small faults, one at a time, that the tests see; an hour or more, a rerun continues
-	$(BIN)/python -m reports.mutants --seed 20261 --count 120
+	$(BIN)/python -m reports.mutants --seed 20261 --count 120 --record
 
 clean:   ## remove what is generated
 	rm -rf reports/out build docs/built dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
