@@ -7,6 +7,7 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
 import contact as ct
+from contact.base.arrays import require_count
 from contact.confirmed import confirming_run
 from contact.io.units import units_of
 from contact.model.gaps.rod_modes import side
@@ -193,3 +194,10 @@ def test_input_is_refused(name):
     with pytest.raises((ct.InputError, ct.LimitError, ValueError)) as caught:
         make()
     assert words in str(caught.value)
+
+
+def test_no_more_is_counted_than_memory_holds():
+    require_count(n=10_000_000)
+    for count, told in ((10_000_001, "10000001"), (10**18, "over 1e18"), (10**400, "over 1e18")):
+        with pytest.raises(ct.InputError, match=f"^n: found {told}, expected at most 10000000$"):
+            require_count(n=count)

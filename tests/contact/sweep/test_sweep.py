@@ -265,6 +265,16 @@ def test_whole_numbers_stay_whole_and_files_of_lists_are_hashed(tmp_path):
     assert len(first | second | third) == 12
 
 
+def test_a_task_reads_what_another_process_has_run_meanwhile(scene, tmp_path, monkeypatch):
+    plan = load_sweep(scene(GRID))
+    (task, *_) = sweep.tasks(plan, {}, tmp_path / "store", 1)
+    Store.open(tmp_path / "store")
+    first = sweep.run_task(task)
+    assert len(first) == len(task.runs)
+    monkeypatch.setattr(sweep, "_scene", lambda *given: pytest.fail("what is there was run again"))
+    assert sweep.run_task(task) == first
+
+
 def test_the_hash_follows_all_that_defines_a_run(scene, tmp_path):
     file = scene(GRID)
     first = [run.digest for run in load_sweep(file).runs]
@@ -447,7 +457,7 @@ def dies(task):
     return [often]
 
 
-@pytest.mark.slow  # where workers are no copies they import everything
+@pytest.mark.campaign  # where workers are no copies they import everything: 3 s
 def test_a_task_that_kills_its_workers_time_and_again_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep, "_load_loop", lambda task: None)
     monkeypatch.setattr(sweep, "run_task", dies)

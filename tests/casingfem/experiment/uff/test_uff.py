@@ -347,6 +347,17 @@ def test_names_and_nodes_as_wide_as_their_columns_stand_side_by_side(tmp_path):
     assert (found.response, found.reference) == (one.response, one.reference)
 
 
+@pytest.mark.parametrize("column", [31, 56])
+def test_text_between_names_and_numbers_is_refused(column, tmp_path):
+    """A name that begins one column early would lose a letter."""
+    data = written(tmp_path, functions=[function(even=True, is_complex=True, double=False)])
+    lines = data.decode().splitlines()
+    lines[7] = f"{lines[7].ljust(80)[: column - 1]}X{lines[7].ljust(80)[column:]}"
+    words = rf"file\.uff, line 8.*found 'X' in column {column}; expected a blank between names and numbers"
+    with pytest.raises(InputError, match=words):
+        parse_uff("\n".join([*lines, ""]).encode(), "file.uff")
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [
