@@ -531,12 +531,11 @@ def test_the_overlap_at_the_start_is_of_all_that_sets_the_gap(mu):
 
 
 def test_the_overlap_of_bodies_that_start_at_rest_or_with_one_displaced_is_theirs():
-    blade_out = ct.gaps.Start(displacement=[2e-5, 0.0, 0.0])
-    casing_in = ct.gaps.Start(displacement=[3e-5, *[0.0] * 9])
-    for starts in ({}, {"blade_starts": [blade_out]}, {"casing_start": casing_in}):
-        rub = ct.Rub(rim3(), [nodes(1)], tips(1), clearance=-4e-4, **starts)
-        q = np.concatenate([np.zeros(10 - 7 * k) if s.displacement is None else s.displacement
-                            for k, s in enumerate(rub.starts)])  # fmt: skip
+    for rim, tip in ((0.0, 0.0), (3e-5, 0.0), (0.0, 2e-5)):
+        starts = [ct.gaps.Start(displacement=by * np.eye(m)[0]) if by else ct.gaps.Start()
+                  for by, m in ((rim, 10), (tip, 3))]  # fmt: skip
+        rub = ct.Rub(rim3(), [nodes(1)], tips(1), clearance=-4e-4, casing_start=starts[0], blade_starts=starts[1:])
+        q = np.concatenate([rim * np.eye(10)[0], tip * np.eye(3)[0]])
         assert at_start(rub).overlap == pytest.approx(-gaps_at(rub, 0.0, q)[0], rel=1e-12)
 
 
@@ -577,7 +576,7 @@ def test_motion_along_the_rim_is_judged_by_the_smallest_radius_that_has_a_tip():
 
 
 def test_each_blade_stiffens_by_its_own_matrix_and_the_speed_of_its_own_basis():
-    """K(Omega) - diag(omega^2) is quadratic in Omega: two speeds tell all of it; the middle blade stays as it is."""
+    """K(Omega) - diag(omega^2), whole at two speeds; two of one blade add up, and the blade without any stays."""
     rng = np.random.default_rng(2)
     first, last = (part + part.T for part in rng.standard_normal((2, 3, 3)))
     rub = ct.Rub(
@@ -585,12 +584,13 @@ def test_each_blade_stiffens_by_its_own_matrix_and_the_speed_of_its_own_basis():
         stiffening=[
             ct.gaps.Stiffening(blade=2, K_omega=last, at_hz=50.0),
             ct.gaps.Stiffening(blade=0, K_omega=first, at_hz=20.0),
+            ct.gaps.Stiffening(blade=0, K_omega=last, at_hz=30.0),
         ],
     )  # fmt: skip
     state = at_start(rub).state
     for hz in (0.0, 80.0):
         added = np.zeros((9, 9))
-        added[:3, :3] = 4.0 * np.pi**2 * (hz**2 - 20.0**2) * first
+        added[:3, :3] = 4.0 * np.pi**2 * ((hz**2 - 20.0**2) * first + (hz**2 - 30.0**2) * last)
         added[6:, 6:] = 4.0 * np.pi**2 * (hz**2 - 50.0**2) * last
         found = (2.0 * np.pi * hz) ** 2 * state.stiff - state.stiff_at
         np.testing.assert_allclose(found, added, rtol=1e-12)
