@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -149,3 +150,62 @@ def test_locate_refuses_to_judge_masses_by_shapes(folder):
     )
     assert result.exit_code == 2
     assert "--shapes judges loose bolts, not masses" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ((), {}),
+        (("--among", "mass", "--edge", "top", "--most", "7"), {"among": "mass", "edge": "top", "most": 7}),
+        (("--most", "1", "--model-error", "0.03"), {"most": 1, "model_error": 0.03}),
+        (("--edge", "base", "--most", "12", "--model-error", "0.5"), {"edge": "base", "most": 12, "model_error": 0.5}),
+        (("--baseline", "before.csv"), {"baseline": [500.0, 501.0]}),
+    ],
+)
+def test_what_locate_is_told_reaches_the_search(tmp_path, monkeypatch, words, told):
+    """The model that is searched hears of the same table and the same places."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "casing.toml").write_text(STUDY, encoding="utf-8")
+    for name, freq in (("now", [400.0, 410.0]), ("before", [500.0, 501.0])):
+        FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=0.1, n=[4, 4]).to_csv(tmp_path / f"{name}.csv")
+    heard = []
+
+    def model(shell, table, **more):
+        heard.extend((shell, table, more))
+        return "the model"
+
+    def search(shell, table, **more):
+        heard.extend((shell, table, more))
+        raise SystemExit(7)  # what it answers is judged elsewhere
+
+    module = import_module("casingfem.locate.localisation")  # casingfem.locate is also a function
+    monkeypatch.setattr(module, "search_model", model)
+    monkeypatch.setattr(module, "locate", search)
+    result = invoke("locate", "casing.toml", "now.csv", *words)
+    assert result.exit_code == 7, result.output
+    modelled, of, places, shell, table, how = heard
+    assert modelled is shell
+    assert of is table
+    assert shell.supports["base"].count == 12
+    assert table.freq_hz.tolist() == [400.0, 410.0]
+    if how["baseline"] is not None:
+        how["baseline"] = how["baseline"].freq_hz.tolist()
+    every = {"baseline": None, "among": "bolts", "edge": None, "most": 4, "model_error": 0.0} | told
+    assert how == every | {"model": "the model"}
+    assert places == {"among": every["among"], "edge": every["edge"]}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--most", "0"), "0 is not in the range 1<=x<=12"),
+        (("--most", "13"), "13 is not in the range 1<=x<=12"),
+        (("--model-error", "-0.01"), "-0.01 is not in the range 0.0<=x<=0.5"),
+        (("--model-error", "0.51"), "0.51 is not in the range 0.0<=x<=0.5"),
+        (("--among", "screws"), "'screws' is not one of 'bolts', 'mass'"),
+    ],
+)
+def test_locate_refuses_what_is_no_search(words, said):
+    result = invoke("locate", "casing.toml", "table.csv", *words)
+    assert result.exit_code == 2
+    assert said in " ".join(result.stderr.split())

@@ -1,6 +1,7 @@
 """Several tips before one turning rim: against the one-contact run, closed forms and the laws themselves."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -487,3 +488,110 @@ def test_waves_of_the_residual_are_sums_and_differences_of_the_harmonics_that_it
     S = np.zeros((2, SIZE, 2, SIZE))
     S[0, 2, 1, 3] = S[1, N_MAX + 1, 1, N_MAX + 1] = 1.0  # cos 2 with cos 3; sin 1 with itself
     assert rub_stepper._products(S).tolist() == [0, 1, 2, 5]
+
+
+def at_start(rub, *, mu=0.0):
+    """The rub's stepper before its first step."""
+    dimensions = rub.dimensions if mu else 1
+    system = rub_system(rub, dimensions)
+    parts = propagator(system.omega, system.zeta, system.load, 1e-5)
+    return rub_stepper.rub_stepper(rub, system, parts, mu=mu, dimensions=dimensions, averaged=False, label="")
+
+
+def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():
+    rub = ct.Rub(rim3(), [nodes(1)], tips(1), clearance=1e-3)
+    for place in ("q", "d"):
+        stepper = at_start(rub)
+        assert stepper.why().startswith("no forces found that obey Coulomb's law at every tip")
+        getattr(stepper.state, place)[-1] = np.nan
+        assert stepper.why() == "the motion is not a number", place
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_the_overlap_at_the_start_is_of_all_that_sets_the_gap(mu):
+    """Each tip, alone, from its definition; the deepest of several; none where all are open."""
+    casing = np.random.default_rng(3).standard_normal(10) * 1e-5
+    all_of_it = {
+        "clearance": -1e-4, "closing": ct.gaps.Closing([-1.0, 1.0], [1e-4, 3e-4]), "speed": ct.Speed.constant(5.0),
+        "profile": ct.RimProfile(((2, 4e-5, -7e-5),), theta=[0.0, 2.0, 4.0], depth=[0.0, 6e-5, -3e-5]),
+        "whirl": [ct.gaps.Whirl(amplitude=9e-5, phase_deg=70.0), ct.gaps.Whirl(amplitude=2e-5, per_rev=-1.0, hz=3.0)],
+        "casing_start": ct.gaps.Start(displacement=casing),
+        "blade_starts": [ct.gaps.Start(displacement=[1e-5, 3e-5, -2e-5]), ct.gaps.Start(displacement=[-4e-5, 0, 2e-5])],
+    }  # fmt: skip
+    blades, places = [nodes(2), nodes(2, seed=6)], [*tips(2, angle=10.0), *tips(2, blade=1, angle=130.0)]
+    rub = ct.Rub(rim3(), blades, places, **all_of_it)
+    angle = np.radians([tip.angle_deg for tip in places])
+    gaps = gaps_at(rub, 0.0, np.concatenate([start.displacement for start in rub.starts]))
+    gaps += 9e-5 * np.cos(angle - np.radians(70.0)) + 2e-5 * np.cos(angle)
+    assert gaps.max() < 0.0
+    alone = [at_start(ct.Rub(rim3(), blades, [tip], **all_of_it), mu=mu).overlap for tip in places]
+    np.testing.assert_allclose(alone, -gaps, rtol=1e-12)
+    assert at_start(rub, mu=mu).overlap == pytest.approx(-gaps.min(), rel=1e-12)
+    assert at_start(ct.Rub(rim3(), blades, places, **{**all_of_it, "clearance": 1e-3}), mu=mu).overlap == 0.0
+
+
+def test_the_overlap_of_bodies_that_start_at_rest_or_with_one_displaced_is_theirs():
+    for rim, tip in ((0.0, 0.0), (3e-5, 0.0), (0.0, 2e-5)):
+        starts = [ct.gaps.Start(displacement=by * np.eye(m)[0]) if by else ct.gaps.Start()
+                  for by, m in ((rim, 10), (tip, 3))]  # fmt: skip
+        rub = ct.Rub(rim3(), [nodes(1)], tips(1), clearance=-4e-4, casing_start=starts[0], blade_starts=starts[1:])
+        q = np.concatenate([rim * np.eye(10)[0], tip * np.eye(3)[0]])
+        assert at_start(rub).overlap == pytest.approx(-gaps_at(rub, 0.0, q)[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "play"),
+    [
+        ({"clearance": 3e-4}, 3.01e-4),  # of the second tip, 1e-6 more
+        ({"clearance": -3e-4}, 3e-4),
+        ({"clearance": 1e-4, "closing": ct.gaps.Closing([0.0, 1.0, 2.0], [0.0, -5e-4, 4e-4])}, 5e-4),
+        ({"closing": ct.gaps.Closing([0.0, 1.0], [0.0, 4e-4])}, 4e-4),
+        ({"clearance": 1e-4, "profile": ct.RimProfile(((2, 3e-4, 4e-4), (0, 2e-4, 0.0)))}, 3e-4),
+        ({"clearance": -1e-6, "tips": tips(1)}, 1e-6),
+        ({"tips": tips(1)}, 1e-9),  # no play at all
+    ],
+)
+def test_motion_along_the_rim_is_flagged_from_a_tenth_of_the_play_on(more, play):
+    """t^2/2R is what the rim falls away over t along its tangent."""
+    rub = ct.Rub(rim3(), [nodes(2)], **{"tips": tips(2), **more})
+    stepper, along = at_start(rub, mu=0.2), np.sqrt(2.0 * 0.4 * 0.1 * play)
+    assert stepper.notes().flags == ()
+    stepper.state.peaks[0] = (1.0 - 1e-9) * along
+    assert stepper.notes().flags == ()
+    stepper.state.peaks[0] = (1.0 + 1e-9) * along
+    (flag,) = stepper.notes().flags
+    assert flag == (
+        f"a tip moved {along:.3g} m along the rim, whose curvature changes the gap there by {0.1 * play:.3g} m: "
+        "the gap law leaves this out"
+    )
+
+
+def test_motion_along_the_rim_is_judged_by_the_smallest_radius_that_has_a_tip():
+    casing = replace(rim3(lines=3), lines=[[0.0, 0.5], [0.1, 0.4], [0.2, 0.2]])
+    rub = ct.Rub(casing, [nodes(2)], tips(2), clearance=-3e-4)
+    stepper = at_start(rub, mu=0.2)
+    for t, flagged in ((0.9999, False), (1.0001, True)):
+        stepper.state.peaks[0] = t * np.sqrt(2.0 * 0.4 * 3e-5)
+        assert bool(stepper.notes().flags) == flagged
+
+
+def test_each_blade_stiffens_by_its_own_matrix_and_the_speed_of_its_own_basis():
+    """K(Omega) - diag(omega^2), whole at two speeds; two of one blade add up, and the blade without any stays."""
+    rng = np.random.default_rng(2)
+    first, last = (part + part.T for part in rng.standard_normal((2, 3, 3)))
+    rub = ct.Rub(
+        rim3(), [nodes(1)] * 3, tips(1), clearance=1e-3,
+        stiffening=[
+            ct.gaps.Stiffening(blade=2, K_omega=last, at_hz=50.0),
+            ct.gaps.Stiffening(blade=0, K_omega=first, at_hz=20.0),
+            ct.gaps.Stiffening(blade=0, K_omega=last, at_hz=30.0),
+        ],
+    )  # fmt: skip
+    state = at_start(rub).state
+    for hz in (0.0, 80.0):
+        added = np.zeros((9, 9))
+        added[:3, :3] = 4.0 * np.pi**2 * ((hz**2 - 20.0**2) * first + (hz**2 - 30.0**2) * last)
+        added[6:, 6:] = 4.0 * np.pi**2 * (hz**2 - 50.0**2) * last
+        found = (2.0 * np.pi * hz) ** 2 * state.stiff - state.stiff_at
+        np.testing.assert_allclose(found, added, rtol=1e-12)
+    assert at_start(ct.Rub(rim3(), [nodes(1)], tips(1), clearance=1e-3)).state.stiff.size == 0
