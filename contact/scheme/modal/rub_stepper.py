@@ -347,6 +347,6 @@ def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[str, ...]:
 
 
 def _play(rub: Rub) -> float:
-    """Length that the gap is measured by: the larger of clearance and interference there is [m]."""
-    amounts = [abs(rub.clearance + t.clearance) for t in rub.tips]
+    """Length that the gap is measured by: the larger of clearance, interference and whirl there is [m]."""
+    amounts = [abs(rub.clearance + t.clearance) for t in rub.tips] + [abs(w.amplitude) for w in rub.whirl]
     return max(max(amounts), float(np.abs(rub.closing.by).max()), abs(rub.profile.lowest), 1e-9)

@@ -547,6 +547,7 @@ def test_the_overlap_of_bodies_that_start_at_rest_or_with_one_displaced_is_their
         ({"clearance": 1e-4, "closing": ct.gaps.Closing([0.0, 1.0, 2.0], [0.0, -5e-4, 4e-4])}, 5e-4),
         ({"closing": ct.gaps.Closing([0.0, 1.0], [0.0, 4e-4])}, 4e-4),
         ({"clearance": 1e-4, "profile": ct.RimProfile(((2, 3e-4, 4e-4), (0, 2e-4, 0.0)))}, 3e-4),
+        ({"clearance": 1e-4, "whirl": [ct.gaps.Whirl(amplitude=1e-5), ct.gaps.Whirl(amplitude=2e-4)]}, 2e-4),
         ({"clearance": -1e-6, "tips": tips(1)}, 1e-6),
         ({"tips": tips(1)}, 1e-9),  # no play at all
     ],
