@@ -14,6 +14,7 @@ from click.testing import CliRunner, Result
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.cli.running import ProgressMessage
+from casingfem.cli.sweep import result_files
 from casingfem.cli.sweep import words as sweep_words
 from casingfem.study import load_study
 from contact.sweep.plan import load_sweep
@@ -342,6 +343,17 @@ def test_a_sweep_says_how_many_runs_have_flags(tmp_path, flags, lines):
     rows = tuple(dict.fromkeys(COLUMNS) | {"status": "done", "flags": said, "why": ""} for said in flags)
     found = SweepResult(plan=load_sweep(file), rows=rows, resumed=0)
     assert sweep_words(found, 1.0).splitlines()[1:] == lines
+
+
+@pytest.mark.parametrize("varied", ['"rod[1].velocity"\nvalues = [1.0]', '"scheme.kind"\nvalues = ["newmark", "hht"]'])
+def test_a_sweep_of_one_run_or_of_words_alone_is_not_drawn(tmp_path, varied):
+    file = tmp_path / "rods.toml"
+    file.write_text((SCENES / "two_rods.toml").read_text() + f"[sweep]\n[[sweep.vary]]\nkey = {varied}\n")
+    plan = load_sweep(file)
+    rows = tuple(dict.fromkeys(COLUMNS) | {"status": "done", "flags": "", "why": ""} for _ in plan.runs)
+    runs = [dict(zip(plan.keys, run.values, strict=True)) | row for run, row in zip(plan.runs, rows, strict=True)]
+    files = result_files(SweepResult(plan=plan, rows=rows, resumed=0), {"runs": runs, "seconds": 1.0})
+    assert sorted(files) == ["sweep.csv", "sweep.html", "sweep.json"]
 
 
 def test_sweep_refuses_a_scene_without_one():

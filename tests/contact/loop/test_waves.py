@@ -117,6 +117,17 @@ def test_like_runs_share_their_coefficients():
     assert not found[m].any() or m % 4 == 0
 
 
+@pytest.mark.parametrize("unlike", [[1.0, 3.0], [1.0, 3.0, 1.0], [1.0, 1.0, 3.0], [3.0, 1.0, 1.0]])
+def test_runs_of_which_any_two_differ_keep_their_own_coefficients(unlike):
+    parts = [Terms(start=np.arange(3), wave=np.array([2, 5]), value=np.array([7.0, last])) for last in unlike]
+    layout = Layout.of(parts)
+    lanes = layout.empty(parts[0])
+    assert not layout.alike
+    for k, part in enumerate(parts):
+        layout.load(lanes, part, k)
+    assert lanes.value[layout.place, : len(parts)].tolist() == [[7.0] * len(parts), unlike]
+
+
 def test_rows_with_the_same_waves_stand_together():
     """Sums 0, 3, 4 and 6 have wave 2, the others wave 5."""
     wave = np.array([2, 5, 5, 2, 2, 5, 2])

@@ -10,6 +10,7 @@ import contact as ct
 from contact import recovery
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import harmonics
+from contact.record.record import samples
 from contact.scheme.modal import rub_stepper
 from contact.scheme.modal.propagator import propagator
 from contact.solver.friction.coulomb import coulomb
@@ -505,6 +506,17 @@ def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():
         assert stepper.why().startswith("no forces found that obey Coulomb's law at every tip")
         getattr(stepper.state, place)[-1] = np.nan
         assert stepper.why() == "the motion is not a number", place
+
+
+@pytest.mark.slow
+def test_iterations_of_a_rub_are_summed_over_its_steps():
+    stepper = at_start(ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-3e-5, speed=ct.Speed.constant(0.1)), mu=0.2)
+    counts, each = stepper.state.counts, []
+    for step in range(10):
+        counts[0] = 0.0  # the most, which is then of this step alone
+        assert stepper.advance(samples(ct.Record(), 10, 2, stepper.state.seen.size), step, 1) == -1
+        each.append(counts[0])
+    assert counts[1] == sum(each) > max(each) > 0.0
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2])

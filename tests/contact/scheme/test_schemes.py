@@ -265,6 +265,20 @@ def test_an_augmented_lagrangian_that_does_not_settle_says_so():
     assert "did not settle" not in many
 
 
+def test_a_multiplier_left_over_violates_the_law_by_what_the_body_yields_to_it():
+    """One update of force 5 N at a gap that opens: (5 - k g)/(1 + k W) is left, times W = beta h^2/m."""
+    h, k, m, force = 0.1, 100.0, 2.0, 5.0
+    bodies = assemble([ct.PointMass(mass=m, x=-0.01, velocity=-0.1), ct.Wall()]).linear_form()
+    law = ct.AugmentedLagrangian(stiffness=k, updates=1)
+    stepper = ct.Newmark(beta=0.25, gamma=0.5).prepare(bodies, law, dt=h, courant=None)
+    stepper.state.force[0] = force
+    assert stepper.advance(samples(ct.Record(), 1, 1, stepper.size), 0, 1) == -1
+    W = 0.25 * h**2 / m
+    left = (force - k * 0.02) / (1.0 + k * W)
+    assert stepper.state.force[0] == pytest.approx(left, rel=1e-12)
+    assert stepper.sums.residual[0] == pytest.approx(W * left, rel=1e-12)
+
+
 def brute(W, g):
     """All solutions of the complementarity problem, by trying every set of closed contacts."""
     for closed in product([False, True], repeat=g.size):

@@ -181,6 +181,16 @@ def test_where_newton_ends_at_a_kink_pivoting_finds_the_way():
     assert hard > 5
 
 
+def test_a_contact_without_free_motion_that_others_press_is_solved():
+    rng, pressed = np.random.default_rng(30), 0
+    for _ in range(50):
+        A = np.eye(6) + 0.3 * rng.standard_normal((6, 6))
+        found = coulomb(A @ A.T, [[0.0, 0.0], [-1.0, 0.5], [-2.0, 0.0]], 0.3)
+        assert found.left <= 1e-10
+        pressed += found.force[0, 0] > 0.0
+    assert pressed > 5
+
+
 @pytest.mark.parametrize("mu", [0.0, 0.4, 2.0])
 def test_two_facets_are_exact_in_two_dimensions(mu):
     rng = np.random.default_rng(28)

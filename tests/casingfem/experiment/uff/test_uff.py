@@ -203,6 +203,15 @@ def test_marks_and_minus_ones_in_headers_are_text(tmp_path):
     assert np.array_equal(found.values, rounded(odd.values, 6))
 
 
+def test_minus_one_in_place_of_the_sixth_line_of_a_function_is_a_mark(tmp_path):
+    """Only five lines may hold any text; the sixth holds numbers."""
+    given = function(even=True, is_complex=False, double=False)
+    lines = written(tmp_path, functions=[given]).split(b"\n")
+    lines[7] = b"    -1"
+    with pytest.raises(InputError, match=r"line 8, set 58 \(functions\).*neither another -1 nor the end of the file"):
+        parse_uff(b"\n".join(lines), "rig.uff")
+
+
 def test_latin_and_utf_8_headers(tmp_path):
     given = function(even=True, is_complex=False, double=False)
     data = written(tmp_path, functions=[given])

@@ -144,6 +144,18 @@ def test_triangles_are_collapsed_squares(tmp_path):
     assert read_mesh(tmp_path / "part.cdb").collapsed.tolist() == [True]
 
 
+def test_a_shell_keeps_its_middle_nodes_where_one_of_them_is_left_out(tmp_path):
+    mesh = grid_mesh("quad8", (2, 1), place)
+    fewer = mesh.cells.copy()
+    fewer[0, 4] = -1  # written as 0
+    (tmp_path / "part.cdb").write_text(cdb(mesh.points, fewer, 281))
+    found = read_mesh(tmp_path / "part.cdb")
+    assert found.kind == "quad8"
+    assert np.array_equal(found.cells[fewer >= 0], fewer[fewer >= 0])
+    middle = mesh.points[fewer[0, :2]].mean(axis=0)
+    np.testing.assert_allclose(found.points[found.cells[0, 4]], middle, rtol=0.0, atol=1e-12)
+
+
 def test_archives_cut_short_are_refused(tmp_path):
     mesh = grid_mesh("hexahedron20", (3, 1, 1), place)
     text = cdb(mesh.points, mesh.cells, 186)
