@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, eigs
 
 import casingfem as cf
 from casingfem.errors import NumericsError
@@ -94,6 +94,19 @@ def test_masses_on_turning_springs_have_their_closed_form(monkeypatch):
     for count in (0, 3):
         with pytest.raises(NumericsError, match=f"count must lie between 1 and 2, found {count}"):
             whirl.gyroscopic_modes(A, G, count, scale=3.0, extra=3)
+
+    def hands_over(part):
+        def fails(*given, **more):
+            values, vectors = eigs(*given, **more)
+            raise ArpackNoConvergence("No convergence", values[:part], vectors[:, :part])
+
+        return fails
+
+    monkeypatch.setattr(whirl, "eigs", hands_over(10))
+    assert np.array_equal(whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)[0], found)
+    monkeypatch.setattr(whirl, "eigs", hands_over(9))
+    with pytest.raises(NumericsError, match="ARPACK did not converge on 5 rotating modes"):
+        whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
 
     def fails(*_, **__):
         raise ArpackError(-9999)
