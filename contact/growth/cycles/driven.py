@@ -195,7 +195,8 @@ def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     held_back, slowed = np.diag(omega**2 / scale), np.diag(2.0 * zeta * omega)
     A = np.block([[np.zeros_like(slowed), np.diag(scale)], [-held_back, -slowed]])
     soft = np.diag(S) > 0.0
-    held = omega.max() ** 2 + float(np.linalg.norm((N[soft].T / np.diag(S)[soft]) @ W[soft], 2))
+    springs = (N[soft].T / np.diag(S)[soft]) @ W[soft]
+    held = omega.max() ** 2 + (float(np.linalg.norm(springs, 2)) if np.isfinite(springs).all() else math.inf)
     D, T = _shown(body), rows[1::d] if body.mu > 0.0 else rows[:0]
     away = -np.sign(np.asarray(body.patch.slide))[: len(T)]  # the slip's
     return Plant(

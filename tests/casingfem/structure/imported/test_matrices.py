@@ -740,6 +740,7 @@ def test_bad_files_are_named(files, message, tmp_path):
         read_matrices(given if len({path.suffix for path in given}) < 3 and given[0].suffix != ".sti" else given[:1])
 
 
+@pytest.mark.filterwarnings("ignore:The default value for `spmatrix`")
 @pytest.mark.parametrize("dense", [False, True])
 @pytest.mark.parametrize("symmetry", ["general", "symmetric"])
 def test_matrix_market_is_read_as_scipy_reads_it(tmp_path, dense, symmetry):
