@@ -278,7 +278,10 @@ BOUNDS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BOUNDS)
+SLOW = {"coulomb.W"}  # compiles the solver
+
+
+@pytest.mark.parametrize("name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW)) for one in BOUNDS])
 def test_just_inside_is_taken_and_just_outside_refused(name):
     made, words = BOUNDS[name]
     made(TAKEN)

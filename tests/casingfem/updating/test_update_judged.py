@@ -221,6 +221,7 @@ def bent(fit, part):
     return replace(near, H=-part * near.r[:, None, None] / (near.r @ near.r) * (near.J.T @ near.J))
 
 
+@pytest.mark.slow
 def test_a_fit_is_a_minimum_while_its_curvatures_leave_something(fit):
     left = 1e-6
     sure = cf.updating.laplace(fit, bent(fit, 1.0 - left))

@@ -265,6 +265,7 @@ def test_whole_numbers_stay_whole_and_files_of_lists_are_hashed(tmp_path):
     assert len(first | second | third) == 12
 
 
+@pytest.mark.slow  # compiles the loop of a rim
 def test_a_task_reads_what_another_process_has_run_meanwhile(scene, tmp_path, monkeypatch):
     plan = load_sweep(scene(GRID))
     (task, *_) = sweep.tasks(plan, {}, tmp_path / "store", 1)

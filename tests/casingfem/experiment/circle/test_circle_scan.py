@@ -334,6 +334,7 @@ def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
         ([370.0, 370.0001], [1.0, 0.8], None),
     ],
 )
+@pytest.mark.slow
 def test_two_members_of_one_frequency_and_damping_are_not_told_apart(freq, amplitude, seed):
     with pytest.raises(InputError, match="the pair n = 8: the tones do not tell two members apart: found a misfit of"):
         split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
