@@ -43,11 +43,11 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, ArrayLike], *, 
 
 def save_npz(stream: IO[bytes], arrays: Mapping[str, ArrayLike], *, compressed: bool = False) -> None:
     """Write arrays by name to a stream; raises ValueError for objects, which numpy would pickle."""
-    given = {name: np.asanyarray(array) for name, array in arrays.items()}
+    given: dict[str, Any] = {name: np.asanyarray(array) for name, array in arrays.items()}
     for name, array in given.items():
         if array.dtype.hasobject:  # numpy 2.0 cannot be told to refuse them
             raise ValueError(f"member {name!r}: found {array.dtype}, expected numbers or text")
-    (np.savez_compressed if compressed else np.savez)(stream, **given)  # type: ignore[arg-type]
+    (np.savez_compressed if compressed else np.savez)(stream, **given)
 
 
 def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:

@@ -45,7 +45,7 @@ def followed(
             new = course.next(at, along, length)
             after = course.tangent(new, along)
             end = CORNER if course.product(after, along, new.x) < STRAIGHT else ""
-            value, x = new.value, new.x
+            value, x = (at.value, at.x) if end else (new.value, new.x)
         except (NumericsError, np.linalg.LinAlgError) as error:
             end, value, x = str(error), at.value, at.x
         except InputError as error:  # beyond the range there may be nothing: its edge is where the step would leave it

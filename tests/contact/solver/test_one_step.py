@@ -362,7 +362,8 @@ def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
 
 def motion_error(W, b, mu, force):
     """Largest distance from the law as a motion, over the free motion of its contact, independent of the solver's."""
-    u, d, worst = (W @ force.ravel()).reshape(b.shape) + b, b.shape[1], 0.0
+    sums = W.astype(np.longdouble) @ force.ravel()  # forces nearly cancel: rounding of these sums is not the solver's
+    u, d, worst = np.asarray(sums.reshape(b.shape) + b, float), b.shape[1], 0.0
     for k in range(len(b)):
         i, own = k * d, np.abs(b[k]).max()
         normal = W[i, i]
@@ -392,9 +393,7 @@ def test_closely_coupled_contacts_are_solved_in_motion_too_or_it_is_said(cond, d
         solved += 1
         assert found.left <= 1e-6
         # what is left is round-off, of which another order of sums leaves more or less
-        sums = (np.abs(W) @ np.abs(found.force.ravel())).reshape(b.shape).max(axis=1) / np.abs(b).max(axis=1)
-        other = c * dim * np.finfo(float).eps * sums.max()
-        assert motion_error(W, b, 0.3, found.force) <= 4.0 * max(found.left, 1e-10) + other
+        assert motion_error(W, b, 0.3, found.force) <= 4.0 * max(found.left, 1e-10)
     assert solved >= (60 if cond == 1e6 else 40)
     words = (
         "friction: (residual .* wanted 1e-12: .*|forces leave (.*) of a contact's motion in a step: .* let contacts .*)"
