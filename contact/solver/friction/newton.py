@@ -31,6 +31,7 @@ HAIR = 1e-11  # regularisation of Newton's matrix, whose entries are of order on
 HALVINGS = 8
 UNDAMPED = 8
 CLOSE, POLISHES = 1e-10, 12  # error as motion, over the free motion, that is polished; steps of that at most
+EXACT, HALF_A_UNIT = 1e-12, 2.0**-53  # error as motion that asks how exact its sums are; a number's rounding over it
 
 
 @jit
@@ -103,24 +104,52 @@ def polish(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, ro
         assign(force, trial, size)
         assign(miss, trial_miss, size)
         left = now
+    if left > EXACT:
+        left += sums_rounding(W, b, dim, count, force)
     room.left[0] = max(room.left[0], left)
 
 
 @jit
 def motion_miss(b: Array, rho: Array, dim: int, count: int, miss: Array) -> float:
     """Largest F of a contact as a motion, F/rho, over its own free motion |b|, or where it has none the largest."""
-    most, worst = 0.0, 0.0
-    for i in range(count * dim):
-        most = max(most, abs(b[i]))
+    worst = 0.0
     for k in range(count):
-        own, error = 0.0, 0.0
+        error = 0.0
         for i in range(k * dim, (k + 1) * dim):
-            own = max(own, abs(b[i]))
             error = max(error, abs(miss[i]) / rho[k, 0 if i == k * dim else 1])
-        scale = own if own > 0.0 else most
         if error > 0.0:
-            worst = max(worst, error / scale)
+            worst = max(worst, error / free_motion(b, dim, count, k))
     return worst
+
+
+@jit
+def sums_rounding(W: Array, b: Array, dim: int, count: int, force: Array) -> float:
+    """Largest round-off of a contact's motion W force + b, that of the largest product, over its own free motion.
+
+    Forces that nearly cancel leave it in every motion, whatever F says: by luck F is far smaller.
+    """
+    worst = 0.0
+    for k in range(count):
+        product = 0.0
+        for i in range(k * dim, (k + 1) * dim):
+            for j in range(count * dim):
+                product = max(product, abs(W[i, j] * force[j]))
+        if product > 0.0:
+            worst = max(worst, HALF_A_UNIT * product / free_motion(b, dim, count, k))
+    return worst
+
+
+@jit
+def free_motion(b: Array, dim: int, count: int, k: int) -> float:
+    """|b| of contact k, or where it has none the largest."""
+    own = 0.0
+    for i in range(k * dim, (k + 1) * dim):
+        own = max(own, abs(b[i]))
+    if own > 0.0:
+        return own
+    for i in range(count * dim):
+        own = max(own, abs(b[i]))
+    return own
 
 
 @jit
