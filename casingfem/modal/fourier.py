@@ -199,10 +199,11 @@ def inertia_below(meridian: Meridian, sigma: float) -> int:
 
 
 def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, FloatArray]:
-    """Lowest eigenvalues and mass-normalised vectors of one harmonic, by the inverse of K + shift M.
+    """Lowest eigenvalues and mass-normalised vectors of one harmonic: inverse of K + shift M, then Rayleigh-Ritz.
 
     Small eigenvalues (rigid motions, thin free rings) would drown in the round-off of K's large ones; where a rigid
-    motion's exceeds the shift, on the thinnest walls, that is a hundred times as far.
+    motion's exceeds the shift, on the thinnest walls, that is a hundred times as far. Values are those of the vectors'
+    strain energies, right to round-off of themselves.
 
     Raises
     ------
@@ -219,8 +220,10 @@ def lowest(meridian: Meridian, count: int, shift: float) -> tuple[FloatArray, Fl
             continue
         flexibility = cho_solve(factor, np.eye(size))
         start = max(0, size - count)
-        values, vectors = eigh(0.5 * (flexibility + flexibility.T), subset_by_index=[start, size - 1])
-        return 1.0 / values[::-1] - far, root[:, None] * vectors[:, ::-1]
+        _, vectors = eigh(0.5 * (flexibility + flexibility.T), subset_by_index=[start, size - 1])
+        vectors = root[:, None] * vectors
+        values, turn = eigh(meridian.energies(vectors), vectors.T @ (meridian.mass[:, None] * vectors))
+        return values, vectors @ turn
     raise NumericsError(f"n = {meridian.n}: round-off outweighs the stiffness: the wall is too thin for these numbers")
 
 

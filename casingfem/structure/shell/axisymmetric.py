@@ -7,12 +7,13 @@ path where nothing varies around.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
@@ -26,6 +27,29 @@ SPIN = np.zeros((DOFS, DOFS))  # d/d theta of the cylindrical unit vectors at th
 SPIN[1, 0], SPIN[0, 1] = 1.0, -1.0
 
 
+class Wall(NamedTuple):
+    """Strains of each element's dofs at its points, (elements, points, 8, dofs), complex; what they act on, and where.
+
+    `section` is the section stiffness times the weight of a point, (8, 8, elements, points); `dofs` (elements, dofs).
+    """
+
+    strain: Array
+    section: FloatArray
+    dofs: IntArray
+
+    def elements(self) -> FloatArray:
+        """Element matrices (elements, dofs, dofs)."""
+        return self._products(self.strain)
+
+    def energies(self, motions: FloatArray) -> FloatArray:
+        """Phi^T K Phi of motions (dofs, modes), summed over the points."""
+        return np.asarray(self._products(self.strain @ motions[self.dofs][:, None]).sum(axis=0))
+
+    def _products(self, strain: Array) -> FloatArray:
+        products = np.einsum("eqsi,steq,eqtj->eij", strain.conj(), self.section, strain, optimize=True)
+        return np.asarray(products.real)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Meridian:
     """Matrices of one harmonic on the free dofs of a meridian.
@@ -33,10 +57,13 @@ class Meridian:
     K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
     5 * nodes and the rings' own after them; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in
     their own frame; the free dofs are change @ those of K and mass, (free, free), where rings couple M; `own` counts
-    the rings' turns about the normal, one a ring in the order of `Shell.rings`.
+    the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is the sum of `wall` and `edges`, the
+    stiffness of springs and rings on all dofs, none turned.
     """
 
     n: int
+    wall: Wall
+    edges: FloatArray
     K: FloatArray
     mass: FloatArray
     free: IntArray
@@ -57,6 +84,12 @@ class Meridian:
     def expand_own(self, vectors: FloatArray) -> FloatArray:
         """Free dofs (free, modes) -> turns about the normal at the rings, (own, modes), in quadrature like u_theta."""
         return self._spread(vectors)[len(self.z) * DOFS :]
+
+    def energies(self, vectors: FloatArray) -> FloatArray:
+        """Phi^T K Phi of free dofs (free, modes) from strains: to round-off of itself, not of the largest in K."""
+        fields = self.expand(vectors)
+        motions = np.vstack([fields.reshape(-1, fields.shape[2]), self.expand_own(vectors)])
+        return np.asarray(self.wall.energies(motions) + motions.T @ self.edges @ motions)
 
     def restrict(self, forces: FloatArray) -> FloatArray:
         """Nodal forces (5 nodes, columns), in the frames -> work-conjugate free dofs (free, columns)."""
@@ -97,36 +130,33 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     still += np.einsum("sceq,cd,fq->eqsfd", L[2], SPIN, values)
     strain = still + np.einsum("sceq,fq,e->eqsfc", L[1], slopes, 1.0 / size)
     strain = (strain * HOOP).reshape(rows, len(x), STRAINS, -1)
-    elements = np.einsum("eqsi,steq,eqtj->eij", strain.conj(), D, strain, optimize=True).real
 
     nodes = rows * order + 1
     at = np.arange(rows)[:, None] * order + np.arange(order + 1)
     dofs = (at[:, :, None] * DOFS + np.arange(DOFS)).reshape(rows, -1)
-    K = np.zeros((nodes * DOFS, nodes * DOFS))
-    for e in range(rows):
-        K[np.ix_(dofs[e], dofs[e])] += elements[e]
+    wall = Wall(strain, D, dofs)
     points, weights = lobatto(order)
     z = lines[:-1, None] + size[:, None] * points
     geometry = shell.geometry(z, np.zeros_like(z), middle)
     density = inertia(shell, geometry) * (frame(geometry.surface).jacobian * size[:, None] * weights)
     mass = np.zeros((nodes, 2))
     np.add.at(mass, at, np.moveaxis(density, 0, -1))
-    return supported(shell, n, K, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
+    return supported(shell, n, wall, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
 
 
-def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: FloatArray) -> Meridian:
+def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, inertia: FloatArray) -> Meridian:
     """Add springs, turn edges into their frames, and leave out what is held."""
     turn = np.tile(np.eye(3), (len(z), 1, 1))
     held = np.zeros((len(z), DOFS), dtype=bool)
-    own, last = len(shell.rings), len(K)
-    K, M = np.pad(K, (0, own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
+    own, last = len(shell.rings), inertia.size
+    edges, M = np.zeros((last + own, last + own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
     for name in (*shell.supports, *shell.stations):
         node = int(np.abs(z - np.real(shell.line_at(name))).argmin())
         stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
         dofs = np.arange(node * DOFS, node * DOFS + DOFS)
         if name in shell.rings:
             dofs, last = np.append(dofs, last), last + 1
-        K[np.ix_(dofs, dofs)] += stiffness
+        edges[np.ix_(dofs, dofs)] += stiffness
         M[np.ix_(dofs, dofs)] += mass
         if name in shell.stations:
             continue
@@ -134,6 +164,9 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
         if support.frame == "edge":
             turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
         held[node, list(support.held)] = True
+    K = edges.copy()
+    for part, element in zip(wall.dofs, wall.elements(), strict=True):
+        K[np.ix_(part, part)] += element
     for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
         part = slice(turned * DOFS, turned * DOFS + 3)
         # across and normal lie in the meridian plane, along is the hoop direction: K stays real
@@ -142,6 +175,5 @@ def supported(shell: Shell, n: int, K: FloatArray, z: FloatArray, inertia: Float
     free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
     mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
     change = change.toarray()
-    return Meridian(
-        n=n, K=change.T @ K[np.ix_(free, free)] @ change, mass=mass, free=free, z=z, turn=turn, change=change, own=own
-    )
+    K = change.T @ K[np.ix_(free, free)] @ change
+    return Meridian(n, wall, edges, K=K, mass=mass, free=free, z=z, turn=turn, change=change, own=own)
