@@ -70,7 +70,7 @@ def require_not_negative(**fields: float) -> None:
 def require_count(least: int = 1, **fields: object) -> None:
     """Raise InputError for the first field that is not a whole number >= `least`, or more than memory holds."""
     for name, value in fields.items():
-        if not isinstance(value, int) or value < least:
+        if not isinstance(value, int | np.integer) or value < least:
             raise InputError(f"{name}: found {value!r}, expected a whole number >= {least}")
         if value > MANY:
             raise InputError(f"{name}: found {value if value < 1e18 else 'over 1e18'}, expected at most {MANY}")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
+
+WITHIN = 1.0 + 1e-9  # times a limit: what differs from it by less keeps it
 
 
 class InputError(ValueError):
@@ -21,3 +24,14 @@ class NumericsError(RuntimeError):
 
 class DivergedError(NumericsError):
     """A motion outgrew what its model carries: `result.divergence` says which limit, when and how fast."""
+
+
+def rounded_down(limit: float, digits: int) -> str:
+    """A limit > 0 with so many digits and not above it, so that who takes what a message advises keeps the limit.
+
+    >>> rounded_down(1.23456789e-4, 6), rounded_down(3e-4, 4)
+    ('0.000123456', '0.0003')
+    """
+    nearest = f"{limit:.{digits}g}"
+    unit = 10.0 ** (math.floor(math.log10(limit)) + 1 - digits)
+    return nearest if float(nearest) <= limit * WITHIN else f"{limit - unit:.{digits}g}"

@@ -198,6 +198,7 @@ def test_input_is_refused(name):
 
 def test_no_more_is_counted_than_memory_holds():
     require_count(n=10_000_000)
+    require_count(n=np.int64(3))
     for count, told in ((10_000_001, "10000001"), (10**18, "over 1e18"), (10**400, "over 1e18")):
         with pytest.raises(ct.InputError, match=f"^n: found {told}, expected at most 10000000$"):
             require_count(n=count)

@@ -363,8 +363,24 @@ def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
     ids=str,
 )  # fmt: skip
 def test_limits_are_refused_with_numbers(scheme, dt, limit):
-    with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*take dt <="):
+    with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*take dt <=") as caught:
         ct.run(frame(), scheme=scheme, t_end=5.0, dt=dt)
+    ct.run(frame(), scheme=scheme, t_end=1.0, dt=advised(caught.value))
+
+
+def advised(error: Exception) -> float:
+    """The step that a message tells one to take."""
+    return float(str(error).rpartition("dt <= ")[2].split(" ")[0])
+
+
+@pytest.mark.parametrize("length", [7.0, 7.1, 7.2, 7.3, 7.4, 7.5])
+def test_the_step_that_is_advised_is_taken_whatever_its_digits(length):
+    """Rounded to the nearest, about half of these lay above the limit."""
+    bar = [ct.Rod(**(CARPENTER | {"length": length}), elements=7, x=1.0), ct.Wall(x=0.0)]
+    for scheme in (ct.ExactModal(modes=9), ct.CentralDifference()):
+        with pytest.raises(ct.LimitError) as caught:
+            ct.run(bar, t_end=1e-3, dt=1.0, scheme=scheme)
+        ct.run(bar, t_end=1e-3, dt=advised(caught.value), scheme=scheme)
 
 
 @pytest.mark.parametrize(
