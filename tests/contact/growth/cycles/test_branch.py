@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.growth.cycles import branch as way_along
 from contact.growth.cycles import checkpoint
 from contact.growth.cycles.course import Tangent
 from contact.growth.cycles.shooting import map_of
@@ -140,6 +141,36 @@ def test_series_of_hits_count_as_such_not_by_their_hits():
     """One contact that closes twice, one whose hits end at rest once; multipliers 1.5, -2 and 0.3 +- 1.1 i."""
     orbit = SimpleNamespace(multipliers=np.array([1.5, -2.0, 0.3 + 1.1j, 0.3 - 1.1j]), closings=(2, 37), rests=(0, 1))
     assert signs(orbit, Tangent(np.zeros(4), -0.5)) == Signs(False, 1, 1, 2, (2, -1))
+
+
+def test_a_corner_beyond_the_range_does_not_mislead_the_branch_at_its_edge(monkeypatch):
+    """x = value up to 1.1, where x turns steep: of a step over the corner the branch would end in x = 1.6."""
+
+    def at(value):
+        x = value if value <= 1.1 else 1.1 + 20.0 * (value - 1.1)
+        return SimpleNamespace(
+            value=value, x=np.array([x]), periods=1, start=0.0, iterations=9, multipliers=np.array([0.5]),
+            closings=(1,), rests=(0,),
+        )  # fmt: skip
+
+    def tangent(orbit, _):
+        return Tangent(np.array([1.0]), 1.0) if orbit.value <= 1.1 else Tangent(np.array([1.4]), 0.07)
+
+    def edge(_, value, guess, **__):
+        assert guess == pytest.approx([1.0], abs=1e-12)
+        return at(value)
+
+    monkeypatch.setattr(way_along, "orbit", edge)
+    course = SimpleNamespace(
+        low=0.0, high=1.0, span=1.0, family=None, tangent=tangent,
+        next=lambda start, _, length: at(start.value + length),
+        product=lambda a, b, _: float(a.x @ b.x + a.value * b.value) / 2.0,
+    )  # fmt: skip
+    begin = at(0.9)
+    way = way_along.Way((begin,), (), tangent(begin, None), 0.24)
+    found = way_along.followed(course, way, longest=1.0, most=20)
+    assert [orbit.value for orbit in found.points] == [0.9, 1.0]
+    assert found.end == ""
 
 
 def test_a_range_of_nothing_is_refused():
