@@ -236,6 +236,12 @@ def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():
     assert bad.advance(out, 0, 100) == closes - 1  # the step that would end with it closed
 
 
+@pytest.mark.parametrize("scheme", SCHEMES, ids=repr)
+def test_a_chunk_without_a_failed_step_returns_minus_one(scheme):
+    stepper = scheme.prepare(assemble(pair(10)).linear_form(), ct.Unilateral(), dt=2e-6, courant=None)
+    assert stepper.advance(samples(ct.Record(), 4, 1, stepper.size), 0, 4) == -1
+
+
 @pytest.mark.parametrize("courant", [0.05, 0.1, 0.2, 0.5, 0.7, 0.9])
 def test_massless_boundary_has_no_first_spike(courant):
     result = ct.run(pair(100), scheme=ct.scheme.MasslessBoundary(), t_end=2e-4, courant=courant)
