@@ -8,6 +8,7 @@ import pytest
 
 import contact as ct
 from contact import recovery
+from contact.loop.rub.solve import gather
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import harmonics
 from contact.record.record import samples
@@ -506,6 +507,19 @@ def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():
         assert stepper.why().startswith("no forces found that obey Coulomb's law at every tip")
         getattr(stepper.state, place)[-1] = np.nan
         assert stepper.why() == "the motion is not a number", place
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("away", [0, 1, 2])
+def test_tips_that_are_not_solved_for_bear_no_force_in_any_direction(away):
+    stepper = at_start(ct.Rub(rim3(), [nodes(3)], tips(3)), mu=0.2)
+    state, work, before = stepper.wide, stepper.work, np.arange(1.0, 10.0).reshape(3, 3)
+    state.inside[:], state.lam[:] = 2, before.ravel()
+    state.inside[away] = 1
+    assert gather(state, stepper.rows, work, 3, 1.0) == 2
+    stay = np.arange(3) != away
+    assert np.array_equal(state.lam.reshape(3, 3), before * stay[:, None])
+    assert np.array_equal(work.chosen[:2], np.flatnonzero(stay))
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import contact as ct
-from contact.solver.abradable.one_tip import Coating, crush, first_bar, machined, surface
+from contact.solver.abradable.one_tip import Coating, borne, crush, first_bar, machined, surface
 from tests.contact.synthetic_rim import blade, ring
 
 TERMS = [{"p": 2, "cos": 4e-5}]
@@ -69,6 +69,15 @@ def test_the_force_of_bars_is_the_root_of_their_law():
         assert force == pytest.approx(expected.sum(), rel=1e-9, abs=1e-9 * abs(gap) / D)
         assert np.allclose(c.worn[under], after, rtol=0.0, atol=1e-13)
     assert met == {"elastic", "flow", "bare"}
+
+
+@pytest.mark.parametrize(
+    ("depth", "force", "slope"), [(0.5, 0.0, 0.0), (0.75, 1.0, 4.0), (1.0, 2.0, 4.0), (1.5, 6.0, 8.0)]
+)
+def test_a_bar_stiffens_the_tip_only_once_it_is_pressed_not_where_it_is_just_reached(depth, force, slope):
+    """Two bars of 4 N/m, worn by 1/4 and 3/4 below a cut of 1/4."""
+    two = Coating(np.array([0.25, 0.75]), 0.0, 0.0, 9.0, 4.0, 100.0, 0.0, 2, np.zeros(3))
+    assert borne(two, 0, 0.25, depth) == (force, slope)
 
 
 def test_the_tip_covers_the_bars_about_its_middle():
