@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, eigvalsh_tridiagonal, ldl
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.slicing import CLEAR
@@ -142,7 +142,7 @@ def revolved(
     own = np.empty((ring_nodes(shell, grid).size, len(found)))
     for k, mode in enumerate(found):
         fields[:, :, k] = revolve_shape(grid, mode.shape, mode.n, sine=mode.sine)
-        own[:, k] = revolve_own(grid, shell, mode.shape, mode.turns, mode.n, sine=mode.sine)
+        own[:, k] = revolve_own(grid, shell, mode.turns, mode.n, sine=mode.sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
     return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds, own=own)
@@ -232,7 +232,7 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
     z, theta = grid.nodes
     _, row = np.unique(np.round(z / np.ptp(z), 9), return_inverse=True)
     wave = (shape * HOOP)[row] * np.exp(1j * n * theta)[:, None]
-    part = wave.imag if sine or (n == 0 and hoop_only(shape)) else wave.real
+    part = shown(wave, n, sine=sine)
     c, s = np.cos(theta), np.sin(theta)
     field = part.copy()
     field[:, 0] = part[:, 0] * c - part[:, 1] * s
@@ -240,9 +240,14 @@ def revolve_shape(grid: Grid, shape: FloatArray, n: int, *, sine: bool) -> Float
     return np.asarray(field / np.sqrt(2.0 * np.pi if n == 0 else np.pi))
 
 
-def hoop_only(shape: FloatArray) -> bool:
-    """Whether a meridian shape (nodes, 5) moves around alone, as torsion does at n = 0."""
-    return bool(np.abs(shape[:, [1, 4]]).max() > np.abs(shape[:, [0, 2, 3]]).max())
+def shown(wave: Array, n: int, *, sine: bool) -> FloatArray:
+    """What a mode shows of its wave; all at n = 0, where torsion, in quadrature, may share a frequency with the rest.
+
+    So it does at zero: a free casing's two rigid motions come out mixed.
+    """
+    if n == 0:
+        return np.asarray(wave.real + wave.imag)
+    return np.asarray(wave.imag if sine else wave.real)
 
 
 def ring_nodes(shell: Shell, grid: Grid) -> IntArray:
@@ -251,9 +256,9 @@ def ring_nodes(shell: Shell, grid: Grid) -> IntArray:
     return np.concatenate([np.zeros(0, dtype=np.int64), *ringed])
 
 
-def revolve_own(grid: Grid, shell: Shell, shape: FloatArray, turns: FloatArray, n: int, *, sine: bool) -> FloatArray:
+def revolve_own(grid: Grid, shell: Shell, turns: FloatArray, n: int, *, sine: bool) -> FloatArray:
     """Spread the rings' turns about the normal (rings,) around: (own,), as `revolve_shape` does the shape."""
     nodes = ring_nodes(shell, grid)
     wave = 1j * np.exp(1j * n * grid.nodes[1, nodes]) * np.repeat(turns, len(nodes) // max(1, len(turns)))
-    part = wave.imag if sine or (n == 0 and hoop_only(shape)) else wave.real
+    part = shown(wave, n, sine=sine)
     return np.asarray(part / np.sqrt(2.0 * np.pi if n == 0 else np.pi))

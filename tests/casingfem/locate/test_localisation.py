@@ -10,6 +10,7 @@ from casingfem.errors import InputError, ModelError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.locate.explanations import groups_alike
 from casingfem.locate.localisation import locate, search_model
 from casingfem.locate.shape_check import checked_by_shapes
 from casingfem.modal.modes import modes
@@ -115,8 +116,13 @@ def test_half_a_turn_is_the_same_table_and_is_said(casing, model):
     found = locate(casing, here, model=model)
     assert abs(found.others[0].behind) < 1e-2
     assert "half a turn changes no frequency and no orientation" in repr(found)
-    assert all((pair[1] - pair[0]) == 6 for pair in found.alike)
-    assert len(found.alike) == 6
+    assert found.alike == tuple((bolt, bolt + 6) for bolt in range(1, 7))
+
+
+def test_places_with_parallel_effects_are_grouped_by_their_numbers_from_one():
+    """The fifth has no effect, the fourth the opposite one of the second."""
+    effects = [[1.0, 0.0], [0.0, 1.0], [2.0, 0.0], [0.0, -1.0], [0.0, 0.0], [0.0, 3.0]]
+    assert groups_alike(np.transpose(effects)) == ((1, 3), (2, 6))
 
 
 @pytest.mark.slow

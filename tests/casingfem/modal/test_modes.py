@@ -203,6 +203,33 @@ def test_a_free_casing_may_be_asked_for_one_mode_or_two(steel, thickness, count)
     assert found.sturm_count in (None, 6)
 
 
+@pytest.mark.parametrize("size", [0.5, 2.0])
+def test_rigid_motions_along_and_about_the_axis_are_orthonormal(steel, size):
+    """Both lie at n = 0 and at zero, where any mixture of the two is a mode."""
+    mesh = ShellMesh(order=6, rows=2, around=9)
+    chart = Frustum(r_base=size, r_top=0.9 * size, height=0.5 * size)
+    shell = Shell(chart=chart, thickness=0.01 * size, material=steel, mesh=mesh)
+    found = modes(shell, 6, method="fourier")
+    products = modal_products(shell, point_fields(shell, found.grid, found.fields, found.own))
+    np.testing.assert_allclose(products.M, np.eye(6), atol=1e-6)
+
+
+def test_torsion_of_a_wide_tube_moves_all_around_alike(steel):
+    """u_theta = sqrt(2/mass) sin(pi z/2L), omega = pi sqrt(G/rho)/2L."""
+    tube = Shell(
+        chart=Cylinder(radius=2.0, height=0.5), thickness=0.1, material=steel, supports={"base": Clamped()},
+        mesh=ShellMesh(order=6, rows=1, around=9),
+    )  # fmt: skip
+    exact = np.sqrt(steel.shear_modulus / steel.rho) / (4.0 * 0.5)
+    found = modes(tube, band=(0.999 * exact, 1.001 * exact), method="fourier")
+    (torsion,) = np.flatnonzero(found.nodal_diameters == 0)
+    z, theta = found.grid.nodes
+    x, y = found.fields[:, :2, torsion].T
+    mass = steel.rho * 2.0 * np.pi * 2.0 * 0.5 * 0.1
+    around = np.sqrt(2.0 / mass) * np.sin(np.pi * z)
+    np.testing.assert_allclose(np.abs(y * np.cos(theta) - x * np.sin(theta)), around, atol=1e-3 * around.max())
+
+
 def test_free_methods_agree(frustum, coarse):
     """Elastic modes of a free thin ring lie five decades below the stiffness: still five digits."""
     shell = frustum(supports={}, mesh=coarse)

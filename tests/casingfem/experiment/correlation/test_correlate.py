@@ -173,6 +173,16 @@ def test_expansion_refuses_what_the_sensors_do_not_tell():
         expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1])
     with pytest.raises(ModelError, match="4 modes on 3 channels"):
         expand(np.ones((3, 1)), np.ones((3, 4)), np.arange(3), modes=[0, 1, 2, 3])
+    shapes[:, 1] += np.arange(6.0)
+    with pytest.raises(ModelError, match="3 modes look alike on 6 channels"):
+        expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1, 2])
+
+
+def test_one_mode_expands_by_its_share():
+    """q = phi.psi/phi.phi."""
+    found = expand(np.array([[5.0], [1.0], [2.0]]), np.array([[1.0], [2.0], [2.0]]), np.arange(3), modes=[0])
+    assert found.coordinates.item() == pytest.approx(11.0 / 9.0, rel=1e-12)
+    assert found.condition == 1.0
 
 
 @pytest.mark.parametrize(("channels", "most"), [(1, 1), (2, 1), (3, 2), (9, 6), (10, 6)])

@@ -68,3 +68,10 @@ def test_a_field_out_of_its_range_is_refused_with_its_line(name, tmp_path):
         read_uff(path)
     assert words in str(caught.value)
     assert "part.uff, line " in str(caught.value)
+
+
+@pytest.mark.parametrize("count", [1, 8, 9])
+def test_a_trace_line_of_one_node_or_more_comes_back(count, tmp_path):
+    line = TraceLine(number=1, name="rim", color=3, nodes=np.arange(1, count + 1))
+    (found,) = read_uff(write_uff(tmp_path / "line.uff", lines=[line])).lines
+    assert found.nodes.tolist() == list(range(1, count + 1))
