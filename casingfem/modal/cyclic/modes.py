@@ -159,6 +159,6 @@ def solved(system: CyclicSystem, n: int, wanted: int | Band) -> EigenResult:
 def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
     """Vectors of one diameter as shapes that are mass-normalised over the wheel, their largest displacement real."""
     shapes = system.system.expand(vectors * np.sqrt(system.sector.count(n) / system.sector.sectors))
-    flat = shapes[:, :3].reshape(-1, shapes.shape[2])
+    flat = shapes[:, :3].reshape(3 * len(shapes), -1)
     peak = flat[np.abs(flat).argmax(axis=0), np.arange(shapes.shape[2])]
     return np.asarray(shapes * (np.conj(peak) / np.abs(peak)))

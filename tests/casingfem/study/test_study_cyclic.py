@@ -87,6 +87,34 @@ def test_waves_are_printed_where_they_are_asked_for(write):
     assert "localisation" in said
 
 
+MISTUNED = 'mistuning = "blades.csv"\nblade = "vane"\n'
+COUNTED, BAND = "[modes]\ncount = 2\n", "[modes]\nband_hz = [1395.0, 1469.5]\n"
+TURNING = '[rotation]\nspeed_hz = 100.0\naxis = "z"\n'
+
+
+def test_a_band_of_a_tuned_wheel_at_rest_holds_the_modes_of_its_diameters_within(write, disk):
+    answer = run("modes", write(MISTUNED + COUNTED, f"nodal_diameters = [0, 1]\n{BAND}"), "--json")
+    assert answer.exit_code == 0, answer.output
+    freq = np.array([row["freq_hz"] for row in cyclic_modes(disk, 2, diameters=[0, 1]).records()])
+    inside = freq[(freq > 1395.0) & (freq < 1469.5)]
+    assert len(inside) == 4  # two pairs of n = 1
+    found = json.loads(answer.stdout)["modes"]
+    assert [row["n"] for row in found] == [1, 1, 1, 1]
+    np.testing.assert_allclose([row["freq_hz"] for row in found], inside, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(COUNTED, BAND), (MISTUNED + COUNTED, f"coriolis = true\n{TURNING}{BAND}")],
+    ids=["mistuned", "whirling"],
+)
+def test_a_band_of_a_mistuned_or_a_whirling_wheel_is_refused(write, old, new):
+    answer = run("modes", write(old, new))
+    assert answer.exit_code == 2
+    words = "modes.band_hz: found a band of a mistuned or whirling wheel, expected count, of each nodal diameter"
+    assert words in answer.stderr
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

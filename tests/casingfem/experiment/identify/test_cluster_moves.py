@@ -9,7 +9,7 @@ from casingfem.experiment.identify.band_fits import _by_misfit
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
-from casingfem.experiment.identify.setups.cluster_moves import improved
+from casingfem.experiment.identify.setups.cluster_moves import _one_more, improved
 from casingfem.experiment.identify.setups.clusters import Cluster, _noise
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.places import best_beside, places
@@ -55,6 +55,18 @@ def test_a_cluster_fitted_from_a_poor_place_finds_the_good_one(window, start):
     order = np.argsort(own.freq[:, 0])
     np.testing.assert_allclose(own.freq[order], FREQ, atol=0.02)
     np.testing.assert_allclose(own.zeta[order, 0], ZETA, rtol=0.03)
+
+
+def test_one_more_mode_is_tried_where_one_is_missed_and_none_where_noise_is_left(window):
+    c = cluster(window, FREQ, ZETA)
+    assert list(_one_more(c, SETUPS, fit_again(c, SETUPS, FREQ, ZETA))) == []
+    lacking = fit_again(c, SETUPS, FREQ[:2], ZETA[:2])
+    ((freq, zeta),) = _one_more(c, SETUPS, lacking)
+    assert freq[:2].tolist() == lacking.freq.tolist()
+    at, gain = best_beside(window, SETUPS, lacking.freq, lacking.zeta[:, 0], lacking.zeta[:, 0].mean(), SPAN)
+    assert gain > 1e3
+    np.testing.assert_allclose(freq[2], at, rtol=1e-12)
+    np.testing.assert_allclose(zeta, [*lacking.zeta[:, 0], lacking.zeta[:, 0].mean()], rtol=1e-12)
 
 
 def test_one_cluster_that_is_not_understood_does_not_outvote_the_others(window):

@@ -10,7 +10,7 @@ from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.wave_fit import fitted
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead
+from casingfem.experiment.identify.setups.wave_kinds import WaveRead, pairs_near
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
 from casingfem.experiment.identify.setups.wave_near import part_about
 from casingfem.experiment.identify.setups.wave_search import _by_odds, _Other, wave_modes
@@ -78,6 +78,13 @@ def test_peaks_exchanged_in_a_setup_are_exchanged_back(s):
     assert read.fit.unlikely > truth.fit.unlikely + 10.0
     best = min(tries(whole, read, np.array([0, 1])), key=lambda one: one.fit.unlikely)
     assert best.fit.unlikely == pytest.approx(truth.fit.unlikely, abs=1.0)
+
+
+@pytest.mark.parametrize(("share", "pairs"), [(0.99, [(0, 1)]), (1.01, [])])
+def test_modes_are_near_within_a_bandwidth_of_the_wider_and_four_usual_shifts_in_some_setup(share, pairs):
+    zeta = np.array([2.0e-3, 5.0e-3])
+    apart = np.array([3.0, -share, 4.0]) * (4.0 * SHIFT + 2.0 * zeta[1])
+    assert pairs_near(problem(0.3), np.vstack([np.full(3, 6.0), 6.0 + apart]), np.log(zeta)) == pairs
 
 
 def test_what_is_tried_alone_is_as_likely_as_among_all():

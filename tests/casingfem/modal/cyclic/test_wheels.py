@@ -64,6 +64,17 @@ def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
     assert np.linalg.norm(residual, axis=0).max() < 1e-6 * np.linalg.norm(system.K @ shapes, axis=0).min()
 
 
+def test_a_band_may_hold_no_mode_of_some_diameters_or_of_all(disk):
+    first = cyclic_modes(disk, 1, diameters=[0, 1])
+    lowest = int(first.freq.argmin())
+    found = cyclic_modes(disk, (1.0, first.freq.mean()), diameters=[0, 1])
+    assert found.nodal_diameters.tolist() == [first.nodal_diameters[lowest]]
+    np.testing.assert_allclose(found.freq, first.freq[lowest], rtol=1e-9)
+    none = cyclic_modes(disk, (1.0, 2.0), diameters=[0, 1])
+    assert len(none) == len(wheel_modes(none)) == 0
+    assert none.records() == []
+
+
 def test_a_free_wheel_has_its_six_rigid_motions(disk):
     free = cf.imported.CyclicSector(structure=replace(disk.structure, supports={}), sectors=N)
     found = cyclic_modes(free, 3, diameters=[0, 1])
