@@ -144,7 +144,8 @@ def locate(
             misfit = replace(misfit, model=exact if baseline is None else calibrated(exact, baseline))
             masses = significant_masses(misfit, edge, refined(misfit, edge, masses.angles, masses.masses))
         point, explained = masses.point, masses_explained(misfit, edge, masses, len(angles))
-    scale = float(np.sqrt(scale2(point, len(explained[0].found))))
+    free = len(explained[0].found) * (1 if among == "bolts" else 2)
+    scale = float(np.sqrt(scale2(point, free)))
     return Localisation(
         among=among,
         angles_deg=np.degrees(angles),

@@ -12,6 +12,7 @@ from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.explanations import groups_alike
 from casingfem.locate.localisation import locate, search_model
+from casingfem.locate.mass_places import at_places
 from casingfem.locate.shape_check import checked_by_shapes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
@@ -177,6 +178,44 @@ def test_a_mass_is_looked_for_at_the_top_unless_told(steel, edge):
     model = search_model(cone, table, among="mass", edge=edge, places=8)
     (one,) = locate(cone, table, among="mass", edge=edge, most=1, model=model).found
     assert (one.place, one.angle_deg, one.value) == (2, pytest.approx(40.0, abs=1e-4), pytest.approx(0.02, rel=1e-5))
+
+
+@pytest.mark.slow
+def test_scale_and_sigma_of_masses_count_an_angle_with_each(steel):
+    """Two masses take four from the degrees of freedom; standard deviations by differences of the residuals."""
+    mesh = ShellMesh(order=5, rows=1, around=7)
+    cone = Shell(chart=Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
+    added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((40.0, 0.02), (115.0, 0.03))]
+    heavy = modes(replace(cone, masses={"top": added}), 14, method="shell")
+    elastic = slice(heavy.rigid, None)
+    freq = heavy.freq[elastic]
+    noise = 3e-4 * np.random.default_rng(5).standard_normal(len(freq))
+    table = FrequencyTable.from_arrays(
+        freq_hz=freq * (1.0 + noise),
+        sigma_hz=1e-4 * freq,
+        n=heavy.nodal_diameters[elastic],
+        angle_deg=heavy.angle_deg[elastic],
+    )
+    model = search_model(cone, table, among="mass", places=8)
+    found = locate(cone, table, among="mass", most=2, model=model)
+
+    def at(values):
+        return at_places(found.misfit, "top", values[2:], values[:2])[0]
+
+    def values(explanation):
+        return np.array([(one.value, np.radians(one.angle_deg)) for one in explanation.found]).T.ravel()
+
+    assert found.scale == pytest.approx(np.sqrt(found.chi2 / (found.rows - 4)), rel=1e-12)
+    assert found.scale > 1.5
+    best, steps = values(found.best), np.diag([1e-5, 1e-5, 1e-4, 1e-4])
+    J = np.column_stack([(at(best + step).values - at(best - step).values) / (2.0 * step.sum()) for step in steps])
+    sigma = found.scale * np.sqrt(np.diag(np.linalg.inv(J.T @ J)))
+    assert [one.sigma for one in found.found] == pytest.approx(sigma[:2], rel=1e-3)
+    assert [one.angle_sigma_deg for one in found.found] == pytest.approx(np.degrees(sigma[2:]), rel=1e-3)
+    assert len(found.others) == 3
+    for other in found.others:
+        risen = at(values(other)).chi2 - found.chi2
+        assert other.behind == pytest.approx(risen / found.scale**2, rel=1e-6)
 
 
 @pytest.mark.slow

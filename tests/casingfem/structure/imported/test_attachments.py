@@ -537,11 +537,13 @@ def test_keywords_are_what_the_manual_says(text, kind, wanted, tmp_path):
 
 def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp_path):
     path = tmp_path / "a.bdf"
-    path.write_text(TETRA.format(cd="2", card="RBE2,9,5,12,4"))
-    with pytest.raises(ModelError, match=r"single components of grid 4, .*\(CD\)"):
-        read_mesh(path)
-    path.write_text(TETRA.format(cd="2", card="RBE2,9,5,123,4"))
-    assert read_mesh(path).attachments.rigids[0].components == (0, 1, 2)
+    for single in ("12", "12346", "12356"):
+        path.write_text(TETRA.format(cd="2", card=f"RBE2,9,5,{single},4"))
+        with pytest.raises(ModelError, match=r"single components of grid 4, .*\(CD\)"):
+            read_mesh(path)
+    for whole, components in (("123", (0, 1, 2)), ("456", (3, 4, 5)), ("123456", (0, 1, 2, 3, 4, 5))):
+        path.write_text(TETRA.format(cd="2", card=f"RBE2,9,5,{whole},4"))
+        assert read_mesh(path).attachments.rigids[0].components == components
 
 
 @pytest.mark.parametrize(
