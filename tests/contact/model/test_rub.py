@@ -191,6 +191,36 @@ def test_many_tips_take_compliance_between_waves_and_move_as_few_do(mu, apart, m
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("speed_hz", [5.0, -0.05])
+def test_the_only_one_of_many_tips_that_rubs_moves_as_the_dense_reference_of_it_alone(speed_hz):
+    """Fast, the tip slides; slowly, it also sticks. So many take compliance, which turns with them, between waves."""
+    bodies, mu, h, steps = (ring(imperfect=0.05), blade()), 0.4, 2e-5, 500
+    first = ct.ContactPoint(lean_deg=25.0, angle_deg=13.0)
+    far = [replace(first, angle_deg=20.0 * k, clearance=1e-3) for k in range(1, 17)]
+    one, many = (
+        ct.Rub(
+            bodies[0], bodies[1:], points, clearance=-1e-4, speed=ct.Speed.constant(speed_hz),
+            profile=ct.RimProfile.fourier(WAVES),
+        )
+        for points in ([first], [first, *far])
+    )  # fmt: skip
+    assert one.dimensions * len(many.tips) > rub_stepper.FEW
+    result = ct.run(
+        many, law=law(mu), scheme=ct.ExactModal(law="averaged"), t_end=steps * h, dt=h,
+        record=ct.Record(state_every=1),
+    )  # fmt: skip
+    forces = result.state_of("tips")
+    q, d, lam, found = np.zeros(12), np.zeros(12), np.zeros(2), []
+    for n in range(steps):
+        q, d, lam = dense_step(one, q, d, lam, n, h, mu, True)
+        found.append(lam)
+    assert np.abs(forces[:steps, :2] - found).max() <= 1e-9 * np.abs(found).max()
+    assert not forces[:, 2:].any()
+    assert 50 < result.contact_steps[0] < steps
+    assert bool(result.sticking) == (speed_hz == -0.05)
+
+
+@pytest.mark.slow
 def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     """Drag R Omega t of a blade of tangential stiffness k pressed on with N: force k R Omega t up to mu N."""
     flap, span, delta, mu, R = 2.0 * np.pi * 400.0, 2.0 * np.pi * 3000.0, 2e-6, 0.2, 0.45
