@@ -42,3 +42,17 @@ def test_an_update_refuses_them_before_it_computes_all_modes_below(unit, factor)
     table = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=1e-3 * freq, n=found.nodal_diameters, path="t.csv")
     with pytest.raises(InputError, match=f"t.csv, column 'freq_hz': found .* as of {unit}; expected Hz"):
         cf.update(shell, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])
+
+
+def test_an_update_takes_two_of_the_lowest_few_modes_that_are_as_two_pi_to_one_with_the_first():
+    """A slender cantilever bends at 1, 6.267, 17.55 and 34.39."""
+    steel = cf.Material(E=2e11, nu=0.0, rho=7800.0)
+    strip = cf.Shell(
+        chart=cf.geometry.Plate(length=0.4, width=0.03), thickness=2e-3, material=steel,
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=3, around=1),
+    )  # fmt: skip
+    freq = cf.modes(strip, 6).freq
+    table = cf.FrequencyTable.from_arrays(freq_hz=freq[[1, 5]], sigma_hz=0.1)
+    assert other_unit(table, freq, None) == "rad/s"
+    fit = cf.update(strip, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])
+    assert fit.value == (pytest.approx(2e11, rel=1e-6),)

@@ -13,6 +13,7 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.explanations import groups_alike
 from casingfem.locate.localisation import locate, search_model
 from casingfem.locate.mass_places import at_places
+from casingfem.locate.misfit import Misfit
 from casingfem.locate.shape_check import checked_by_shapes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
@@ -108,6 +109,21 @@ def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model, held):
     start = found.misfit.at(np.zeros(12))
     seen = np.sum((start.jacobian * found.smallest) ** 2, axis=0) / found.scale**2
     np.testing.assert_allclose(seen, f.isf(0.01 / 12, 1, found.rows - 1), rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_misfit_falls_as_its_derivatives_say(casing, model):
+    """With all modes of the basis, from pairs split and turned by two loose bolts."""
+    basis, table = model[0], table_of(loosened(casing, {3: 0.4, 4: 0.7}))
+    misfit = Misfit(model=basis, table=table, count=len(basis.K))
+    at, step = np.zeros(12), 1e-4
+    at[[1, 5]] = -0.7, -0.5
+    there = misfit.at(at)
+    for bolt in (1, 5, 8):
+        move = step * np.eye(12)[bolt]
+        up, down = misfit.at(at + move), misfit.at(at - move)
+        slope = (up.values - down.values) / (2.0 * step)
+        np.testing.assert_allclose(there.jacobian[:, bolt], slope, atol=1e-5 * np.abs(slope).max())
 
 
 @pytest.mark.slow

@@ -90,6 +90,12 @@ def test_a_band_narrower_than_the_grid_is_found():
     assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
 
 
+def test_a_band_begins_where_growth_is_1e_8_of_the_highest_frequency(monkeypatch):
+    monkeypatch.setattr("contact.growth.closed_contact.growth", lambda _, speed: 1e-6 * (speed - 50.0))
+    ((begin, end),) = ct.growth.stability(B6.contact(), np.linspace(0.0, 100.0, 11)).bands_hz
+    assert (begin, end) == pytest.approx((50.0 + 1e-8 * 2.0 * np.pi * 300.0 / 1e-6, 100.0), abs=1e-6)
+
+
 def test_a_speed_looked_at_beside_the_grid_counts_in_every_part_of_it():
     """Growth 1 - (10 (speed - at))^2, a band of width .2 midway between speeds of the grid."""
     for at in (0.5, 1.5, 2.5):

@@ -303,7 +303,6 @@ def test_lines_are_told_apart_by_the_record_until_it_is_too_short():
         fit_lines(record, 2.0 * np.pi * closer, np.zeros(2))
 
 
-@pytest.mark.slow
 def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
     """Two members of one damping at six tones, sigma 1e-3 of the largest wave; noise of that size with a seed."""
     tones, orders = np.linspace(368.1, 371.9, 6), np.array([-8, 8])
