@@ -1,18 +1,19 @@
 """Whether a table's frequencies stand in another unit than Hz: every row then is off by the same factor."""
 
 import math
+from typing import NoReturn
 
 import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 
 UNITS = {"rad/s": 2.0 * math.pi, "kHz": 1e-3, "1/min": 60.0}
 ALIKE = 0.2  # relative: models before an update are not better than that
 
 
-def other_unit(table: FrequencyTable, freq: FloatArray, n: FloatArray | None) -> str:
+def other_unit(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> str:
     """The unit in which the table agrees with the lowest computed modes; "" where that is none but maybe Hz.
 
     The lowest row of n nodal diameters stands beside the lowest such mode, the k-th row without n beside the k-th mode.
@@ -35,7 +36,23 @@ def other_unit(table: FrequencyTable, freq: FloatArray, n: FloatArray | None) ->
     return ""
 
 
-def require_hz(table: FrequencyTable, freq: FloatArray, n: FloatArray | None) -> None:
+def refuse_unpaired(table: FrequencyTable, freq: FloatArray, n: IntArray | None, reach: float) -> NoReturn:
+    """Say that no row pairs with a computed mode, and why where the table stands in another unit.
+
+    Raises
+    ------
+    InputError
+        Naming the unit, or the frequencies of both sides.
+    """
+    require_hz(table, freq, n)
+    raise InputError(
+        f"no row of {table.path} pairs with a computed mode within {reach:.0%}: "
+        f"measured {table.freq_hz.min():.1f} to {table.freq_hz.max():.1f} Hz, "
+        f"computed {freq[0]:.1f} to {freq[-1]:.1f} Hz"
+    )
+
+
+def require_hz(table: FrequencyTable, freq: FloatArray, n: IntArray | None) -> None:
     """Refuse a table in another unit.
 
     Raises

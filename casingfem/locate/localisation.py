@@ -12,6 +12,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.explanations import (
     bolted_edge,
@@ -113,6 +114,8 @@ def locate(
     ------
     ModelError
         locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline where the baseline lacks pairs.
+    InputError
+        No row of the table pairs with a mode.
     """
     require_shell(shell, "locate")
     check_labelled(table)
@@ -127,6 +130,8 @@ def locate(
     count = min(len(reduced.nominal), round(len(reduced.nominal) / REDUCED) + 4)
     misfit = Misfit(model=reduced, table=table, count=count, angle_sigma=angle_sigma, model_error=model_error)
     start = misfit.at(np.zeros(reduced.changes))
+    if not len(start.values):
+        refuse_unpaired(table, start.modes.freq, start.modes.nodal_diameters, misfit.reach)
     if among == "bolts":
         bounds = loosening(factors_of(reduced))
         active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from casingfem.errors import InputError
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import require_hz
+from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near
@@ -250,12 +249,7 @@ class Problem:
         pairing = pair(found, self.table, reach=self.reach, shape_mac=alike)
         self.seconds["pairing"] += time.perf_counter() - started
         if not pairing.matches:
-            require_hz(self.table, found.freq, getattr(found, "nodal_diameters", None))
-            raise InputError(
-                f"no row of {self.table.path} pairs with a computed mode within {self.reach:.0%}: "
-                f"measured {self.table.freq_hz.min():.1f} to {self.table.freq_hz.max():.1f} Hz, "
-                f"computed {found.freq[0]:.1f} to {found.freq[-1]:.1f} Hz"
-            )
+            refuse_unpaired(self.table, found.freq, getattr(found, "nodal_diameters", None), self.reach)
         return pairing
 
     def _make(self, found: Modes | MeshModes, solution: Solution | None, pairing: Pairing) -> State:

@@ -1,6 +1,7 @@
 """Loose bolts and added masses found from splits: exact recovery, what cannot be told, bad input."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.explanations import groups_alike
-from casingfem.locate.localisation import locate, search_model
+from casingfem.locate.localisation import locate, search_model, with_baseline_noise
+from casingfem.locate.located import Explanation, Found, Localisation
 from casingfem.locate.mass_places import at_places
 from casingfem.locate.misfit import Misfit
 from casingfem.locate.shape_check import checked_by_shapes
@@ -24,7 +26,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Frustum
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.calibration import calibrated
+from casingfem.updating.calibration import calibrated, correction
 from tests.test_results import assert_whole
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
@@ -287,6 +289,96 @@ def test_bad_input_is_named(casing, model, options, code):
     with pytest.raises(ModelError) as caught:
         locate(casing, table, **options)
     assert caught.value.code == code
+
+
+def test_a_table_of_which_no_row_pairs_is_refused(casing, model):
+    """It was answered that no bolt is loose."""
+    far = FrequencyTable.from_arrays(freq_hz=[110.0, 111.0], sigma_hz=0.1, n=[8, 8], path="far.csv")
+    with pytest.raises(
+        InputError, match=r"no row of far\.csv pairs .* within 30%: measured 110\.0 to 111\.0 Hz, computed"
+    ):
+        locate(casing, far, model=model)
+    right = measured(modes(casing, 8), 470.0)
+    kilo = replace(right, freq_hz=1e-3 * right.freq_hz, sigma_hz=1e-3 * right.sigma_hz)
+    with pytest.raises(InputError, match="as of kHz; expected Hz"):
+        locate(casing, kilo, model=model)
+
+
+def test_a_baseline_widens_rows_by_its_noise_and_by_what_couples_them():
+    """c = sqrt((1^2 + 2^2)/2) Hz: row 2 is nearer than c to another n, row 4 lies 10 Hz away from one; 1 % of noise."""
+    noisy = FrequencyTable.from_arrays(
+        freq_hz=[99.0, 101.0, 198.0, 202.0, 300.0], sigma_hz=[0.99, 1.01, 1.98, 2.02, 3.0], n=[3, 3, 4, 4, 0]
+    )
+    now = FrequencyTable.from_arrays(freq_hz=[100.0, 101.0, 102.0, 112.0], sigma_hz=0.5, n=[3, 3, 4, 5])
+    c2, apart = 2.5, np.array([2.0, np.sqrt(2.5), np.sqrt(2.5), 10.0])
+    expected = np.sqrt(0.25 + (0.01 * now.freq_hz) ** 2 + (c2 / apart) ** 2)
+    wider = with_baseline_noise(now, noisy)
+    np.testing.assert_allclose(wider.sigma_hz, expected, rtol=1e-12)
+    np.testing.assert_array_equal(wider.freq_hz, now.freq_hz)
+    unsplit = with_baseline_noise(now, noisy.without(2, 4))
+    np.testing.assert_allclose(unsplit.sigma_hz, np.hypot(0.5, 0.01 * now.freq_hz), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rows", "on", "pair", "shift"),
+    [
+        ([0, 1], [0, 1], [0, 1], (101.0**2 + 103.0**2 - 100.0**2 - 104.0**2) / 2),
+        ([1], [1], [0, 1], 103.0**2 - 104.0**2),
+        ([2], [2], [2], 208.0**2 - 200.0**2),
+    ],
+)
+def test_a_baseline_without_orientations_moves_means(rows, on, pair, shift):
+    """A doublet, half of one, a single mode: squares of frequencies, all members of a pair alike."""
+    found = SimpleNamespace(
+        omega=2.0 * np.pi * np.array([100.0, 104.0, 200.0]), doublets=((0, 1),), nodal_diameters=np.array([3, 3, 0]),
+        doublet_of=lambda mode: 0 if mode < 2 else -1,
+    )  # fmt: skip
+    table = FrequencyTable.from_arrays(freq_hz=[101.0, 103.0, 208.0], sigma_hz=0.1, n=[3, 3, 0])
+    moved, block = correction(found, table, SimpleNamespace(rows=tuple(rows), modes=tuple(on)))
+    assert moved == pair
+    np.testing.assert_allclose(block, 4.0 * np.pi**2 * shift * np.eye(len(pair)), rtol=1e-12)
+
+
+def localised(among, best, *others, **change):
+    parts = {
+        "chi2": 12.345678, "chi2_start": 9876.54, "rows": 20, "scale": 1.2345, "smallest": np.array([0.0123, 0.0456]),
+        "alike": ((1, 7),), "calibrated": False, "angles_deg": np.array([0.0, 30.0]), "misfit": None,
+    }  # fmt: skip
+    best, *others = (Explanation(found=found, behind=behind) for found, behind in (best, *others))
+    return Localisation(among=among, best=best, others=tuple(others), **parts | change)
+
+
+def test_loose_bolts_are_told_in_words_and_numbers():
+    bolts = [Found(place=k, angle_deg=30.0 * k - 30.0, value=v, sigma=0.0123) for k, v in ((3, 0.254), (9, 0.3))]
+    found = localised("bolts", ((bolts[0],), 0.0), ((bolts[1],), 2.345))
+    assert repr(found).splitlines() == [
+        "1 loose bolt found (without a baseline)",
+        "  bolt 3 at 60.0 deg: 25% +- 1.2% of its stiffness",
+        "chi^2 9877 -> 12.35 over 20 residuals; they are 1.23 times their stated sigma",
+        "as likely (chi^2 +2.3): bolt 9 at 240.0 deg: 30% +- 1.2% of its stiffness",
+        "half a turn changes no frequency and no orientation: measured shapes decide",
+        "a single change is seen from 0.012 to 0.046 of a bolt's stiffness",
+    ]
+    keys = ("explanation", "chi2_behind", "place", "angle_deg", "value", "sigma", "angle_sigma_deg")
+    rows = [(1, 0.0, 3, 60.0, 0.254, 0.0123, 0.0), (2, 2.345, 9, 240.0, 0.3, 0.0123, 0.0)]
+    assert found.records() == [dict(zip(keys, row, strict=True)) for row in rows]
+    document = found.to_json()
+    assert [one["behind"] for one in document["explanations"]] == [0.0, 2.345]
+    assert (document["found"][0]["place"], document["chi2"], document["chi2_start"]) == (3, 12.345678, 9876.54)
+
+
+def test_masses_are_told_in_grams_with_their_angles():
+    masses = [
+        Found(place=k, angle_deg=a, value=m, sigma=3.4e-5, angle_sigma_deg=0.123)
+        for k, a, m in ((3, 20.004, 0.02), (7, 111.0, 0.0123456))
+    ]
+    assert repr(localised("mass", (tuple(masses), 0.0), calibrated=True)).splitlines() == [
+        "2 added masses found (with a baseline)",
+        "  20 +- 0.034 g at 20.00 +- 0.12 deg",
+        "  12.35 +- 0.034 g at 111.00 +- 0.12 deg",
+        "chi^2 9877 -> 12.35 over 20 residuals; they are 1.23 times their stated sigma",
+        "a single change is seen from 0.012 to 0.046 kg",
+    ]
 
 
 def test_among_bolts_wants_one_bolted_edge(frustum):
