@@ -9,7 +9,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.correlation.pairing import member_of, pair
-from casingfem.updating.outliers import Shift, outlying, strongest
+from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, strongest
+from casingfem.updating.targets import values
 from reports.updating import wrong_rows
 from reports.updating.twin import measured
 from tests.casingfem.updating.test_update_judged import blade, table, vary
@@ -59,6 +60,34 @@ def test_changes_that_the_residuals_do_not_feel_make_no_wrong_row_less_significa
     unfelt = [Shift("orientation", (k,), np.zeros(24)) for k in range(1000)]
     assert [one.rows for one in found] == [(12,)]
     assert outlying([*shifts(), *unfelt], residual, COLUMNS, 24) == found
+
+
+def test_a_shift_is_what_was_added_to_the_table_and_named_in_its_own_unit():
+    """A single row by +2 Hz, a split by -0.4 Hz, an orientation by +3 deg, each alone; without rings a phase is 0."""
+    modes = SimpleNamespace(freq=np.array([100.0, 300.0, 302.0]), rings=None)
+    matches = [SimpleNamespace(rows=(0,), modes=(0,), n=-1), SimpleNamespace(rows=(1, 2), modes=(1, 2), n=4)]
+    for kind, by, angle, relative in (
+        ("frequency", [2.0, 0.0, 0.0], 0.0, 2.0 / 102.0),
+        ("split", [0.0, 0.2, -0.2], 0.0, -0.4 / 300.2),
+        ("orientation", [0.0, 0.0, 0.0], 0.3, 0.3),
+    ):
+        table = cf.FrequencyTable.from_arrays(
+            mode=[5, 6, 9], freq_hz=modes.freq + by, sigma_hz=0.1, n=[-1, 4, 4], angle_deg=[np.nan, angle, np.nan]
+        )
+        shifts = shifts_of(modes, table, matches)
+        assert [one.kind for one in shifts] == ["frequency", "frequency", "frequency", "split", "orientation"]
+        (told,) = named([strongest(shifts, values(modes, table, matches), np.zeros((4, 1)))], table)
+        assert (told.kind, told.modes) == (kind, (5,) if kind == "frequency" else (6, 9))
+        assert told.shift == pytest.approx(relative, rel=2e-3)
+
+
+def test_an_outlier_is_one_sentence():
+    one = Outlier(modes=(5,), n=0, kind="frequency", shift=-0.0412, deviation=23.46)
+    assert repr(one) == "row 5, n = 0: 4.1 % off all that the others say (23.5 sigma)"
+    split = Outlier(modes=(3, 4), n=-1, kind="split", shift=0.0023, deviation=5.0)
+    assert repr(split) == "rows 3 and 4: 0.23 % off in split all that the others say (5.0 sigma)"
+    turned = replace(split, n=8, kind="orientation", shift=-3.21)
+    assert repr(turned) == "rows 3 and 4, n = 8: 3.21 deg off in orientation all that the others say (5.0 sigma)"
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,7 @@
 """Measured shapes: sign and turn do not matter, derivatives are exact, and they say what frequencies cannot."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ import casingfem as cf
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.modal.neighbour import solved
 from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.shapes import shape_jacobian, shape_values
+from casingfem.updating.shapes import redundant, shape_jacobian, shape_values
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
 COUNT, ROWS = 16, 8
@@ -52,6 +54,17 @@ def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
     assert np.abs(values).max() < 1e-6
 
 
+def test_a_shape_is_no_information_in_the_plane_of_its_modes(frustum):
+    """All rows belong to pairs, with two directions a shape each; of mode 3 there is none, of mode 8 no row."""
+    table, shapes = measured(casing(frustum))
+    solution = solved(casing(frustum), COUNT)
+    blank = np.where(np.arange(ROWS) == 2, np.nan, shapes.shapes)
+    without = replace(shapes, shapes=blank).only(range(ROWS - 1))
+    assert redundant(solution.modes, shapes, matched(solution, table)) == 2 * ROWS
+    assert redundant(solution.modes, without, matched(solution, table.without(8))) == 2 * (ROWS - 2)
+    assert redundant(solution.modes, None, matched(solution, table)) == 0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["radius.p8.cos", "support.base.around.p3.cos", "shell.thickness"])
 def test_derivatives_equal_central_differences(frustum, name):
@@ -88,6 +101,7 @@ def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     assert fit.sigma[1] < 0.7 * bare.sigma[1]
     assert (np.abs(np.subtract(fit.value, [0.0025, 0.4])) < 3.5 * fit.sigma).all()
     assert 0.8 < fit.misfit < 1.2
+    assert fit.free == fit.residuals - 2 * ROWS - 2  # two modes a shape, two parameters
 
 
 def test_sensors_without_labels_are_numbered_from_1(frustum):
