@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import sys
 import time
 from concurrent.futures import Future
@@ -14,10 +15,13 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.io.tables import keys, members, words
 from contact.model.trig import harmonics
-from contact.scene.load import scene_of
+from contact.scene.load import scene_data, scene_of
 from contact.scene.roundness import RandomRoundness
+from contact.scene.tables import FILES
 from contact.sweep import dask_cluster as sweep_dask
+from contact.sweep import plan as sweep_plan
 from contact.sweep import sweep
 from contact.sweep.plan import load_sweep
 from contact.sweep.row import COLUMNS, growth_rate, row_of, sweep_record
@@ -169,6 +173,43 @@ to = 140.0
     assert built.what.blade.omega[0] == pytest.approx(2.0 * np.pi * plan.runs[0].values[3])
     assert len(np.unique(built.what.casing.omega)) == 10  # pairs are split
     assert len({run.digest for run in plan.runs}) == 40
+
+
+def test_draws_and_steps_fill_their_ranges_evenly(scene):
+    """Whole numbers with both ends, numbers and listed values each as often, steps even in the logarithm."""
+    random = """
+[sweep]
+kind = "random"
+draws = 400
+seed = 3
+[[sweep.vary]]
+key = "casing.seed"
+from = 2
+to = 4
+[[sweep.vary]]
+key = "speed.hz"
+from = 10.0
+to = 30.0
+[[sweep.vary]]
+key = "contact.friction"
+values = [0.1, 0.2, 0.3]
+[[sweep.vary]]
+key = "contact.clearance"
+from = 1e-5
+to = 1e-3
+log = true
+"""
+    file = scene(random)
+    table = sweep_plan._table(scene_data(file)[0]["sweep"], file)
+    seed, hz, friction, clearance = np.array(list(sweep_plan._combinations(table, file))).T
+    for found, values in ((seed, [2, 3, 4]), (friction, [0.1, 0.2, 0.3])):
+        assert np.unique(found).tolist() == values
+        assert [np.count_nonzero(found == value) for value in values] == pytest.approx([400 / 3] * 3, abs=40)
+    for even, low, high in ((hz, 10.0, 30.0), (np.log10(clearance), -5.0, -3.0)):
+        assert np.histogram(even, bins=4, range=(low, high))[0] == pytest.approx([100] * 4, abs=40)
+    grid = '[sweep]\nvary = [{key = "contact.clearance", from = 1e-5, to = 1e-3, steps = 5, log = true}]\n'
+    found = [run.values[0] for run in load_sweep(scene(grid)).runs]
+    assert found == pytest.approx([1e-5 * 10.0 ** (k / 2.0) for k in range(5)], rel=1e-12)
 
 
 DRAWS = """
@@ -348,6 +389,28 @@ def test_bad_sweeps_are_refused_with_their_key(scene, table, words):
         load_sweep(scene(table))
     assert words in str(error.value)
     assert "scene.toml" in str(error.value)
+
+
+def units_of_keys():
+    """Units of the numbers in tables of scenes that run, by key, as the schema's words end."""
+    found, todo, seen = {}, list(FILES.values()), set()
+    while todo:
+        model = todo.pop()
+        for key, info in keys(model).items() if model not in seen else ():
+            unit = re.search(r"\[([^\]]+)\]$", info.description or "")
+            if words(info.annotation).startswith("number" if unit else ("text", '"')):
+                found.setdefault(key, set()).add(unit[1] if unit else "-")
+            todo += members(info.annotation)
+        seen.add(model)
+    return found
+
+
+def test_columns_of_varied_keys_end_in_the_unit_that_the_scene_file_has():
+    """But for names that say it themselves, numbers without one, and keys that are something else in another table."""
+    bare = {"-", "degrees", "Hz", "turns/s", "m kg^(1/2)/s"}
+    units = {key: unit for key, (unit, *others) in units_of_keys().items() if not others and unit not in bare}
+    assert len(units) > 30
+    assert {key: re.sub(r"[/ ]", "_", f"_{unit}").replace("^", "") for key, unit in units.items()} == sweep.UNITS
 
 
 @pytest.mark.slow
