@@ -66,6 +66,22 @@ def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
     assert growth(mean, at) == pytest.approx([32.159, 27.929, 315.555], rel=0.02)  # Floquet's theory of the split one
 
 
+def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():
+    """Compliances turned by hand through a turn; frequency and damping of a pair are the mean of its two."""
+    casing, N, size = ring(imperfect=0.05), 6, 13
+    mean, turned = perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))
+    for phi in 2.0 * np.pi * np.arange(16) / 16:
+        R = np.eye(size)
+        for n in range(1, N + 1):
+            c, s = np.cos(n * phi), np.sin(n * phi)
+            R[np.ix_([n, N + n], [n, N + n])] = [[c, s], [-s, c]]
+        turned += np.kron(np.eye(2), R) @ casing.S @ np.kron(np.eye(2), R).T / 16
+    assert np.abs(turned[1:7, 20:]).max() > 0.01 * np.abs(turned).max()  # radial cosines move tangential sines
+    np.testing.assert_allclose(mean.S, turned, atol=1e-9 * np.abs(turned).max())
+    assert mean.omega == pytest.approx(np.repeat(casing.omega.reshape(5, 2).mean(axis=1), 2), rel=1e-12)
+    assert mean.zeta == pytest.approx([0.025] * 10, rel=1e-12)
+
+
 def test_a_mode_without_partner_goes_into_the_compliance():
     cut = ring().truncated(ring().omega[-1] * 0.99)
     lone = replace(ring(), omega=ring().omega * np.r_[np.ones(9), 1.5]).truncated(ring().omega[-2] * 1.01)
