@@ -155,9 +155,9 @@ def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu:
     met = coincidences(contact) if len(contact.Q) == 1 else free_coincidences(contact)
     here = tuple(c for c in met if c.free_hz > 0.0 and speed[0] <= c.speed_hz <= speed[-1])
     found = stability(contact, speed)
-    press, terms = _pressed(what)
+    press, angle, terms = _pressed(what)
     at = np.unique(np.concatenate([np.linspace(speed[0], speed[-1], 61), [c.speed_hz for c in here]]))
-    ratio = pulse_ratio(contact, at, press, terms)
+    ratio = pulse_ratio(contact, at, press, terms, angle)
     rows = [_row(c, found, contact, float(np.interp(c.speed_hz, at, ratio))) for c in here]
     rows += [
         _band_row(band, found, contact, float(np.interp(np.mean(band), at, ratio)))
@@ -212,18 +212,26 @@ def turns(speed_hz: float, growth: float, floor: float = 0.0) -> float:
     return math.log(TURNS) * speed_hz / growth if growth > floor else math.nan
 
 
-def pulse_ratio(contact: ClosedContact, speed_hz: Array, press: Array, terms: list[tuple[int, float, float]]) -> Array:
+def pulse_ratio(
+    contact: ClosedContact,
+    speed_hz: Array,
+    press: Array,
+    terms: list[tuple[int, float, float]],
+    angle: ArrayLike = 0.0,
+) -> Array:
     """Sum of |F_p| of an out-of-round rim over the least contact force at rest, (speeds,); infinite where none presses.
 
-    `press` (r,) by how much each contact overlaps, `terms` (p, cos, sin) [m] of the rim's deviation.
+    `press` (r,) by how much each contact overlaps, `terms` (p, cos, sin) [m] of the rim's deviation, `angle` (r,) [rad]
+    where each stands, or one for all: a wave of p meets them one after the other.
     """
     ratio = np.zeros(speed_hz.size)
+    at = np.broadcast_to(np.asarray(angle, dtype=float), press.shape)
     deviations = [(p, math.hypot(a, b)) for p, a, b in terms if p > 0 and (a or b)]
     if not (press.min() > 0.0):
         return ratio + math.inf
     for k, hz in enumerate(speed_hz):
         still = float(np.real(_stiffness(contact, hz, 0.0) @ press).min())
-        loads = [size * np.abs(_stiffness(contact, hz, p * hz).sum(axis=1)).max() for p, size in deviations]
+        loads = [size * np.abs(_stiffness(contact, hz, p * hz) @ np.exp(-1j * p * at)).max() for p, size in deviations]
         ratio[k] = sum(loads) / still if still > 0.0 else math.inf
     return ratio
 
@@ -271,17 +279,18 @@ def _(what: HandPair, mu: float) -> tuple[ClosedContact, bool]:
 
 
 @singledispatch
-def _pressed(what: RotatingRim | Rub | HandPair) -> tuple[Array, list[tuple[int, float, float]]]:
-    """Overlap of each contact with the mean rim [m], and the rim's deviation."""
-    return np.ones(1), []  # a pair by hand is closed by definition
+def _pressed(what: RotatingRim | Rub | HandPair) -> tuple[Array, Array, list[tuple[int, float, float]]]:
+    """Overlap of each contact with the mean rim [m], its angle [rad], and the rim's deviation."""
+    return np.ones(1), np.zeros(1), []  # a pair by hand is closed by definition
 
 
 @_pressed.register
-def _(what: RotatingRim) -> tuple[Array, list[tuple[int, float, float]]]:
+def _(what: RotatingRim) -> tuple[Array, Array, list[tuple[int, float, float]]]:
     return _pressed(rub_of(what))
 
 
 @_pressed.register
-def _(what: Rub) -> tuple[Array, list[tuple[int, float, float]]]:
+def _(what: Rub) -> tuple[Array, Array, list[tuple[int, float, float]]]:
     mean = sum(a for p, a, _ in what.profile.terms if p == 0) - float(what.closing.by[-1])
-    return np.array([-(what.clearance + tip.clearance) - mean for tip in what.tips]), list(what.profile.terms)
+    press = np.array([-(what.clearance + tip.clearance) - mean for tip in what.tips])
+    return press, np.radians([tip.angle_deg for tip in what.tips]), list(what.profile.terms)

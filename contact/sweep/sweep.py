@@ -214,6 +214,9 @@ UNITS = {
     "height": "_m", "radius": "_m", "offset": "_m", "x": "_m", "velocity": "_m_s", "mass": "_kg", "E": "_Pa",
     "rho": "_kg_m3", "area": "_m2", "stiffness": "_N_m", "gravity": "_m_s2", "force": "_N", "torque": "_N_m",
     "thickness": "_m", "tip": "_m", "machined": "_m", "yield_stress": "_Pa", "hardening": "_Pa", "end_mass": "_kg",
+    "modal_mass": "_kg", "compliance": "_m_N", "load": "_N_m", "k_r": "_N_m2", "k_t": "_N_m2", "spin": "_rad_s",
+    "amplitude": "_m", "by": "_m", "rms": "_m", "median": "_m", "high": "_m", "acceleration": "_m_s2",
+    "time_constant": "_s",
 }  # fmt: skip
 
 

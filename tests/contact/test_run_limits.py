@@ -71,6 +71,24 @@ def test_how_a_run_ends(monkeypatch):
         ended(prepared(block()), later(9.5), calm=CALM, **give)
 
 
+def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(monkeypatch):
+    """Zero too; a step of one kind replaces the other's; what is left out stays."""
+    monkeypatch.setattr(RUN, "prepared", lambda scene: scene)
+    monkeypatch.setattr(RUN, "completed", lambda scene, progress: scene)
+    said = block(
+        gravity=9.81, law=ct.Unilateral(), scheme=ct.CentralDifference(), record=ct.Record(every=3), on_limit="flag"
+    )
+    names = ("law", "scheme", "t_end", "dt", "courant", "gravity", "record", "on_limit")
+    for given in (
+        {}, {"gravity": 0.0}, {"t_end": 0.7}, {"dt": 0.02}, {"on_limit": "stop"}, {"law": ct.Coulomb(mu=0.1)},
+        {"scheme": ct.ExactModal()}, {"record": ct.Record(every=2)}, {"courant": 0.5},
+    ):  # fmt: skip
+        found = ct.run(said, **given)
+        expected = {name: getattr(said, name) for name in names} | ({"dt": None} if "courant" in given else {}) | given
+        assert {name: getattr(found, name) for name in names} == expected
+    assert ct.run(said.what, t_end=1.0).gravity == 0.0
+
+
 def test_samples_end_at_the_first_that_is_no_number():
     ready = prepared(block(record=ct.Record(state_every=2)))
     (part,) = (chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record))

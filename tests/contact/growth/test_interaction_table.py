@@ -5,16 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.optimize import linear_sum_assignment
 
 import contact as ct
 from contact.confirmed import confirming_run
 from contact.growth.closed_contact import growth, poles, poles_each
 from contact.growth.coincidence import loaded, waves
-from contact.growth.interaction_table import pulse_ratio
+from contact.growth.interaction_table import _above, _pressed, pulse_ratio
 from contact.growth.perfect_mean import mean_contact, perfect_mean
 from contact.growth.secular import closed_poles
-from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact
+from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact, rub_contact
 from contact.scene.stability import load_interactions
 from tests.contact.synthetic_rim import blade, ring
 
@@ -65,6 +66,22 @@ def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
     assert growth(mean, at) == pytest.approx([32.159, 27.929, 315.555], rel=0.02)  # Floquet's theory of the split one
 
 
+def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():
+    """Compliances turned by hand through a turn; frequency and damping of a pair are the mean of its two."""
+    casing, N, size = ring(imperfect=0.05), 6, 13
+    mean, turned = perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))
+    for phi in 2.0 * np.pi * np.arange(16) / 16:
+        R = np.eye(size)
+        for n in range(1, N + 1):
+            c, s = np.cos(n * phi), np.sin(n * phi)
+            R[np.ix_([n, N + n], [n, N + n])] = [[c, s], [-s, c]]
+        turned += np.kron(np.eye(2), R) @ casing.S @ np.kron(np.eye(2), R).T / 16
+    assert np.abs(turned[1:7, 20:]).max() > 0.01 * np.abs(turned).max()  # radial cosines move tangential sines
+    np.testing.assert_allclose(mean.S, turned, atol=1e-9 * np.abs(turned).max())
+    assert mean.omega == pytest.approx(np.repeat(casing.omega.reshape(5, 2).mean(axis=1), 2), rel=1e-12)
+    assert mean.zeta == pytest.approx([0.025] * 10, rel=1e-12)
+
+
 def test_a_mode_without_partner_goes_into_the_compliance():
     cut = ring().truncated(ring().omega[-1] * 0.99)
     lone = replace(ring(), omega=ring().omega * np.r_[np.ones(9), 1.5]).truncated(ring().omega[-2] * 1.01)
@@ -100,6 +117,48 @@ def test_pulses_are_the_force_of_a_shape_that_passes_slowly_over_the_force_that_
     found = ct.growth.interactions(rim(out_of_roundness=[{"p": 2, "cos": 5e-5}]), np.linspace(1.0, 10.0, 10), mu=0.3)
     assert found.opens_hz == ((1.0, 10.0),)
     assert "Contact cannot stay closed at 1-10 Hz" in repr(found)
+
+
+def test_a_wave_meets_tips_at_two_angles_one_after_the_other():
+    """Step by step in the casing's frame, where the tips move: forces of a unit wave and of a unit overlap of both."""
+    casing, at, p, hz, steps = ring(zeta=0.1, S=1e-5), np.radians([0.0, 50.0]), 3, 20.0, 1000
+    tips = [ct.ContactPoint(blade=k, angle_deg=50.0 * k) for k in range(2)]
+    contact = rub_contact(ct.Rub(casing, (blade(zeta=0.1), blade(zeta=0.1, psi=0.8)), tips, clearance=-1e-5))
+    m, h = contact.omega.size, 1.0 / hz / steps
+    lost = np.diag(2.0 * contact.zeta * contact.omega)
+    drift = expm(h * np.block([[np.zeros((m, m)), np.eye(m)], [-np.diag(contact.omega**2), -lost]]))
+    turn, give = expm(-2.0 * np.pi / steps * contact.G), np.linalg.inv(contact.S_nn)
+    x, Q, force = np.zeros((2 * m, 2)), contact.Q, np.zeros((steps, 2, 2))
+    for k in range(5 * steps):
+        overlap = np.column_stack([np.cos(p * (at - 2.0 * np.pi * k / steps)), np.ones(2)])
+        force[k % steps] = give @ (overlap - Q @ x[:m])
+        x[m:] += h * (Q.T @ force[k % steps])
+        x, Q = drift @ x, Q @ turn
+    swing, still = np.ptp(force[..., 0], axis=0).max() / 2.0, force[-1, :, 1].min()
+    found = pulse_ratio(contact, np.array([hz]), np.ones(2), [(p, 0.6, -0.8)], at)
+    assert found == pytest.approx([swing / still], rel=0.005)
+
+
+def test_what_presses_is_clearance_of_rub_and_tip_the_mean_of_the_profile_and_how_far_the_rim_closed():
+    rub = replace(
+        TWO_BLADES, tips=[replace(tip, clearance=1e-5 * k) for k, tip in enumerate(TWO_BLADES.tips)], clearance=-2e-5,
+        profile=ct.gaps.RimProfile.fourier([{"p": 0, "cos": 3e-6}, {"p": 2, "cos": 1e-6, "sin": 2e-6}]),
+        closing=ct.gaps.Closing(time=[0.0, 1.0], by=[0.0, 7e-6]),
+    )  # fmt: skip
+    press, angle, terms = _pressed(rub)
+    assert press == pytest.approx([2e-5 - 3e-6 + 7e-6, 1e-5 - 3e-6 + 7e-6], rel=1e-12)
+    assert angle == pytest.approx([0.0, np.pi], rel=1e-12)
+    assert (2, 1e-6, 2e-6) in terms
+
+
+def test_bands_that_open_begin_and_end_where_the_ratio_is_one():
+    at = np.array([1.0, 2.0, 4.0, 6.0, 7.0, 9.0])
+    for ratio, bands in (
+        ([0.0, 0.5, 2.5, 0.25, 0.75, 1.25], [(2.5, 4.0 + 2.0 / 1.5), (8.0, 9.0)]),
+        ([3.0, 0.0, 0.5, np.inf, 1.5, 0.5], [(1.0, 1.0 + 2.0 / 3.0), (5.0, 8.0)]),
+    ):
+        np.testing.assert_allclose(_above(at, np.array(ratio)), bands, rtol=1e-12)
+    assert _above(at, np.full(6, 0.999)) == ()
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -184,6 +185,47 @@ def test_words_name_the_sum_that_a_slow_rig_cannot_meet():
     words = ct.growth.stability(rig.contact(), np.linspace(4.0, 5.0, 11)).words
     assert "n f = 50 Hz < f_c = 426 Hz: the sum condition f_c + f_b = n f cannot be met" in words
     assert "no flutter unless mu > tan(lean)" in words
+
+
+@pytest.mark.parametrize(
+    ("blade_hz", "mu", "sign", "words"),
+    [
+        (380.0, 0.0, "+", "a forced resonance, no flutter unless mu > tan(lean)."),
+        (380.0, 0.3, "+", "mu > tan(lean) would drive flutter, which damping holds down."),
+        (220.0, 0.0, "-", "a forced resonance, no flutter unless mu > tan(lean)."),
+    ],
+)
+def test_words_of_a_blade_above_and_below_its_casing(blade_hz, mu, sign, words):
+    """They meet where 8 turns make up the difference of the frequencies that each has on the contact's spring."""
+    pair = damped(replace(B6, blade=replace(B6.blade, freq_hz=blade_hz), friction=mu, lean_deg=10.0 if mu else 0.0))
+    found = ct.growth.stability(pair.contact(), np.linspace(8.0, 12.0, 41))
+    on_spring = (np.sqrt(f**2 + a * 1e4 / (4.0 * np.pi**2)) for f, a in ((blade_hz, pair.kappa), (300.0, 0.5 / 1.5)))
+    said = re.search(rf"f_b = f_c \{sign} n f \(n = 8\) is met at ([\d.]+) Hz: (.*)", found.words)
+    assert float(said[1]) == pytest.approx(abs(np.subtract(*on_spring)) / 8.0, rel=2e-4)
+    assert said[2] == words
+    assert "Closed contact does not diverge from 8 to 12 Hz. n f = 96 Hz < f_c = 300 Hz: the sum" in found.words
+    assert repr(found).splitlines()[1] == "no growth from 8 to 12 Hz"
+
+
+def test_words_of_friction_along_the_casing_give_the_growth_and_the_damping_that_holds_it():
+    """r = (1 - i mu/n)/(2 m): |Im r|/(2 w S) = .0332 1/s with mu = .3, that of the poles far from any coincidence."""
+    pair, speeds = replace(B6, friction=0.3, lean_deg=10.0), np.linspace(29.0, 31.0, 5)
+    found = ct.growth.stability(pair.contact(), speeds)
+    rate = 0.3 / 8.0 / (2.0 * 1.5) / (2.0 * B6.casing.omega * 1e-4)
+    assert found.peak_growth == pytest.approx(rate, rel=0.15)
+    held = rate / B6.casing.omega
+    assert f"a travelling wave at up to {rate:.2g} 1/s, which a damping ratio of {held:.2g} holds." in found.words
+    assert not ct.growth.stability(
+        damped(pair, casing=1.2 * found.peak_growth / B6.casing.omega).contact(), speeds
+    ).diverges
+    assert repr(found).splitlines()[1] == "diverges from 29 to 31 Hz"
+
+
+def test_what_a_map_prints():
+    first, second, *words = repr(ct.growth.stability(B6.contact(), np.linspace(52.0, 54.0, 21))).splitlines()
+    assert first == "largest growth 3.7883 1/s at 52.844 Hz"
+    assert second == "diverges from 52.693 to 52.9945 Hz"
+    assert words[0].startswith("Closed contact diverges in 52.693-52.994 Hz, fastest at 52.844 Hz. The sum condition")
 
 
 def test_poles_come_in_conjugates_and_sum_to_the_damping():

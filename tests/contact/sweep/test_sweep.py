@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import sys
 import time
 from concurrent.futures import Future
@@ -9,15 +10,19 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
+from contact.io.tables import keys, members, words
 from contact.model.trig import harmonics
-from contact.scene.load import scene_of
+from contact.scene.load import scene_data, scene_of
 from contact.scene.roundness import RandomRoundness
+from contact.scene.tables import FILES
 from contact.sweep import dask_cluster as sweep_dask
+from contact.sweep import plan as sweep_plan
 from contact.sweep import sweep
 from contact.sweep.plan import load_sweep
 from contact.sweep.row import COLUMNS, growth_rate, row_of, sweep_record
@@ -171,6 +176,43 @@ to = 140.0
     assert len({run.digest for run in plan.runs}) == 40
 
 
+def test_draws_and_steps_fill_their_ranges_evenly(scene):
+    """Whole numbers with both ends, numbers and listed values each as often, steps even in the logarithm."""
+    random = """
+[sweep]
+kind = "random"
+draws = 400
+seed = 3
+[[sweep.vary]]
+key = "casing.seed"
+from = 2
+to = 4
+[[sweep.vary]]
+key = "speed.hz"
+from = 10.0
+to = 30.0
+[[sweep.vary]]
+key = "contact.friction"
+values = [0.1, 0.2, 0.3]
+[[sweep.vary]]
+key = "contact.clearance"
+from = 1e-5
+to = 1e-3
+log = true
+"""
+    file = scene(random)
+    table = sweep_plan._table(scene_data(file)[0]["sweep"], file)
+    seed, hz, friction, clearance = np.array(list(sweep_plan._combinations(table, file))).T
+    for found, values in ((seed, [2, 3, 4]), (friction, [0.1, 0.2, 0.3])):
+        assert np.unique(found).tolist() == values
+        assert [np.count_nonzero(found == value) for value in values] == pytest.approx([400 / 3] * 3, abs=40)
+    for even, low, high in ((hz, 10.0, 30.0), (np.log10(clearance), -5.0, -3.0)):
+        assert np.histogram(even, bins=4, range=(low, high))[0] == pytest.approx([100] * 4, abs=40)
+    grid = '[sweep]\nvary = [{key = "contact.clearance", from = 1e-5, to = 1e-3, steps = 5, log = true}]\n'
+    found = [run.values[0] for run in load_sweep(scene(grid)).runs]
+    assert found == pytest.approx([1e-5 * 10.0 ** (k / 2.0) for k in range(5)], rel=1e-12)
+
+
 DRAWS = """
 [contact.random_out_of_roundness]
 seed = 5
@@ -286,6 +328,17 @@ def test_the_hash_follows_all_that_defines_a_run(scene, tmp_path):
     assert not set(first) & {run.digest for run in load_sweep(file).runs}
 
 
+def test_the_hash_follows_the_versions_and_the_definition_of_what_is_measured(scene, monkeypatch):
+    file = scene(GRID)
+    found = [load_sweep(file).runs[0].digest]
+    with monkeypatch.context() as patched:
+        patched.setattr(sweep_plan, "MEASURES", sweep_plan.MEASURES + 1)
+        found.append(load_sweep(file).runs[0].digest)
+    monkeypatch.setattr(sweep_plan, "versions", lambda: {"numpy": "0"})
+    found.append(load_sweep(file).runs[0].digest)
+    assert len(set(found)) == 3
+
+
 @pytest.mark.slow
 def test_order_processes_and_resuming_change_no_bit(scene, tmp_path):
     plan = load_sweep(scene(GRID))
@@ -348,6 +401,28 @@ def test_bad_sweeps_are_refused_with_their_key(scene, table, words):
         load_sweep(scene(table))
     assert words in str(error.value)
     assert "scene.toml" in str(error.value)
+
+
+def units_of_keys():
+    """Units of the numbers in tables of scenes that run, by key, as the schema's words end."""
+    found, todo, seen = {}, list(FILES.values()), set()
+    while todo:
+        model = todo.pop()
+        for key, info in keys(model).items() if model not in seen else ():
+            unit = re.search(r"\[([^\]]+)\]$", info.description or "")
+            if words(info.annotation).startswith("number" if unit else ("text", '"')):
+                found.setdefault(key, set()).add(unit[1] if unit else "-")
+            todo += members(info.annotation)
+        seen.add(model)
+    return found
+
+
+def test_columns_of_varied_keys_end_in_the_unit_that_the_scene_file_has():
+    """But for names that say it themselves, numbers without one, and keys that are something else in another table."""
+    bare = {"-", "degrees", "Hz", "turns/s", "m kg^(1/2)/s"}
+    units = {key: unit for key, (unit, *others) in units_of_keys().items() if not others and unit not in bare}
+    assert len(units) > 30
+    assert {key: re.sub(r"[/ ]", "_", f"_{unit}").replace("^", "") for key, unit in units.items()} == sweep.UNITS
 
 
 @pytest.mark.slow
@@ -449,6 +524,78 @@ def test_without_a_scheduler_and_without_the_package(scene, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ct.InputError, match="pip install distributed"):
         sweep.run_sweep(plan, scheduler="tcp://127.0.0.1:1")
+
+
+class Answers(list):
+    """Futures, to which more are added while they are gone through."""
+
+    add = list.append
+
+
+class Cluster:
+    """Workers that die as often as the task says before they answer."""
+
+    def __init__(self):
+        self.begun = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def submit(self, work, task, *, pure):
+        assert not pure  # else a task that was lost would count as done
+        future, died = Future(), self.begun.count(task) < task
+        future.set_exception(ProcessLookupError()) if died else future.set_result(work(task))
+        self.begun.append(task)
+        return future
+
+
+def test_a_task_whose_workers_on_a_cluster_die_goes_to_others_a_few_times(monkeypatch):
+    cluster, met = Cluster(), []
+    package = SimpleNamespace(
+        Client=lambda address, timeout: met.append((address, timeout)) or cluster, as_completed=Answers,
+        KilledWorker=ProcessLookupError,
+    )  # fmt: skip
+    monkeypatch.setitem(sys.modules, "distributed", package)
+    rows = sweep_dask.on_cluster([2, 0, 1], lambda task: {"died": task}, "tcp://host:8786", 3)
+    assert list(rows) == [{"died": 0}, {"died": 1}, {"died": 2}]
+    assert (cluster.begun, met) == ([2, 0, 1, 2, 1, 2], [("tcp://host:8786", "20s")])
+    with pytest.raises(ct.InputError, match=r"^scheduler: the workers of a task died 3 times over$"):
+        list(sweep_dask.on_cluster([3], lambda task: {}, "tcp://host:8786", 3))
+    assert cluster.begun.count(3) == 3
+
+
+def test_a_sweep_counts_what_is_done_and_says_why_the_first_other_is_not(scene):
+    plan = load_sweep(scene(GRID.replace("[0.0, 0.1, 100.0]", "[0.0, 0.1]")))
+    rows = [dict.fromkeys(COLUMNS) | {"status": "done", "why": "none"} for _ in plan.runs]
+    result = sweep.SweepResult(plan=plan, rows=tuple(rows), resumed=0)
+    assert (repr(result), result.why) == ("SweepResult(6 of 6 runs done, 0 diverged, 0 failed)", "")
+    for k, status in {1: "diverged", 2: "refused", 4: "failed"}.items():
+        rows[k] |= {"status": status, "why": f'{status}, "as it\nis"'}
+    result = sweep.SweepResult(plan=plan, rows=tuple(rows), resumed=0)
+    assert repr(result) == "SweepResult(3 of 6 runs done, 1 diverged, 2 failed)"
+    assert result.why.startswith("diverged, ")
+    assert [row["run"] for row in result.records()] == [1, 2, 3, 4, 5, 6]
+    assert read(sweep.table(result))[4]["why"] == 'failed, "as it is"'
+
+
+def test_missing_runs_are_shared_out_in_whole_batches_of_eight(scene):
+    """Two tasks for two processes, but 64 runs a task at most; what is there, or twice, is not run again."""
+    plan = load_sweep(scene(GRID.replace("steps = 3", "steps = 90").replace("[0.0, 0.1, 100.0]", "[0.0, 0.1]")))
+    there = {run.digest: {} for run in plan.runs[:150]}
+    for jobs, kept, sizes in (
+        (1, {}, [64, 64, 52]),
+        (2, there, [16, 14]),
+        (4, there, [8, 8, 8, 6]),
+        (9, there, [8, 8, 8, 6]),
+    ):
+        parts = sweep.tasks(plan, kept, None, jobs)
+        assert [len(part.runs) for part in parts] == sizes
+        assert [run for part in parts for run in part.runs] == [(r.digest, r.values) for r in plan.runs[len(kept) :]]
+    twice = replace(plan, runs=plan.runs[:3] * 2)
+    assert [len(part.runs) for part in sweep.tasks(twice, {}, None, 1)] == [3]
 
 
 def dies(task):
