@@ -102,7 +102,7 @@ def run_sweep(
         if store is not None and scheduler is not None:  # processes here share the disk and have written them
             store.note(found)
         if progress is not None:
-            progress(len(rows))
+            progress(sum(run.digest in rows for run in plan.runs))
     return SweepResult(plan=plan, rows=tuple(rows[run.digest] for run in plan.runs), resumed=resumed)
 
 

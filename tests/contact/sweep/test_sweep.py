@@ -581,6 +581,16 @@ def test_a_sweep_counts_what_is_done_and_says_why_the_first_other_is_not(scene):
     assert read(sweep.table(result))[4]["why"] == 'failed, "as it is"'
 
 
+def test_progress_ends_at_the_number_of_runs_though_one_is_there_twice(scene, monkeypatch):
+    plan = load_sweep(scene(GRID))
+    plan = replace(plan, runs=(*plan.runs[:3], plan.runs[1]))
+    row = dict.fromkeys(COLUMNS) | {"status": "done", "why": ""}
+    monkeypatch.setattr(sweep, "run_task", lambda task: {digest: row for digest, _ in task.runs})
+    seen = []
+    assert len(sweep.run_sweep(plan, progress=seen.append).rows) == 4
+    assert seen == [4]
+
+
 def test_missing_runs_are_shared_out_in_whole_batches_of_eight(scene):
     """Two tasks for two processes, but 64 runs a task at most; what is there, or twice, is not run again."""
     plan = load_sweep(scene(GRID.replace("steps = 3", "steps = 90").replace("[0.0, 0.1, 100.0]", "[0.0, 0.1]")))
