@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from casingfem.errors import ModelError
+from casingfem.experiment.correlation.matches import modes_of, unpaired_words
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray
@@ -87,6 +88,9 @@ def locate(
 ) -> Localisation:
     """Find which bolts are loose, or where mass was added.
 
+    Rows that pair with no mode, with the best explanation in place, are named (`unpaired`), and the search is made anew
+    without them.
+
     Parameters
     ----------
     shell
@@ -119,11 +123,12 @@ def locate(
     """
     require_shell(shell, "locate")
     check_labelled(table)
-    reduced, angles = model or search_model(shell, table, among=among, edge=edge)
+    designed, angles = model or search_model(shell, table, among=among, edge=edge)
+    reduced, measured = designed, table
     if baseline is not None:
         check_labelled(baseline)
         try:
-            reduced = calibrated(reduced, baseline)
+            reduced = calibrated(designed, baseline)
             table = with_baseline_noise(table, baseline)
         except ValueError as error:
             raise ModelError("locate-baseline", f"baseline: {error}") from None
@@ -149,6 +154,15 @@ def locate(
             misfit = replace(misfit, model=exact if baseline is None else calibrated(exact, baseline))
             masses = significant_masses(misfit, edge, refined(misfit, edge, masses.angles, masses.masses))
         point, explained = masses.point, masses_explained(misfit, edge, masses, len(angles))
+    if 0 < len(point.lost) < len(table):
+        unpaired = modes_of(table, point.lost)
+        rest = measured.without(*unpaired)
+        check_labelled(rest, unpaired)
+        found = locate(
+            shell, rest, baseline=baseline, among=among, edge=edge, most=most, level=level, angle_sigma=angle_sigma,
+            model_error=model_error, model=(designed, angles),
+        )  # fmt: skip
+        return replace(found, unpaired=tuple(sorted({*unpaired, *found.unpaired})))
     free = len(explained[0].found) * (1 if among == "bolts" else 2)
     scale = float(np.sqrt(scale2(point, free)))
     return Localisation(
@@ -164,6 +178,7 @@ def locate(
         alike=groups_alike(start.jacobian),
         calibrated=baseline is not None,
         misfit=misfit,
+        unpaired=modes_of(table, point.lost),
     )
 
 
@@ -182,7 +197,8 @@ def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable) -> Freq
     return replace(table, sigma_hz=np.sqrt(table.sigma_hz**2 + (noise * table.freq_hz) ** 2 + coupled**2))
 
 
-def check_labelled(table: FrequencyTable) -> None:
-    """Refuse a table without doublets that have n."""
+def check_labelled(table: FrequencyTable, unpaired: tuple[int, ...] = ()) -> None:
+    """Refuse a table without doublets that have n; `unpaired` are the mode numbers of rows left out of it."""
     if not any(len(group.rows) == 2 for group in table.groups()):
-        raise ModelError("locate-unlabelled", f"{table.path}: found no doublet with nodal diameters")
+        why = "; ".join([f"{table.path}: found no doublet with nodal diameters", *unpaired_words(unpaired)])
+        raise ModelError("locate-unlabelled", why)

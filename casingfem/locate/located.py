@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from casingfem.experiment.correlation.matches import unpaired_words
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit
 from contact.io.reported import Reported
@@ -49,7 +50,8 @@ class Localisation(Reported):
     others
         Explanations that the table does not rule out, turned ones among them.
     chi2, chi2_start, rows
-        Sum of squared weighted residuals of the best and of no change at all; number of residuals.
+        Sum of squared weighted residuals of the best and of no change at all; number of residuals. All three, and
+        `scale`, are of the rows that pair.
     scale
         s = sqrt(max(1, chi^2/dof)): by how much the residuals exceed their stated sigma; standard deviations hold it.
     smallest
@@ -60,6 +62,8 @@ class Localisation(Reported):
         Whether a baseline was known.
     misfit
         What chi^2 was last judged by: the model as calibrated, the table with the uncertainty that was added to it.
+    unpaired
+        Mode numbers of the table's rows that no computed mode pairs with; all else is as if the table lacked them.
     """
 
     among: str
@@ -74,6 +78,7 @@ class Localisation(Reported):
     alike: tuple[tuple[int, ...], ...]
     calibrated: bool
     misfit: Misfit
+    unpaired: tuple[int, ...] = ()
 
     @property
     def found(self) -> tuple[Found, ...]:
@@ -106,6 +111,7 @@ class Localisation(Reported):
             "smallest": self.smallest.tolist(),
             "alike": [list(group) for group in self.alike],
             "baseline": self.calibrated,
+            "unpaired": list(self.unpaired),
         }
 
     def __repr__(self) -> str:
@@ -118,6 +124,7 @@ class Localisation(Reported):
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
         )
+        lines += unpaired_words(self.unpaired)
         for other in self.others:
             places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")

@@ -33,7 +33,7 @@ LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, r
 class Point:
     """One evaluated set of changes: weighted residuals (rows,), their derivatives (rows, changes), and chi^2.
 
-    Rows of the table that pair with nothing stand in chi^2 alone.
+    Rows of the table that pair with nothing, `lost`, stand in chi^2 alone.
     """
 
     x: FloatArray
@@ -41,6 +41,7 @@ class Point:
     values: FloatArray
     jacobian: FloatArray
     chi2: float
+    lost: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -74,7 +75,7 @@ class Misfit:
         matches, lost = paired_by_shares(found, self.table, self.reach)
         cost = float(np.sum((LOST * self.table.freq_hz[lost] / self.table.sigma_hz[lost]) ** 2))
         if not matches:
-            return Point(x, found, np.zeros(0), np.zeros((0, len(x))), cost)
+            return Point(x, found, np.zeros(0), np.zeros((0, len(x))), cost, tuple(lost))
         G = self.model.derivatives(found)
         turned = [match for match in matches if has_angle(match, self.table)]
         at = Rates(G=G, turning={match.modes: turning(found, match, G) for match in turned})
@@ -84,7 +85,7 @@ class Misfit:
         if self.angle_sigma:
             W = self.whitening(table, matches, len(residuals))
             residuals, slopes = W @ residuals, W @ slopes
-        return Point(x, found, residuals, slopes, cost + float(residuals @ residuals))
+        return Point(x, found, residuals, slopes, cost + float(residuals @ residuals), tuple(lost))
 
     def whitening(self, table: FrequencyTable, matches: Sequence[Match], rows: int) -> FloatArray:
         """What the uncertainty of orientations makes of the residuals, (rows, rows): less weight across the splits."""

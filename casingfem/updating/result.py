@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import chdtri
 
+from casingfem.experiment.correlation.matches import modes_of, unpaired_words
 from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
@@ -232,7 +233,7 @@ class UpdateResult(Reported):
     @property
     def unpaired(self) -> tuple[int, ...]:
         """Mode numbers of the table's rows that no computed mode was paired with: they took no part."""
-        return tuple(int(self.table.mode[row]) for row in self.pairing.unpaired_rows)
+        return modes_of(self.table, self.pairing.unpaired_rows)
 
     def pairs(self) -> list[dict[str, object]]:
         """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence."""
@@ -323,8 +324,7 @@ class UpdateResult(Reported):
             f"RMS {100.0 * self.rms_before:.3f} % -> {100.0 * self.rms_after:.3f} %, "
             f"misfit {self.misfit:.2f} sigma, {len(self.history)} evaluations"
         )
-        if self.unpaired:
-            lines.append(f"no mode pairs with table modes {', '.join(map(str, self.unpaired))}: they took no part")
+        lines += unpaired_words(self.unpaired)
         if self.misfit > 1.5:
             lines.append(
                 f"the model is off by {100.0 * self.model_floor:.2g} % of itself beyond the stated sigma; "

@@ -12,7 +12,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.expansion import Expansion, expand
 from casingfem.experiment.correlation.mac import mac, subspace_mac
-from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.correlation.matches import Match, Pairing, listed
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.pairing import pair
@@ -25,7 +25,6 @@ from casingfem.structure.shell.system import System
 from contact.io.reported import Reported
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
-SHOWN = 12  # sensors named on a line; the document has all
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -131,8 +130,7 @@ class Correlation(Reported):
         lines.append(f"unpaired: {len(rows)} measured, {len(rest)} computed; NCO by {self.mass_by}")
         lines.append(f"sensors up to {1e3 * self.sensors.distance.max():.2g} mm from the wall; {self.expansion!r}")
         low = np.unique(self.sensors.labels[self.comac < DIFFERENT]).tolist()
-        listed = ", ".join(map(str, low[:SHOWN])) + (f" and {len(low) - SHOWN} more" if len(low) > SHOWN else "")
-        lines.append(f"COMAC below {DIFFERENT}: sensors {listed or 'none'}")
+        lines.append(f"COMAC below {DIFFERENT}: sensors {listed(low) or 'none'}")
         return "\n".join(lines)
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from casingfem.experiment.correlation.alignment import Indices
+from casingfem.experiment.frequency_table import FrequencyTable
 from contact.io.reported import Reported
+
+SHOWN = 12  # named on a line; the document has all
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,3 +79,18 @@ class Pairing(Reported):
         if self.unpaired_rows:
             lines.append(f"  rows without a mode: {', '.join(map(str, self.unpaired_rows))}")
         return "\n".join(lines)
+
+
+def listed(names: Sequence[object]) -> str:
+    """The first names on a line, and how many more there are."""
+    return ", ".join(map(str, names[:SHOWN])) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+
+
+def modes_of(table: FrequencyTable, rows: Iterable[int]) -> tuple[int, ...]:
+    """The mode numbers of a table's rows."""
+    return tuple(int(table.mode[row]) for row in rows)
+
+
+def unpaired_words(modes: Sequence[int]) -> list[str]:
+    """The line that names rows that no mode pairs with, by their mode numbers; none where all pair."""
+    return [f"no mode pairs with table modes {listed(modes)}: they took no part"] if modes else []

@@ -304,6 +304,33 @@ def test_a_table_of_which_no_row_pairs_is_refused(casing, model):
         locate(casing, kilo, model=model)
 
 
+@pytest.mark.slow
+def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model):
+    """Frequencies off by three times their sigma, beside two rows that counted as 100 and 990 of theirs."""
+    clean = table_of(loosened(casing, {3: 0.5}))
+    noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
+    table = replace(clean, freq_hz=clean.freq_hz + noise)
+    names = ("freq_hz", "sigma_hz", "n", "angle_deg")
+    far = {"freq_hz": [10.0, 99.0], "sigma_hz": 0.01, "n": [0, 0], "angle_deg": np.nan}
+    wider = FrequencyTable.from_arrays(
+        **{name: np.concatenate([np.broadcast_to(far[name], 2), getattr(table, name)]) for name in names}
+    )
+    found, plain = locate(casing, wider, model=model, most=1), locate(casing, table, model=model, most=1)
+    assert (found.unpaired, plain.unpaired) == ((1, 2), ())
+    assert "no mode pairs with table modes 1, 2: they took no part" in repr(found).splitlines()
+    told, expected = found.to_json(), plain.to_json()
+    assert (told.pop("unpaired"), expected.pop("unpaired")) == ([1, 2], [])
+    assert told == expected
+    assert plain.scale > 1.5
+
+
+def test_a_table_whose_doublets_pair_with_nothing_is_refused(casing, model):
+    single = modes(casing, 1, method="shell").freq[0]
+    table = FrequencyTable.from_arrays(freq_hz=[11.0, 12.0, single], sigma_hz=0.1, n=[8, 8, 7])
+    with pytest.raises(ModelError, match="no doublet with nodal diameters; no mode pairs with table modes 1, 2: they"):
+        locate(casing, table, model=model)
+
+
 def test_a_baseline_widens_rows_by_its_noise_and_by_what_couples_them():
     """c = sqrt((1^2 + 2^2)/2) Hz: row 2 is nearer than c to another n, row 4 lies 10 Hz away from one; 1 % of noise."""
     noisy = FrequencyTable.from_arrays(
@@ -365,6 +392,14 @@ def test_loose_bolts_are_told_in_words_and_numbers():
     document = found.to_json()
     assert [one["behind"] for one in document["explanations"]] == [0.0, 2.345]
     assert (document["found"][0]["place"], document["chi2"], document["chi2_start"]) == (3, 12.345678, 9876.54)
+    assert document["unpaired"] == []
+
+
+@pytest.mark.parametrize(("count", "more"), [(12, ""), (13, " and 1 more")])
+def test_twelve_rows_that_pair_with_nothing_are_named(count, more):
+    bolt = Found(place=3, angle_deg=60.0, value=0.254, sigma=0.0123)
+    line = repr(localised("bolts", ((bolt,), 0.0), unpaired=tuple(range(1, count + 1)))).splitlines()[3]
+    assert line == f"no mode pairs with table modes 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12{more}: they took no part"
 
 
 def test_masses_are_told_in_grams_with_their_angles():
