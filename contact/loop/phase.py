@@ -121,11 +121,11 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
             low = tau
         else:
             high = tau
+        if abs(value) <= 4e-16 * (abs(t) + abs(tau)) * abs(slope):  # before the next guess, which may leave the bounds
+            return tau
         guess = tau - value / slope if slope != 0.0 else high
         if not low < guess < high:
             guess = 0.5 * (low + high)
-        if abs(guess - tau) <= 4e-16 * (abs(t) + abs(tau)) or value == 0.0:
-            return guess
         tau = guess
     return tau
 
