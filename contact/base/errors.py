@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-WITHIN = 1.0 + 1e-9  # times a limit: what differs from it by less keeps it
-
 
 class InputError(ValueError):
     """What was given cannot be run: the message names the field, what was found and what is expected."""
@@ -27,11 +25,12 @@ class DivergedError(NumericsError):
 
 
 def rounded_down(limit: float, digits: int) -> str:
-    """A limit > 0 with so many digits and not above it, so that who takes what a message advises keeps the limit.
+    """A limit > 0 with so many digits and below it, so that who takes what a message advises keeps the limit.
 
-    >>> rounded_down(1.23456789e-4, 6), rounded_down(3e-4, 4)
+    >>> rounded_down(1.23456789e-4, 6), rounded_down(3.00001e-4, 4)
     ('0.000123456', '0.0003')
     """
     nearest = f"{limit:.{digits}g}"
     unit = 10.0 ** (math.floor(math.log10(limit)) + 1 - digits)
-    return nearest if float(nearest) <= limit * WITHIN else f"{limit - unit:.{digits}g}"
+    # what is made of a limit that is round itself may round up
+    return nearest if float(nearest) <= limit * (1.0 - 1e-12) else f"{limit - unit:.{digits}g}"

@@ -114,20 +114,23 @@ def root(p: PhaseArrays, y: Array, row: int, t: float, low: float, high: float) 
             break
         high = low
         low = first + 0.5 * (low - first)
-    tau = high
+    tau, found, least = high, high, math.inf
     for _ in range(NEWTON):
         value, slope = watched_at(p, y, row, t, tau)
+        if abs(value) < least:
+            found, least = tau, abs(value)
         if value > 0.0:
             low = tau
         else:
             high = tau
-        if abs(value) <= 4e-16 * (abs(t) + abs(tau)) * abs(slope):  # before the next guess, which may leave the bounds
-            return tau
+        close = 4e-16 * (abs(t) + abs(tau))
+        if abs(value) <= close * abs(slope) or high - low <= close:  # before the next guess, which may be far away
+            break
         guess = tau - value / slope if slope != 0.0 else high
         if not low < guess < high:
             guess = 0.5 * (low + high)
         tau = guess
-    return tau
+    return found
 
 
 @jit

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact.base.arrays import require_positive
-from contact.base.errors import WITHIN, InputError, LimitError, rounded_down
+from contact.base.errors import InputError, LimitError, rounded_down
 from contact.model.bodies.beam import BeamInCircle, ring_table
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
@@ -88,7 +88,7 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
         dt = courant * limit
     assert dt is not None
     require_positive(dt=dt)
-    if dt > limit * WITHIN:
+    if dt > limit * (1.0 + 1e-9):
         raise LimitError(
             f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected <= 2 (stability of central "
             f"differences): take dt <= {rounded_down(limit, 11)} s"

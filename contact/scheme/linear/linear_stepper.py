@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive
-from contact.base.errors import WITHIN, InputError, LimitError, rounded_down
+from contact.base.errors import InputError, LimitError, rounded_down
 from contact.model.bodies.band import Band, Factor, factor, pairs, solve
 from contact.model.bodies.linear_system import Linear, LinearSystem, linear_system, omega_max
 from contact.model.law import Law, kind
@@ -168,7 +168,7 @@ def linear_step(problem: Linear, dt: float | None, courant: float | None) -> flo
 def require_stable(h: float, omega: float, limit: float, name: str) -> str:
     """Return "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
     reached = h * omega
-    if reached > limit * WITHIN:
+    if reached > limit * (1.0 + 1e-9):
         raise LimitError(
             f"dt: found {h:.6g} s, dt * omega_max = {reached:.4g}, expected <= {limit:.4g} (stability of {name}): "
             f"take dt <= {rounded_down(limit * h / reached, 6)} s"

@@ -21,7 +21,7 @@ from typing import Literal, cast
 import numpy as np
 
 from contact.base.arrays import Array, require_positive
-from contact.base.errors import WITHIN, InputError, LimitError, rounded_down
+from contact.base.errors import InputError, LimitError, rounded_down
 from contact.base.remembered import remembered
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.patch import Patch
@@ -155,7 +155,7 @@ class ExactModal:
 
     def _require_slow(self, omega: Array, h: float) -> None:
         top = float(omega.max(initial=0.0))
-        if h * top > self.omega_h_limit * WITHIN:
+        if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
                 f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step "
                 f"resonance at pi): take dt <= {rounded_down(self.omega_h_limit / top, 4)} s, or keep modes up to "
@@ -165,7 +165,7 @@ class ExactModal:
 
 def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
     angle = n_max * abs(speed) * h
-    if angle > 0.3 * WITHIN:
+    if angle > 0.3:
         raise LimitError(
             f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
             f"take dt <= {rounded_down(0.3 * h / angle, 4)} s"

@@ -240,7 +240,7 @@ def test_free_methods_agree(frustum, coarse):
 @pytest.mark.filterwarnings("ignore:.*shell-thin")
 @pytest.mark.parametrize(("ratio", "counted"), [(1e-3, True), (1e-4, True), (1e-5, False)])
 def test_a_thin_free_ring_by_harmonics_has_an_answer_and_a_word_on_round_off(steel, ratio, counted):
-    """Rayleigh's inextensional n = 2 in plane strain, and below it by the edges' bending layer, about .07 sqrt(t/R)."""
+    """Rayleigh's inextensional n = 2 in plane strain, and below it by the edge effect, about .07 sqrt(t/R)."""
     shell = Shell(chart=Cylinder(radius=1.0, height=1.0), thickness=ratio, material=steel)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
