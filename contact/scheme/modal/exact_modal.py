@@ -157,7 +157,7 @@ class ExactModal:
         top = float(omega.max(initial=0.0))
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
-                f"dt: found omega_max dt = {h * top:.4g}, expected <= {self.omega_h_limit:g} (step "
+                f"dt: found omega_max dt = {h * top:.6g}, expected <= {self.omega_h_limit:g} (step "
                 f"resonance at pi): take dt <= {rounded_down(self.omega_h_limit / top, 4)} s, or keep modes up to "
                 f"{rounded_down(self.omega_h_limit / h, 5)} rad/s (ModalBody.truncated)"
             )
