@@ -164,21 +164,28 @@ def settled(
 ) -> tuple[Array, float]:
     """State after a run of `most` periods, fewer if it settles, and its fraction of the forcing's period.
 
-    The run begins at the family's start, or at a state x, `at` of the period. It ends where no rigid contact is closed.
+    The run begins at the family's start, or at a state x, `at` of the period. A run that does not settle gives the
+    state that came closest to itself over a period: chaos passes near orbits that it does not stay on. The state
+    returned has no rigid contact closed.
     """
     motion, period = family.at(value)
-    x, found = family.begin if x is None else x, None
+    x = family.begin if x is None else x
+    near: Passage | None = None
+    apart = np.inf
     for _ in range(most):
         found = passage(motion, x, at * period, periods * period, tangent=False, extremes=False)
-        change = np.linalg.norm(found.x - x)
+        change, size = float(np.linalg.norm(found.x - x)), float(np.linalg.norm(found.x))
         x = found.x
         if not change < HUGE:
             raise NumericsError(f"{family.name} = {value:.8g}: a run grows without bound")
-        if change <= SETTLED * np.linalg.norm(x):
+        if near is None or change < apart * size:
+            near, apart = found, change / size if size > 0.0 else 0.0
+        if change <= SETTLED * size:
             break
-    free = _free_time(found, motion, periods * period) if found is not None else 0.0
-    if free > 0.0:
-        x = passage(motion, x, at * period, free, tangent=False, extremes=False).x
+    if near is None:
+        return x, at
+    free = _free_time(near, motion, periods * period)
+    x = passage(motion, near.x, at * period, free, tangent=False, extremes=False).x if free > 0.0 else near.x
     return x, (at + free / period) % 1.0
 
 

@@ -83,6 +83,16 @@ def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
         assert TURN * found.of("fold")[0].orbit.value == pytest.approx(1.5579, rel=3e-3)
 
 
+def test_an_orbit_is_found_from_chaos():
+    """A run that does not settle passes near the unstable orbit: where it does, not where it ends, is the guess."""
+    family = mass_on_stop(1e5).over("freq_hz", freq_hz=0.2)
+    for hz in (0.148, 0.1481, 0.14841, 0.15067, 0.15077, 0.15169, 0.1519):
+        found = ct.growth.cycles.orbit(family, hz)
+        assert not found.stable
+        closed = map_of(family, hz, found.start)(found.x, tangent=False).x
+        assert closed == pytest.approx(found.x, rel=1e-5)
+
+
 def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch):
     """A rigid stop: the branch without contact ends where the mass grazes it, and another begins with touches.
 
