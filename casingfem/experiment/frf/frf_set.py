@@ -24,6 +24,7 @@ Kind = Literal["frf", "time", "spectrum"]
 PLACES = ("response_point", "response_direction", "reference_point", "reference_direction")
 TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
 _KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
+_HOW = ": divide the cross spectrum of force and response by the force's own (scipy.signal.csd, welch)"
 _UNITS = {"hz": "frequency", "s": "time", "sec": "time"}
 _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 
@@ -149,8 +150,11 @@ class FrfSet:
         found = file.functions
         chosen = [function for function in found if function.kind in _KINDS[kind]]
         if not chosen:
-            there = ", ".join(sorted({function.word for function in found})) or "no functions"
-            raise InputError(str(path), found=there, expected=f"functions of kind {kind!r}")
+            there = ", ".join(sorted({function.word for function in found}))
+            raise InputError(
+                str(path), found=there or f"no functions, but {file.contents}",
+                expected=f"functions of kind {kind!r}{_HOW if kind == 'frf' and there else ''}",
+            )  # fmt: skip
         card = tuple(line for line in file.header if line)
         return replace(cls.from_functions(chosen, kind, str(path)), card=card)
 

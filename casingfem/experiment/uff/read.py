@@ -8,6 +8,7 @@ reader is the project's own: pyuff 2.5, the usual one, returns fewer points or n
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -60,12 +61,18 @@ class UniversalFile:
     skipped: tuple[Skipped, ...] = ()
 
     def __repr__(self) -> str:
+        return f"UniversalFile({self.path}: {self.contents})"
+
+    @property
+    def contents(self) -> str:
+        """What the file holds, in words."""
         parts = [f"{len(self.nodes.labels)} nodes"] if self.nodes is not None else []
         parts += [f"{len(self.elements.labels)} elements"] if self.elements is not None else []
         for what, items in (("trace lines", self.lines), ("shapes", self.shapes), ("functions", self.functions)):
             parts += [f"{len(items)} {what}"] if items else []
-        parts += [f"set {number} ({kind}) at line {line} skipped" for number, kind, line in self.skipped]
-        return f"UniversalFile({self.path}: {', '.join(parts) or 'nothing that is read'})"
+        for (number, kind), often in Counter((each.number, each.kind) for each in self.skipped).items():
+            parts.append(f"{often} set{'s'[: often > 1]} {number} ({kind}) skipped")
+        return ", ".join(parts) or "nothing that is read"
 
 
 def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> UniversalFile:

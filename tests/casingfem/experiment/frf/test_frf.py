@@ -9,6 +9,7 @@ import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.experiment.frf.files import file_coherence, read_coherence, read_places
 from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
 
 
@@ -77,8 +78,11 @@ def test_time_records_and_spectra_too(kind, three, tmp_path):
     path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     assert same(FrfSet.from_uff(path, kind), given)
     assert ("time_s" in (tmp_path / "f.csv").read_text()) == (kind == "time")
-    with pytest.raises(InputError, match="expected functions of kind 'frf'"):
+    with pytest.raises(InputError, match="expected functions of kind 'frf': divide the cross spectrum"):
         FrfSet.from_uff(path)
+    nodes = Nodes(labels=np.array([1, 2]), points=np.eye(2, 3), systems=np.zeros(2, int), motions=np.zeros(2, int))
+    with pytest.raises(InputError, match=r"found no functions, but 2 nodes; expected functions of kind '\w+'$"):
+        FrfSet.from_uff(write_uff(tmp_path / "g.uff", nodes=nodes), kind)
 
 
 def test_uneven_abscissas_keep_their_bits(three, tmp_path):

@@ -225,7 +225,7 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
     data = b"    -1\n    18\nanything\n    -1\n" + written(tmp_path, nodes=nodes())
     found = parse_uff(data, "rig.uff")
     assert [tuple(one) for one in found.skipped] == [("18", "coordinate systems", 2)]
-    assert "set 18 (coordinate systems) at line 2 skipped" in repr(found)
+    assert "1 set 18 (coordinate systems) skipped" in repr(found)
     with pytest.raises(InputError, match=r"line 2, set 18 \(coordinate systems\)"):
         parse_uff(data, "rig.uff", strict=True)
     with pytest.warns(ModelWarning, match="set 5.*uff-unknown"):
