@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.base.arrays import Array, Indices, readonly
+from contact.base.arrays import Array, Indices, readonly, require_count
 from contact.base.errors import InputError
 from contact.io.brief import brief
 
@@ -25,7 +25,8 @@ class Record:
     is interpolated, each stands beside the time of its own step. `channels` R (c, N): R u is stored in place of u.
     Impulse, intervals, penetration, residual and energy are summed at every step whatever is stored.
 
-    Raises InputError for counts below one, instants beside `every`, channels that are not a finite matrix.
+    Raises InputError for counts that are not whole or below one, instants beside `every`, channels that are not
+    a finite matrix.
 
     >>> Record(every=10, state_every=100).every
     10
@@ -50,9 +51,9 @@ class Record:
             if self.at is None and self.state_every == 0:
                 raise InputError("channels: found no displacements to store, expected state_every or at as well")
             object.__setattr__(self, "channels", rows)
-        if self.every < 1:
-            raise InputError(f"every: found {self.every!r}, expected a whole number >= 1")
-        if self.state_every < 0 or self.state_every % self.every:
+        require_count(every=self.every)
+        require_count(0, state_every=self.state_every)
+        if self.state_every % self.every:
             raise InputError(
                 f"state_every: found {self.state_every!r}, expected 0 or a multiple of every = {self.every}"
             )

@@ -47,7 +47,7 @@ def run(scene: ct.BeamInCircle, scheme: ct.CentralDifference | ct.Newmark, t_end
         failed, result = str(error).partition(":")[0], error.result
     stepper = scheme.prepare(scene, ct.Unilateral(), dt=result.dt, courant=None)
     assert isinstance(stepper, BeamStepper | ImplicitBeamStepper)
-    buffers = samples(ct.Record(every=10**9), result.steps, stepper.sums.closed.size, stepper.size)
+    buffers = samples(ct.Record(every=10**7), result.steps, stepper.sums.closed.size, stepper.size)
     stepper.advance(buffers, 0, result.steps)
     momentum, impulse = stepper.angular_momentum()
     late = 0.5 if isinstance(stepper, BeamStepper) else 0.0  # explicit velocities stand half a step back

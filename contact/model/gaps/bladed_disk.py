@@ -25,6 +25,7 @@ from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import Speed
 
 FEWEST = 2  # blades: one has no neighbour
+MOST_DIAMETERS = 1000  # the compliance of a rim is a full matrix of 4 n + 2 rows
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -111,8 +112,15 @@ def tip_channels(blades: int) -> tuple[str, ...]:
 
 
 def pair_rim(pair: ModalPair, *, radius: float) -> ModalBody:
-    """A casing as its pair of n diameters alone: cos and sin n theta, inextensional (tangential over radial 1/n)."""
-    n, size = pair.n, 2 * pair.n + 1
+    """A casing as its pair of n diameters alone: cos and sin n theta, inextensional (tangential over radial 1/n).
+
+    Raises InputError unless n is from 1 to 1000: a rim keeps every harmonic up to n.
+    """
+    if not 1 <= pair.n <= MOST_DIAMETERS:
+        found = pair.n if pair.n < 1e18 else "over 1e18"
+        raise InputError(f"n: found {found}, expected 1 to {MOST_DIAMETERS} nodal diameters of a rim")
+    n = int(pair.n)
+    size = 2 * n + 1
     x = pair.modal_mass**-0.5
     rows = np.zeros((2 * size, 2))
     rows[n, 0] = rows[2 * n, 1] = x

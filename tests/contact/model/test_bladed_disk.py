@@ -162,3 +162,13 @@ def test_a_pair_as_a_rim_moves_inextensionally():
     u = radial[3] * np.cos(3 * theta) + radial[6] * np.sin(3 * theta)
     slope = 3.0 * (-tangential[3] * np.sin(3 * theta) + tangential[6] * np.cos(3 * theta))
     assert u + slope == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("n", [0, 1001, 10**25])
+def test_a_rim_has_from_one_to_a_thousand_diameters(n):
+    with pytest.raises(ct.InputError, match=r"^n: found .*, expected 1 to 1000 nodal diameters of a rim$"):
+        pair_rim(ct.gaps.ModalPair(n=n, freq_hz=100.0, modal_mass=4.0), radius=0.3)
+
+
+def test_diameters_may_be_a_whole_float():
+    assert pair_rim(ct.gaps.ModalPair(n=3.0, freq_hz=100.0, modal_mass=4.0), radius=0.3).n_max == 3

@@ -190,6 +190,7 @@ def test_scene_files_have_both(tmp_path):
     ("lines", "words"),
     [
         ("at = []", "record.at: "),
+        (f"every = {10**25}", "record: every: found over 1e18, expected at most 10000000"),
         ("at = [0.1]\nevery = 3", "record: at: found beside every"),
         ("channels = [[1.0]]", "record: channels found without state_every or at"),
         ("at = [0.1]\nchannels = [[1.0], [1.0, 2.0]]", "record: channels of different lengths"),
@@ -201,3 +202,10 @@ def test_broken_tables_name_their_key(tmp_path, lines, words):
     with pytest.raises(ct.scene.SceneError) as caught:
         ct.load_scene(tmp_path / "scene.toml")
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["every", "state_every"])
+@pytest.mark.parametrize("value", [2.5, 2.0, np.inf, np.nan, "3", None, 10**25])
+def test_counts_are_whole_numbers(name, value):
+    with pytest.raises(ct.InputError, match=f"^{name}: found "):
+        ct.Record(**{name: value})
