@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 MOST_MAPS = 400  # stored maps: beyond, every second one is dropped
 FIRST_EVERY = 100  # steps between maps at first
+MOST_AROUND = 1_000_000  # bars of a track: the maps of more fill the memory
 
 
 def bare() -> Coating:
@@ -46,13 +47,19 @@ class Track:
     ) -> Track:
         """A coating as it leaves the machine, on a rim whose radius deviates by `profile` of the angle [m].
 
-        Raises InputError when the tip is longer than a quarter of the rim.
+        Raises InputError when the tip is longer than a quarter of the rim, or so short that there are too many bars.
         """
         from contact.solver.abradable.one_tip import Coating
 
         if law.tip > 0.5 * math.pi * radius:
             raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")
-        cells = round(2.0 * math.pi * radius * law.bars / law.tip)
+        around = 2.0 * math.pi * radius * law.bars / law.tip
+        if around > MOST_AROUND:
+            raise InputError(
+                f"tip: found {law.tip:g} m with {law.bars} bars under it, {around:.3g} bars around the rim of "
+                f"{radius:g} m, expected at most {MOST_AROUND}: take a longer tip or fewer bars"
+            )
+        cells = round(around)
         radial = np.array([profile(float(phi)) for phi in _angles(cells)])
         mean = float(radial.mean())
         made, area = radial - mean, law.width * 2.0 * math.pi * radius / cells
