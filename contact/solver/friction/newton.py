@@ -178,7 +178,10 @@ def release(rho: Array, dim: int, count: int, u: Array, force: Array) -> None:
 
 @jit
 def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
-    """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block)."""
+    """Step lengths of each contact: 1/W_NN, 1/(largest eigenvalue of the tangential block).
+
+    Where nothing gives way along the tangent the slip is given, and every step finds the friction: that of the normal.
+    """
     for k in range(count):
         i = k * dim
         rho[k, 0], rho[k, 1] = 1.0 / W[i, i], 0.0
@@ -188,7 +191,7 @@ def steps_in(W: Array, dim: int, count: int, rho: Array) -> None:
         if dim == 3:
             a, c, m = W[i + 1, i + 1], W[i + 2, i + 2], 0.5 * (W[i + 1, i + 2] + W[i + 2, i + 1])
             top = 0.5 * (a + c) + math.hypot(0.5 * (a - c), m)
-        rho[k, 1] = 1.0 / top
+        rho[k, 1] = 1.0 / top if top > 0.0 else rho[k, 0]
 
 
 @jit

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.coulomb import coulomb, friction_forces, solver_room
 from contact.solver.friction.one_contact import one_contact
 
 SEED = 20263
@@ -36,6 +36,19 @@ def test_one_direction_is_a_division():
     W = np.diag([2.0, 0.0])
     assert in_closed_form(W, np.array([-3.0, 0.0]), 0.0) == (True, pytest.approx([1.5, 0.0]))
     assert in_closed_form(W, np.array([3.0, 0.0]), 0.0) == (True, pytest.approx([0.0, 0.0]))
+
+
+@pytest.mark.slow  # compiles
+@pytest.mark.parametrize(
+    ("slip", "friction"),
+    [([0.5], [-0.3]), ([-0.5], [0.3]), ([0.0], [0.0]), ([0.3, -0.4], [-0.18, 0.24]), ([0.0, 0.0], [0.0, 0.0])],
+)
+def test_a_body_that_cannot_move_along_the_tangent_rubs_by_the_slip_that_is_given(slip, friction):
+    W = np.diag([2.0, *np.zeros(len(slip))])
+    dim, force = len(W), np.zeros(len(W))
+    _, residual = friction_forces(W, np.array([-2.0, *slip]), np.array([0.3]), dim, 1, force, solver_room(1, dim))
+    assert residual <= 1e-12
+    assert force == pytest.approx([1.0, *friction], rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize(
