@@ -172,12 +172,16 @@ def projected(structure: MeshStructure, fields: Array, n_max: int) -> Rings:
 def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> FloatArray:
     """Polynomials in r and z up to `DEGREE`, orthonormal under the weights, (points, functions).
 
+    Both are scaled by the size of the body: the radius of a cylinder varies by the digits of its file alone, which is
+    no meridional coordinate but turns with theta.
+
     >>> r, z, weight = np.array([1.0, 2.0, 1.5, 1.2]), np.array([0.0, 1.0, 0.3, 0.2]), np.ones(4)
     >>> P = meridional_shapes(r, z, weight)
     >>> bool(np.allclose(P.T @ (weight[:, None] * P), np.eye(P.shape[1])))
     True
     """
-    a, b = (2.0 * (q - q.min()) / max(np.ptp(q), 1e-12 * np.abs(q).max(), 1e-300) - 1.0 for q in (r, z))
+    size = max(np.abs(r).max(), np.ptp(z), np.finfo(float).tiny)
+    a, b = ((2.0 * q - q.max() - q.min()) / size for q in (r, z))
     powers = [a**i * b**j for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
     table = np.stack(powers, axis=1)
     values, vectors = np.linalg.eigh(table.T @ (weight[:, None] * table))

@@ -23,7 +23,9 @@ from contact.model.bodies.matrix_report import MatrixReport, report_of
 
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
-RIGID = 1e-6  # omega^2 over that of the seventh mode below which a mode is rigid
+RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
+SHIFT = 1e-6  # s over the median K_ii / M_ii
+ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
 NOTHING = 1e-9  # of the static compliance: below it the residual is round-off
 
 
@@ -48,8 +50,9 @@ def reduced(
     S = 0.5 * (S + S.T)
     if np.abs(S).max() <= NOTHING * np.abs(total).max():
         S = np.zeros_like(S)
-    damping, coupling = modal_damping(matrices, phi, omega, zeta)
-    facts = report_of(matrices, lam, rigid, len(lam), float(np.trace(S) / np.trace(total)), coupling)
+    damping, coupling, undamped = modal_damping(matrices, phi, omega, zeta)
+    share = float(np.trace(S) / np.trace(total)) if S.any() else 0.0
+    facts = report_of(matrices, lam, rigid, len(lam), share, coupling, undamped)
     body = dict(
         omega=omega,
         zeta=damping,
@@ -65,11 +68,11 @@ def reduced(
 def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
     """omega^2 ascending (at most `count`, those of massless dofs left out), mass-normalised modes, rigid ones first."""
     from scipy.linalg import eigh
-    from scipy.sparse import csc_array
-    from scipy.sparse.linalg import LinearOperator, eigsh, splu
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
     M, K, n = matrices.M, matrices.K, matrices.size
-    shift = _shift(matrices)
+    rate = median_rate(matrices)
+    shift = SHIFT * rate
     if n <= DENSE:
         try:
             theta, X = eigh(M.toarray(), (K + shift * M).toarray())
@@ -83,18 +86,23 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
         alive = theta > 1e-15 * theta[0]
         theta, X = theta[alive], X[:, alive]
     else:
-        factor = splu(csc_array(K + shift * M))
+        factor = factored(K + shift * M)
         inverse = LinearOperator((n, n), matvec=factor.solve)
         start = factor.solve(M @ np.random.default_rng(7).standard_normal(n))
         wanted = min(max(count, 7) + 6, n - 1)
-        values, X = eigsh(K, wanted, M=M, sigma=-shift, OPinv=inverse, which="LM", v0=start)
+        try:
+            values, X = eigsh(K, wanted, M=M, sigma=-shift, OPinv=inverse, which="LM", v0=start)
+        except ArpackError as error:
+            massive = np.count_nonzero(M.diagonal())
+            found = f"found no {wanted} modes of {n} dofs, {massive} of them with mass ({error})"
+            raise InputError(f"M, K: {found}; with few masses, condense the dofs without mass") from None
         order = np.argsort(values)
         theta, X = 1.0 / (values[order] + shift), X[:, order]
         if (theta < 0.0).any():
             raise InputError("K: found an indefinite stiffness, expected one without negative modes")
     X = X / np.sqrt(np.einsum("ij,ij->j", X, M @ X))
     lam = 1.0 / theta - shift
-    level = float(lam[min(6, len(lam) - 1)])
+    level = lowest_elastic(lam, rate)
     if lam[0] < -RIGID * level:
         raise InputError(f"K: found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes")
     rigid = int(np.count_nonzero(lam < RIGID * level))
@@ -105,8 +113,33 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
     return lam[:kept], np.ascontiguousarray(X[:, :kept]), rigid
 
 
-def _shift(matrices: Matrices) -> float:
-    """Shift s [rad^2/s^2], small beside what springs hold: masses that none holds say nothing of the others."""
+def lowest_elastic(lam: Array, rate: float) -> float:
+    """omega^2 of the first mode from the seventh on that is more than round-off; of the last one if none is.
+
+    A part has at most six rigid modes; several parts that nothing joins, or a mechanism, have more. The median rate
+    K_ii / M_ii stands for what is beyond it, as the mode of a support's penalty.
+
+    >>> lowest_elastic(np.array([0.0] * 8 + [4.0, 9.0]), 20.0), lowest_elastic(np.array([4.0, 1e20]), 20.0)
+    (4.0, 20.0)
+    """
+    beyond = lam[min(6, len(lam) - 1) :]
+    elastic = beyond[beyond > ROUND_OFF * rate]
+    return min(float(elastic[0] if elastic.size else beyond[-1]), rate)
+
+
+def factored(A: Any) -> Any:
+    """The factors of a sparse matrix; a singular one is refused."""
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import splu
+
+    try:
+        return splu(csc_array(A))
+    except RuntimeError:
+        raise InputError("K: found a singular stiffness, expected dofs that have mass or that springs hold") from None
+
+
+def median_rate(matrices: Matrices) -> float:
+    """Median K_ii / M_ii [rad^2/s^2] of what springs hold: masses that none holds say nothing of the others."""
     masses, springs = matrices.M.diagonal(), matrices.K.diagonal()
     heavy = masses > 0.0
     if not heavy.any():
@@ -114,35 +147,42 @@ def _shift(matrices: Matrices) -> float:
     rates = springs[heavy] / masses[heavy]
     if not (rates > 0.0).any():
         raise InputError("K: found no stiffness on its diagonal where there is mass")
-    return 1e-6 * float(np.median(rates[rates > 0.0]))
+    return float(np.median(rates[rates > 0.0]))
 
 
 def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
     """Static displacements under unit forces on the channels, (n, channels), of a free body by inertia relief."""
     from scipy.sparse import block_array, csc_array
-    from scipy.sparse.linalg import splu
 
     if not R.shape[1]:
-        return np.asarray(splu(csc_array(matrices.K)).solve(P))
+        return np.asarray(factored(matrices.K).solve(P))
     momenta = matrices.M @ R
     scale = float(np.abs(matrices.K.diagonal()).mean() / np.abs(momenta).max())
     border = csc_array(scale * momenta)
-    bordered = csc_array(block_array([[matrices.K, border], [border.T, None]]))
+    bordered = block_array([[matrices.K, border], [border.T, None]])
     balanced = P - momenta @ (R.T @ P)
-    solved = splu(bordered).solve(np.vstack([balanced, np.zeros((R.shape[1], P.shape[1]))]))
+    solved = factored(bordered).solve(np.vstack([balanced, np.zeros((R.shape[1], P.shape[1]))]))
     return np.asarray(solved[: matrices.size])
 
 
-def modal_damping(matrices: Matrices, phi: Array, omega: Array, zeta: float) -> tuple[Array, float | None]:
-    """Damping ratios, and the largest coupling between modes that they leave out (None without C)."""
+def modal_damping(matrices: Matrices, phi: Array, omega: Array, zeta: float) -> tuple[Array, float | None, int | None]:
+    """Damping ratios, and what they leave out (None without C).
+
+    That is the largest coupling between modes, and the number of rigid modes that C damps: they have no ratio.
+    """
     if matrices.C is None:
-        return np.full(len(omega), zeta), None
+        return np.full(len(omega), zeta), None, None
     c = phi.T @ (matrices.C @ phi)
-    own = np.abs(np.diag(c))
+    own = np.diag(c)
+    if own.min() < -RIGID * np.abs(own).max():
+        raise InputError(f"C: found negative damping in mode {int(own.argmin()) + 1}, expected one that takes energy")
+    own = np.abs(own)
     ratio = np.divide(own, 2.0 * omega, out=np.full(len(omega), zeta), where=omega > 0.0)
     if ratio.max(initial=0.0) >= 1.0:
         k = int(ratio.argmax())
         raise InputError(f"C: found a damping ratio of {ratio[k]:.3g} in mode {k + 1}, expected less than 1")
     size = np.sqrt(np.outer(own, own))
     off = np.abs(c - np.diag(np.diag(c)))
-    return ratio, float(np.divide(off, size, out=np.zeros_like(off), where=size > 0.0).max(initial=0.0))
+    coupling = np.divide(off, size, out=np.zeros_like(off), where=size > 0.0).max(initial=0.0)
+    undamped = np.count_nonzero(own[omega == 0.0] > RIGID * own.max())
+    return ratio, float(coupling), int(undamped)

@@ -15,9 +15,10 @@ class MatrixReport:
     """What to know of matrices before anything is done with them.
 
     `mass` [kg] along x, y, z (equal for a whole body without scalar dofs left out); `centre` [m] and `inertia` [kg m^2]
-    about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to their largest entry;
-    `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual` the share of
-    S in the static compliance at the contact; `coupling` the largest damping between two modes over their own.
+    about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the
+    same rows; `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual`
+    the share of S in the static compliance at the contact; `coupling` the largest damping between two modes over their
+    own; `undamped` rigid modes that C damps and the body does not.
     """
 
     size: int
@@ -31,6 +32,7 @@ class MatrixReport:
     kept: int
     residual: float
     coupling: float | None
+    undamped: int | None
 
     def __str__(self) -> str:
         """The lines of the printout."""
@@ -44,10 +46,12 @@ class MatrixReport:
             lines.append(f"inertia about it [kg m^2]: {rows}")
         else:
             lines.append("inertia: not known without the positions of the nodes")
-        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the largest entry")
+        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
         lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
         if self.coupling is not None:
             lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, left out")
+        if self.undamped:
+            lines.append(f"damping of rigid modes: left out in {self.undamped} of {self.rigid}, which move on undamped")
         return "\n".join([*lines, self.words])
 
     @property
@@ -65,7 +69,13 @@ class MatrixReport:
 
 
 def report_of(
-    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
+    matrices: Matrices,
+    lam: Array,
+    rigid: int,
+    kept: int,
+    residual: float,
+    coupling: float | None,
+    undamped: int | None,
 ) -> MatrixReport:
     """The facts of matrices and of the modes kept."""
     motions = matrices.rigid_motions()
@@ -94,4 +104,5 @@ def report_of(
         kept=kept,
         residual=residual,
         coupling=coupling,
+        undamped=undamped,
     )

@@ -1,5 +1,7 @@
 """Modes of solids on meshes: labels on bodies of revolution, rigid motions, mechanisms, the same table as shells."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.revolution import elements_around, round_about_z
+from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.shell.shell import Shell
 
@@ -169,3 +172,18 @@ def test_without_memory_for_a_factor_thick_solids_go_to_multigrid_and_others_are
     for structure, wanted in ((thin, 5), (thick, (0.0, 1.1 * exact.freq[0]))):
         with pytest.raises(NumericsError, match=r"takes .* GB, 0.0001 GB are free: .*\[modes-memory\]"):
             mesh_modes(structure, wanted)
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-kink")
+def test_digits_of_a_file_are_no_meridional_coordinate(steel):
+    """A cylinder of straight edges: all its integration points have one radius but for the digits of the nodes."""
+    around = grid_mesh(
+        "quad", (24, 3), lambda u: revolved((0.2, 0.2), (0.0, 0.2), 0.0)(np.insert(u, 0, 0.5, 1)), wrap=0
+    )
+    mesh = replace(around, points=np.round(around.points, 9))
+    wave = np.zeros((len(mesh.points), 5, 1))
+    theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+    wave[:, :2, 0] = np.cos(2 * theta)[:, None] * mesh.points[:, :2] / 0.2
+    label, purity = projected(MeshShell(mesh=mesh, material=steel, thickness=2e-3), wave, 8).label()
+    assert label.tolist() == [2]
+    assert purity[0] > 0.999

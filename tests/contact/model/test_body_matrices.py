@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import block_diag, csc_array, diags_array
 
 import contact as ct
 from contact.io.units import units_of
@@ -191,6 +191,9 @@ I2 = np.eye(2)
         (np.diag([1.0, -1.0]), I2, {}, "M: found"),
         (np.zeros((2, 2)), I2, {}, "M: found zeros alone"),
         (1.0 - I2, I2, {}, "M: found no mass on its diagonal"),
+        (I2, (1.0 + 0.02j) * I2, {}, "K: found complex numbers, expected real ones"),
+        (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), {}, "neither mass nor stiffness at 2.x, the first of 1 such dofs"),
+        (I2, I2, {"C": np.diag([0.1, -0.1])}, "C: found negative damping in mode"),
         (I2, I2, {"dofs": [(1, "x"), (1, "x")]}, "dofs: found 1.x twice"),
         (I2, I2, {"dofs": [(1, "x"), (1, "w")]}, "direction 'w' at node 1"),
         (I2, I2, {"contact": [3]}, "contact: found node 3"),
@@ -259,3 +262,62 @@ def test_channels_of_ones_own():
     assert body.channels == ("mean",)
     G = np.linalg.inv(K.toarray())
     assert compliance(body).item() == pytest.approx(0.25 * G[:2, :2].sum(), rel=1e-9)
+
+
+def test_a_missing_half_shows_beside_a_support_held_by_a_large_penalty():
+    """The penalty 1e20 is no measure for the springs of the other dofs."""
+    M, K, dofs, _ = rod(6, set())
+    held = K.toarray()
+    held[-1, -1] += 1e20
+    free = ct.ModalBody.from_matrices(M, held, dofs=dofs, contact=[1], modes=4)
+    assert free.omega[0] > 0.0
+    with pytest.raises(ct.InputError, match="K: found asymmetry of"):
+        ct.ModalBody.from_matrices(M, np.triu(held), dofs=dofs, contact=[1], modes=4)
+
+
+def test_round_off_in_rows_without_stiffness_is_no_asymmetry():
+    """A free Craig-Bampton set: the stiffness at its boundary is round-off, of any sign and symmetry."""
+    K = np.diag([0.0, 0.0, 1e6, 4e6, 9e6])
+    K[:2, :2] = [[1e-9, 2e-9], [-1e-9, 2e-9]]
+    dofs = [(1, "x"), (1, "y"), *((100 + k, "q") for k in range(3))]
+    _, facts = body_of(Matrices.of(np.eye(5), K, dofs=dofs), [1], modes=5)
+    assert facts.rigid == 2
+
+
+@pytest.mark.parametrize("dense", [True, False])
+def test_parts_that_nothing_joins_have_their_rigid_modes_each(dense, monkeypatch):
+    """Nine free rods: nine rigid modes, and the compliance of one rod at its end."""
+    if not dense:
+        monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
+    M, K, dofs, _ = rod(6, set())
+    one = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=3)
+    many = [(node + 100 * k, axis) for k in range(9) for node, axis in dofs]
+    body, facts = body_of(Matrices.of(block_diag([M] * 9), block_diag([K] * 9), dofs=many), [1], modes=20)
+    assert facts.rigid == 9
+    np.testing.assert_allclose(body.omega[9:18], one.omega[1], rtol=1e-6)
+    elastic = body.rows[:, 9:] / body.omega[9:]
+    alone = one.rows[:, 1:] / one.omega[1:]
+    np.testing.assert_allclose(elastic @ elastic.T + body.S, alone @ alone.T + one.S, rtol=1e-6)
+
+
+def test_few_masses_among_many_dofs_are_named(monkeypatch):
+    """Lanczos finds no more modes than there are masses."""
+    monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
+    _, K, dofs, _ = rod(40, {41})
+    M = np.zeros(K.shape)
+    M[0, 0] = 1.0
+    with pytest.raises(ct.InputError, match=r"M, K: found no .* modes of 40 dofs, 1 of them with mass"):
+        ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=4)
+
+
+def test_a_dashpot_on_a_rigid_mode_is_left_out_and_told():
+    M, K, dofs, _ = rod(6, set())
+    C = np.zeros(K.shape)
+    C[0, 0] = 1.0
+    body, facts = body_of(Matrices.of(M, K, C, dofs=dofs), [1], modes=3)
+    assert body.zeta[0] == 0.0
+    assert facts.undamped == 1
+    assert "damping of rigid modes: left out in 1 of 1" in str(facts)
+    _, facts = body_of(Matrices.of(M, K, 1e-6 * K, dofs=dofs), [1], modes=3)
+    assert facts.undamped == 0
+    assert "rigid modes: left out" not in str(facts)

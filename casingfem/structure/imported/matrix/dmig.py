@@ -28,6 +28,7 @@ def read_dmig(path: Path) -> MatrixSet:
     """
     parser = Parser(path.name)
     entries: dict[str, list[Entry]] = {}
+    symmetric: set[str] = set()
     others: set[str] = set()
     points: dict[int, FloatArray] = {}
     for card in cards(read_lines(path)):
@@ -36,7 +37,7 @@ def read_dmig(path: Path) -> MatrixSet:
             number, *x = parser.grids[-1]
             points[number] = np.array(x)
         elif card.name == "DMIG":
-            take(parser, card, entries, others)
+            take(parser, card, entries, symmetric, others)
     roles = roles_of(list(entries), path.name)
     known = {dof for name in roles.values() for entry in entries[name] for dof in (entry[:2], entry[2:4])}
     dofs = sorted(known, key=lambda dof: (dof[1] == 0, dof))  # scalars last, as in a Craig-Bampton set
@@ -46,13 +47,14 @@ def read_dmig(path: Path) -> MatrixSet:
         table = entries[name]
         columns = np.array([place[entry[:2]] for entry in table])
         rows = np.array([place[entry[2:4]] for entry in table])
-        matrices[role] = from_triples(rows, columns, np.array([entry[4] for entry in table]), len(dofs))
+        values = np.array([entry[4] for entry in table])
+        matrices[role] = from_triples(rows, columns, values, len(dofs), symmetric=name in symmetric)
     return MatrixSet(
         K=matrices["K"], M=matrices["M"], C=matrices.get("C"), dofs=np.array(dofs), points=points, source=path.name
     )
 
 
-def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], others: set[str]) -> None:
+def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], symmetric: set[str], others: set[str]) -> None:
     """One DMIG card: its header, or a column; loads and recovery matrices are passed over by their names."""
     fields = card.fields
     if len(fields) < 3:
@@ -67,6 +69,8 @@ def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], others: se
             found = f"{name} of form {form} and type {kind}"
             raise parser.fault(card, f"found {found}, expected form 1 or 6 (square), type 1 or 2 (real)")
         entries[name] = []
+        if form == "6":
+            symmetric.add(name)
         return
     if name in others:
         return

@@ -97,12 +97,19 @@ def role_of(name: str) -> str:
     return [*by_word, *by_letter, ""][0]
 
 
-def from_triples(rows: IntArray, columns: IntArray, values: FloatArray, size: int) -> csc_array:
-    """A matrix from its entries, numbered from 0; where one triangle alone is given, the other is the same."""
-    full = coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
+def from_triples(
+    rows: IntArray, columns: IntArray, values: FloatArray, size: int, *, symmetric: bool = False
+) -> csc_array:
+    """A matrix from its entries, numbered from 0.
+
+    Where one triangle alone is given, the other is the same. A `symmetric` one may have each entry on either side of
+    the diagonal, in the order of rows of the program that wrote it; what it has on one side alone is mirrored.
+    """
+    full = coo_array((values, (rows, columns)), shape=(size, size)).tocsr()
     one_sided = not np.any(rows > columns) or not np.any(rows < columns)
-    if one_sided:
-        diagonal = csc_array(coo_array((full.diagonal(), (np.arange(size), np.arange(size))), shape=(size, size)))
-        full = csc_array(full + full.T - diagonal)
+    if symmetric or one_sided:
+        places = coo_array((np.ones(len(rows)), (rows, columns)), shape=(size, size)).tocsr()
+        full = full + full.T - full.multiply(places.T > 0)
+    full = csc_array(full)
     full.eliminate_zeros()
     return full

@@ -115,6 +115,17 @@ def test_abaqus_mtx_files(tmp_path):
     same(body(found))
 
 
+def test_symmetric_dmig_has_each_entry_on_either_side_of_the_diagonal(tmp_path):
+    """Nastran sorts by number: below the diagonal is what scalar point 1 has with grid 101, and 101 with 102."""
+    lines = ["DMIG,KAAX,0,6,1,0", "DMIG,KAAX,1,0,,1,0,5.", ",101,1,-2.", "DMIG,KAAX,101,1,,101,1,4.", ",102,1,-1."]
+    lines += ["DMIG,KAAX,102,1,,102,1,4.", "DMIG,MAAX,0,6,1,0"]
+    lines += [f"DMIG,MAAX,{dof},,{dof},1." for dof in ("1,0", "101,1", "102,1")]
+    (tmp_path / "part.pch").write_text("\n".join(lines) + "\n")
+    found = read_matrices(tmp_path / "part.pch")
+    assert found.dofs.tolist() == [[101, 1], [102, 1], [1, 0]]
+    np.testing.assert_array_equal(found.K.toarray(), [[4.0, -1.0, -2.0], [-1.0, 4.0, 0.0], [-2.0, 0.0, 5.0]])
+
+
 def test_small_fields_and_full_matrices_of_dmig(tmp_path):
     """Form 1, small fields, an entry a line after the first; a scalar point has component 0."""
     text = """BEGIN BULK
