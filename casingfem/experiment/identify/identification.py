@@ -190,7 +190,7 @@ def channel_notes(
     if circle is None or not sure:
         return ()
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
+    return suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
 
 
 def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
@@ -199,7 +199,7 @@ def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, t
     if circle is None or not sure:
         return every
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    off = suspect_sensors(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
+    off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points, trusted)
     off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
     return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
 
