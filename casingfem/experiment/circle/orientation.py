@@ -61,7 +61,8 @@ class Circle:
             if any(np.linalg.norm(basis.T @ other, 2) > ALIKE for other in spaces.values()):
                 break
             spaces[n] = basis
-        return cls(theta=theta, orders=tuple(n for n in spaces if n_max is None or n <= n_max))
+        told = spaces if len(spaces) > 1 else ()  # an n that is told from no other is not told
+        return cls(theta=theta, orders=tuple(n for n in told if n_max is None or n <= n_max))
 
     @property
     def n_max(self) -> int:

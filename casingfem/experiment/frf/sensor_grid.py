@@ -71,7 +71,7 @@ def sensor_grid(
     theta = np.full(len(sensors), np.nan)
     if angles is not None:
         for k, point in enumerate(sensors[:, 0].tolist()):
-            if point not in angles:
+            if point not in angles or not np.isfinite(angles[point]):
                 raise InputError(frfs.path, found=f"no angle for point {point}", expected="an angle of every sensor")
             theta[k] = np.radians(angles[point])
     nowhere = np.full(3, np.nan)

@@ -123,7 +123,8 @@ def identify(
     doublets = paired(modes)
     modes = settled(modes, doublets)
     suspects = channel_notes(modes, grid, circle, trusted)
-    notes = (*said, *test_notes(found), *suspects, *notes_of(modes, doublets), *left_out)
+    round_it = circle_notes(modes, grid, circle)
+    notes = (*said, *test_notes(found), *round_it, *suspects, *notes_of(modes, doublets), *left_out)
     if tau is not None:
         modes, notes = without_window(modes, tau), (window_note(tau), *notes)
     return Identified(
@@ -182,6 +183,22 @@ def trusted_sensors(found: BandFits, grid: SensorGrid) -> BoolArray | None:
     return None if found.belongs is None else np.median(found.belongs[grid.channels], axis=1) > 0.5
 
 
+def circle_notes(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
+    """Where the sensors tell no n, or a mode has the largest that they tell: a larger one would look like a smaller."""
+    if circle is None or not modes:
+        return ()
+    if not circle.orders:
+        low, high = np.degrees([grid.theta.min(), grid.theta.max()]).tolist()
+        where = f"{len(np.unique(grid.theta))} angles from {low:.4g} to {high:.4g} deg"
+        return (f"no n is told: the {len(grid)} sensors stand at {where}, too few or too near (angles in radians?)",)
+    if not any(mode.n == circle.n_max for mode in modes):
+        return ()
+    return (
+        f"n = {circle.n_max} is the largest looked for, at most what {len(grid)} sensors tell apart: modes of a larger"
+        " n would be given a smaller one",
+    )
+
+
 def channel_notes(
     modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None
 ) -> tuple[str, ...]:
@@ -190,7 +207,7 @@ def channel_notes(
     if circle is None or not sure:
         return ()
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    return suspected(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
+    return suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
 
 
 def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
@@ -199,7 +216,7 @@ def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, t
     if circle is None or not sure:
         return every
     shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    off = suspect_sensors(shapes, np.array([mode.n for mode in sure]), grid.theta, grid.points, trusted)
+    off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points, trusted)
     off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
     return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
 

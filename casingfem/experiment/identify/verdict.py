@@ -111,7 +111,7 @@ def _close(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
 def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
     """Whether a stronger neighbour's peak, which the fit may not follow, explains a pole."""
     peaks = np.linalg.norm(fit.A.reshape(len(fit.A), -1), axis=1) / fit.zeta
-    shapes = (fit.A[:, 0] + 1j * fit.A[:, -1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
+    shapes = fit.A[:, 0] + 1j * fit.A[:, -1] if fit.A.shape[1] == 2 else fit.A[:, 0]  # in units of the noise
     misfit = _misfit(fit, pole)
     for other in np.flatnonzero((peaks > peaks[pole]) & (fit.zeta < DAMPED[0])).tolist():
         width = 2.0 * np.sqrt(fit.zeta[pole] * fit.freq[pole] * fit.zeta[other] * fit.freq[other])

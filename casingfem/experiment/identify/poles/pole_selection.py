@@ -138,6 +138,7 @@ def pruned(fit: PoleFit) -> PoleFit:
 def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
     """Neighbouring poles within three bandwidths and of the same shape; where shapes say nothing, low within one.
 
+    Each channel counts in units of its noise: one of another sensitivity would else decide alone.
     Two within half a bandwidth, or the lines next to them, are not told apart there, whatever their peaks.
     """
     step = float(fit.window.freq[1] - fit.window.freq[0])
@@ -151,7 +152,7 @@ def _repeats(fit: PoleFit) -> list[tuple[int, int]]:
             for k, m, high in pairs
             if gaps[k] < 0.5 * widths[high] or (gaps[k] < widths[high] and peaks[[k, m]].min() < LOW * peaks[high])
         ]
-    shapes = (fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]) / fit.window.weight
+    shapes = fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]
     found = []
     for low in range(len(fit.freq) - 1):
         high = low + 1

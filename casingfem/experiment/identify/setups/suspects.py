@@ -1,4 +1,4 @@
-"""Channels whose part in the shapes is not what all others on the circle say: turned over, exchanged, or neither.
+"""Channels whose part in the shapes is not what all others on the circle say: turned over, exchanged, of another scale.
 
 A mode of n nodal diameters is a cos(n theta) + b sin(n theta) along the circle. Where one channel is off in one mode
 its shape is impure; where it is off in the same way in all modes, it is the channel.
@@ -16,14 +16,15 @@ from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 LEAST = 8, 5  # sensors, and modes, from which on something is said
 OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with what the others say, below which a sensor is named
 OTHERS, AS_OTHER, GAIN = 0.9, 0.6, 0.1  # of exchanged ones: at most with their own places; with the other's, how much
+SCALE = 2.0  # times what the others say, or a part of it, beyond which a sensor is named
 USUAL = 1.2  # times the median misfit of a mode, beyond which it tells nothing
-STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, of the shape, that counts as none
+STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, of the usual size, that counts as none
 
 
 def suspected(
-    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
+    shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
 ) -> tuple[str, ...]:
-    """What is said of sensors at angles theta [rad] whose shapes (sensors, modes) are off, in words.
+    """What is said of sensors at angles theta [rad] whose shapes (sensors, modes) of n up to `most` are off, in words.
 
     Where it is known by other means which sensors are right, `trusted` (sensors,), they alone say what each should do.
 
@@ -31,35 +32,36 @@ def suspected(
     >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
     >>> shapes[4] *= -1.0
     >>> shapes[[7, 9]] = shapes[[9, 7]]
-    >>> for line in suspected(shapes, n, theta, np.arange(12) + 1):
+    >>> for line in suspected(shapes, 5, theta, np.arange(12) + 1):
     ...     print(line)
     points 8 and 10 look exchanged: in 6 modes each moves as the other should
     point 5 looks turned over: in 6 modes it moves against what the others say
     """
-    return tuple(text for _, text in _suspects(shapes, n, theta, points, trusted))
+    return tuple(text for _, text in _suspects(shapes, most, theta, points, trusted))
 
 
 def suspect_sensors(
-    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
+    shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
 ) -> IntArray:
     """Indices of the sensors of which `suspected` says something, ascending."""
-    named = {sensor for sensors, _ in _suspects(shapes, n, theta, points, trusted) for sensor in sensors}
+    named = {sensor for sensors, _ in _suspects(shapes, most, theta, points, trusted) for sensor in sensors}
     return np.array(sorted(named), np.int64)
 
 
 def _suspects(
-    shapes: FloatArray, n: IntArray, theta: FloatArray, points: IntArray, trusted: BoolArray | None
+    shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None
 ) -> tuple[tuple[tuple[int, ...], str], ...]:
     """Sensors, and what is said of them."""
     if len(theta) < LEAST[0] or shapes.shape[1] < LEAST[1]:
         return ()
-    said, misfit = most_say(shapes, int(n.max(initial=0)), theta, trusted)
+    said, misfit = most_say(shapes, most, theta, trusted)
     clear = misfit <= USUAL * np.median(misfit)
     shapes, said = shapes[:, clear], said[:, clear]
     along = shapes @ said.T / (np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(said, axis=1)) + 1e-300)
     if np.median(np.diag(along)) < OTHERS:
         return ()  # no majority that agrees: angles or labels are wrong as a whole
-    return tuple(_words(along, points, shapes.shape[1]))
+    size = np.sum(shapes * said, axis=1) / (np.sum(said**2, axis=1) + 1e-300)
+    return tuple(_words(along, size, points, shapes.shape[1]))
 
 
 def most_say(
@@ -72,6 +74,7 @@ def most_say(
     """
     heard = np.ones(len(theta)) if trusted is None else trusted.astype(float)
     best, said = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
+    small = SMALL * np.sqrt(len(theta)) * np.median(np.abs(shapes), axis=0) + 1e-12  # not of the norm: one may be huge
     for order in range(most + 1):
         waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])[:, : 2 if order else 1]
         weight = np.repeat(heard[:, None], shapes.shape[1], axis=1)
@@ -79,15 +82,15 @@ def most_say(
             gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(waves.shape[1])
             right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
             fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
-            weight = heard[:, None] / np.maximum(np.abs(shapes - fitted), SMALL)
+            weight = heard[:, None] / np.maximum(np.abs(shapes - fitted), small)
         misfit = heard @ np.abs(shapes - fitted) / (heard @ np.abs(shapes))
         said = np.where(misfit < best, fitted, said)
         best = np.minimum(misfit, best)
     return said, best
 
 
-def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
-    """What is said of sensors by their correlation (rows) with what is said of each place (columns)."""
+def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
+    """What is said of sensors by their correlation (rows) with what is said of each place (columns), and their size."""
     own, named = np.diag(along), set[int]()
     for a, b in combinations(range(len(own)), 2):
         better = min(along[a, b] - own[a], along[b, a] - own[b])
@@ -103,3 +106,6 @@ def _words(along: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tu
         elif own[sensor] < SILENT:
             what = f"does not move as the others say, in {modes} modes: dead, loose, or not at its angle?"
             yield (sensor,), f"point {points[sensor]} {what}"
+        elif not 1.0 / SCALE < size[sensor] < SCALE:
+            what = f"{float(f'{size[sensor]:.2g}'):g} times as much as the others say, in {modes} modes"
+            yield (sensor,), f"point {points[sensor]} moves {what}: its sensitivity or unit?"

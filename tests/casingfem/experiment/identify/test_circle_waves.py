@@ -107,7 +107,7 @@ def test_suspect_sensors_are_those_that_are_named():
     shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
     shapes[4] *= -1.0
     shapes[[7, 9]] = shapes[[9, 7]]
-    assert suspect_sensors(shapes, n, theta, np.arange(12) + 1).tolist() == [4, 7, 9]
+    assert suspect_sensors(shapes, 4, theta, np.arange(12) + 1).tolist() == [4, 7, 9]
 
 
 def test_sensors_of_half_a_rim_are_named_by_those_that_are_trusted():
@@ -119,8 +119,8 @@ def test_sensors_of_half_a_rim_are_named_by_those_that_are_trusted():
     shapes[6] *= -1.0
     shapes[11] = 0.05 * rng.standard_normal(20)
     trusted = ~np.isin(np.arange(12), wrong)
-    assert suspect_sensors(shapes, n, theta, np.arange(12) + 1, trusted).tolist() == wrong
-    said = suspected(shapes, n, theta, np.arange(12) + 1, trusted)
+    assert suspect_sensors(shapes, 9, theta, np.arange(12) + 1, trusted).tolist() == wrong
+    said = suspected(shapes, 9, theta, np.arange(12) + 1, trusted)
     assert [" ".join(line.split()[:4]) for line in said] == [
         "points 1 and 3", "point 7 looks turned", "point 12 does not",
     ]  # fmt: skip

@@ -121,14 +121,24 @@ def test_turned_exchanged_and_dead_sensors_of_a_circle_are_named_and_clean_ones_
     n = rng.integers(0, 6, 14)
     theta, points = WHERE[:12], np.arange(12) + 101
     clean = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.1 * rng.standard_normal((12, 14))
-    assert suspected(clean, n, theta, points) == ()
+    assert suspected(clean, 5, theta, points) == ()
     off = clean.copy()
     off[2] *= -1.0
     off[[5, 9]] = off[[9, 5]]
     off[7] = 0.1 * rng.standard_normal(14)
-    said = suspected(off, n, theta, points)
+    said = suspected(off, 5, theta, points)
     assert [" ".join(line.split()[:4]) for line in said] == [
         "points 106 and 110", "point 103 looks turned", "point 108 does not",
     ]  # fmt: skip
-    assert suspected(rng.standard_normal((12, 14)), n, theta, points) == ()  # wrong angles: none of them is the one
-    assert suspected(off[:, :3], n[:3], theta, points) == ()  # too few modes
+    assert suspected(rng.standard_normal((12, 14)), 5, theta, points) == ()  # wrong angles: none of them is the one
+    assert suspected(off[:, :3], 5, theta, points) == ()  # too few modes
+
+
+@pytest.mark.parametrize(("gain", "words"), [(0.1, "0.1"), (10.0, "10"), (1000.0, "1000")])
+def test_a_sensor_of_another_sensitivity_is_named_however_much_of_every_shape_it_is(gain, words):
+    rng = np.random.default_rng(48)
+    n, theta = rng.integers(0, 6, 14), WHERE[:12]
+    shapes = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.003 * rng.standard_normal((12, 14))
+    shapes[4] *= gain
+    (said,) = suspected(shapes / np.linalg.norm(shapes, axis=0), 5, theta, np.arange(12) + 101)
+    assert said.startswith(f"point 105 moves {words} times as much as the others say")

@@ -133,6 +133,21 @@ def test_the_table_carries_sigma_and_says_synthetic():
     np.testing.assert_array_equal(table.sigma_hz, found.sigma_freq)
 
 
+@pytest.mark.parametrize(
+    ("angles", "n", "told"),
+    [
+        (np.arange(9) * 40.0, 4, "n = 4 is the largest looked for, at most what 9 sensors tell apart"),  # it is 5
+        (np.radians(np.arange(9) * 40.0), -1, "no n is told: the 9 sensors stand at 9 angles from 0 to 5.585 deg"),
+        (np.zeros(9), -1, "no n is told: the 9 sensors stand at 1 angles from 0 to 0 deg"),
+    ],
+)
+def test_sensors_that_do_not_tell_n_apart_say_so(angles, n, told):
+    rig = ring_rig([(5, 330.0, 0.01, 11.0)], theta=np.radians(np.arange(9) * 40.0), drives=[0.3])
+    found = cf.identify(measured(rig, np.arange(320.0, 340.0, 0.1), 9, 1), angles=dict(enumerate(angles, start=1)))
+    assert found.n.tolist() == [n, n]
+    assert found.notes[0].startswith(told)
+
+
 def _frfs(**changes):
     values = {"kind": "frf", "x": 100 + 0.1 * np.arange(90), "responses": np.ones((2, 90)), "unit": "m/N"}
     values |= {"response_point": [1, 2]}
@@ -152,6 +167,7 @@ def _frfs(**changes):
         (_frfs(response_point=[1, 1]), {}, "channels 1 and 2"),
         (_frfs(reference_point=[5, 6]), {}, "no channel from point 1 to reference 6"),
         (_frfs(), {"angles": {1: 0.0}}, "no angle for point 2"),
+        (_frfs(), {"angles": {1: 0.0, 2: float("nan")}}, "no angle for point 2"),
     ],
 )
 def test_refuses_what_cannot_be_identified(frfs, options, words):

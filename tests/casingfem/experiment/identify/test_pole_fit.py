@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from casingfem.experiment.identify import verdict
 from casingfem.experiment.identify.poles import pole_fit
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_selection import hidden_split, select_poles
@@ -163,3 +164,13 @@ def test_the_highest_peak_of_a_cluster_says_how_damped_a_mode_beside_it_may_be(o
         modes = Modes(np.array(freq)[order, None], np.array([high, low])[order], residues[order])
         cluster = Cluster(modes, data, (395.0, 405.0), 0.25)
         assert len(only_peaks(cluster, channels, own, 0.01).freq) == count
+
+
+@pytest.mark.parametrize("gain", [1e-3, 1e3])
+def test_a_channel_in_another_unit_makes_no_two_poles_one(gain):
+    """Its signal over its noise is what it was; in its own units it would be all of every shape."""
+    near = [397.0, 400.0, 400.4], THREE[1]
+    seen = window(*near, SHAPES, sigma=0.05)
+    fit = select_poles(replace(seen, weight=np.r_[1.0 / gain, seen.weight[1:]]), np.column_stack(near))
+    assert fit.freq == pytest.approx(near[0], abs=0.01)
+    assert not [told for pole in range(3) for told in verdict._beside(fit, pole)]
