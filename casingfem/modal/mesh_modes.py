@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import ModelError, warn
+from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.factor import Direct
@@ -13,6 +13,7 @@ from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
+from casingfem.modal.stable import require_stable
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped_parts
@@ -70,8 +71,8 @@ def mesh_modes(
         multigrid = direct == "multifrontal" and large_and_thick(system)
     found = solved_by(system, wanted, direct, multigrid=multigrid)
     solved = time.perf_counter()
-    if getattr(structure, "rotation", None) is not None and found.eigenvalues[0] < 0.0:
-        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
+    if getattr(structure, "rotation", None) is not None:
+        require_stable(system.K, found)
     freq = found.freq
     check_rigid(system, freq)
     rigid = min(system.rigid, len(freq)) if isinstance(wanted, int) or wanted[0] == 0.0 else 0
@@ -152,13 +153,15 @@ def projected(structure: MeshStructure, fields: Array, n_max: int) -> Rings:
     shapes = meridional_shapes(np.linalg.norm(x[:, :2], axis=1), x[:, 2], weight) * weight[:, None]
     moved = np.concatenate(
         [
-            np.einsum("kq,ekcm->eqcm", on.values, fields[nodes, :3], optimize=True).reshape(-1, 3, fields.shape[2])
+            np.einsum("kq,ekcm->eqcm", on.values, fields[nodes, :3], optimize=True).reshape(
+                on.x.size // 3, 3, fields.shape[2]
+            )
             for _, nodes, on in parts
         ]
     )
     u, v = moved[:, 0], moved[:, 1]
     moved = np.stack([u * c[:, None] + v * s[:, None], v * c[:, None] - u * s[:, None], moved[:, 2]], axis=1)
-    flat = moved.reshape(len(x), -1)
+    flat = moved.reshape(len(x), 3 * fields.shape[2])
     turn = c - 1j * s
     wave = np.ones(len(x), dtype=complex)
     amplitudes = np.empty((n_max + 1, shapes.shape[1], 3, fields.shape[2]), dtype=complex)

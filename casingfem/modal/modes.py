@@ -14,6 +14,7 @@ from casingfem.modal.mesh_modes import MeshModes, mesh_modes
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
 from casingfem.modal.resolution import checked_resolution
 from casingfem.modal.ritz import RitzModes, ritz_modes
+from casingfem.modal.stable import require_stable
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
@@ -120,8 +121,8 @@ def modes(
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
     found = solve(system.stiffness, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
-    if shell.rotation is not None and found.eigenvalues[0] < 0.0:
-        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2")
+    if shell.rotation is not None:
+        require_stable(system.stiffness, found)
     if shell.rotation is None:
         ritz = ritz_modes(system, found.vectors)
     else:  # prestress is assembled, and no sum of squares

@@ -11,6 +11,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.modal.mesh_modes import SHIFT
 from casingfem.modal.mode_set import RIGID
+from casingfem.modal.stable import require_stable
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
 
 ACROSS = 9  # frequencies on a line of the table
@@ -150,8 +151,8 @@ def solved(system: CyclicSystem, n: int, wanted: int | Band) -> EigenResult:
     """The eigenpairs of one nodal diameter, vectors on the free dofs of the sector with x^H M x = 1."""
     K, M, T = system.matrices(n)
     found = solve(K, M, wanted, shift=-((SHIFT * system.frequency_scale) ** 2))
-    if system.spin is not None and len(found.eigenvalues) and found.eigenvalues[0] < 0.0:
-        raise ModelError("rotation-unstable", f"modes: found omega^2 = {found.eigenvalues[0]:.4g} rad^2/s^2, n = {n}")
+    if system.spin is not None:
+        require_stable(K, found, f", n = {n}")
     vectors = T @ found.vectors
     return EigenResult(found.eigenvalues, vectors, found.sturm_count, found.products)
 

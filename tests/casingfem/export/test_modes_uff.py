@@ -1,5 +1,7 @@
 """Modes for test software: what two readers find in the file is the model's own."""
 
+from itertools import combinations, product
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -10,7 +12,7 @@ from casingfem.export.meshes import drawn_surface
 from casingfem.export.modes_uff import write_modes_uff
 from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.imported.grid import grid_mesh
-from tests.casingfem.structure.imported.parts import supported
+from tests.casingfem.structure.imported.parts import STEEL, supported
 from tests.casingfem.study.study_texts import PLATE, written
 
 pyuff = pytest.importorskip("pyuff")
@@ -51,6 +53,28 @@ def test_every_side_is_drawn_once(casing, path):
     assert len(sides) == rows * around + (rows + 1) * around
     points = drawn_surface(casing).points
     assert np.linalg.norm(points[sides[:, 0] - 1] - points[sides[:, 1] - 1], axis=1).max() < 0.1
+
+
+@pytest.mark.parametrize(("kind", "along"), [("hexahedron20", (3, 2, 2)), ("quad8", (3, 2, 0))])
+def test_of_an_imported_part_the_edges_of_its_outside_are_drawn_once(kind, along, tmp_path):
+    """A block or a plate of unit cells: neighbours on its lattice of corners that lie on one face."""
+    cells = along[: 3 if along[2] else 2]
+    mesh = grid_mesh(kind, cells, lambda u: np.pad(u * cells, ((0, 0), (0, 3 - len(cells)))), groups={"root": (0, 0.0)})
+    held = {"root": cf.Clamped()}
+    part = supported(mesh) if along[2] else cf.MeshShell(mesh=mesh, thickness=0.1, material=STEEL, supports=held)
+    found = cf.uff.read_uff(write_modes_uff(mesh_modes(part, 1), tmp_path / "part.uff"))
+    (line,) = found.lines
+    place = dict(zip(found.nodes.labels.tolist(), map(tuple, found.nodes.points.round(6)), strict=True))
+    ends = [(place[a], place[b]) for a, b in np.append(line.nodes, 0).reshape(-1, 3)[:, :2].tolist()]
+    corners = list(product(*(range(count + 1) for count in along)))
+    expected = {
+        frozenset((a, b))
+        for a, b in combinations(corners, 2)
+        if np.abs(np.subtract(a, b)).sum() == 1
+        and any(x == y and x in (0, most) for x, y, most in zip(a, b, along, strict=True))
+    }
+    assert set(map(frozenset, ends)) == expected
+    assert len(ends) == len(expected)
 
 
 def test_another_reader_finds_the_same_modes(casing, path):

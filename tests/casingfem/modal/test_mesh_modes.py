@@ -13,6 +13,7 @@ from casingfem.modal.mesh_modes import mesh_modes, projected
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.revolution import elements_around, round_about_z
@@ -57,6 +58,15 @@ def test_modes_are_mass_normalised_and_read_like_those_of_a_shell(found, steel):
     assert found.records()[0]["doublet"] == 1
     with pytest.raises(ValueError, match="imported structure, found 'fourier'"):
         modes(found.structure, 4, method="fourier")
+
+
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_a_band_without_modes_is_an_empty_table(steel, speed):
+    turning = Rotation(omega=speed) if speed else None
+    part = Solid(mesh=ring(counts=(1, 12, 1)), material=steel, supports={"base": Clamped()}, rotation=turning)
+    none = modes(part, band=(1.0, 2.0))
+    assert len(none) == none.sturm_count == len(none.records()) == 0
+    assert "0 modes" in repr(none)
 
 
 @pytest.mark.parametrize("n", [0, 2, 5])

@@ -241,33 +241,50 @@ def test_a_close_pair_both_excited_is_told_apart(split):
     assert 0.6 < pair.misfit < 1.6
 
 
+CLOSE = np.array([369.25, 370.75]), np.array([0.002, 0.0025]), PSI  # frequencies, damping ratios, antinodes
+
+
+def resonances(tones, freq, zeta):
+    """Mobilities of members of unit size, (tones, 2)."""
+    omega, own = 2.0 * np.pi * tones[:, None], 2.0 * np.pi * freq
+    return 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
+
+
+def close_pair(rng):
+    """Exact waves of a pair and a slow rest at six tones, with noise."""
+    tones, (freq, zeta, angle) = np.linspace(368.1, 371.9, 6), CLOSE
+    h, rest = resonances(tones, freq, zeta), 2e-8j * np.pi * tones
+    cosine, sine = (h * part(8 * angle) @ [1.0, 0.8] + rest for part in (np.cos, np.sin))
+    V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
+    sigma = np.full(V.shape, 0.003 * np.abs(V).max())
+    noise = sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
+    return CircleScan(tones=tones, n=np.array([-8, 8]), V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
+
+
+def left_over(seen, pair):
+    """Sum of squares over the noise's that the poles of a pair leave of a scan, of 24 equations."""
+    A = np.hstack([resonances(seen.tones, pair.freq, pair.zeta), 2e-6j * np.pi * seen.tones[:, None]])
+    data = np.column_stack([seen.V.sum(axis=1), 1j * (seen.V[:, 1] - seen.V[:, 0])])
+    left = np.linalg.lstsq(np.vstack([A.real, A.imag]), np.vstack([data.real, data.imag]), rcond=None)[1]
+    return left.sum() / (2.0 * seen.sigma[0, 0] ** 2)
+
+
+def test_the_misfit_of_a_pair_is_over_the_equations_that_its_ten_unknowns_leave():
+    seen = close_pair(np.random.default_rng(SEED))
+    pair = split_pair(seen, 8)
+    assert pair.misfit == pytest.approx(np.sqrt(left_over(seen, pair) / (24 - 10)), rel=1e-6)
+
+
 @pytest.mark.campaign
 def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
     """40 draws of noise on exact waves: deviations over sigma have unit rms, misfit^2 a mean of 1 (14 of 24 equations).
 
     Tolerances are 3.5 standard deviations of 40 draws.
     """
-    tones, orders, draws = np.linspace(368.1, 371.9, 6), np.array([-8, 8]), 40
-    freq, zeta, angle = np.array([369.25, 370.75]), np.array([0.002, 0.0025]), np.array([0.13, 0.13 + np.pi / 16])
-    omega = 2.0 * np.pi * tones[:, None]
-
-    def resonances(freq, zeta):
-        own = 2.0 * np.pi * freq
-        return 1j * omega / (own**2 - omega**2 + 2j * zeta * own * omega)
-
-    h = resonances(freq, zeta)
-    cosine, sine = (h * part(8 * angle) @ [1.0, 0.8] + 1e-8j * omega[:, 0] for part in (np.cos, np.sin))
-    V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
-    sigma = np.full(V.shape, 0.003 * np.abs(V).max())
+    (freq, zeta, angle), draws = CLOSE, 40
     rng, off, misfits = np.random.default_rng(SEED), [], []
     for _ in range(draws):
-        noise = sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
-        seen = CircleScan(tones=tones, n=orders, V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
-        pair = split_pair(seen, 8)
-        A = np.hstack([resonances(pair.freq, pair.zeta), 1e-6j * omega])
-        data = np.column_stack([seen.V.sum(axis=1), 1j * (seen.V[:, 1] - seen.V[:, 0])])
-        left = np.linalg.lstsq(np.vstack([A.real, A.imag]), np.vstack([data.real, data.imag]), rcond=None)[1]
-        assert pair.misfit == pytest.approx(np.sqrt(left.sum() / 2.0 / (24 - 10)) / sigma[0, 0], rel=1e-6)
+        pair = split_pair(close_pair(rng), 8)
         turned = (pair.angle_deg - np.degrees(angle) + 90.0 / 8) % (180.0 / 8) - 90.0 / 8
         parts = (
             (pair.freq - freq) / pair.freq_sigma, (pair.zeta - zeta) / pair.zeta_sigma,

@@ -47,6 +47,10 @@ def test_poles_are_told_apart_beyond_chance(apart, told):
     for last, cancel in ((-0.8, False), (-0.83, True)):  # of their residues 0.111 and 0.093 are left
         two.A[1] = last
         assert _distinct(two, 0, 1) is (told and not cancel)
+    third = np.kron(each, np.eye(3))  # one below them, far more uncertain and of other damping
+    third[[0, 3], [0, 3]] = 1.0
+    three = fit([50.0, *two.freq], [0.3, *two.zeta], third)
+    assert _distinct(three, 1, 2) is told
     far = fit([100.0, 110.1 if told else 109.9], [0.02, 0.05], 1e9 * covariance)  # twice the wider half-width
     assert _distinct(far, 0, 1) is told
 

@@ -80,6 +80,18 @@ def test_peaks_exchanged_in_a_setup_are_exchanged_back(s):
     assert best.fit.unlikely == pytest.approx(truth.fit.unlikely, abs=1.0)
 
 
+@pytest.mark.parametrize("off", [0.0, 5e-4])
+def test_a_start_whose_steps_overshoot_ends_where_one_at_the_truth_does(off):
+    """Damping seven times too large: steps must be shortened until one gains."""
+    whole = problem(0.3)
+    shapes = Shapes(KINDS, np.sqrt(np.mean(np.abs(whole.cluster.modes.residues) ** 2, axis=1)))
+    truth, found = (
+        fitted(whole, shapes, np.log(FREQ) + shift, np.log(ZETA) + more) for shift, more in ((0.0, 0.0), (off, 2.0))
+    )
+    assert found.squares == pytest.approx(truth.squares, abs=0.1 * NOISE**2)
+    np.testing.assert_allclose(np.exp(found.q), ZETA, rtol=0.02)
+
+
 @pytest.mark.parametrize(("share", "pairs"), [(0.99, [(0, 1)]), (1.01, [])])
 def test_modes_are_near_within_a_bandwidth_of_the_wider_and_four_usual_shifts_in_some_setup(share, pairs):
     zeta = np.array([2.0e-3, 5.0e-3])

@@ -1,5 +1,6 @@
 """Wheels from one sector against the whole wheel: modes, waves, mistuning, the basis for rubs."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -258,23 +259,40 @@ def test_nodes_of_a_wheel_stand_off_its_axis():
         cyclic_reduce(quarter, AtNodes((off, on)), modes=1)
 
 
-def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
-    """Its way across the axis, seen in the turning frame: w^2 = k/m - Omega^2."""
+def turning_ring(speed, k):
+    """A ring about z as a wheel of eight sectors, both its edges on springs of k [N/m^3], or free."""
     wall = revolved((0.5, 0.5), (0.0, 0.05), 0.02)
     mesh = grid_mesh(
         "hexahedron20", (1, 1, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0), "top": (2, 1.0)}
     )
-    springs = dict.fromkeys(("base", "top"), cf.ElasticEdge(k_face=1e6))
-    steel, own = cf.Material(E=210e9, nu=0.3, rho=7800.0), np.sqrt(2.0 * 1e6 / (7800.0 * 0.05))
+    springs = dict.fromkeys(("base", "top"), cf.ElasticEdge(k_face=k)) if k else {}
+    steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    ring = cf.Solid(mesh=mesh, material=steel, supports=springs, rotation=cf.Rotation(omega=speed))
+    return cf.imported.CyclicSector(structure=ring, sectors=8)
+
+
+def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
+    """Its way across the axis, seen in the turning frame: w^2 = k/m - Omega^2."""
+    own = np.sqrt(2.0 * 1e6 / (7800.0 * 0.05))
 
     def lowest(speed):
-        turning = cf.Rotation(omega=speed * own)
-        ring = cf.Solid(mesh=mesh, material=steel, supports=springs, rotation=turning)
-        return cyclic_modes(cf.imported.CyclicSector(structure=ring, sectors=8), 1, diameters=[1]).freq[0]
+        return cyclic_modes(turning_ring(speed * own, 1e6), 1, diameters=[1]).freq[0]
 
-    assert (2.0 * np.pi * lowest(0.99) / own) ** 2 == pytest.approx(1.0 - 0.99**2, abs=1e-6)
+    for below in (0.99, 0.99995):  # the second leaves 0.51 rad^2/s^2
+        assert (2.0 * np.pi * lowest(below) / own) ** 2 == pytest.approx(1.0 - below**2, abs=1e-6)
     with pytest.raises(ModelError, match=r"modes: found omega\^2 = -103\.\d rad\^2/s\^2, n = 1.*rotation-unstable"):
         lowest(1.01)
+
+
+@pytest.mark.parametrize("speed", [1.0, 10.0, 100.0])
+def test_a_free_wheel_turns_and_slides_along_its_axis_at_any_speed(speed):
+    """Both are rigid, omega = 0 but for round-off of either sign; across the axis it leaves the turning frame."""
+    wheel = turning_ring(speed, 0.0)
+    found = cyclic_modes(wheel, 3, diameters=[0])
+    assert found.rigid.tolist() == [True, True, False]
+    np.testing.assert_allclose(found.freq[:2], 0.0, atol=0.01)
+    with pytest.raises(ModelError, match=re.escape(f"omega^2 = -{speed**2:.4g} rad^2/s^2, n = 1")):
+        cyclic_modes(wheel, 1, diameters=[1])
 
 
 @pytest.mark.parametrize(("energy", "omega"), [(4.0, np.sqrt(6.0)), (12.0, 0.0)])

@@ -1,0 +1,41 @@
+"""Motions for ParaView: how far points are moved, and what is true at them."""
+
+import meshio
+import numpy as np
+import pytest
+
+from casingfem.export.motion import motion_files
+from contact.io.outfiles import write_files
+
+BOX = np.array([3.0, 4.0, 12.0]) * [
+    [0, 0, 0],
+    [1, 0, 0],
+    [1, 1, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 0, 1],
+    [1, 1, 1],
+    [0, 1, 1],
+]
+HEXAHEDRON = np.array([[12, *range(8)]])
+
+
+@pytest.mark.parametrize("place", [0.0, 100.0])
+def test_the_largest_displacement_is_drawn_as_a_twentieth_of_the_diagonal(place, tmp_path):
+    """Of a box of 3 x 4 x 12, whose diagonal is 13, wherever it stands."""
+    moved = np.zeros((2, 8, 3))
+    moved[0, 2], moved[1, 6] = [1e-6, 0.0, 0.0], [0.0, 1.2e-6, -1.6e-6]
+    write_files(tmp_path, motion_files("box", BOX + place, HEXAHEDRON, [0.0, 0.5], moved))
+    for k in range(2):
+        found = meshio.read(tmp_path / f"box_000{k}.vtu")
+        np.testing.assert_allclose(found.points - BOX - place, 0.05 * 13.0 / 2e-6 * moved[k], atol=2e-5)
+        np.testing.assert_allclose(found.point_data["displacement"], moved[k], rtol=1e-6)
+        np.testing.assert_allclose(found.field_data["exaggeration"], 0.05 * 13.0 / 2e-6)
+        assert found.cells_dict["hexahedron"].tolist() == [list(range(8))]
+
+
+def test_what_does_not_move_is_drawn_where_it_is(tmp_path):
+    write_files(tmp_path, motion_files("box", BOX, HEXAHEDRON, [0.0], np.zeros((1, 8, 3))))
+    found = meshio.read(tmp_path / "box_0000.vtu")
+    assert np.array_equal(found.points, BOX)
+    assert found.field_data["exaggeration"].tolist() == [1.0]
