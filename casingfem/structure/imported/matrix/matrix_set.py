@@ -102,13 +102,14 @@ def from_triples(
 ) -> csc_array:
     """A matrix from its entries, numbered from 0.
 
-    Where one triangle alone is given, the other is the same. A `symmetric` one may have each entry on either side of
-    the diagonal, in the order of rows of the program that wrote it; what it has on one side alone is mirrored.
+    Where each entry is given on one side of the diagonal alone, in whatever order of rows the program that wrote it
+    has, the other side is the same. A `symmetric` one may have some entries on both sides, the others are mirrored.
     """
     full = coo_array((values, (rows, columns)), shape=(size, size)).tocsr()
-    one_sided = not np.any(rows > columns) or not np.any(rows < columns)
+    places = coo_array((np.ones(len(rows)), (rows, columns)), shape=(size, size)).tocsr()
+    on_both_sides = (places.T > 0).multiply(places > 0)
+    one_sided = on_both_sides.nnz == on_both_sides.diagonal().sum()
     if symmetric or one_sided:
-        places = coo_array((np.ones(len(rows)), (rows, columns)), shape=(size, size)).tocsr()
         full = full + full.T - full.multiply(places.T > 0)
     full = csc_array(full)
     full.eliminate_zeros()

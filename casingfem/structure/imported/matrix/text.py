@@ -137,23 +137,38 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
     """
     named = {path.stem: path for path in paths}
     source = ", ".join(path.name for path in paths)
-    read = {role: read_mtx(named[name]) for role, name in roles_of(list(named), source).items()}
-    K, own = read["K"]
-    if dofs is None and own is None:
-        beside = named[roles_of(list(named), source)["K"]].with_suffix(".dof")
-        if not beside.exists():
-            raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
-        dofs = read_dof(beside)
-    matrices = {role: aligned(A, labels, own, source) for role, (A, labels) in read.items()}
+    roles = roles_of(list(named), source)
+    read = {role: read_mtx(named[name]) for role, name in roles.items()}
+    if dofs is None and any(own is None for _, own in read.values()):
+        dofs = dofs_beside(named[roles["K"]], source)
+    K, wanted = labelled(read["K"], dofs)
+    others = {role: aligned(*labelled(read[role], dofs), wanted, source) for role in read if role != "K"}
+    return MatrixSet(K=K, M=others["M"], C=others.get("C"), dofs=wanted, source=source)
+
+
+def dofs_beside(path: Path, source: str) -> IntArray:
+    """The list of dofs beside a file that does not say what its rows are."""
+    beside = path.with_suffix(".dof")
+    if not beside.exists():
+        raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
+    return read_dof(beside)
+
+
+def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:
+    """A matrix and what its rows are: as its file says, else by the list of dofs."""
+    A, own = matrix
     labels = own if own is not None else dofs
     assert labels is not None
-    return MatrixSet(K=K, M=matrices["M"], C=matrices.get("C"), dofs=labels, source=source)
+    return A, labels
 
 
-def aligned(A: csc_array, labels: IntArray | None, wanted: IntArray | None, source: str) -> csc_array:
+def aligned(A: csc_array, labels: IntArray, wanted: IntArray, source: str) -> csc_array:
     """A matrix with its rows in the order of another's."""
-    if labels is None or wanted is None or np.array_equal(labels, wanted):
+    if np.array_equal(labels, wanted):
         return A
+    if A.shape[0] != len(labels):
+        found = f"mass or damping of {A.shape[0]} rows and a list of {len(labels)} dofs"
+        raise ModelError("matrix-size", f"{source}: found {found}")
     place = {tuple(dof): k for k, dof in enumerate(wanted.tolist())}
     missing = [tuple(dof) for dof in labels.tolist() if tuple(dof) not in place]
     if missing:

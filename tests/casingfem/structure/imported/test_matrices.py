@@ -126,6 +126,44 @@ def test_symmetric_dmig_has_each_entry_on_either_side_of_the_diagonal(tmp_path):
     np.testing.assert_array_equal(found.K.toarray(), [[4.0, -1.0, -2.0], [-1.0, 4.0, 0.0], [-2.0, 0.0, 5.0]])
 
 
+ROWS = ((9, 1), (2, 1), (2, 3))  # a lower triangle in this order is none in the ascending one
+MIXED = {"K": np.array([[5.0, -1, 0.5], [-1, 4, -2], [0.5, -2, 3]]), "M": np.diag([1.0, 2.0, 3.0])}
+
+
+def market_text(A):
+    return f"{DENSE}3 3\n" + "".join(f"{v}\n" for v in A.ravel())
+
+
+def abaqus_text(A):
+    """The lower triangle in the order of `ROWS`, zeros left out."""
+    ends = [(i, j) for i in range(3) for j in range(i + 1) if A[i, j]]
+    return "".join(f"{ROWS[i][0]},{ROWS[i][1]}, {ROWS[j][0]},{ROWS[j][1]}, {A[i, j]}\n" for i, j in ends)
+
+
+@pytest.mark.parametrize("of_k", [market_text, abaqus_text])
+@pytest.mark.parametrize("of_m", [market_text, abaqus_text])
+@pytest.mark.parametrize("listed", ["dofs.csv", "K.dof"])
+def test_rows_of_matrix_market_and_abaqus_are_brought_into_one_order(of_k, of_m, listed, tmp_path):
+    (tmp_path / "K.mtx").write_text(of_k(MIXED["K"]))
+    (tmp_path / "M.mtx").write_text(of_m(MIXED["M"]))
+    point, head = (",", "node,direction\n") if listed == "dofs.csv" else (".", "")
+    (tmp_path / listed).write_text(head + "".join(f"{node}{point}{direction}\n" for node, direction in ROWS))
+    table = {"dofs": tmp_path / listed} if listed == "dofs.csv" else {}
+    found = read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], **table)
+    order = [ROWS.index(tuple(dof)) for dof in found.dofs.tolist()]
+    assert sorted(order) == [0, 1, 2]
+    for name, A in (("K", found.K), ("M", found.M)):
+        np.testing.assert_array_equal(A.toarray(), MIXED[name][np.ix_(order, order)])
+
+
+def test_mass_of_other_size_than_its_list_of_dofs_is_refused_beside_stiffness_of_abaqus(tmp_path):
+    (tmp_path / "K.mtx").write_text("9,1,9,1,2.0\n")
+    (tmp_path / "M.mtx").write_text(f"{DENSE}1 1\n3.0\n")
+    (tmp_path / "dofs.csv").write_text("node,direction\n2,x\n9,x\n")
+    with pytest.raises(ModelError, match=r"K.mtx, M.mtx: found mass or damping of 1 rows and a list of 2 dofs"):
+        read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], dofs=tmp_path / "dofs.csv")
+
+
 def test_small_fields_and_full_matrices_of_dmig(tmp_path):
     """Form 1, small fields, an entry a line after the first; a scalar point has component 0."""
     text = """BEGIN BULK
