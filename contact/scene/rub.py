@@ -12,6 +12,7 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import readonly
 from contact.base.errors import InputError
+from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
@@ -88,6 +89,23 @@ class RubBlade(Table):
         found = [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
         return [node for j in range(body.sectors) for node in turned(self.node or found, j, body.sectors)] or (
             self.node or found
+        )
+
+    def require_channels(self, body: ModalBody, nodes: list[RubNode]) -> None:
+        """Raise InputError, naming the basis, where it has not the channels of the places that touch."""
+        if body.kind != "point":
+            raise InputError(f"blade.basis: {self.basis}: found a basis of kind {body.kind!r}, expected 'point'")
+        named = [name for node in nodes for name in (node.span, node.flap, node.axial) if name is not None]
+        missing = next((name for name in named if name not in body.channels), None)
+        if missing is None:
+            return
+        there = ", ".join(body.channels)
+        if self.node:
+            near = hint(missing, body.channels)
+            raise InputError(f"blade.node: found {missing!r}, expected a channel of {self.basis}: {there}{near}")
+        raise InputError(
+            f"blade.basis: {self.basis}: found the channels {there}, expected {', '.join(named)}; or give a "
+            "[[blade.node]] for each place, with its channels along span and flap"
         )
 
 
@@ -223,11 +241,13 @@ class RubFile(SceneFile):
             body = read_basis(folder / table.basis)
             if body.sectors and table.count > 1:
                 raise InputError(f"blade.count: found {table.count} of a wheel, whose basis has {body.sectors} blades")
+            nodes = table.nodes(body)
+            table.require_channels(body, nodes)
             for k in range(table.count):
                 angle = table.angle_deg + 360.0 * k / table.count
                 if table.stiffening:
                     stiff.append(Stiffening.of(body, len(blades)))
-                for node in table.nodes(body):
+                for node in nodes:
                     given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
                     tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
                 blades.append(body)

@@ -113,8 +113,10 @@ class RotatingRim:
             )
         if self.blade.kind != "point":
             raise InputError(f"blade: found a basis of kind {self.blade.kind!r}, expected 'point'")
-        for name in ("span", "flap"):
-            self.blade.channel(name)
+        if not {"span", "flap"} <= set(self.blade.channels):
+            raise InputError(
+                f"blade: found the channels {', '.join(self.blade.channels)}, expected span and flap (Rub takes others)"
+            )
         require_positive(radius=self.casing.radius)
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)
         if abs(self.clearance) > FAR * self.casing.radius:

@@ -149,7 +149,7 @@ def test_nodes_of_a_wheel_are_those_of_one_sector(write, tmp_path):
     [
         ("count = 2", "count = 0", r"blade\[1\].count: found 0"),
         ("axial = true", "chordwise = true", r"blade\[1\].chordwise: unknown key"),
-        ('span = "node1.span"', 'span = "node7.span"', "tips[4]: channel: found 'node7.span'"),
+        ('span = "node1.span"', 'span = "node7.span"', "blade.node: found 'node7.span'"),
         ("line = 1", "line = 4", "tips[4].line: found 4, expected 0 .. 1"),
         ("hz = [3.0, 5.0]", "hz = 3.0", "one hz and 2 time found"),
         ("time_constant = 0.01", "time = [0.0]", "expected one by with time_constant"),
@@ -177,6 +177,31 @@ def test_broken_rub_scenes(write, old, new, words):
         ct.load_scene(write(RUB.replace(old, new, 1)))
     assert words.replace("\\", "") in str(caught.value)
     assert "scene.toml" in str(caught.value)
+
+
+NAMED = 'span = "11.x"\nflap = "11.y"\naxial = "11.z"\n'
+
+
+@pytest.mark.parametrize(
+    ("blade", "words"),
+    [
+        ('basis = "other.npz"', "blade.basis: other.npz: found the channels 11.x, 11.y, 11.z, expected span, flap; or "
+         "give a [[blade.node]] for each place, with its channels along span and flap"),
+        ('basis = "other.npz"\naxial = true', "11.z, expected span, flap, chord; or give a [[blade.node]]"),
+        (f'basis = "other.npz"\n[[blade.node]]\n{NAMED.replace("11.y", "12.y")}', "blade.node: found '12.y', expected "
+         "a channel of other.npz: 11.x, 11.y, 11.z (did you mean 11.y?)"),
+        ('basis = "casing.npz"', "blade.basis: casing.npz: found a basis of kind 'rim', expected 'point'"),
+    ],
+)  # fmt: skip
+def test_a_basis_without_the_channels_of_its_places_is_named_with_what_helps(write, tmp_path, blade, words):
+    """A basis of matrices has the channels 11.x, 11.y, 11.z of its nodes."""
+    replace(nodes(1), channels=("11.x", "11.y", "11.z")).save(tmp_path / "other.npz")
+    start, end = RUB.index("[[blade]]"), RUB.index("[contact]")
+    with pytest.raises(ct.InputError) as refused:
+        ct.load_scene(write(f"{RUB[:start]}[[blade]]\n{blade}\n{RUB[end:]}"))
+    assert words in str(refused.value)
+    named = ct.load_scene(write(f'{RUB[:start]}[[blade]]\nbasis = "other.npz"\n[[blade.node]]\n{NAMED}{RUB[end:]}'))
+    assert named.what.tips[0].axial == "11.z"
 
 
 @pytest.mark.parametrize(
