@@ -45,6 +45,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        read = files_read(kwargs)
         try:
             for path in kwargs.values():
                 if isinstance(path, Path):
@@ -58,15 +59,22 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
                 raise
             if isinstance(error, RuntimeError) or singular(error):
                 where = click.get_current_context().info_name
-                fail(f"{where} {kwargs.get('file', '')}: the numerics failed: {error}", NUMERICS_FAILED)
-            text, paths = str(error), [str(value) for value in kwargs.values() if isinstance(value, Path)]
-            fail(text if any(path in text for path in paths) else f"{kwargs.get('file', '')}: {text}", BAD_INPUT)
+                fail(f"{where} {', '.join(read)}: the numerics failed: {error}", NUMERICS_FAILED)
+            text, paths = str(error), [*read, *(str(value) for value in kwargs.values() if isinstance(value, Path))]
+            fail(text if any(path in text for path in paths) else f"{', '.join(read)}: {text}", BAD_INPUT)
         except OSError as error:
             if isinstance(error, BrokenPipeError):
                 raise
             fail(f"{error.filename or 'standard output'}: {error.strerror or error}", BAD_INPUT)
 
     return run
+
+
+def files_read(given: Mapping[str, object]) -> list[str]:
+    """Names of the file, or files, that a command reads."""
+    files = given.get("files", (given.get("file", ""),))
+    assert isinstance(files, tuple)
+    return [str(file) for file in files]
 
 
 def what_is_safe(command: str | None, out: object) -> str:

@@ -582,6 +582,14 @@ def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
     assert document["channels"] == list(EXACT.channels)
 
 
+def test_import_names_its_files_where_a_message_does_not(tmp_path):
+    (tmp_path / "K.mtx").write_text(ONE)
+    (tmp_path / "M.mtx").write_text(ONE)
+    ran = run("import", tmp_path / "K.mtx", tmp_path / "M.mtx", "--contact", "13")
+    assert ran.exit_code == 2
+    assert ran.stderr.startswith(f"{tmp_path / 'K.mtx'}, {tmp_path / 'M.mtx'}: contact: found node 13")
+
+
 def test_import_needs_nodes_and_an_npz(tmp_path):
     (tmp_path / "set.pch").write_text(PCH)
     ran = run("import", tmp_path / "set.pch", "--contact", "7", "--out", tmp_path / "set.json")
