@@ -36,7 +36,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.variation import outer_supports
-from casingfem.updating.calibration import calibrated
+from casingfem.updating.calibration import calibrated, paired_baseline
 
 AMONG = ("bolts", "mass")
 TWO_PI = 2.0 * np.pi
@@ -89,7 +89,7 @@ def locate(
     """Find which bolts are loose, or where mass was added.
 
     Rows that pair with no mode, with the best explanation in place, are named (`unpaired`), and the search is made anew
-    without them.
+    without them. Rows of the baseline that pair with no mode of the casing as designed are named and left out too.
 
     Parameters
     ----------
@@ -124,10 +124,12 @@ def locate(
     require_shell(shell, "locate")
     check_labelled(table)
     designed, angles = model or search_model(shell, table, among=among, edge=edge)
-    reduced, measured = designed, table
+    reduced, measured, left_out = designed, table, tuple[int, ...]()
     if baseline is not None:
         check_labelled(baseline)
         try:
+            left_out = modes_of(baseline, paired_baseline(designed, baseline)[1].unpaired_rows)
+            baseline = baseline.without(*left_out)
             reduced = calibrated(designed, baseline)
             table = with_baseline_noise(table, baseline)
         except ValueError as error:
@@ -179,6 +181,7 @@ def locate(
         calibrated=baseline is not None,
         misfit=misfit,
         unpaired=modes_of(table, point.lost),
+        baseline_unpaired=left_out,
     )
 
 

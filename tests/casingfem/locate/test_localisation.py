@@ -302,6 +302,16 @@ def test_a_table_of_which_no_row_pairs_is_refused(casing, model):
     kilo = replace(right, freq_hz=1e-3 * right.freq_hz, sigma_hz=1e-3 * right.sigma_hz)
     with pytest.raises(InputError, match="as of kHz; expected Hz"):
         locate(casing, kilo, model=model)
+    with pytest.raises(ModelError, match=r"baseline: .* as of kHz; expected Hz.*\[locate-baseline\]"):
+        locate(casing, right, baseline=kilo, model=model)
+
+
+def with_far_rows(table):
+    """The table below two rows that pair with no mode."""
+    far = {"freq_hz": [10.0, 99.0], "sigma_hz": 0.01, "n": [0, 0], "angle_deg": np.nan}
+    return FrequencyTable.from_arrays(
+        **{name: np.concatenate([np.broadcast_to(rows, 2), getattr(table, name)]) for name, rows in far.items()}
+    )
 
 
 @pytest.mark.slow
@@ -310,18 +320,26 @@ def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, m
     clean = table_of(loosened(casing, {3: 0.5}))
     noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
     table = replace(clean, freq_hz=clean.freq_hz + noise)
-    names = ("freq_hz", "sigma_hz", "n", "angle_deg")
-    far = {"freq_hz": [10.0, 99.0], "sigma_hz": 0.01, "n": [0, 0], "angle_deg": np.nan}
-    wider = FrequencyTable.from_arrays(
-        **{name: np.concatenate([np.broadcast_to(far[name], 2), getattr(table, name)]) for name in names}
-    )
-    found, plain = locate(casing, wider, model=model, most=1), locate(casing, table, model=model, most=1)
+    found, plain = locate(casing, with_far_rows(table), model=model, most=1), locate(casing, table, model=model, most=1)
     assert (found.unpaired, plain.unpaired) == ((1, 2), ())
     assert "no mode pairs with table modes 1, 2: they took no part" in repr(found).splitlines()
     told, expected = found.to_json(), plain.to_json()
     assert (told.pop("unpaired"), expected.pop("unpaired")) == ([1, 2], [])
     assert told == expected
     assert plain.scale > 1.5
+
+
+@pytest.mark.slow
+def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model):
+    before, now = table_of(casing), table_of(loosened(casing, {3: 0.5}))
+    found, plain = (
+        locate(casing, now, baseline=table, model=model, most=1) for table in (with_far_rows(before), before)
+    )
+    assert (found.unpaired, found.baseline_unpaired, plain.baseline_unpaired) == ((), (1, 2), ())
+    assert "no mode pairs with baseline modes 1, 2: they took no part" in repr(found).splitlines()
+    told, expected = found.to_json(), plain.to_json()
+    assert (told.pop("baseline_unpaired"), expected.pop("baseline_unpaired")) == ([1, 2], [])
+    assert told == expected
 
 
 def test_a_table_whose_doublets_pair_with_nothing_is_refused(casing, model):
