@@ -84,6 +84,18 @@ def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path)
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("loose", [{2: 0.3, 8: 0.7}, {2: 0.5, 8: 0.5}])
+def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose):
+    """The turned explanation has the same bolts, and the other's factor for each; nothing new where both are alike."""
+    found = locate(casing, table_of(loosened(casing, loose)), model=model)
+    told = [{one.place: round(one.value, 2) for one in e.found} for e in (found.best, *found.others)]
+    turned = {2: loose[8], 8: loose[2]}
+    assert loose in told
+    assert turned in told
+    assert len(told) == (1 if turned == loose else 2)
+
+
+@pytest.mark.slow
 def test_a_tight_casing_has_no_loose_bolt(casing, model):
     found = locate(casing, table_of(casing), model=model)
     assert found.found == ()
