@@ -70,7 +70,7 @@ class StrictCsv:
         point = text.replace(",", ".", 1) if self.decimal == "," else text
         value = float(point) if _NUMBER.fullmatch(point) else math.nan
         if not math.isfinite(value):
-            expected = "a finite number such as 371.2 or 3.712e2"
+            expected = "a finite number such as 371.2 or 3.712e2" + _or_empty(blank)
             raise self.refuse(row=row, column=column, found=repr(text), expected=expected)
         return value
 
@@ -84,8 +84,13 @@ class StrictCsv:
                 values[row] = int(text)
             else:
                 found = repr(text) if text else "an empty cell"
-                raise self.refuse(row=row, column=column, found=found, expected="a whole number")
+                raise self.refuse(row=row, column=column, found=found, expected="a whole number" + _or_empty(blank))
         return values
+
+
+def _or_empty(blank: float | None) -> str:
+    """What is said of empty cells where they are allowed."""
+    return "" if blank is None else ", or an empty cell where there is none"
 
 
 def read(path: str | os.PathLike[str]) -> StrictCsv:

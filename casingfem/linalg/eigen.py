@@ -134,8 +134,8 @@ def solve_modes(
     """
     pencil = make_pencil(K, mass)
     size = pencil.modes
-    if count < 1 or count + extra >= size:
-        asked = f"count must lie between 1 and {max(size - extra - 1, 1)}, found {count}"
+    if not 1 <= count <= size:
+        asked = f"count must lie between 1 and {size}, found {count}"
         raise CountError(sentence("modes-count", asked))
     require_affordable(count, size)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
@@ -157,6 +157,8 @@ def solve_from(pencil: Pencil, count: int, shift: float, extra: int, direct: Dir
         products += found.products
         order = np.argsort(found.values)
         values, vectors = found.values[order], found.vectors[:, order]
+        if len(values) == pencil.modes:  # orthonormal, so these are all
+            return result(pencil, values, vectors, pencil.modes, products, factor)
         if not gaps(values, count, abs(shift), clear).size and wanted < pencil.modes:
             wanted += 2 * extra + 1  # a cluster goes on
             continue

@@ -19,6 +19,7 @@ from casingfem.structure.shell.variation import outer_supports
 
 TWO_PI = 2.0 * np.pi
 LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
+SAME = 0.01  # of a bolt's stiffness
 TWINS = 4  # places whose half turns are all tried: 2^4 combinations
 
 
@@ -82,10 +83,12 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
     for choice in half_turns(len(active)):
         places = [turned_place(c, angles) if turn else c for c, turn in zip(active, choice, strict=True)]
         on = sorted(place for place in places if place is not None)
-        if len(set(on)) < len(active) or on == sorted(active):
+        if len(set(on)) < len(active):
             continue
         x = np.zeros(len(point.x))
         x[[place for place in places if place is not None]] = point.x[list(active)]
+        if on == sorted(active) and np.abs(x - point.x).max() < SAME:  # opposite bolts alike change nothing by turning
+            continue
         listed.append(explanation(fitted(misfit.at, misfit.at(x), on, bounds), on))
     return (explanation(point, list(active)), *likely(listed))
 

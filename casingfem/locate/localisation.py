@@ -36,7 +36,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.variation import outer_supports
-from casingfem.updating.calibration import calibrated
+from casingfem.updating.calibration import calibrated, paired_baseline
 
 AMONG = ("bolts", "mass")
 TWO_PI = 2.0 * np.pi
@@ -89,7 +89,7 @@ def locate(
     """Find which bolts are loose, or where mass was added.
 
     Rows that pair with no mode, with the best explanation in place, are named (`unpaired`), and the search is made anew
-    without them.
+    without them. Rows of the baseline that pair with no mode of the casing as designed are named and left out too.
 
     Parameters
     ----------
@@ -124,12 +124,15 @@ def locate(
     require_shell(shell, "locate")
     check_labelled(table)
     designed, angles = model or search_model(shell, table, among=among, edge=edge)
-    reduced, measured = designed, table
+    reduced, measured, left_out, c = designed, table, tuple[int, ...](), 0.0
     if baseline is not None:
         check_labelled(baseline)
         try:
+            tight, pairing = paired_baseline(designed, baseline)
+            left_out, c = modes_of(baseline, pairing.unpaired_rows), half_split(tight, baseline, pairing.matches)
+            baseline = baseline.without(*left_out)
             reduced = calibrated(designed, baseline)
-            table = with_baseline_noise(table, baseline)
+            table = with_baseline_noise(table, baseline, c)
         except ValueError as error:
             raise ModelError("locate-baseline", f"baseline: {error}") from None
     count = min(len(reduced.nominal), round(len(reduced.nominal) / REDUCED) + 4)
@@ -141,7 +144,7 @@ def locate(
         bounds = loosening(factors_of(reduced))
         active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
         if baseline is not None and active:  # again, with what the couplings that these bolts show leave unknown
-            wider = widened(table, reduced, start.modes, point.modes, half_split(baseline), misfit.reach)
+            wider = widened(table, reduced, start.modes, point.modes, c, misfit.reach)
             misfit = replace(misfit, table=wider)
             active, point = search(misfit.at, bounds, most=most, level=level, least=LEAST)
         explained = bolts_explained(misfit, active, point, angles)
@@ -179,21 +182,21 @@ def locate(
         calibrated=baseline is not None,
         misfit=misfit,
         unpaired=modes_of(table, point.lost),
+        baseline_unpaired=left_out,
     )
 
 
-def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable) -> FrequencyTable:
+def with_baseline_noise(table: FrequencyTable, baseline: FrequencyTable, c: float) -> FrequencyTable:
     """The table with what a baseline leaves unknown added to its sigma.
 
     The noise of the baseline itself; and the couplings of different n, which manufacture makes as large as it makes
-    splits: c, the baseline's rms half split, moves modes of another n at a distance D by c^2/D, or c if nearer.
+    splits, half of which is c, relative: they move modes of another n at a distance D by (c f)^2/D, or c f if nearer.
     """
     noise = float(np.sqrt(np.mean((baseline.sigma_hz / baseline.freq_hz) ** 2)))
-    pairs = [baseline.freq_hz[list(group.rows)] for group in baseline.groups() if len(group.rows) == 2]
-    c = float(np.sqrt(np.mean([(0.5 * np.ptp(pair)) ** 2 for pair in pairs]))) if pairs else 0.0
     apart = np.abs(table.freq_hz[:, None] - table.freq_hz)
     apart[table.n[:, None] == table.n] = np.inf
-    coupled = c**2 / np.maximum(apart.min(axis=1), c) if c else 0.0
+    own = c * table.freq_hz
+    coupled = own**2 / np.maximum(apart.min(axis=1), own) if c else 0.0
     return replace(table, sigma_hz=np.sqrt(table.sigma_hz**2 + (noise * table.freq_hz) ** 2 + coupled**2))
 
 

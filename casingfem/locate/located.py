@@ -64,6 +64,8 @@ class Localisation(Reported):
         What chi^2 was last judged by: the model as calibrated, the table with the uncertainty that was added to it.
     unpaired
         Mode numbers of the table's rows that no computed mode pairs with; all else is as if the table lacked them.
+    baseline_unpaired
+        The same of the baseline's rows.
     """
 
     among: str
@@ -79,6 +81,7 @@ class Localisation(Reported):
     calibrated: bool
     misfit: Misfit
     unpaired: tuple[int, ...] = ()
+    baseline_unpaired: tuple[int, ...] = ()
 
     @property
     def found(self) -> tuple[Found, ...]:
@@ -112,6 +115,7 @@ class Localisation(Reported):
             "alike": [list(group) for group in self.alike],
             "baseline": self.calibrated,
             "unpaired": list(self.unpaired),
+            "baseline_unpaired": list(self.baseline_unpaired),
         }
 
     def __repr__(self) -> str:
@@ -124,7 +128,7 @@ class Localisation(Reported):
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
         )
-        lines += unpaired_words(self.unpaired)
+        lines += unpaired_words(self.unpaired) + unpaired_words(self.baseline_unpaired, "baseline")
         for other in self.others:
             places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")

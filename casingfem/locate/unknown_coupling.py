@@ -7,23 +7,38 @@ the size of those within pairs. Of omega_i^2 = sum a_ki a_li (Lambda + W)_kl the
 
     (sigma_f/f)_i = c sqrt((sum_P p_iP)^2 - sum_P p_iP^2),   p_iP = sum_(k in P) a_ki^2,   a = Y0^T M Y,
 
-c the rms of half the relative splits. A mode that stays in its pair keeps its sigma.
+c the rms of half the relative splits that it makes. A mode that stays in its pair keeps its sigma.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
+from casingfem.updating.calibration import correction
 from casingfem.updating.mixed_pairing import paired_by_shares
+from casingfem.updating.targets import HERTZ2
 
 
-def half_split(baseline: FrequencyTable) -> float:
-    """Rms of half the relative splits of a table's pairs, 0 without pairs."""
-    pairs = [baseline.freq_hz[list(group.rows)] for group in baseline.groups() if len(group.rows) == 2]
-    return float(np.sqrt(np.mean([(0.5 * np.ptp(pair) / pair.mean()) ** 2 for pair in pairs]))) if pairs else 0.0
+def half_split(found: AffineModes, baseline: FrequencyTable, matches: Sequence[Match]) -> float:
+    """Rms of half the relative splits that manufacture makes in the pairs of a baseline, 0 without pairs.
+
+    A pair that bolts, say, split as designed has that split in the model, the modes `found`: what is left counts, with
+    its orientation where that was measured.
+    """
+    halves = []
+    for match in matches:
+        modes, added = correction(found, baseline, match)
+        if len(modes) == len(match.rows) == 2:
+            measured = HERTZ2 * baseline.freq_hz[list(match.rows)] ** 2
+            if not np.ptp(np.linalg.eigvalsh(added)):  # no orientation
+                added = np.diag(measured - found.omega[modes] ** 2)
+            halves.append(0.25 * np.ptp(np.linalg.eigvalsh(added)) / measured.mean())
+    return float(np.sqrt(np.mean(np.square(halves)))) if halves else 0.0
 
 
 def mixing(model: AffineModel, tight: AffineModes, found: AffineModes) -> FloatArray:

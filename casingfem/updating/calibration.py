@@ -13,11 +13,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.pairing import Match, pair
+from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.targets import HERTZ2, lower_angle
+
+
+def paired_baseline(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0.2) -> tuple[AffineModes, Pairing]:
+    """The model's modes, unchanged, and the rows of a baseline table that pair with them.
+
+    Raises
+    ------
+    InputError
+        If no row pairs.
+    """
+    found = model.modes(np.zeros(model.changes), len(model.nominal))
+    pairing = pair(found, baseline, reach=reach)
+    if not pairing.matches:
+        refuse_unpaired(baseline, found.freq, found.nodal_diameters, reach)
+    return found, pairing
 
 
 def calibrated(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0.2) -> AffineModel:
@@ -27,13 +44,10 @@ def calibrated(model: AffineModel, baseline: FrequencyTable, *, reach: float = 0
 
     Raises
     ------
-    ValueError
+    InputError
         If no row pairs.
     """
-    found = model.modes(np.zeros(model.changes), len(model.nominal))
-    pairing = pair(found, baseline, reach=reach)
-    if not pairing.matches:
-        raise ValueError(f"no row of {baseline.path} pairs with a mode of the model within {reach:.0%}")
+    found, pairing = paired_baseline(model, baseline, reach=reach)
     K = model.K.copy()
     for match in pairing.matches:
         modes, block = correction(found, baseline, match)

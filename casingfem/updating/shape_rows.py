@@ -11,6 +11,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import UNITS
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.assignment import assignment
 
@@ -55,7 +56,11 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
 
 
 def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> InputError:
-    """The error where no shape belongs to a row: another test, or other units."""
+    """The error where no shape belongs to a row: another test, or another unit than Hz, in which most shapes do."""
+    for unit, factor in UNITS.items():
+        if np.mean(np.abs(np.log(factor * measured.freq_hz[:, None] / table.freq_hz)).min(axis=1) <= reach) > 0.5:
+            found = f"no shape of a row of {table.path}, whose freq_hz is {factor:.4g} times that of the shapes"
+            return measured.error(f"{found}, as of {unit}", "both in Hz")
     gaps = np.abs(np.log(measured.freq_hz[:, None] / table.freq_hz))
     shape, row = np.unravel_index(int(gaps.argmin()), gaps.shape)
     near = f"{measured.freq_hz[shape]:.6g} Hz{labelled(int(measured.n[shape]))}"

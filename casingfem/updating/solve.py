@@ -13,6 +13,7 @@ from casingfem.updating.regularisation import Regularisation, Regularised, chose
 from casingfem.updating.result import POOR
 
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
+SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step whose end cannot be evaluated
 ROUNDS = 8  # solutions until a weight must have settled
 SETTLED = 0.06  # two of the weights tried, which stand .058 apart in logarithm
 
@@ -73,6 +74,20 @@ def solve(
     _, x, message, state = min(ends, key=lambda end: end[0])
     problem.adopt(x, state)
     return x, message
+
+
+def stepped(problem: Problem, x: FloatArray, step: FloatArray) -> FloatArray:
+    """Where a step ends, halved until there is a structure that can be solved: not all within the bounds is one.
+
+    Where even its eighth is too long, x itself.
+    """
+    for share in SHORTER:
+        try:
+            problem.state(x + share * step)
+        except ValueError:  # a lost mode, rows that pair with nothing, springs turned negative
+            continue
+        return np.asarray(x + share * step)
+    return x
 
 
 def descend(

@@ -27,7 +27,7 @@ from casingfem.updating.problem import Problem, Progress
 from casingfem.updating.regularisation import Regularisation
 from casingfem.updating.result import UpdateResult, weak_priors
 from casingfem.updating.shapes import SensorShapes
-from casingfem.updating.solve import WAYS, covariance, require_enough, solve, solve_regularised
+from casingfem.updating.solve import WAYS, covariance, require_enough, solve, solve_regularised, stepped
 from casingfem.updating.targets import with_model_error
 from contact.io.notebook import notebook_progress
 
@@ -132,10 +132,10 @@ def fitted(
     table: FrequencyTable,
     regularise: Regularisation | None,
     max_iterations: int,
-    begin: FloatArray | None = None,
+    begin: tuple[FloatArray, FloatArray] | None = None,
     ways: Sequence[float] = WAYS,
 ) -> UpdateResult:
-    """Solve a problem; `table` is its table without the model's error."""
+    """Solve a problem; `table` is its table without the model's error, `begin` a point that was solved and a step."""
     vary = problem.vary
     lower = np.array([p.to_internal(p.lower) for p in vary])
     upper = np.array([p.to_internal(p.upper) for p in vary])
@@ -144,7 +144,8 @@ def fitted(
         raise InputError(f"the structure has {before.modes.rigid} rigid motions: support it before updating")
     require_enough(len(problem.fun(problem.start)), len(vary))
     if regularise is None:
-        x, stopped = solve(problem, lower, upper, max_iterations, begin, ways)
+        first = None if begin is None else stepped(problem, *begin)
+        x, stopped = solve(problem, lower, upper, max_iterations, first, ways)
         regularised = None
     else:
         x, stopped, regularised = solve_regularised(problem, regularise, lower, upper, max_iterations)
@@ -225,8 +226,8 @@ def without_outliers(
         less = Problem(
             whole.shell, whole.table.without(*modes), whole.vary, whole.count, whole.reach, whole.progress, shapes
         )
-        begin = np.clip(best.x + near, fit.lower, fit.upper)
-        best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=begin)
+        step = np.clip(best.x + near, fit.lower, fit.upper) - best.x
+        best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=(best.x, step))
         best = replace(best, before=fit.before, outliers=aside, plain=fit)
     return best if seen[-1] else fit
 

@@ -91,6 +91,6 @@ def modes_of(table: FrequencyTable, rows: Iterable[int]) -> tuple[int, ...]:
     return tuple(int(table.mode[row]) for row in rows)
 
 
-def unpaired_words(modes: Sequence[int]) -> list[str]:
+def unpaired_words(modes: Sequence[int], of: str = "table") -> list[str]:
     """The line that names rows that no mode pairs with, by their mode numbers; none where all pair."""
-    return [f"no mode pairs with table modes {listed(modes)}: they took no part"] if modes else []
+    return [f"no mode pairs with {of} modes {listed(modes)}: they took no part"] if modes else []

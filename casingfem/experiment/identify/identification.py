@@ -88,8 +88,8 @@ def identify(
     Raises
     ------
     InputError
-        No frequency responses, uneven or too few lines, no channel with a signal, sensors without angle or reference,
-        picks outside the lines, a coherence over other lines.
+        No frequency responses, uneven or too few lines, no channel with a signal, magnitudes without phase, sensors
+        without angle or reference, picks outside the lines, a coherence over other lines.
     MissingExtraError
         sdypy-EMA is not installed.
 

@@ -42,8 +42,8 @@ def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None, coh
     Raises
     ------
     InputError
-        No frequency responses, uneven or too few lines, no channel with a signal, an unknown unit, a coherence over
-        other lines.
+        No frequency responses, uneven or too few lines, no channel with a signal, no phase, an unknown unit, a
+        coherence over other lines.
     """
     if frfs.kind != "frf":
         raise InputError(frfs.path, found=f"kind {frfs.kind!r}", expected="frequency responses")
@@ -66,6 +66,9 @@ def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None, coh
     whole, words = _without(frfs, silent & ~lacking, lacking)
     notes += words
     H, missing = whole.responses[:, kept], np.isnan(whole.responses[:, kept])
+    if not np.any(np.abs(H.imag) > 0.0):
+        found = "responses whose imaginary parts are all zero: magnitudes without phase?"
+        raise InputError(frfs.path, found=found, expected="complex responses, real and imaginary part")
     along = np.ones(len(even)) if coherence is None else _coherent(whole, coherence, kept)
     if missing.any():
         notes.append(_missing(missing, even))

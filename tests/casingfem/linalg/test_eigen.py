@@ -199,8 +199,10 @@ def test_unknowns_without_mass_follow_statically():
     np.testing.assert_allclose(band.eigenvalues, exact[3:9], rtol=1e-10)
     assert (whole.sturm_count, band.sturm_count) == (12, 6)
     np.testing.assert_allclose(whole.vectors[bare], -inner @ whole.vectors[kept], atol=1e-12)
-    with pytest.raises(NumericsError, match="count must lie between 1 and 15"):
-        solve_modes(K, csc_array(np.diag(M)), 16, shift=-1e-6)
+    every = solve_modes(K, csc_array(np.diag(M)), 20, shift=-1e-6)
+    np.testing.assert_allclose(every.eigenvalues, exact, rtol=1e-10)
+    with pytest.raises(NumericsError, match="count must lie between 1 and 20"):
+        solve_modes(K, csc_array(np.diag(M)), 21, shift=-1e-6)
 
 
 def test_refuses_a_mass_of_another_size():
@@ -255,9 +257,19 @@ def test_pairs_that_never_converge_end_the_search(monkeypatch):
         nearest(pencil, lambda b: rng.standard_normal(b.shape), 0.25, 5)
 
 
-@pytest.mark.parametrize("count", [0, -3, 27, 500])
+@pytest.mark.parametrize(("size", "count"), [(1, 1), (2, 1), (2, 2), (6, 2), (6, 6), (30, 26), (30, 30)])
+def test_few_unknowns_show_as_many_modes_as_they_have(size, count):
+    """Where fewer lie beyond those wanted than a gap takes, all are found."""
+    K, mass = chain(size), np.linspace(1.0, 2.0, size)
+    found = solve_modes(K, mass, count, shift=-1e-6)
+    assert len(found.eigenvalues) == found.sturm_count >= count
+    exact = eigh(K.toarray(), np.diag(mass), eigvals_only=True)
+    np.testing.assert_allclose(found.eigenvalues, exact[: found.sturm_count], rtol=1e-10)
+
+
+@pytest.mark.parametrize("count", [0, -3, 31, 500])
 def test_refuses_a_count_there_is_not(count):
-    with pytest.raises(NumericsError, match=f"count must lie between 1 and 25, found {count}"):
+    with pytest.raises(NumericsError, match=f"count must lie between 1 and 30, found {count}"):
         solve_modes(chain(30), np.ones(30), count, shift=-1e-6)
 
 

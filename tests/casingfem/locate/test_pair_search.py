@@ -87,12 +87,24 @@ def test_unknown_couplings_widen_the_rows_of_modes_that_mix():
     np.testing.assert_array_equal(wider.freq_hz, freq)
 
 
-def test_half_the_split_of_a_baseline_is_relative():
-    table = FrequencyTable.from_arrays(
-        freq_hz=[99.0, 101.0, 199.0, 201.0, 300.0],
-        sigma_hz=np.full(5, 0.1),
-        n=[3, 3, 4, 4, 0],
-        angle_deg=[0.0, 30.0, 0.0, 22.5, 0.0],
-    )
-    assert half_split(table) == pytest.approx(np.sqrt((0.01**2 + 0.005**2) / 2))
-    assert half_split(table.without(1, 2, 3, 4)) == 0.0
+@pytest.mark.parametrize(
+    ("angles", "freq", "half"),
+    [
+        ((np.nan, np.nan), (100.0, 104.0), 0.0),
+        ((0.0, 30.0), (100.0, 104.0), 0.0),
+        ((30.0, 0.0), (100.0, 104.0), 0.25 * 2.0 * (104.0**2 - 100.0**2) / (0.5 * (104.0**2 + 100.0**2))),
+        ((np.nan, np.nan), (100.0, 106.0), 0.25 * (106.0**2 - 104.0**2) / (0.5 * (106.0**2 + 100.0**2))),
+    ],
+)
+def test_half_the_split_that_manufacture_makes_is_what_the_design_leaves(angles, freq, half):
+    """A pair n = 3 that the design splits to 100 and 104 Hz, antinodes at 0 and 30 deg; another n without a partner."""
+    amplitudes = np.zeros((4, 1, 3, 3), complex)
+    amplitudes[3, 0, 0, :2] = 1.0, -1j
+    found = SimpleNamespace(
+        omega=2.0 * np.pi * np.array([100.0, 104.0, 200.0]), doublets=((0, 1),), nodal_diameters=np.array([3, 3, 0]),
+        doublet_of=lambda mode: 0 if mode < 2 else -1, rings=SimpleNamespace(amplitudes=amplitudes),
+    )  # fmt: skip
+    table = FrequencyTable.from_arrays(freq_hz=[*freq, 300.0], sigma_hz=0.1, n=[3, 3, 0], angle_deg=[*angles, np.nan])
+    single = SimpleNamespace(rows=(2,), modes=(2,))
+    assert half_split(found, table, [SimpleNamespace(rows=(0, 1), modes=(0, 1)), single]) == pytest.approx(half)
+    assert half_split(found, table, [single]) == 0.0

@@ -9,7 +9,9 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.correlation.pairing import member_of, pair
+from casingfem.updating import updating
 from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, strongest
+from casingfem.updating.problem import Problem
 from casingfem.updating.targets import values
 from reports.updating import wrong_rows
 from reports.updating.twin import measured
@@ -115,6 +117,25 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     document = json.loads(json.dumps(fit.to_json()))
     assert document["outliers"][0]["modes"] == [5]
     assert document["with_outliers"] == list(fit.plain.value)
+
+
+@pytest.mark.slow
+def test_a_step_without_a_wrong_row_to_where_there_is_no_structure_is_shortened(spoilt, monkeypatch):
+    """Springs that two harmonics make negative together, say, each within its bounds; here E above 230 GPa."""
+    structure, refused = Problem.structure, []
+
+    def stiff(problem, x):
+        if x[0] > 230e9:
+            refused.append(x[0])
+            raise cf.errors.ModelError("springs-negative", f"E = {x[0]:.4g}")
+        return structure(problem, x)
+
+    monkeypatch.setattr(Problem, "structure", stiff)
+    monkeypatch.setattr(updating, "step_without", lambda *_: np.array([1e12]))
+    fit = cf.update(blade(), spoilt[1].plain.table, vary("material.E"))
+    assert refused[0] == 250e9
+    assert [one.modes for one in fit.outliers] == [(5,)]
+    assert fit.value == pytest.approx(spoilt[1].value, rel=1e-6)
 
 
 @pytest.mark.slow

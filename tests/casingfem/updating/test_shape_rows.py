@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.updating.shape_rows import EXACT, SURE, refuse_doubtful
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.updating.shape_rows import EXACT, SURE, refuse_doubtful, rows_of_shapes
 
 NONE = np.inf
 
@@ -52,3 +54,22 @@ def test_a_second_shape_without_a_row_is_doubted_by_its_distance(by):
     words = refused([[0.2, NONE], [by * (SURE * 0.2 + EXACT), NONE]], [0, -1])
     assert ("two shapes, 100 and 101 Hz, near mode 1 of table.csv; one shape for each row" in words) == (by < 1.0)
     assert refused([[0.2, NONE], [NONE, NONE]], [0, -1]) == ""
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1e-3, "no shape of a row of t.csv, whose freq_hz is 0.001 times that of the shapes, as of kHz; .* both in Hz"),
+        (2.0 * np.pi, "whose freq_hz is 6.283 times that of the shapes, as of rad/s"),
+        (1.01, "the nearest has 130.01 Hz, mode 2 of t.csv at 131.3 Hz"),
+    ],
+)
+def test_a_table_in_another_unit_than_its_shapes_is_called_so(factor, words):
+    """Some rows have no shape, and some shapes no row."""
+    freq = factor * np.array([100.0, 130.0, 150.0, 190.0])
+    table = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=1e-3 * freq, path="t.csv")
+    shapes = MeasuredShapes.from_arrays(
+        freq_hz=[130.01, 150.0, 171.0], values=np.eye(3), points=np.eye(3), directions=np.eye(3)
+    )
+    with pytest.raises(InputError, match=words):
+        rows_of_shapes(shapes, table)

@@ -137,7 +137,7 @@ def test_a_table_written_by_hand(tmp_path):
         ("20,2,3,1,3,0.6,2\n", "", "line 5: found 1 rows of a channel over other abscissas"),
         ("20,2,3,1,3,0.6,2", "21,2,3,1,3,0.6,2", "over other abscissas"),
         ("20,", "5,", "5 after 10"),
-        ("0.6,2", "nan,2", "finite number"),
+        ("0.6,2", "nan,2", "found 'nan'; expected a finite number such as .*, or an empty cell where there is none"),
         ("10,1,3", "10,1.5,3", "whole number"),
     ],
 )

@@ -149,7 +149,7 @@ def test_sensors_that_do_not_tell_n_apart_say_so(angles, n, told):
 
 
 def _frfs(**changes):
-    values = {"kind": "frf", "x": 100 + 0.1 * np.arange(90), "responses": np.ones((2, 90)), "unit": "m/N"}
+    values = {"kind": "frf", "x": 100 + 0.1 * np.arange(90), "responses": np.full((2, 90), 1 + 1j), "unit": "m/N"}
     values |= {"response_point": [1, 2]}
     return cf.frf.FrfSet.from_arrays(**(values | changes))
 
@@ -164,6 +164,7 @@ def _frfs(**changes):
         (_frfs(), {"band": (9.0, 1.0)}, "from < to"),
         (_frfs(x=np.geomspace(100, 200, 90)), {}, "even steps"),
         (_frfs(responses=np.zeros((2, 90))), {}, "zero on every line: channel 1, 2"),
+        (_frfs(responses=np.ones((2, 90))), {}, "imaginary parts are all zero: magnitudes without phase"),
         (_frfs(response_point=[1, 1]), {}, "channels 1 and 2"),
         (_frfs(reference_point=[5, 6]), {}, "no channel from point 1 to reference 6"),
         (_frfs(), {"angles": {1: 0.0}}, "no angle for point 2"),
