@@ -10,7 +10,7 @@ from casingfem.experiment.circle.pair import split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
 from casingfem.experiment.circle.scan import CircleScan, demodulate
 from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.scan import Tone, Turning, scan
+from casingfem.experiment.rig.scan import Tone, Turning, repeating_noise, scan
 from casingfem.experiment.rig.truth import truth
 
 SEED = 7719
@@ -212,6 +212,15 @@ def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
     np.testing.assert_allclose(quiet.reshape(16, -1)[1:], quiet.reshape(16, -1)[:-1], atol=1e-12)
     assert np.std(quiet) == pytest.approx(1e-3, rel=0.1)
     assert whole.shape == (8, 2000)
+
+
+def test_speckle_closes_after_a_turn():
+    """It runs straight from each of its 4096 grains to the next, and from the last to the first."""
+    angle = 2.0 * np.pi * np.arange(4096 * 8 + 1) / (4096 * 8)
+    speckle = repeating_noise(Turning(mirror=1.0, speckle=1e-3), angle, np.random.default_rng(SEED))
+    steps = np.diff(speckle).reshape(4096, 8)
+    np.testing.assert_allclose(steps, np.broadcast_to(steps[:, :1], steps.shape), atol=1e-12)
+    assert speckle[-1] == speckle[0]
 
 
 def test_force_makes_mobility():
