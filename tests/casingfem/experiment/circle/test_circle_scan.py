@@ -1,6 +1,7 @@
 """Circle scans: lines against closed forms, noise against the Cramer-Rao bound, collisions, pairs."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -145,6 +146,8 @@ def test_the_truth_is_labelled_by_its_shapes():
     assert found.n.tolist() == [8, 8, 7, 7]
     np.testing.assert_allclose(found.angle_deg, [np.degrees(0.13), np.degrees(0.13) + 11.25, 0.0, 90.0 / 7], atol=1e-9)
     assert truth(rig).n.tolist() == [-1] * 4
+    turned = truth(replace(rig, rows=-rig.rows), circle)  # a shape and its negative are one
+    np.testing.assert_allclose(turned.angle_deg, found.angle_deg, atol=1e-9)
 
 
 def test_the_rig_makes_the_lines_of_its_modes():
@@ -186,6 +189,19 @@ def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
     assert "Coriolis" not in " ".join(still.record.card)
     (told,) = re.findall(r"pair n = 2 by (\S+) Hz", " ".join(lathe.record.card))
     assert float(told) == pytest.approx(split, rel=0.01)
+
+
+@pytest.mark.parametrize(("highest", "last"), [(None, 23), (8, 8)])
+def test_a_force_in_space_is_felt_at_as_many_frequencies_as_shapes_have_harmonics(highest, last):
+    """At omega - m W each; of a perfect pair only the wave answers that stands in space, n = -m."""
+    rig, circle = ring_rig(split=0.0)
+    made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,
+                drive_angle=0.2, fs=FS, seconds=0.1, seed=SEED, highest=highest)  # fmt: skip
+    assert made.n.tolist() == list(range(-23, 24))
+    np.testing.assert_allclose(made.record.tones, 369.9 + 0.05 * np.arange(-last, last + 1), atol=1e-9)
+    for m in (-8, 8):
+        felt = np.abs(made.V[int(np.argmin(np.abs(np.array(made.record.tones) - 369.9 + 0.05 * m)))])
+        assert felt[made.n == m][0] < 1e-9 * felt[made.n == -m][0]
 
 
 @pytest.mark.slow

@@ -80,5 +80,7 @@ def test_bad_masses_are_refused():
     for mass in (-1.0, np.nan):
         with pytest.raises(InputError, match="masses of 0 kg or more"):
             loaded(rig, [0], [mass])
+        with pytest.raises(InputError, match="masses of 0 kg or more"):
+            loaded(rig, [0, 0], [0.1, mass])
         with pytest.raises(InputError, match="expected 0 or more"):
             Place(at=(0.0, 0.0), mass=mass)

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from casingfem.errors import InputError
-from casingfem.experiment.rig.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate, spectra
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.record import BAND, FINER, measured, prefiltered, record, respond
 from casingfem.experiment.rig.rig import Rig
@@ -83,6 +83,27 @@ def test_one_estimator_over_the_other_is_the_coherence():
     assert first.frfs.x[[0, -1]].tolist() == [60.0, 700.0]
     np.testing.assert_allclose(first.frfs.responses / second.frfs.responses, first.coherence.responses, rtol=1e-9)
     assert first.coherence.responses.real.min() < 0.9
+
+
+def test_a_sine_on_a_line_is_seen_on_three_lines_of_a_hann_window():
+    """1/2 of it there, -1/4 on both sides, nothing elsewhere: exactly, as in every textbook."""
+    test = record(RIG, [Random(rms=1.0, band=(20.0, 780.0))], drives=[0], sensors=[1], fs=FS, block=256, blocks=2,
+                  seed=SEED)  # fmt: skip
+    sine = np.cos(2.0 * np.pi * 40.0 * np.arange(512) / 256)[None]
+    lines = spectra(sine, test, "hann", 0.5)
+    assert lines.shape == (1, 3, 129)
+    exact = np.zeros(129)
+    exact[39:42] = 128.0 * np.array([-0.25, 0.5, -0.25])
+    np.testing.assert_allclose(lines[0], np.broadcast_to(exact, (3, 129)), atol=1e-10)
+    assert estimate(test).frfs.x[[0, -1]].tolist() == [8.0, 800.0]  # without 0 Hz, up to fs/2.56
+
+
+def test_a_channel_without_signal_passes_its_converter():
+    rig = Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.0]])
+    test = record(rig, [Impact(peak=10.0, width=8e-3)], drives=[0], sensors=[0, 1], fs=FS, block=128, blocks=1,
+                  seed=SEED)  # fmt: skip
+    seen = measured(test, seed=SEED, bits=12).response
+    assert np.abs(seen[1]).max() == 0.0 < np.abs(seen[0]).max()
 
 
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
