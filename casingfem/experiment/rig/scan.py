@@ -170,7 +170,7 @@ def scan(
     notes = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if turn.casing:
         notes.append(
-            f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {0.8 * abs(turn.casing):.3g} Hz"
+            f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {1.6 * abs(turn.casing):.3g} Hz"
         )
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]

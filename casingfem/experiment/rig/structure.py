@@ -27,7 +27,8 @@ DIRECTIONS = (*CYLINDRICAL, *CARTESIAN, "normal")
 class Place:
     """Parameters (a, b) of the chart and a direction: radial, hoop, axial about z; x, y, z; or normal to the wall.
 
-    On a casing a is the height [m] and b the angle [rad]. `mass` [kg] is that of the sensor glued there.
+    On a casing a is the height [m] and b the angle [rad], and the normal points inwards.
+    `mass` [kg] is that of the sensor glued there.
 
     >>> Place(at=(0.25, 0.0)).direction
     'radial'

@@ -365,6 +365,14 @@ def test_a_pair_does_not_run_and_rods_have_no_poles():
         ct.scene.load_stability(SCENE.with_name("two_rods.toml"))
 
 
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_the_bound_of_the_fastest_vibration_has_the_norm_of_what_the_contact_adds(sense):
+    """A perfect rim's contact adds the same stiffness W^T Q/S at every angle; the blade's lean tells the senses."""
+    added = np.linalg.norm(ct.gaps.rim_contact(rim(), mu=0.3).joined(sense), 2)
+    system = rim_system(rim())
+    assert floquet.fastest(system, sense * 0.3) == pytest.approx(np.sqrt(system.omega.max() ** 2 + added), rel=1e-6)
+
+
 def test_a_turn_of_too_many_steps_is_refused(monkeypatch):
     """The slower, the more steps a turn has."""
     split = ct.RotatingRim(ring(imperfect=0.03), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)

@@ -45,3 +45,19 @@ def test_who_is_open_bears_nothing():
     force = np.ones(3)
     sweep(np.eye(3), np.array([0.1, 5.0, 5.0]), np.array([0.4]), 3, 1, force, 1)
     assert force.tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_contacts_of_unlike_compliance_that_feel_each_other_slip_at_the_limit(dim):
+    """Coulomb's conditions at each of three, 1 to 16 to 256: gap closed, |T| = mu N, T against the slip."""
+    size = np.repeat([1.0, 4.0, 16.0], dim)
+    alike = np.kron(np.full((3, 3), -0.4) + 1.4 * np.eye(3), np.eye(dim))  # across, one pulls the others back
+    W, b = size[:, None] * alike * size, -size * np.tile([1.0, 5.0, -3.0][:dim], 3)
+    force = np.zeros(3 * dim)
+    sweep(W, b, MU, dim, 3, force, 100)
+    motion = (b + W @ force).reshape(3, dim)
+    N, T, slip = force[::dim], force.reshape(3, dim)[:, 1:], motion[:, 1:]
+    assert N.min() > 0.0
+    np.testing.assert_allclose(motion[:, 0] / size[::dim], 0.0, atol=1e-6)
+    along = slip / np.linalg.norm(slip, axis=1, keepdims=True)
+    np.testing.assert_allclose(T, -(MU * N)[:, None] * along, atol=3.0 * ROUGHLY * N.max())

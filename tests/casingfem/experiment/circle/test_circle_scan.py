@@ -1,8 +1,12 @@
 """Circle scans: lines against closed forms, noise against the Cramer-Rao bound, collisions, pairs."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import clear_rate, line_frequencies
@@ -10,7 +14,7 @@ from casingfem.experiment.circle.pair import split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
 from casingfem.experiment.circle.scan import CircleScan, demodulate
 from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.scan import Tone, Turning, scan
+from casingfem.experiment.rig.scan import Tone, Turning, repeating_noise, scan, spot_angle
 from casingfem.experiment.rig.truth import truth
 
 SEED = 7719
@@ -142,6 +146,8 @@ def test_the_truth_is_labelled_by_its_shapes():
     assert found.n.tolist() == [8, 8, 7, 7]
     np.testing.assert_allclose(found.angle_deg, [np.degrees(0.13), np.degrees(0.13) + 11.25, 0.0, 90.0 / 7], atol=1e-9)
     assert truth(rig).n.tolist() == [-1] * 4
+    turned = truth(replace(rig, rows=-rig.rows), circle)  # a shape and its negative are one
+    np.testing.assert_allclose(turned.angle_deg, found.angle_deg, atol=1e-9)
 
 
 def test_the_rig_makes_the_lines_of_its_modes():
@@ -168,6 +174,34 @@ def test_a_turning_casing_runs_the_other_way():
     assert both[0].angle_deg == pytest.approx(both[1].angle_deg, abs=1e-7)
     assert both[0].travelling == pytest.approx(both[1].travelling, abs=1e-9)
     assert abs(both[0].travelling) > 0.05  # two members, out of phase
+
+
+def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
+    """As whirl modes of a thin ring on soft springs have it, in the frame of the ring."""
+    ring = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.02), thickness=2e-3, material=steel,
+                    supports={"base": cf.ElasticEdge(k_face=1e7)}, rotation=cf.Rotation(omega=2.0 * np.pi * 2.5),
+                    mesh=cf.ShellMesh(order=4, rows=1, around=5))  # fmt: skip
+    waves = cf.whirl_modes(ring, 8)
+    split = np.ptp(waves.freq[waves.nodal_diameters == 2])
+    rig, circle = ring_rig()
+    asked = {"circle": circle, "drive": 5, "fs": FS, "seconds": 0.1, "seed": SEED}
+    still, lathe = (scan(rig, Turning(mirror=1.0, casing=c), [Tone(370.2)], **asked) for c in (0.0, -2.5))
+    assert "Coriolis" not in " ".join(still.record.card)
+    (told,) = re.findall(r"pair n = 2 by (\S+) Hz", " ".join(lathe.record.card))
+    assert float(told) == pytest.approx(split, rel=0.01)
+
+
+@pytest.mark.parametrize(("highest", "last"), [(None, 23), (8, 8)])
+def test_a_force_in_space_is_felt_at_as_many_frequencies_as_shapes_have_harmonics(highest, last):
+    """At omega - m W each; of a perfect pair only the wave answers that stands in space, n = -m."""
+    rig, circle = ring_rig(split=0.0)
+    made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,
+                drive_angle=0.2, fs=FS, seconds=0.1, seed=SEED, highest=highest)  # fmt: skip
+    assert made.n.tolist() == list(range(-23, 24))
+    np.testing.assert_allclose(made.record.tones, 369.9 + 0.05 * np.arange(-last, last + 1), atol=1e-9)
+    for m in (-8, 8):
+        felt = np.abs(made.V[int(np.argmin(np.abs(np.array(made.record.tones) - 369.9 + 0.05 * m)))])
+        assert felt[made.n == m][0] < 1e-9 * felt[made.n == -m][0]
 
 
 @pytest.mark.slow
@@ -212,6 +246,32 @@ def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
     np.testing.assert_allclose(quiet.reshape(16, -1)[1:], quiet.reshape(16, -1)[:-1], atol=1e-12)
     assert np.std(quiet) == pytest.approx(1e-3, rel=0.1)
     assert whole.shape == (8, 2000)
+
+
+def test_run_out_is_its_series_in_the_angle():
+    angle = np.linspace(-3.0, 9.0, 50)
+    seen = repeating_noise(Turning(mirror=1.0, runout=((0.1, -0.3), (0.2, 0.05))), angle, np.random.default_rng(SEED))
+    exact = 0.1 * np.cos(angle) - 0.3 * np.sin(angle) + 0.2 * np.cos(2.0 * angle) + 0.05 * np.sin(2.0 * angle)
+    np.testing.assert_allclose(seen, exact, atol=1e-12)
+
+
+def test_a_spot_wanders_by_its_rms_about_its_mean_rate():
+    """rms of the rate over many scans, each of which begins where it shall and turns as often as without."""
+    turn, rng = Turning(mirror=-2.0, wander=0.02, first_angle=0.7), np.random.default_rng(SEED)
+    angles = np.array([spot_angle(turn, FS, 1001, rng) for _ in range(300)])
+    rate = np.diff(angles, axis=1) * FS / (2.0 * np.pi)
+    np.testing.assert_allclose(angles[:, 0], 0.7, atol=1e-12)
+    np.testing.assert_allclose(rate.mean(axis=1), -2.0, rtol=1e-3)
+    assert np.sqrt(np.mean((rate / -2.0 - 1.0) ** 2)) == pytest.approx(0.02, rel=0.1)
+
+
+def test_speckle_closes_after_a_turn():
+    """It runs straight from each of its 4096 grains to the next, and from the last to the first."""
+    angle = 2.0 * np.pi * np.arange(4096 * 8 + 1) / (4096 * 8)
+    speckle = repeating_noise(Turning(mirror=1.0, speckle=1e-3), angle, np.random.default_rng(SEED))
+    steps = np.diff(speckle).reshape(4096, 8)
+    np.testing.assert_allclose(steps, np.broadcast_to(steps[:, :1], steps.shape), atol=1e-12)
+    assert speckle[-1] == speckle[0]
 
 
 def test_force_makes_mobility():

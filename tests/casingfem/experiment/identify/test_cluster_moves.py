@@ -8,6 +8,7 @@ import pytest
 from casingfem.experiment.identify.band_fits import _by_misfit
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
+from casingfem.experiment.identify.setups.channels_alone import channels_alone
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
 from casingfem.experiment.identify.setups.cluster_moves import _one_more, improved
 from casingfem.experiment.identify.setups.clusters import Cluster, _noise
@@ -110,6 +111,25 @@ def clean(freq, zeta, residues):
     shapes = np.array([[1.0, -0.6, 0.8, 0.4], [-0.5, 0.9, 0.7, -1.0]]) * (1.0 if residues == "real" else 1.0 - 0.4j)
     H = Modes(freq, zeta, shapes + 0j).response(empty, PAIR)
     return replace(empty, Y=np.concatenate([H.real, H.imag]))
+
+
+def test_modes_of_channels_alone_are_put_together_by_their_frequencies():
+    """Two modes damped alike, each large in the channels where the other is small: their sizes say the opposite."""
+    rng = np.random.default_rng(3)
+    freq, zeta = np.array([[100.0, 100.13], [101.0, 100.93]]), np.array([3e-3, 3e-3])
+    lines = np.arange(96.0, 105.0, 0.03)
+    empty = Window(freq=lines, Y=np.zeros((2 * len(lines), 4)), power=0, residues="complex", weight=np.ones(4),
+                   floor=0.0, along=np.ones(len(lines)))  # fmt: skip
+    residues = np.array([[1.0, -0.6, 0.1, 0.9], [-0.2, 0.9, 0.9, -0.1]]) + 0j
+    H = Modes(freq, zeta, residues).response(empty, PAIR)
+    sigma = 1e-3 * np.abs(H).max()
+    H = H + sigma * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    window = replace(empty, Y=np.concatenate([H.real, H.imag]))
+    c = Cluster(Modes(freq.mean(axis=1, keepdims=True), zeta, residues), window, (98.5, 102.5), sigma**2)
+    alone = channels_alone([c], np.arange(4), 0.05, 0.03)
+    np.testing.assert_allclose(alone.peaks[0].freq, freq[:, [0, 1, 0, 1]], atol=5e-3)
+    assert alone.leak == 0.0
+    assert alone.evidence[0] > 100.0
 
 
 @pytest.mark.parametrize("residues", ["real", "complex"])

@@ -6,8 +6,8 @@ import pytest
 import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.experiment.rig.noise import Converter, noise, noisy
-from casingfem.experiment.rig.rig import SYNTHETIC, Rig
-from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
+from casingfem.experiment.rig.rig import SYNTHETIC, Probe, Rig
+from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of, towards
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.loads import PointLoad
 from casingfem.structure.shell.static import solve_static
@@ -75,6 +75,37 @@ def test_directions_have_their_numbers(casing):
     assert {p.node for p in rig.probes} == {1}
     np.testing.assert_allclose(rig.rows[0], rig.rows[4], atol=1e-12)
     np.testing.assert_allclose(rig.rows[1], -rig.rows[3], atol=1e-12)
+
+
+def test_the_normal_of_a_cone_points_into_it(coarse, frustum):
+    """Along the axis times around: where it is narrower above, in and down, as height to difference of radii."""
+    modes = cf.modes(frustum(mesh=coarse), 8, method="shell")
+    chart, places = modes.shell.chart, [Place(at=(0.1, 0.7), direction=d) for d in ("radial", "axial", "normal")]
+    rig = rig_of(modes, places, zeta=0.002)
+    slope = np.array([chart.height, chart.r_base - chart.r_top])
+    exact = -slope @ rig.rows[:2] / np.linalg.norm(slope)
+    np.testing.assert_allclose(rig.rows[2], exact, atol=1e-12 * np.abs(exact).max())
+    assert rig.probes[2].direction == 0
+
+
+def test_directions_of_an_open_part_are_x_y_z():
+    codes = {
+        d: towards(d, 0.3, np.array([0.0, 0.0, 1.0]), closed=False)[1]
+        for d in ("x", "y", "z", "radial", "hoop", "axial")
+    }
+    assert codes == {"x": 1, "y": 2, "z": 3, "radial": 0, "hoop": 0, "axial": 3}
+
+
+def test_channels_have_the_directions_of_their_own_probes():
+    probes = [Probe(7, 1, (0.0, 0.0, 0.0), 0.0), Probe(8, -2, (0.0, 0.0, 0.0), 0.0), Probe(9, 3, (0.0, 0.0, 0.0), 0.0)]
+    S = 1e-6 * np.array([[3.0, 1.0, 2.0], [1.0, 4.0, 0.5], [2.0, 0.5, 5.0]])
+    rig = Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0], [2.0], [3.0]], S=S, probes=probes)
+    frfs = rig.frfs([1.0], sensors=[2, 0], drives=[1])
+    assert frfs.response_direction.tolist() == [3, 1]
+    assert frfs.reference_direction.tolist() == [-2, -2]
+    some = rig.taking([2, 0])
+    assert [p.node for p in some.probes] == [9, 7]
+    np.testing.assert_allclose(some.receptance([0], [1], [1.0]), rig.receptance([2], [0], [1.0]), rtol=1e-12)
 
 
 def test_noise_is_as_strong_as_said_and_the_same_for_a_seed():

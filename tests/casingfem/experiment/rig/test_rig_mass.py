@@ -12,6 +12,7 @@ from casingfem.structure.shell.assembly import assemble
 
 ANGLES = (0.2, 1.9)
 MASS = 0.012
+MASSES = (MASS, 0.008)
 
 
 @pytest.fixture(scope="module")
@@ -28,10 +29,28 @@ def test_a_mass_on_one_degree_of_freedom():
     assert viscous == pytest.approx(2.0 * 0.02 * 700.0 * 0.25, rel=1e-12)
 
 
+def test_loaded_modes_are_free_vibrations_of_the_bare_rig_under_the_masses_inertia():
+    """phi = omega^2 H(omega) m phi with the bare rig's undamped H, S and all; unit modal mass; damping of its parts."""
+    rows = np.array([[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1], [0.6, -0.8, 0.1]])
+    half = np.array([[2.0, 0.0, 0.0, 0.0], [0.5, 1.5, 0.0, 0.0], [0.3, -0.4, 1.2, 0.0], [0.1, 0.2, 0.3, 1.0]])
+    bare = Rig.of(omega=[900.0, 1300.0, 2500.0], zeta=[0.01, 0.02, 0.005], rows=rows, S=1e-7 * half @ half.T)
+    at, m = [2, 0], np.array([0.3, 0.12])
+    heavy = loaded(bare, at, m)
+    assert np.all(heavy.omega < 0.999 * bare.omega)
+    for k, omega in enumerate(heavy.omega):
+        phi = heavy.rows[:, k]
+        pushed = omega**2 * m * phi[at]
+        q = bare.rows[at].T @ pushed / (bare.omega**2 - omega**2)
+        np.testing.assert_allclose(bare.rows @ q + bare.S[:, at] @ pushed, phi, rtol=1e-9)
+        assert q @ q + m @ phi[at] ** 2 == pytest.approx(1.0, rel=1e-9)
+        assert 2.0 * heavy.zeta[k] * omega == pytest.approx(q**2 @ (2.0 * bare.zeta * bare.omega), rel=1e-9)
+    np.testing.assert_allclose(heavy.receptance(range(4), range(4), [0.0]), bare.receptance(range(4), range(4), [0.0]))
+
+
 def test_masses_of_sensors_move_the_modes_as_masses_of_the_model_do(bare):
-    places = [Place(at=(0.25, a), mass=MASS) for a in ANGLES]
+    places = [Place(at=(0.25, a), mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]
     rig = rig_of(bare, places, zeta=0.002)
-    masses = {"top": [cf.edge.EdgeMass(angle=a, mass=MASS) for a in ANGLES]}
+    masses = {"top": [cf.edge.EdgeMass(angle=a, mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]}
     truth = cf.modes(cf.Shell(chart=bare.shell.chart, thickness=bare.shell.thickness, material=bare.shell.material,
                               supports=bare.shell.supports, mesh=bare.shell.mesh, masses=masses), 30)  # fmt: skip
     shift = truth.freq / bare.freq - 1.0
@@ -61,5 +80,7 @@ def test_bad_masses_are_refused():
     for mass in (-1.0, np.nan):
         with pytest.raises(InputError, match="masses of 0 kg or more"):
             loaded(rig, [0], [mass])
+        with pytest.raises(InputError, match="masses of 0 kg or more"):
+            loaded(rig, [0, 0], [0.1, mass])
         with pytest.raises(InputError, match="expected 0 or more"):
             Place(at=(0.0, 0.0), mass=mass)

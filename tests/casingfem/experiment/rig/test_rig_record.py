@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from casingfem.errors import InputError
-from casingfem.experiment.rig.estimate import estimate
+from casingfem.experiment.rig.estimate import estimate, spectra
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.record import BAND, FINER, measured, prefiltered, record, respond
 from casingfem.experiment.rig.rig import Rig
@@ -72,6 +72,91 @@ def test_two_shakers_at_once_are_told_apart():
     for channel in (0, 1):
         scale = np.abs(exact.responses[channel]).max()
         assert np.abs(found.responses[channel] - exact.responses[channel]).max() < 5e-3 * scale
+
+
+def test_one_estimator_over_the_other_is_the_coherence():
+    """|G_xf|^2/(G_ff G_xx) with one drive; the averages are the blocks that fit, half of each shared."""
+    test = measured(record(RIG, [Random(rms=1.0, band=(20.0, 780.0))], drives=[0], sensors=[1, 2], fs=FS, block=1024,
+                           blocks=6, seed=SEED), snr_db=10.0, seed=SEED)  # fmt: skip
+    first, second = (estimate(test, estimator=which, band=(60.0, 700.0)) for which in ("H1", "H2"))
+    assert first.averages == second.averages == 11
+    assert first.frfs.x[[0, -1]].tolist() == [60.0, 700.0]
+    np.testing.assert_allclose(first.frfs.responses / second.frfs.responses, first.coherence.responses, rtol=1e-9)
+    assert first.coherence.responses.real.min() < 0.9
+
+
+def test_a_sine_on_a_line_is_seen_on_three_lines_of_a_hann_window():
+    """1/2 of it there, -1/4 on both sides, nothing elsewhere: exactly, as in every textbook."""
+    test = record(RIG, [Random(rms=1.0, band=(20.0, 780.0))], drives=[0], sensors=[1], fs=FS, block=256, blocks=2,
+                  seed=SEED)  # fmt: skip
+    sine = np.cos(2.0 * np.pi * 40.0 * np.arange(512) / 256)[None]
+    lines = spectra(sine, test, "hann", 0.5)
+    assert lines.shape == (1, 3, 129)
+    exact = np.zeros(129)
+    exact[39:42] = 128.0 * np.array([-0.25, 0.5, -0.25])
+    np.testing.assert_allclose(lines[0], np.broadcast_to(exact, (3, 129)), atol=1e-10)
+    assert estimate(test).frfs.x[[0, -1]].tolist() == [8.0, 800.0]  # without 0 Hz, up to fs/2.56
+
+
+def test_a_channel_without_signal_passes_its_converter():
+    rig = Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.0]])
+    test = record(rig, [Impact(peak=10.0, width=8e-3)], drives=[0], sensors=[0, 1], fs=FS, block=128, blocks=1,
+                  seed=SEED)  # fmt: skip
+    seen = measured(test, seed=SEED, bits=12).response
+    assert np.abs(seen[1]).max() == 0.0 < np.abs(seen[0]).max()
+
+
+@pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
+def test_what_is_left_out_answers_as_a_spring(quantity):
+    """S f, S f', S f'' of a pulse whose derivatives are known, at a probe that no mode of the rig reaches."""
+    rig = Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0], [0.0]], S=[[2e-7, 5e-7], [5e-7, 3e-7]])
+    width, delay = 8e-3, 0.01
+    test = record(rig, [Impact(peak=10.0, width=width, delay=delay)], drives=[0], sensors=[1], fs=FS, block=128,
+                  blocks=1, seed=SEED, quantity=quantity)  # fmt: skip
+    w, inside = 2.0 * np.pi / width, (test.time > delay) & (test.time < delay + width)
+    turn = w * (test.time - delay)
+    exact = {"receptance": 1.0 - np.cos(turn), "mobility": w * np.sin(turn), "accelerance": w**2 * np.cos(turn)}
+    seen = test.response[0] / (5e-7 * 5.0)
+    order = ("receptance", "mobility", "accelerance").index(quantity)
+    away = np.abs(np.abs(turn - np.pi) - np.pi) > (0.0, 0.3, 2.0)[order]  # the band ends where corners would be
+    off = np.abs(seen - np.where(inside, exact[quantity], 0.0))[away]
+    assert off.max() < (4e-3, 1e-2, 5e-2)[order] * w**order
+
+
+def test_noise_of_a_record_has_its_size_and_leaves_the_forces_alone():
+    clean = record(RIG, [Random(rms=2.0, band=(60.0, 700.0))], drives=[0], sensors=[0, 1], fs=FS, block=4096, blocks=8,
+                   seed=SEED)  # fmt: skip
+    assert np.std(clean.force) == pytest.approx(2.0, rel=0.01)
+    dirty = measured(clean, seed=SEED, snr_db=14.0)
+    assert np.array_equal(dirty.force, clean.force)
+    ratio = np.std(dirty.response - clean.response, axis=1) / np.std(clean.response, axis=1)
+    np.testing.assert_allclose(20.0 * np.log10(ratio), -14.0, atol=0.1)
+    clipped = measured(clean, seed=SEED, bits=12, full_scale=1.0)
+    assert clipped.force.min() == -1.0
+    assert clipped.force.max() == 1.0 - 2.0**-11
+    own = measured(clean, seed=SEED, bits=12)
+    for now, before in ((own.force[0], clean.force[0]), (own.response[1], clean.response[1])):
+        lsb = 2.5 * np.abs(before).max() / 2**12
+        assert np.abs(now - before).max() <= 0.5 * lsb * (1.0 + 1e-9)
+
+
+def test_forces_are_what_their_names_say():
+    time, rng = np.arange(4000) / 4000.0, np.random.default_rng(SEED)
+    pulse = Impact(peak=8.0, width=0.05, delay=0.03).force(time, 0.25, rng).reshape(4, 1000)
+    np.testing.assert_allclose(pulse[1:], pulse[:1].repeat(3, axis=0), atol=1e-9)  # one in every block
+    assert time[pulse[0].argmax()] == pytest.approx(0.03 + 0.025, abs=1e-12)
+    assert pulse[0].max() == pytest.approx(8.0, rel=1e-12)
+    assert pulse[0].sum() / 4000.0 == pytest.approx(8.0 * 0.05 / 2.0, rel=1e-9)  # peak width/2
+    noise = Random(rms=3.0, band=(200.0, 500.0)).force(time, 0.25, rng)
+    lines = np.abs(np.fft.rfft(noise)) > 1e-6
+    assert np.sqrt(np.mean(noise**2)) == pytest.approx(3.0, rel=1e-12)
+    assert np.flatnonzero(lines)[[0, -1]].tolist() == [200, 500]
+    burst = BurstRandom(rms=1.0, band=(200.0, 500.0), part=0.4).force(time, 0.25, rng).reshape(4, 1000)
+    assert np.abs(burst[:, 400:]).max() == 0.0
+    assert np.abs(burst[:, :400]).max(axis=1).min() > 1.0
+    sine = StepSine(amplitude=2.0, freq=(40.0, 60.0)).force(time, 0.5, rng)
+    np.testing.assert_allclose(sine[100:2000], 2.0 * np.sin(2.0 * np.pi * 40.0 * time[100:2000]), atol=1e-9)
+    np.testing.assert_allclose(sine[2000:], 2.0 * np.sin(2.0 * np.pi * 60.0 * (time[2000:] - 0.5)), atol=1e-9)
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import pytest
 
 from casingfem.errors import ModelError
 from casingfem.structure.imported.read import read_mesh
-from casingfem.structure.imported.readers.coordinates import System, cartesian, coordinates, in_basic
+from casingfem.structure.imported.readers.coordinates import System, axes_at, cartesian, coordinates, in_basic
 
 X = np.array([1.0, 2.0, 3.0])
 
@@ -29,6 +29,16 @@ def test_a_system_in_a_cylindrical_one():
     at_90 = np.array([[2.0, 90.0, 0.0], [2.0, 90.0, 1.0], [3.0, 90.0, 0.0]])
     systems = {1: System("cylindrical", 0, whole), 2: System("rectangular", 1, at_90)}
     np.testing.assert_allclose(in_basic(systems, 2, np.array([0.5, 0.0, 4.0])), [0.0, 2.5, 4.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["rectangular", "cylindrical", "spherical"])
+def test_directions_are_those_in_which_a_point_moves_with_its_coordinates(kind):
+    """d x/d coordinate by differences, of length one, in a system that is turned and stands elsewhere."""
+    points = np.array([[1.0, 0.5, 0.2], [3.0, 1.5, 2.2], [2.0, 3.0, -1.0]])
+    systems, at = {7: System(kind, 0, points)}, coordinates(kind, X)
+    moves = np.array([in_basic(systems, 7, at + move) - in_basic(systems, 7, at - move) for move in 1e-4 * np.eye(3)])
+    units = moves / np.linalg.norm(moves, axis=1, keepdims=True)
+    np.testing.assert_allclose(axes_at(systems, 7, in_basic(systems, 7, at)), units, atol=1e-8)
 
 
 BDF = """BEGIN BULK

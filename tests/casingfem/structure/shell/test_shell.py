@@ -3,6 +3,7 @@
 import copy
 import pickle
 from dataclasses import FrozenInstanceError
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from casingfem.structure.field.field import FieldValues
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.extent import extent
@@ -143,6 +145,14 @@ def test_default_mesh_grades_edges_that_nothing_holds(frustum):
 def test_default_mesh_of_a_plate_follows_its_shape(steel):
     wide = Shell(chart=Plate(length=0.2, width=0.8), thickness=0.01, material=steel).mesh
     assert (wide.rows, wide.around) == (2, 8)
+
+
+@pytest.mark.parametrize(("stretches", "order"), [(1, 7), (30, 7), (31, 6), (60, 3), (300, 2)])
+def test_the_order_falls_beyond_thirty_stretches(steel, stretches, order):
+    places = np.linspace(0.0, 1.0, stretches + 1).tolist()
+    strips = [Strip(start=low, end=high, thickness=2e-3) for low, high in pairwise(places)]
+    mesh = Shell(chart=Cylinder(radius=0.5, height=1.0), thickness=1e-3, material=steel, strips=strips).mesh
+    assert mesh.order == order
 
 
 def test_the_finest_harmonic_leaves_small_ones_aside(frustum):
