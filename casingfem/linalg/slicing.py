@@ -78,9 +78,10 @@ class Counter:
         `values` ascend in the outward direction: `way` is 1 at an upper end, -1 at a lower one, where they are negated.
         """
         place, width = way * end.place, self.width(end.place, clear)
-        if end.settled or not np.any(np.abs(values - place) <= width):
+        there = np.flatnonzero(np.abs(values - place) <= width)
+        if end.settled or not len(there):
             return End(end.place, end.below, settled=True)
-        last = int(np.flatnonzero(values <= place + width)[-1])
+        last = int(there[-1])
         while last + 1 < len(values) and values[last + 1] - values[last] <= width:
             last += 1
         gap = values[last + 1] - values[last] if last + 1 < len(values) else 10.0 * width

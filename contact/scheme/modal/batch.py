@@ -237,7 +237,7 @@ def batch(jobs: Sequence[Job]) -> Batch:
     return Batch(
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
-        events=samples(Record(every=NEVER), BUDGET, WIDTH, 0), kept=_kept(jobs),
+        events=samples(Record(every=BUDGET), BUDGET, WIDTH, 0), kept=_kept(jobs),
         rubs=any(job.rim.mu > 0.0 for job in jobs),
     )  # fmt: skip
 

@@ -102,7 +102,10 @@ def test_the_casing_moves_as_its_rim(folder, written):
 def test_the_tips_stand_on_the_rim_and_turn_against_the_casing(written):
     out, result = written
     frames = series(out / "tips.pvd")
-    angle = np.unwrap([np.arctan2(*meshio.read(file).points[0, 1::-1]) for _, file in frames])
+    places = np.array([meshio.read(file).points[0] for _, file in frames])
+    np.testing.assert_allclose(np.hypot(places[:, 0], places[:, 1]), 0.3, rtol=1e-6)
+    np.testing.assert_allclose(places[:, 2], 0.2, rtol=1e-6)  # the edge "top"
+    angle = np.unwrap(np.arctan2(places[:, 1], places[:, 0]))
     times = np.array([time for time, _ in frames])
     np.testing.assert_allclose(angle - angle[0], -2.0 * np.pi * 20.0 * (times - times[0]), atol=1e-3)
     force = [float(meshio.read(file).point_data["normal_force_N"][0]) for _, file in frames]

@@ -105,6 +105,14 @@ def test_an_end_on_an_eigenvalue_moves_into_the_first_clear_gap(place, values, o
     assert counter.moved(settled, values, 1.0, slicing.CLEAR) == settled
 
 
+def test_eigenvalues_just_as_far_as_still_counts_stand_on_an_end():
+    """One a width above the end, one more a width above that, both to the bit."""
+    width = 2.0**-19
+    values = np.array([1.0, 2.0 + width, 2.0 + 2.0 * width, 3.0])
+    moved = counter_of(*values).moved(slicing.End(2.0, 1), values, 1.0, clear=0.5 * width)
+    assert moved == slicing.End(2.0 + 7.0 * width, 3, settled=True)
+
+
 def test_a_lower_end_moves_down():
     values = np.array([1.0, 2.0 - 1.5e-7, 2.0, 3.0])
     moved = counter_of(*values).moved(slicing.End(2.0, 2), -values[::-1], -1.0, slicing.CLEAR)

@@ -258,6 +258,48 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "closes",
+    [
+        {"clearance": -1e-6},
+        {"closing": ct.gaps.Closing([0.0, 0.02], [0.0, 1.01e-4])},
+        {"whirl": [ct.gaps.Whirl(amplitude=1.01e-4, per_rev=-1.0, phase_deg=190.0)]},
+        {"profile": ct.RimProfile.fourier([{"p": 3, "cos": -1.01e-4}])},
+        {"profile": ct.RimProfile(theta=[0.0, 2.0, 4.0], depth=[1e-4, -1.01e-4, 1e-4])},
+        {"casing_start": ct.gaps.Start(displacement=2.3e-3 * np.eye(10)[2])},
+        {"blade_starts": [ct.gaps.Start(displacement=1.2e-4 * np.eye(3)[0])]},
+    ],
+    ids=lambda closes: next(iter(closes)),
+)
+def test_a_tip_that_barely_touches_does_so_whether_its_gap_is_stored_or_not(closes):
+    """Gaps between stored steps are computed only where bounds let a tip touch: of each part that can close it."""
+    casing = replace(rim3(), rows=0.02 * rim3().rows)
+    given = {"clearance": 1e-4, "speed": ct.Speed.constant(50.0), **closes}
+    rub = ct.Rub(casing, [nodes(1)], tips(1, angle=10.0), **given)
+    every, few = (
+        ct.run(rub, law=law(0.2), t_end=0.02, dt=1e-5, record=record) for record in (ct.Record(), ct.Record(every=500))
+    )
+    assert 0 < every.contact_steps[0] < 1000
+    assert few.contact_steps[0] == every.contact_steps[0]
+    assert few.impulse == pytest.approx(every.impulse, rel=1e-9)
+    for name in ("contact", "rotation", "friction", "damping"):
+        found, exact = (getattr(one.energy, name) for one in (few, every))
+        assert found == pytest.approx(exact, abs=1e-9 * every.energy.scale)
+
+
+@pytest.mark.slow
+def test_a_whirl_of_some_hertz_is_one_of_as_many_a_turn():
+    """From the first step on, in which the averaged law takes the gap of a step before the start."""
+    forces, turning = [], ct.Speed.constant(40.0)
+    for given in ({"per_rev": 3.0}, {"hz": 120.0}):
+        whirl = ct.gaps.Whirl(amplitude=1e-4, phase_deg=70.0, **given)
+        rub = ct.Rub(rim3(), [nodes(2)], tips(2), clearance=-5e-5, speed=turning, whirl=[whirl])
+        forces.append(ct.run(rub, law=law(0.2), scheme=ct.ExactModal(law="averaged"), t_end=2e-3, dt=1e-5).force)
+    assert forces[0][0].max() > 0.0
+    np.testing.assert_allclose(forces[1], forces[0], atol=1e-9 * forces[0].max())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("speed_hz", [5.0, -5.0])
 def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
     """Each entry of the ledger and every tip's heat and drive, signed, from rows by their definitions; S = 0."""

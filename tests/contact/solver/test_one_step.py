@@ -303,6 +303,15 @@ def test_which_sliding_contacts_press_is_found_where_exchanging_all_that_is_wron
     assert force == pytest.approx(np.tile([1.0, -1e-3], count) / 3.0, rel=1e-12)
 
 
+def six_slow_tips(rng):
+    """W, b and forces of another direction, of six tips that move together, and slip as slowly as friction drags."""
+    rigid, own = np.tile(np.eye(3), (6, 1)), 0.02 * rng.standard_normal((18, 18))
+    W = rigid @ np.diag([1.0, 2.0, 1.5]) @ rigid.T + own @ own.T + 1e-3 * np.eye(18)
+    to, old = rng.uniform(0.0, 2.0 * np.pi, 2)
+    b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
+    return W, b, np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
+
+
 def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
     """Six tips that move together, from forces of another direction: Newton's method takes two steps, not nine.
 
@@ -310,19 +319,25 @@ def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
     direction).
     """
     rng = np.random.default_rng(3)
-    rigid = np.tile(np.eye(3), (6, 1))
     for _ in range(20):
-        own = 0.02 * rng.standard_normal((18, 18))
-        W = rigid @ np.diag([1.0, 2.0, 1.5]) @ rigid.T + own @ own.T + 1e-3 * np.eye(18)
-        to, old = rng.uniform(0.0, 2.0 * np.pi, 2)
-        b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
-        start = np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
+        W, b, start = six_slow_tips(rng)
         force = start.copy()
         slide_all(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
         led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
         assert led.iterations <= 2 < 3 < alone.iterations
         assert np.abs(force - led.force.ravel()).max() <= 4e-4 * led.force.max()
         assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()
+
+
+def test_a_start_does_not_depend_on_what_was_solved_before():
+    """A loop keeps one room for all its steps; a run that is continued begins with another."""
+    rng, used = np.random.default_rng(3), solver_room(6, 3)
+    for _ in range(4):
+        W, b, start = six_slow_tips(rng)
+        again, fresh = start.copy(), start.copy()
+        for force, room in ((again, used), (fresh, solver_room(6, 3))):
+            assert slide_all(W, b.ravel(), np.full(6, 0.2), 3, 6, force, room)
+        np.testing.assert_array_equal(again, fresh)
 
 
 def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):

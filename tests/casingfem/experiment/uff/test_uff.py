@@ -1,6 +1,7 @@
 """Universal files: what is written comes back, damage is refused with set and line, another reader agrees."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -333,6 +334,22 @@ def test_a_shape_has_a_frequency_where_its_analysis_says_one(analysis, reals, fr
         nodes=np.array([1]), values=np.zeros((1, 3)),
     )  # fmt: skip
     assert shape.freq_hz == pytest.approx(freq, rel=1e-14, nan_ok=True)
+
+
+def test_exponents_without_their_letter_are_read_as_fortran_writes_them(tmp_path):
+    """Three digits of an exponent take the letter's place: 1.50000+102; the sign may be left out after a letter."""
+    given = function(even=True, is_complex=False, double=False)
+    data = written(tmp_path, functions=[given])
+    plain = parse_uff(data, "file.uff").functions[0].values
+    shorter, count = re.subn(rb"(\.\d{5})E([+-])(?=\d\d)", rb"\g<1>\g<2>0", data)
+    assert count >= len(plain)
+    np.testing.assert_array_equal(parse_uff(shorter, "file.uff").functions[0].values, plain)
+    row = b"  1.50000E+00" * 6
+    mixed = written(tmp_path, functions=[replace(given, x=given.x[:6], values=np.full(6, 1.5))])
+    assert row in mixed
+    forms = b"  1.50000+102  1.50000-102 1.500000E002  1.50000D-02 -1.50000d+02  1.50000E+02"
+    found = parse_uff(mixed.replace(row, forms), "file.uff").functions[0].values.tolist()
+    assert found == [1.5e102, 1.5e-102, 150.0, 0.015, -150.0, 150.0]
 
 
 def test_numbers_that_leave_a_column_free_may_have_exponents_of_three_digits(tmp_path):

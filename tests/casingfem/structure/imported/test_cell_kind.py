@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.structure.imported.mesh.cell_kind import KINDS, SOLIDS, rule, shape_functions
+from casingfem.structure.imported.mesh.serendipity import Pyramid13, Wedge15, gauss
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -19,6 +20,21 @@ def test_quadrature_has_positive_weights_and_integrates_the_square_of_every_func
     _, fine, more, _ = rule(name, 8)
     np.testing.assert_allclose((values * weights) @ values.T, (more * fine) @ more.T, atol=1e-14)
     np.testing.assert_allclose(slopes.sum(axis=1), 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("kind", [Wedge15(), Pyramid13()])
+def test_masses_of_straight_quadratic_cells_are_exact(kind):
+    """Products of two shape functions against nine Gauss points along each side of a cube drawn to the cell."""
+    t, along = gauss(9)
+    r, s, z = (v.ravel() for v in np.meshgrid(t, t, t, indexing="ij"))
+    weight = np.einsum("i,j,k->ijk", along, along, along).ravel()
+    if isinstance(kind, Wedge15):
+        finer, weight = (r, s * (1.0 - r), z), weight * (1.0 - r)
+    else:
+        finer, weight = (r * (1.0 - z), s * (1.0 - z), z), weight * (1.0 - z) ** 2
+    N, (points, own) = kind.values(*finer), kind.quadrature()
+    mass = (N * weight) @ N.T
+    np.testing.assert_allclose((kind.values(*points) * own) @ kind.values(*points).T, mass, atol=1e-14 * mass.max())
 
 
 @pytest.mark.parametrize("name", SOLIDS)
