@@ -77,7 +77,9 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
     listed, seen = [], [point.x]
     for places in images(list(active), angles):
         x, on = np.zeros(len(point.x)), sorted(places)
-        x[places] = point.x[list(active)]
+        x[places] = np.maximum(point.x[list(active)], bounds.lower[places])  # no bolt loses more than it has
+        if not np.all(x[places]):
+            continue
         if min(np.abs(x - other).max() for other in seen) < SAME:  # alike bolts that change places change nothing
             continue
         seen.append(x)

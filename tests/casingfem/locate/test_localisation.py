@@ -180,6 +180,17 @@ def test_orientations_leave_but_half_a_turn(casing, model):
     assert [e.places for e in bolts_explained(misfit, [4], misfit.at(x), model[1])] == [{5}, {11}]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("left", [0.0, 0.2])
+def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left):
+    """Opposite a bolt that has lost most lies one with less, or none: stiffness below nothing ended in a traceback."""
+    designed, table = loosened(casing, {9: left}), table_of(loosened(casing, {9: left, 3: 0.1}))
+    model, angles = search_model(designed, table)
+    misfit = Misfit(model=model, table=table, count=20)
+    x = -0.9 * np.eye(12)[2]
+    assert [e.places for e in bolts_explained(misfit, [2], misfit.at(x), angles)] == [{3}]
+
+
 def test_without_orientations_equal_bolts_are_seen_alike(casing, model):
     """Of pairs and of one member alone: the axes of a perfect pair, which the solver chose, told bolts apart."""
     table = without_angles(table_of(casing))
