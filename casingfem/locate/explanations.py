@@ -1,6 +1,6 @@
 """What a search's answer may mean: bolts or masses with their half turns, how likely each is, and what stays hidden."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -10,7 +10,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.locate.located import Explanation, Found
 from casingfem.locate.mass_places import Masses, refined
 from casingfem.locate.misfit import Misfit, Point
-from casingfem.locate.sparse_fit import Bounds, fitted
+from casingfem.locate.sparse_fit import Bounds, bounded_step, fitted
 from casingfem.locate.sparse_search import scale2, threshold
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.edge.bolts import Bolts
@@ -19,6 +19,7 @@ from casingfem.structure.shell.variation import outer_supports
 
 TWO_PI = 2.0 * np.pi
 LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
+PROMISING = 2.0  # images of what was found that come so near by a linear step are refitted
 SAME = 0.01  # of a bolt's stiffness
 TWINS = 4  # places whose half turns are all tried: 2^4 combinations
 
@@ -59,14 +60,8 @@ def sigmas(jacobian: FloatArray, scale: float) -> FloatArray:
     return np.asarray(scale * np.sqrt(np.diag(np.linalg.inv(information + floor))))
 
 
-def turned_place(place: int, angles: FloatArray) -> int | None:
-    """The candidate half a turn away, None where there is none."""
-    apart = np.abs(np.angle(np.exp(1j * (angles - angles[place] - np.pi))))
-    return int(apart.argmin()) if apart.min() < 1e-6 else None
-
-
 def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles: FloatArray) -> tuple[Explanation, ...]:
-    """The bolts found, then what the table does not rule out: some of them half a turn away."""
+    """The bolts found, then what the table does not rule out: turned together, mirrored, or some half a turn away."""
     s2 = scale2(point, len(active))
     factors, degrees = factors_of(misfit.model), np.degrees(angles) % 360.0
     bounds = loosening(factors)
@@ -79,18 +74,49 @@ def bolts_explained(misfit: Misfit, active: Sequence[int], point: Point, angles:
         ]
         return Explanation(found=tuple(found), behind=float((at.chi2 - point.chi2) / s2))
 
-    listed = []
-    for choice in half_turns(len(active)):
-        places = [turned_place(c, angles) if turn else c for c, turn in zip(active, choice, strict=True)]
-        on = sorted(place for place in places if place is not None)
-        if len(set(on)) < len(active):
+    listed, seen = [], [point.x]
+    for places in images(list(active), angles):
+        x, on = np.zeros(len(point.x)), sorted(places)
+        x[places] = np.maximum(point.x[list(active)], bounds.lower[places])  # no bolt loses more than it has
+        if not np.all(x[places]):
             continue
-        x = np.zeros(len(point.x))
-        x[[place for place in places if place is not None]] = point.x[list(active)]
-        if on == sorted(active) and np.abs(x - point.x).max() < SAME:  # opposite bolts alike change nothing by turning
+        if min(np.abs(x - other).max() for other in seen) < SAME:  # alike bolts that change places change nothing
             continue
-        listed.append(explanation(fitted(misfit.at, misfit.at(x), on, bounds), on))
+        seen.append(x)
+        there = misfit.at(x)
+        if (promised(there, on, bounds) - point.chi2) / s2 < PROMISING * LIKELY:
+            listed.append(explanation(fitted(misfit.at, there, on, bounds), on))
     return (explanation(point, list(active)), *likely(listed))
+
+
+def images(active: list[int], angles: FloatArray) -> Iterator[list[int]]:
+    """Where the active places come by half turns of some, then by turns of all and their mirror images, in order.
+
+    Half turns of some change no frequency and no orientation. Turns and mirror images of all change no frequency where
+    the casing is the same all around; orientations tell them apart, as may a survey or supports: chi^2 is asked.
+    """
+    for choice in half_turns(len(active)):
+        yield from placed(angles[active] + np.pi * np.array(choice), angles)
+    for way in (1.0, -1.0) if active else ():
+        for start in angles:
+            yield from placed(start + way * (angles[active] - angles[active[0]]), angles)
+
+
+def placed(wanted: FloatArray, angles: FloatArray) -> Iterator[list[int]]:
+    """The candidates at some angles, if there are any at all of them, no two alike."""
+    apart = np.abs(np.angle(np.exp(1j * (wanted[:, None] - angles))))
+    places = apart.argmin(axis=1)
+    if len(set(places)) == len(wanted) and np.all(apart.min(axis=1) < 1e-6):
+        yield places.tolist()
+
+
+def promised(at: Point, on: list[int], bounds: Bounds) -> float:
+    """chi^2 after the best linear step of some changes."""
+    step = bounded_step(at, on, bounds.lower[on] - at.x[on], bounds.upper[on] - at.x[on])
+    if step is None:
+        return at.chi2
+    r = at.values + at.jacobian[:, on] @ step
+    return float(at.chi2 - at.values @ at.values + r @ r)
 
 
 def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -> tuple[Explanation, ...]:

@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from casingfem.experiment.correlation.matches import unpaired_words
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit
 from contact.io.reported import Reported
+
+NOISE = 5.0  # times the stated sigma: noise may well be understated three times, hardly more
+WHOLE = 1.0  # of a bolt's stiffness: more than it has cannot go
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,15 +133,46 @@ class Localisation(Reported):
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
         )
+        if self.scale > NOISE:
+            lines.append(
+                f"this explains the table badly, do not rely on it: noise hardly leaves {NOISE:.0f} sigma. Check the "
+                "zero and sense of angle_deg, whether table and baseline show this casing in the states meant, and "
+                "sigma_hz; the model's own error goes into model_error"
+            )
         lines += unpaired_words(self.unpaired) + unpaired_words(self.baseline_unpaired, "baseline")
         for other in self.others:
             places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
-        if self.others:
+        axes = [opposite_alike(e) for e in (self.best, *self.others)]
+        if self.among == "bolts" and len(set(axes)) > 1:
+            lines.append(
+                f"{len(self.others) + 1} explanations, and nothing in the table to choose: orientations of more pairs "
+                "(angle_deg), better measured ones, or shapes tell turned and mirrored places apart"
+            )
+        if axes[0] in axes[1:] or (self.among == "mass" and self.others):
             lines.append("half a turn changes no frequency and no orientation: measured shapes decide")
-        unit = {"bolts": "of a bolt's stiffness", "mass": "kg"}[self.among]
-        lines.append(f"a single change is seen from {self.smallest.min():.2g} to {self.smallest.max():.2g} {unit}")
+        lines.append(self.seen())
         return "\n".join(lines)
+
+    def seen(self) -> str:
+        """From what size on a single change is seen, in words: no bolt loses more than it has."""
+        blind = ~(self.smallest < (WHOLE if self.among == "bolts" else np.inf))
+        if blind.all():
+            lost = {"bolts": "a bolt lost wholly", "mass": "any mass"}[self.among]
+            return (
+                f"nothing can be seen: even {lost} stays within what the rows leave open, and to find none means "
+                "nothing. Check that table and baseline are of one casing and each sigma_hz, or measure more pairs"
+            )
+        unit = {"bolts": "of a bolt's stiffness", "mass": "kg"}[self.among]
+        seen = self.smallest[~blind]
+        line = f"a single change is seen from {seen.min():.2g} to {seen.max():.2g} {unit}"
+        places = ", ".join(str(k + 1) for k in np.flatnonzero(blind))
+        return f"{line}, at places {places} not at all" if places else line
+
+
+def opposite_alike(explanation: Explanation) -> tuple[float, ...]:
+    """The angles [deg] of an explanation but for half turns."""
+    return tuple(sorted(round(one.angle_deg % 180.0, 3) for one in explanation.found))
 
 
 def described(among: str, one: Found) -> str:

@@ -26,6 +26,7 @@ from casingfem.updating.targets import (
     with_model_error,
 )
 
+PERFECT = 1e-6  # relative split below which a pair has none, but for the mesh and round-off
 LOST = 0.1  # a row that pairs with nothing costs as much as one this far off, relative
 
 
@@ -78,7 +79,10 @@ class Misfit:
             return Point(x, found, np.zeros(0), np.zeros((0, len(x))), cost, tuple(lost))
         G = self.model.derivatives(found)
         turned = [match for match in matches if has_angle(match, self.table)]
-        at = Rates(G=G, turning={match.modes: turning(found, match, G) for match in turned})
+        aimless = set(found.doublets) - {match.modes for match in turned}
+        at = Rates(
+            G=widest(found, sorted(aimless), G), turning={match.modes: turning(found, match, G) for match in turned}
+        )
         table = with_model_error(self.table, self.model_error)
         residuals = values(found, table, matches)
         slopes = jacobian(found, table, matches, at)
@@ -102,14 +106,33 @@ class Misfit:
         return W
 
 
+def widest(found: AffineModes, pairs: Sequence[tuple[int, ...]], G: FloatArray) -> FloatArray:
+    """The derivatives (changes, modes, modes) with each perfect one of some pairs along the axes of each change alone.
+
+    Without an orientation the length of the split counts, a cone at zero. In the axes that a solver gave, a change
+    splits a perfect pair more or less by where it is; in its own, all equal changes do so alike. So it is with one
+    member alone. A loss of stiffness and a mass lower frequencies, so the lower member takes the larger part.
+    """
+    G = G.copy()
+    for low, high in pairs:
+        if found.freq[high] - found.freq[low] < PERFECT * found.freq[low]:
+            mean = 0.5 * (G[:, low, low] + G[:, high, high])
+            half = np.copysign(np.hypot(0.5 * (G[:, low, low] - G[:, high, high]), G[:, low, high]), mean)
+            G[:, low, low], G[:, high, high] = mean + half, mean - half
+            G[:, low, high] = G[:, high, low] = 0.0
+    return G
+
+
 def turning(found: AffineModes, match: Match, G: FloatArray) -> FloatArray:
     """How the phase 2 n psi of a doublet's lower member turns through all computed modes but its partner, (changes,).
 
-    Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2).
+    Its shape changes by sum_j phi_j G_1j/(omega_1^2 - omega_j^2). A mode of the same frequency is left out: the two
+    lie anywhere, and no rate is theirs.
     """
     assert found.rings is not None
     low, high = match.modes
-    others = np.delete(np.arange(len(found)), [low, high])
+    apart = np.abs(found.freq - found.freq[low]) > PERFECT * found.freq[low]
+    others = np.flatnonzero(apart & (np.arange(len(apart)) != high))
     share = G[:, low, others] / (found.omega[low] ** 2 - found.omega[others] ** 2)
     radial = found.rings.amplitudes[match.n, :, 0] * found.rings.weights[:, None]
     own = found.rings.amplitudes[match.n, :, 0, low]
