@@ -42,7 +42,7 @@ def stored(**changes):
 
 
 def frfs(lines=3, **changes):
-    given = {"kind": "frf", "x": 10.0 * np.arange(lines), "responses": np.ones((1, lines)), "unit": "m/N"}
+    given = {"kind": "frf", "x": 10.0 * np.arange(lines), "responses": np.full((1, lines), 1.0 - 1.0j), "unit": "m/N"}
     return FrfSet.from_arrays(**given | changes)
 
 
@@ -115,7 +115,8 @@ BOUNDS = {
     "usable.band": (lambda k: of_a_band(band=(0.0, (1e4, 0.0)[k])), "band 0 to 0 Hz; expected 0 <= from < to"),
     "usable.below": (lambda k: of_a_band(band=((0.0, -1.0)[k], 1e4)), "band -1 to 10000 Hz; expected 0 <= from < to"),
     "usable.few": (lambda k: of_a_band(lines=LEAST_LINES + 1 - k), "lines in the band; expected at least"),
-    "usable.silent": (lambda k: read(frfs(40, responses=np.full((1, 40), (1e-9, 0.0)[k]))), "expected a signal"),
+    "usable.silent": (lambda k: read(frfs(40, responses=np.full((1, 40), (1e-9j, 0.0j)[k]))), "expected a signal"),
+    "usable.phase": (lambda k: read(frfs(40, responses=np.full((1, 40), (1.0 + 1e-9j, 1.0)[k]))), "without phase"),
     "usable.even": (
         lambda k: read(frfs(40, x=np.r_[0.0:39.0, (39.0, 39.1)[k]])), "steps from 1 to 1.1 Hz; expected even steps"
     ),
