@@ -8,12 +8,21 @@ from contact.record.record import Samples, Tally
 
 
 @jit_inside
+def closing(h: float, began: float, before: float, predicted: float) -> float:
+    """When the line from gap `before` at the instant `began` to `predicted` a step later crosses zero.
+
+    Within that step, which has the force, and within the run, which may begin closed.
+    """
+    part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
+    return max(began + min(part, 1.0) * h, 0.0)
+
+
+@jit_inside
 def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: float, slack: float,
               began: float, before: float, predicted: float, opened: float) -> None:  # fmt: skip
     """Add one step of contact k: its force, its gap and by how much the law is violated, `slack` [m].
 
-    A contact closes where the line from gap `before` at the instant `began` to `predicted` a step later crosses
-    zero, and opens at the instant `opened`.
+    A contact closes as `closing` says, and opens at the instant `opened`.
     """
     sums.penetration[k] = max(sums.penetration[k], -gap)
     sums.residual[k] = max(sums.residual[k], slack)
@@ -22,8 +31,7 @@ def note_step(sums: Tally, out: Samples, k: int, h: float, force: float, gap: fl
         sums.peak[k] = max(sums.peak[k], force)
         sums.contact_steps[k] += 1
         if sums.closed[k] == 0:
-            part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
-            note_event(sums, out, k, 1, began + part * h)
+            note_event(sums, out, k, 1, closing(h, began, before, predicted))
     elif sums.closed[k] == 1:
         note_event(sums, out, k, 0, opened)
 

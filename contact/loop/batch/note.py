@@ -5,7 +5,7 @@ from __future__ import annotations
 from contact.jit.compiled import jit_inside
 from contact.loop.batch.state import DRAG, FORCE, FREE, GAP, PULL, BatchSamples, BatchState
 from contact.loop.modal.stick import INSIDE
-from contact.loop.tally import note_event, note_stick
+from contact.loop.tally import closing, note_event, note_stick
 from contact.model.gaps.limits import REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
 
@@ -19,9 +19,7 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
         if s.mu[k] > 0.0 and s.work[PULL, k] * s.surface[k] < 0.0 and abs(s.work[PULL, k]) == s.mu[k]:
             sums.reversals[k] += 1
         if sums.closed[k] == 0:
-            predicted = s.work[FREE, k]
-            part = before / (before - predicted) if before > 0.0 and before > predicted else 0.0
-            note_event(sums, out, k, 1, step * h + part * h)
+            note_event(sums, out, k, 1, closing(h, step * h, before, s.work[FREE, k]))
     elif sums.closed[k] == 1:
         note_event(sums, out, k, 0, step * h - 0.5 * h)
     if s.mu[k] > 0.0:

@@ -14,7 +14,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
 from contact.loop.beam.beam import strain_energy_and_forces
-from contact.loop.tally import note_contact, store, store_state
+from contact.loop.tally import note_step, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.dense import LARGE, Panels, solve_in_place
 
@@ -222,7 +222,7 @@ def advance_implicit(
     """Newmark steps; samples hold the state and forces at the end of each step."""
     n, x, a, active = s.x.shape[0], w.x, w.a, w.active
     for step in range(first, first + steps):
-        time = (step + 1) * h
+        begin, time = step * h, (step + 1) * h
         for i in range(n):
             for j in range(3):
                 x[i, j] = s.x[i, j] + h * s.v[i, j]
@@ -234,14 +234,16 @@ def advance_implicit(
             return step
         s.ledger[0] += numerical_work(s, w, h)
         contact_work(s, sums, x, h)
+        for k in range(n - 1):
+            slack = abs(min(s.force[k] * s.beta * h * h / s.mass[k + 1, 0], s.gap[k]))
+            out_x, out_y = s.x[k + 1, 0] + h * s.v[k + 1, 0] - s.offset, s.x[k + 1, 1] + h * s.v[k + 1, 1]
+            ahead = s.radius - math.hypot(out_x, out_y)
+            note_step(sums, out, k, h, s.force[k], s.gap[k], slack, begin, s.before[k], ahead, begin + 0.5 * h)
+            s.before[k] = s.gap[k]
         for i in range(n):
             for j in range(3):
                 s.v[i, j] += h * ((1.0 - s.gamma) * s.a[i, j] + s.gamma * a[i, j])
                 s.x[i, j], s.a[i, j], w.seen[3 * i + j] = x[i, j], a[i, j], x[i, j]
-        for k in range(n - 1):
-            scale = s.beta * h * h / s.mass[k + 1, 0]
-            note_contact(sums, out, k, h, time, s.force[k], s.gap[k], scale, s.before[k], s.gap[k])
-            s.before[k] = s.gap[k]
         store(sums, out, step, time, s.force, s.gap)
         store_state(sums, out, step, time, w.seen)
     return -1

@@ -110,7 +110,7 @@ def note_leapfrog(
         slack = abs(min(s.force[k] * scale, held))
         s.gap[k] = now if early else held
         if early:
-            note_step(sums, out, k, h, s.force[k], now, slack, max(time - h, 0.0), now - was, now, time - 0.5 * h)
+            note_step(sums, out, k, h, s.force[k], now, slack, time - h, now - was, now, time - 0.5 * h)
         else:
             ahead = now + was + free[k]
             note_step(sums, out, k, h, s.force[k], now + will, slack, time, now, ahead, time - 0.5 * h)

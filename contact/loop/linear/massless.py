@@ -52,6 +52,7 @@ def settle(p: Parts, c: Massless, s: State, law: LawNumbers, amplitudes: Array) 
     for k in range(s.force.size):
         for m in range(c.place.size):
             s.u[c.place[m]] += c.lift[k, m] * s.force[k]
+    for k in range(s.force.size):  # all forces move it
         s.gap[k] = gap_of(p, k, s.u)
     return True
 

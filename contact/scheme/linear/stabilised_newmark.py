@@ -5,6 +5,8 @@ u_{n+1} = u* + h^2/2 M^-1 (f - C v_m - K u_m + Q^T force), v_{n+1} = v_n + h M^-
 g(u_{n+1}) >= 0, force >= 0, complementary (Deuflhard, Krause, Ertel, Int. J. Numer. Meth. Eng. 73, 2008, 1274).
 Unconditionally stable, order 2 in smooth motion, no penetration, no oscillation of a resting contact; energy kept
 without contact and never gained with it (the loss is in `numerical` and `lost_in_contact`).
+A contact without an elastic side, as of a point mass and a wall, keeps the speed it closes with, because no spring
+takes it up: take another scheme there.
 """
 
 from __future__ import annotations

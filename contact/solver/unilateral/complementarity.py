@@ -96,7 +96,7 @@ def settle(W: Array, soft: float, g: Array, lam: Array, closed: Array, A: Array,
             top = max(top, abs(lam[i]))
         wrong = 0
         for i in range(n):
-            total = g[i] + soft * lam[i]
+            total = g[i]  # of an open contact, which is not soft
             for j in range(n):
                 total += W[i, j] * lam[j]
             if lam[i] < -SMALL * top or (closed[i] == 0.0 and total < -SMALL * size):

@@ -214,6 +214,44 @@ def test_nodes_that_press_together_all_end_on_the_rim(pressing):
     waves = np.array([harmonics(4, angle) for angle in np.arctan2(away[:, 1], away[:, 0])])
     rim = waves @ (ring.rows[:9] @ s.q + ring.S[:9, :9] @ (waves.T @ force))
     assert np.abs((0.502 + rim - np.linalg.norm(away, axis=1))[-pressing:]).max() <= 1e-9
+    pressed = waves.T @ force
+    assert stepper.stored().residual == pytest.approx(0.5 * pressed @ ring.S[:9, :9] @ pressed, rel=1e-9)
+
+
+def test_a_node_that_others_relieve_has_its_gap_and_no_force():
+    """The tip presses the whole rim outward, away from a neighbour that would have touched."""
+    modes = ct.bodies.ring_modes(RING, 4)
+    swelling = np.zeros((18, 18))
+    swelling[0, 0] = 1e-6
+    stepper = prepare_beam(
+        ct.BeamInCircle(replace(BEAM, elements=10), radius=0.502, offset=6e-3, ring=replace(modes, S=swelling)), None,
+        0.5,
+    )  # fmt: skip
+    s = stepper.state
+    out = s.x[1:, :2] - [CIRCLE.offset, 0.0]
+    r = np.linalg.norm(out, axis=1)
+    for node, beyond in ((-1, 1e-4), (-2, 1e-9)):
+        s.d[node, :2] = out[node] / r[node] * (0.502 - r[node] + beyond)
+    found = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+    assert stepper.advance(found, 0, 1) == -1
+    away = s.x[1:, :2] - [CIRCLE.offset, 0.0]
+    waves = np.array([harmonics(4, angle) for angle in np.arctan2(away[:, 1], away[:, 0])])
+    rim = waves @ (modes.rows[:9] @ s.q) + 1e-6 * found.force[0].sum()
+    assert np.flatnonzero(found.force[0] > 0.0).tolist() == [9]
+    assert found.gap[0] == pytest.approx(0.502 + rim - np.linalg.norm(away, axis=1), abs=1e-12)
+    assert found.gap[0, 8] > 1e-6
+
+
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.Newmark(beta=0.5, gamma=0.55)], ids=str)
+def test_a_beam_that_is_set_spinning_turns_that_way_at_that_speed(scheme):
+    beam = replace(BEAM, torque=0.0, spin=2.0, elements=3)
+    result = ct.run(
+        replace(CIRCLE, beam=beam, radius=1.0), scheme=scheme, t_end=0.1, dt=1e-5, record=ct.Record(state_every=100)
+    )
+    nodes = result.state.reshape(len(result.state), -1, 3)
+    turned = np.arctan2(nodes[..., 1], nodes[..., 0])[:, 1:]
+    assert turned == pytest.approx(np.repeat(2.0 * result.state_time[:, None], 3, axis=1), abs=1e-6)
+    assert nodes[..., 2] == pytest.approx(np.repeat(2.0 * result.state_time[:, None], 4, axis=1), abs=1e-6)
 
 
 def test_a_stiffening_ring_becomes_the_rigid_circle():

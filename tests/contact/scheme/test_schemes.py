@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from scipy.sparse import csr_array
 
 import contact as ct
+from contact.loop.linear.moreau import note_impulses
 from contact.loop.linear.projected import note_contacts
 from contact.model.bodies.chain import assemble
 from contact.record.record import samples
@@ -84,6 +85,32 @@ def test_two_rods_by_every_good_scheme(scheme):
     assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.start.total
     gained = result.energy.end.total / result.energy.start.total - 1.0
     assert gained <= (1e-5 if isinstance(scheme, ct.scheme.MasslessBoundary) else 0.0)
+
+
+def stepped(scheme, body, cuts):
+    """State, forces, gaps, sums and energy after steps in chunks of these sizes."""
+    stepper, first = scheme.prepare(body, ct.Unilateral(), dt=0.01, courant=None), 0
+    for steps in cuts:
+        stepper.sums.filled[:] = 0
+        assert stepper.advance(samples(ct.Record(), steps, 2, stepper.size), first, steps) == -1
+        first += steps
+    s, sums = stepper.state, stepper.sums
+    total = [stepper.stored().total]
+    return np.concatenate(
+        [s.u, s.v, s.force, s.gap, sums.impulse, sums.work, sums.damping, sums.external, sums.algorithmic, total]
+    )
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_a_run_in_chunks_is_the_whole_run_to_the_bit(scheme):
+    coupled = {
+        "M": np.array([[2.0, 0.5, 0.0], [0.5, 2.0, 0.5], [0.0, 0.5, 1.0]]),
+        "C": np.array([[0.5, -0.2, 0.0], [-0.2, 0.6, -0.1], [0.0, -0.1, 0.4]]),
+    }
+    body = frame(**({} if isinstance(scheme, ct.scheme.MasslessBoundary) else coupled))
+    assert stepped(scheme, body, [200]).tolist() == stepped(scheme, body, [1, 2, 77, 120]).tolist()
+    energy = ct.run(body, scheme=scheme, t_end=2.0, dt=0.01).energy
+    assert abs(energy.unaccounted) <= 1e-12 * energy.scale
 
 
 FREE = {"C": None, "gap0": np.array([50.0, 50.0]), "forcing": ()}
@@ -222,6 +249,46 @@ def test_a_shut_contact_whose_rate_still_closes_violates_the_law_of_projected_al
     out = samples(ct.Record(), 1, 1, stepper.size)
     note_contacts(stepper.parts, stepper.state, corrections, e, still, still, stepper.sums, out, 0.0, h)
     assert stepper.sums.residual[0] == pytest.approx(h * (1.0 + e) * 3.0, rel=1e-12)
+
+
+def test_a_shut_contact_whose_rate_still_closes_violates_the_law_of_impulses():
+    """By the way that (1 + e) of the speed makes in a step; one whose law is not asked for violates none."""
+    h, e = 0.01, 0.5
+    bodies = assemble([ct.PointMass(mass=2.0, velocity=3.0), ct.Wall()]).linear_form()
+    for free, slack in ((0.0, h * (1.0 + e) * 3.0), (np.inf, 0.0)):
+        stepper = ct.MoreauJean(restitution=e).prepare(bodies, ct.Unilateral(), dt=h, courant=None)
+        stepper.state.free[:], still = free, np.zeros(stepper.size)
+        out = samples(ct.Record(), 1, 1, stepper.size)
+        note_impulses(stepper.parts, stepper.state, e, still, still, stepper.sums, out, 0.0, h)
+        assert stepper.sums.residual[0] == pytest.approx(slack, rel=1e-12)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=str)
+def test_contacts_that_press_at_once_obey_the_law_whatever_couples_them(scheme):
+    """One of two unlike masses is damped: what a force does to the other's gap is not what it feels in turn."""
+    body = ct.LinearBody(
+        M=np.array([1.0, 2.0, 3.0]), K=np.array([[60.0, -20.0, -10.0], [-20.0, 80.0, -30.0], [-10.0, -30.0, 50.0]]),
+        C=np.diag([12.0, 0.0, 1.0]), Q=np.eye(3)[:2], gap0=np.array([0.01, 0.02]), load=np.array([-9.0, -8.0, 1.0]),
+    )  # fmt: skip
+    result = ct.run(body, scheme=scheme, t_end=5.0, dt=0.08)
+    assert np.count_nonzero((result.force > 0.0).all(axis=1)) >= 3
+    assert result.residual.max() <= 1e-12
+
+
+def test_massless_coordinates_beside_one_another_rest_under_springs_loads_and_contacts():
+    """K u = f + Q^T force on them at every instant, closed or open."""
+    K = np.diag([3.0, 5.0, 4.0, 2.0]) - np.eye(4, k=1) - np.eye(4, k=-1)
+    body = ct.LinearBody(
+        M=np.ones(4), K=K, Q=np.eye(4)[1:3], gap0=np.array([0.05, 0.1]), load=np.array([0.0, -0.3, 0.1, -0.2]),
+        velocity=np.array([-1.0, 0.0, 0.0, 0.7]),
+    )  # fmt: skip
+    result = ct.run(body, scheme=ct.scheme.MasslessBoundary(), t_end=10.0, dt=0.1, record=ct.Record(state_every=1))
+    steps = min(len(result.state), len(result.force))
+    left = result.state[:steps] @ K - body.load
+    left[:, 1:3] -= result.force[:steps]
+    assert 5 < np.count_nonzero(result.force > 0.0) < result.force.size - 5
+    assert np.abs(left[:, 1:3]).max() <= 1e-13
+    assert result.gap[:steps] == pytest.approx(body.gap0 + result.state[:steps, 1:3], abs=1e-15)
 
 
 def test_a_massless_boundary_whose_contact_has_no_answer_stops_at_that_step():

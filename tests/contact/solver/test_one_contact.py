@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact.solver.friction.coulomb import coulomb, friction_forces, solver_room
-from contact.solver.friction.one_contact import one_contact
+from contact.solver.friction.one_contact import drag_ratio, one_contact
 
 SEED = 20263
 
@@ -64,3 +64,15 @@ def test_a_body_that_cannot_move_along_the_tangent_rubs_by_the_slip_that_is_give
 def test_what_it_does_not_know_is_left_to_others(W, b, mu):
     solved, _ = in_closed_form(W, np.array(b), mu)
     assert not solved
+
+
+def test_a_contact_that_would_stick_only_by_pulling_has_no_ratio():
+    """W with determinant -3: sticking needs W force = -b, so force (-1, 1); and no direction of slip agrees."""
+    assert np.isnan(drag_ratio(1.0, 2.0, 2.0, 1.0, -1.0, 1.0, 1.5))
+
+
+@pytest.mark.parametrize("across", [2.0, -2.0])
+def test_friction_that_outweighs_the_compliance_is_left_to_other_solvers(across):
+    """mu |W_NT| above W_NN: one direction of slip would close the gap by its own drag."""
+    assert not one_contact(1.0, across, across, 5.0, -1.0, 0.3, 0.6)[0]
+    assert one_contact(1.0, across, across, 5.0, -1.0, 0.3, 0.4)[0]

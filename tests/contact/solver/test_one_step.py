@@ -8,7 +8,7 @@ import pytest
 from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import entry
 from contact.solver.friction.all_sliding import all_sliding_start
-from contact.solver.friction.coulomb import coulomb, solver_room
+from contact.solver.friction.coulomb import against_slip, coulomb, solver_room
 from contact.solver.friction.newton import MOST_ITERATIONS
 from contact.solver.friction.polyhedral_cone import covering, polyhedral_cone
 from contact.solver.friction.polyhedral_cone import lemke as pivoting
@@ -433,3 +433,12 @@ def test_a_singular_last_basis_is_no_solution():
     """Lemke's path ends on a basis that numpy calls singular: None, as on a ray, and no error of numpy's."""
     M = np.array([[1e179, 1e179], [2e-270, 0.0]])
     assert pivoting(M, np.array([-2.0, -1.0]), np.ones(2)) is None
+
+
+def test_facets_turn_against_the_slip_of_contacts_that_slip():
+    u = np.array([0.0, 3.0, -4.0, 0.0, 0.0, 0.0, 0.2, -1.0, 2.0])
+    turn = against_slip(u, 3, np.array([0.1, 0.2, 0.3]))
+    for k in (0, 2):
+        slip = u[3 * k + 1 : 3 * k + 3]
+        np.testing.assert_allclose([np.cos(turn[k]), np.sin(turn[k])], -slip / np.linalg.norm(slip), atol=1e-15)
+    assert turn[1] == 0.2
