@@ -169,7 +169,7 @@ SURFACES = {
     ),
     "shell-thickness-size": Fault(
         "the wall is as thick as the structure is wide, or as its radius of curvature",
-        "give the thickness in metres, 3 mm as 3e-3",
+        "give the thickness in metres, 3 mm as 3e-3; fillets at least half the wall",
     ),
     "shell-thin": Fault(
         "the wall is thinner than a hundred-thousandth of the size",

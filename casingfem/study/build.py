@@ -7,13 +7,14 @@ import numpy as np
 from casingfem.errors import warn
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
+from casingfem.structure.field.survey.points import read_points
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.strip import Strip, check_strips
-from casingfem.structure.geometry.survey_check import check_survey, mean_radius
+from casingfem.structure.geometry.survey_check import check_survey, mean_radius, on_meridian
 from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
@@ -199,11 +200,15 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
             return build_random(table, int(key.partition("[")[2][:-1]), tables)
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
-            survey = SurveyField.from_csv(
-                problems.file.parent / table.survey, table.n_max, table.degree,
-                robust=bool(table.robust), centred=bool(table.centred),
-            )  # fmt: skip
             chart = None if tables.chart is None else build_chart(tables.chart)
+            survey = SurveyField.fitted(
+                read_points(problems.file.parent / table.survey),
+                n_max=table.n_max,
+                degree=table.degree,
+                robust=bool(table.robust),
+                centred=bool(table.centred),
+                placed=lambda points: on_meridian(points, chart),
+            )
             check_survey(survey, table.of, chart, None if tables.shell is None else tables.shell.thickness)
             return survey
     return None

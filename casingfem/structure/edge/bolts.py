@@ -90,6 +90,9 @@ class Bolts:
         if not (np.isfinite(pitch) and np.isfinite(width) and pitch > 0.0 and width > 0.0):
             raise ModelError("bolt-overlap", "bolts.spacing and bolts.width must be positive and finite")
         last = TURN - (self.count - 1) * pitch  # from the last bolt on to the first
+        if last < 0.0:
+            found = f"{self.count} bolts {np.degrees(pitch):.4g} deg apart go round more than once"
+            raise ModelError("bolt-overlap", found)
         if width > min(pitch, last) * (1.0 + 1e-12):
             wide, apart = np.degrees(width), np.degrees(min(pitch, last))
             raise ModelError("bolt-overlap", f"patches {wide:.4g} deg wide on bolts {apart:.4g} deg apart overlap")

@@ -3,11 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.chart_checks import real
+from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.shell.parts import ShellParts
+
+FOLDED = 2.0  # wall times curvature: the inner face of a bend has no radius left
 
 
 class Extent(NamedTuple):
@@ -19,10 +23,18 @@ class Extent(NamedTuple):
     thickness: FloatArray
 
 
-def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361)) -> Extent:
-    """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
+def stretches(shell: ShellParts) -> FloatArray:
+    """The middle of every stretch between places where the meridian's curvature or the wall jumps: short ones too."""
+    ends = [end for strip in shell.strips for end in (strip.start, strip.end)]
+    breaks = np.unique(np.real([*shell.chart.bounds[0], *chart_lines(shell.chart), *ends]))
+    return np.asarray(0.5 * (breaks[1:] + breaks[:-1]))
+
+
+def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361), places: ArrayLike = ()) -> Extent:
+    """Sizes on a lattice of points, and at further places along; curvature and thickness at each, (points,)."""
     (a0, a1), (b0, b1) = np.real(np.array(shell.chart.bounds))
-    a, b = np.meshgrid(np.linspace(a0, a1, counts[0]), np.linspace(b0, b1, counts[1]), indexing="ij")
+    along = np.union1d(np.linspace(a0, a1, counts[0]), places)
+    a, b = np.meshgrid(along, np.linspace(b0, b1, counts[1]), indexing="ij")
     geometry = shell.geometry(a.ravel(), b.ravel())
     s = real(geometry.surface)
     normal = np.cross(s.x1, s.x2, axis=0)
@@ -47,6 +59,10 @@ def check_wall(shell: ShellParts) -> None:
     bent = float((size.thickness * size.curvature).max())
     if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness stands for a corner
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
+    short = extent(shell, places=stretches(shell))
+    bent = float((short.thickness * short.curvature).max())
+    if bent > FOLDED + 1e-9:
+        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, and folds there")
     thickest = float(size.thickness.max())
     if thickest >= size.sides.max():
         raise ModelError(

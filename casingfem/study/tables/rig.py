@@ -12,6 +12,8 @@ Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
 Angle = Annotated[float, Field(ge=-360, le=360)]
 Ratio = Annotated[float, Field(ge=-60, le=300)]
 
+MOST_LINES = 1_000_000  # of a response: a day's record holds no more
+
 
 class PlaceTable(Table):
     """A place: height and angle_deg on a casing, or at = [a, b], parameters of the chart."""
@@ -80,6 +82,10 @@ class ResponsesTable(Table):
     def _ascending(self) -> "ResponsesTable":
         if not self.band_hz[0] < self.band_hz[1]:
             raise ValueError(f"found band_hz = {self.band_hz}, expected two frequencies in order")
+        lines = (self.band_hz[1] - self.band_hz[0]) / self.resolution_hz
+        if not 1.0 - 1e-9 <= lines <= MOST_LINES:
+            found = f"resolution_hz = {self.resolution_hz:g} over band_hz = {self.band_hz}"
+            raise ValueError(f"found {found}, expected 2 to {MOST_LINES:,} lines in the band")
         if self.troubles is not None and (self.kind != "exact" or self.snr_db is None):
             raise ValueError('found troubles, expected kind = "exact" and snr_db with them')
         if self.bits is not None and self.kind == "exact":

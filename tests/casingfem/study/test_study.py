@@ -160,6 +160,19 @@ def test_a_survey_is_found_beside_the_study(tmp_path):
     assert load_study(written(tmp_path, SURVEYED)).shell.radius_defect.fit.amplitude(8) == pytest.approx(0.004)
 
 
+def test_a_survey_keeps_its_heights_on_a_meridian_that_begins_anywhere(tmp_path):
+    """The frustum as a meridian half a metre up: the same defect, along s now."""
+    survey(tmp_path)
+    rows = (tmp_path / "survey.csv").read_text().splitlines()
+    moved = [f"{a},{float(z) + 0.5},{r}" for a, z, r in (row.split(",") for row in rows[2:])]
+    (tmp_path / "survey.csv").write_text("\n".join([*rows[:2], *moved]) + "\n")
+    start = SURVEYED.index("[chart]")
+    end = SURVEYED.index("\n[", start)
+    chart = '[chart]\nkind = "meridian"\nstart = [0.5, 0.5]\npiece = [{ to = [0.45, 0.75] }]\n'
+    study = load_study(written(tmp_path, SURVEYED[:start] + chart + SURVEYED[end:]))
+    assert study.shell.radius_defect.fit.amplitude(8) == pytest.approx(0.004, rel=1e-5)
+
+
 def test_a_second_survey_of_the_radius_is_refused(tmp_path):
     survey(tmp_path)
     again = '[[imperfection]]\nof = "radius"\nsurvey = "survey.csv"\nn_max = 12\n'

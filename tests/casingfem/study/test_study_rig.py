@@ -213,6 +213,8 @@ blocks = 2
         (CASING.replace("zeta = 0.003", "zeta = 3.0"), "rig.zeta"),
         (CASING.partition("[[rig.sensor]]")[0] + EXACT, "rig.sensor: found nothing"),
         (CASING + EXACT.replace("[360.0, 440.0]", "[440.0, 360.0]"), "two frequencies in order"),
+        (CASING + EXACT.replace("[360.0, 440.0]", "[360.0, 360.01]"), "expected 2 to 1,000,000 lines in the band"),
+        (CASING + EXACT.replace("[360.0, 440.0]", "[360.0, 1e9]"), "expected 2 to 1,000,000 lines in the band"),
         (CASING + EXACT + "bits = 12\n", "found bits with exact responses"),
         (CASING + BURST + "[rig.test.troubles]\ndead = 1\n", "found troubles, expected kind"),
         (CASING + EXACT + "[rig.test.troubles]\ndead = -1\n", "rig.test.troubles.dead"),

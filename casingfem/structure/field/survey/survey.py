@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -138,8 +138,12 @@ class SurveyField(SeriesBehind):
         degree: int | None = None,
         robust: bool = False,
         centred: bool = False,
+        placed: Callable[[SurveyPoints], SurveyPoints] | None = None,
     ) -> SurveyField:
-        """Fit points already read; the options as in from_csv."""
+        """Fit points already read; the options as in from_csv.
+
+        Where a shell's fields take another place along than the height z, `placed` gives the points with it.
+        """
         axis: Axis | None = None
         if centred:
 
@@ -149,6 +153,7 @@ class SurveyField(SeriesBehind):
             points, axis = centred_points(points, fitted)
         else:
             refuse_outside(points)
+        points = points if placed is None else placed(points)
         fit = fit_points(points, n_max, degree, robust)
         stray = ~fit.kept
         places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)

@@ -146,6 +146,7 @@ def test_refuses_bolts_that_are_none(values, code):
         ({"width": float("inf")}, "spacing and bolts.width must be positive and finite"),
         ({"width": 0.1, "spacing": -0.1}, "spacing and bolts.width must be positive and finite"),
         ({"width": 0.15, "spacing": 0.1}, r"patches 8\.594 deg wide on bolts 5\.73 deg apart overlap"),
+        ({"spacing": 1.0}, r"8 bolts 57\.3 deg apart go round more than once"),
         ({"width": 0.6, "spacing": 0.85}, r"patches 34\.38 deg wide on bolts 19\.09 deg apart overlap"),
     ],
 )

@@ -14,7 +14,11 @@ from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.robust import robust_weights
 from casingfem.structure.field.survey.stray import passes_words, shifted_points
 from casingfem.structure.field.survey.survey import SurveyField
-from casingfem.structure.geometry.survey_check import check_survey
+from casingfem.structure.geometry.chart import Frustum
+from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
+from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.survey_check import check_survey, on_meridian
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 
 DEFECT = FourierField(
     p=np.array([2, 8, 20]),
@@ -300,17 +304,18 @@ def test_repeats_give_the_noise_whatever_the_fit():
     assert SurveyField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
 
 
-def test_modes_beyond_the_surveys_resolution_are_doubted(frustum, coarse):
+def test_modes_beyond_the_surveys_resolution_are_doubted(frustum):
+    mesh = ShellMesh(order=6, rows=1, around=13)  # of which no 2n below 26 is a multiple
     theta, z = rings(points=24)  # every 15 degrees: resolves harmonic 11, splits to n = 5
     survey = SurveyField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
     assert survey.n_resolved == 11
     for field in (survey, survey.fit + RandomlyNothing() + survey):
         with pytest.warns(ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
-            modes(frustum(mesh=coarse, radius_defect=field), 6)
+            modes(frustum(mesh=mesh, radius_defect=field), 6)
         assert len(caught) == 1
-    modes(frustum(mesh=coarse, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
+    modes(frustum(mesh=mesh, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
     theta, z = rings(points=72)
-    modes(frustum(mesh=coarse, radius_defect=SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
+    modes(frustum(mesh=mesh, radius_defect=SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
 
 
 def test_a_casing_refuses_the_survey_of_another_one_alone_or_in_a_sum(frustum, coarse):
@@ -447,3 +452,72 @@ def test_strict_csv_accepts_what_spreadsheets_write():
 def test_strict_csv_reads_back_every_float_bit_for_bit(values):
     text = "x\n" + "".join(f"{v!r}\n" for v in values)
     assert [v.hex() for v in parse(text, "t").numbers("x").tolist()] == [v.hex() for v in values]
+
+
+PIPE = Revolved(
+    profile=PiecewiseMeridian(
+        start=(0.3, 1.0), pieces=(Piece(to=(0.3, 1.2)), Piece(to=(0.35, 1.2)), Piece(to=(0.35, 1.4))), fillet=0.01
+    )
+)
+BOWL = Revolved(profile=Arc(radius=0.5, start=-1.0, end=0.0))
+DOME = Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0, z0=2.0))
+
+
+def wave_along(s):
+    """An amplitude of cos 8 theta that varies along the meridian."""
+    return 2e-3 * (1.0 + s)
+
+
+@pytest.mark.parametrize("chart", [PIPE, BOWL, DOME])
+def test_heights_on_a_meridian_become_arc_lengths(chart):
+    """What was measured at heights comes back as the wave along s that the shell has, whatever its radius there."""
+    length = chart.profile.length
+    s = np.array([place for place in np.linspace(0.0, length, 12) if abs(chart.profile.at(place).z1) > 0.3])
+    theta, along = rings(heights=s, points=48)
+    at = chart.profile.at(along)
+    points = SurveyPoints(theta=theta, z=at.z, value=at.r * (1.0 + wave_along(along) * np.cos(8 * theta)))
+    survey = SurveyField.fitted(points, n_max=10, degree=1, placed=lambda raw: on_meridian(raw, chart))
+    found = survey.derivatives(along, np.zeros(len(along))).value
+    np.testing.assert_allclose(found, wave_along(along), rtol=1e-4)
+    check_survey(survey, "radius", chart, 3e-3)
+
+
+def test_flat_parts_of_a_meridian_tell_no_shape():
+    theta, z = rings(heights=(1.1, 1.2), points=24)
+    radii = SurveyPoints(theta=theta, z=z, value=np.where(z > 1.15, 0.325, 0.3))
+    with pytest.raises(ModelError, match=r"24 points where the meridian is flat, the first at theta 0 deg, z 1\.2 m"):
+        on_meridian(radii, PIPE)
+    walls = SurveyPoints(theta=theta, z=z, value=np.full(len(z), 3e-3), quantity="thickness")
+    with pytest.raises(ModelError, match="thicknesses by height on a meridian that is not steep everywhere"):
+        on_meridian(walls, PIPE)
+
+
+@pytest.mark.parametrize("chart", [BOWL, DOME])
+def test_thicknesses_on_a_meridian_are_placed_by_their_height_alone(chart):
+    theta, along = rings(heights=(0.0, 0.2, 0.4), points=24)
+    walls = SurveyPoints(
+        theta=theta, z=chart.profile.at(along).z, value=np.full(len(theta), 3e-3), quantity="thickness"
+    )
+    placed = on_meridian(walls, chart)
+    np.testing.assert_allclose(placed.z, along, atol=1e-7)
+    np.testing.assert_array_equal(placed.value, 3e-3)
+
+
+def test_points_on_a_cone_keep_their_heights(frustum):
+    points = SurveyPoints(theta=np.zeros(2), z=np.array([0.0, 0.2]), value=np.array([0.5, 0.46]))
+    assert on_meridian(points, frustum().chart) is points
+
+
+def test_one_circle_is_compared_where_it_was_measured():
+    cone = Frustum(r_base=0.5, r_top=0.3, height=0.25)
+    theta, z = rings(heights=(0.0,), points=24)
+
+    def circle(height, radius):
+        return SurveyField.from_points(theta, z + height, np.full(len(z), radius))
+
+    for height, radius in ((0.0, 0.5), (0.25, 0.3), (0.27, 0.3)):  # a lathe's z is seldom the drawing's
+        check_survey(circle(height, radius), "radius", cone, None)
+    with pytest.raises(ModelError, match=r"a mean radius of 0\.4 m, expected about 0\.5 m"):
+        check_survey(circle(0.0, 0.4), "radius", cone, None)
+    with pytest.raises(ModelError, match=r"z from 0\.3 to 0\.3 m, expected one of the shell's 0 to 0\.25 m"):
+        check_survey(circle(0.3, 0.3), "radius", cone, None)

@@ -79,7 +79,8 @@ def test_an_arc_passes_through_its_ends_at_its_radius():
     [
         (CONE, {"fillet": None}, r"piece\[2\].fillet: found none at a corner of 26.6 degrees"),
         (CONE, {"fillet": 1.0}, r"piece\[2\].fillet: found 1 m, which does not fit"),
-        ((Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way"),
+        ((Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way on from \[0.3, 0.0\] m"),
+        ((Piece(to=(0.3, 0.1)), Piece(to=(0.3, 0.1))), {}, r"piece\[2\]: found no way on from \[0.3, 0.1\] m"),
         ((Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
         ((Piece(to=(0.3, 0.1)), Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),
         ((Piece(to=(0.4, 0.0)), Piece(to=(0.4, 0.02)), Piece(to=(0.5, 0.02))), {"fillet": 0.015}, "leave nothing"),
@@ -93,6 +94,16 @@ def test_pieces_that_do_not_join_are_named(pieces, given, words):
 def test_a_meridian_that_reaches_the_axis_is_refused():
     with pytest.raises(ModelError, match="meridian-axis"):
         meridian(Piece(to=(0.0, 0.1)))
+
+
+@pytest.mark.parametrize("fillet", [1e-6, 3.9e-3])
+def test_a_fillet_too_short_for_the_wall_is_refused_however_short_it_is(fillet):
+    with pytest.raises(ModelError, match=r"times the radius of a bend.*shell-thickness-size"):
+        shell(meridian(fillet=fillet))
+
+
+def test_a_fillet_of_half_the_wall_is_the_shortest():
+    assert shell(meridian(fillet=4e-3)).thickness == 8e-3
 
 
 def test_pieces_in_line_are_the_frustum():
