@@ -43,7 +43,7 @@ def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
     shares = finest_shares(modes)
     worst = shares.max(axis=0) if around else shares[0]
     split = split_by_mesh(modes) & around
-    poor = np.flatnonzero(worst > np.where(split, SPLITTING, FINEST))
+    poor = np.flatnonzero((worst > FINEST) | (split & (shares[1] > SPLITTING)))
     if len(poor):
         which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
         mesh, share = modes.grid.mesh, worst[poor].max()

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from casingfem.errors import ModelError
 from casingfem.structure.field.field import Field, SumField
@@ -35,6 +34,8 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     than once the nearest radius tells. Radii become those of a cylinder with the radius of the meridian's middle: a
     fit's mean is straight, and its defect is relative to the meridian itself.
     """
+    from scipy.spatial import cKDTree
+
     if not isinstance(chart, Revolved | RevolvedPanel):
         return points
     s = np.linspace(0.0, float(np.real(chart.profile.length)), STATIONS)

@@ -134,7 +134,7 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     assert cf.frf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
     assert ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
     assert cf.FrequencyTable.from_csv(out / "truth.csv").card[0].startswith("SYNTHETIC")
-    words = CliRunner().invoke(main, ["rig", str(path)]).output
+    words = CliRunner().invoke(main, ["rig", str(path)]).stdout
     assert words.startswith("SYNTHETIC")
     assert "waves above 4 sigma" in words
 
