@@ -1,9 +1,20 @@
 """TOML files of both packages: bytes and tables, or one sentence about what is wrong; where a value of them stands."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+
+PLACE = re.compile(r"at line (\d+), column \d+\)$")
+# what is written out of habit, and how TOML has it
+HABITS = {
+    r"[=,\[]\s*[+-]?(\.\d|\d+\.(?!\d))": "a number has digits on both sides of its point: 0.5, 100.0",
+    r"=\s*[+-]?\d+,\d+\s*$": "decimals stand behind a point: 0.5",
+    r"[=,\[]\s*(True|False|TRUE|FALSE)\b": "true and false are small letters",
+    r"=\s*[A-Za-z_/]": "text stands in quotes",
+}
+SHOWN = 60  # characters of a line
 
 
 def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
@@ -26,7 +37,21 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     except RecursionError:
         raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
     except ValueError as error:  # also of numbers with thousands of digits
-        raise ValueError(f"not TOML: {error}") from None
+        raise ValueError(f"not TOML: {error}{spelling(str(error), text.decode('utf-8'))}") from None
+
+
+def spelling(error: str, text: str) -> str:
+    r"""The line that an error names, and how TOML writes what stands there; nothing where no line is named.
+
+    >>> spelling("Invalid value (at line 2, column 5)", "a = 1\nb = .5")
+    ': b = .5; a number has digits on both sides of its point: 0.5, 100.0'
+    """
+    named = PLACE.search(error)
+    if named is None:
+        return ""
+    line = text.split("\n")[int(named[1]) - 1].strip()
+    shown = line if len(line) <= SHOWN else f"{line[:SHOWN]} ..."
+    return "; ".join([f": {shown}", *(way for habit, way in HABITS.items() if re.search(habit, line))][:2])
 
 
 def entries(value: object) -> Mapping[Any, Any]:

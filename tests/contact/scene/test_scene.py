@@ -136,6 +136,13 @@ def test_every_problem_is_reported_at_once(tmp_path):
         ('[scheme]\nkind = "forward-lagrange"\ncourant = 0.9', "", "scheme: missing"),
         ("[wall]\nx = -0.1", "", "expected at least two"),
         ("[scene]", "[scene", "not TOML"),
+        ("t_end = 1.0", "t_end = .5", ": t_end = .5; a number has digits on both sides of its point"),
+        ("t_end = 1.0", "t_end = 1.", ": t_end = 1.; a number has digits on both sides of its point"),
+        ("t_end = 1.0", "t_end = 1,5", ": t_end = 1,5; decimals stand behind a point"),
+        ("t_end = 1.0", "t_end = True", ": t_end = True; true and false are small letters"),
+        ('kind = "rods"', "kind = rods", ": kind = rods; text stands in quotes"),
+        ("t_end = 1.0", "t_end = 1.0 s", r"column 13): t_end = 1.0 s"),
+        ("t_end = 1.0", f"t_end = {'[1.0 ' * 20}", f"): t_end = {'[1.0 ' * 20}"[:63] + " ..."),
     ],
 )
 def test_broken_rod_scenes(tmp_path, old, new, words):
