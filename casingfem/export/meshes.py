@@ -197,5 +197,5 @@ def pvd(series: Sequence[tuple[float, str]]) -> bytes:
     >>> b'timestep="0.5"' in pvd([(0.0, "a.vtu"), (0.5, "b.vtu")])
     True
     """
-    lines = [f'<DataSet timestep="{time:g}" part="0" file="{file}"/>\n' for time, file in series]
+    lines = [f'<DataSet timestep="{float(time)!r}" part="0" file="{file}"/>\n' for time, file in series]
     return (HEAD.format("Collection", "") + "<Collection>\n" + "".join(lines) + "</Collection>\n</VTKFile>\n").encode()

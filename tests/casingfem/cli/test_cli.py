@@ -345,6 +345,26 @@ def test_a_sweep_says_how_many_runs_have_flags(tmp_path, flags, lines):
     assert sweep_words(found, 1.0).splitlines()[1:] == lines
 
 
+def test_a_sweep_says_where_growth_is_largest_and_what_became_of_the_others(tmp_path):
+    file = tmp_path / "rods.toml"
+    vary = '[sweep]\nkind = "list"\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0, 3.0, 4.0, 5.0]\n'
+    vary += '[[sweep.vary]]\nkey = "rod[2].x"\nvalues = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3]\n'
+    file.write_text((SCENES / "two_rods.toml").read_text() + vary)
+    ends = [
+        ("done", -9.0, ""),
+        ("diverged", 5.5, "far"),
+        ("refused", None, "no"),
+        ("done", 2.0, ""),
+        ("refused", None, "n"),
+    ]
+    rows = tuple(dict.fromkeys(COLUMNS) | {"status": s, "growth_1_s": g, "why": why} for s, g, why in ends)
+    lines = sweep_words(SweepResult(plan=load_sweep(file), rows=rows, resumed=1), 12.3456).splitlines()
+    assert lines[0] == "5 runs over rod[1].velocity, rod[2].x in 12.3 s"
+    assert lines[1] == "1 run was there already"
+    assert lines[2].startswith("largest growth 5.5 1/s at rod[1].velocity = 2.0, rod[2].x = 0.002: ")
+    assert lines[4:] == ["2 of 5 runs refused, the first: no", "1 of 5 runs diverged, the first: far"]
+
+
 @pytest.mark.parametrize("varied", ['"rod[1].velocity"\nvalues = [1.0]', '"scheme.kind"\nvalues = ["newmark", "hht"]'])
 def test_a_sweep_of_one_run_or_of_words_alone_is_not_drawn(tmp_path, varied):
     file = tmp_path / "rods.toml"

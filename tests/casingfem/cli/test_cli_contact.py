@@ -1,19 +1,26 @@
 """Commands on scenes: interactions and campbell with their pictures, what --out holds, runs that diverge."""
 
+import io
 import json
+from dataclasses import dataclass, fields
+from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 
 import casingfem as cf
 import contact as ct
-from casingfem.cli import main
+from casingfem.cli import main, pictures
+from casingfem.cli.contact import interaction_rows
 from casingfem.modal.campbell import Campbell
 from casingfem.plot.interaction import figure_interactions
 from casingfem.plot.motion import figure_spectrum, waterfall
 from casingfem.plot.sweep import figure_sweep
+from contact.growth.interaction_table import Interaction
 
 DATA = Path(__file__).parents[3] / "data"
 
@@ -39,6 +46,48 @@ def test_interactions_of_a_pair_are_confirmed_by_a_run(tmp_path):
     said = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
     assert "the growth column of `casingfem interactions`" in said.stdout
     assert (tmp_path / "stability.png").exists()
+
+
+def test_a_table_of_interactions_has_every_figure_under_its_name():
+    """All numbers different; what there is none of is an empty cell."""
+    names = [field.name for field in fields(Interaction)]
+    row = {name: 2.0 + k for k, name in enumerate(names)} | {"n": 8, "branch": "sum"}
+    bare = row | {"branch": "friction", "from_hz": np.nan, "free_hz": np.nan}
+    found = SimpleNamespace(found=SimpleNamespace(rows=[Interaction(**row), Interaction(**bare)]))
+    table = pd.read_csv(io.StringIO(interaction_rows(found)), comment="#").rename(columns={"growth_1_s": "growth"})
+    assert table.to_dict("records")[0] == row
+    assert table["branch"].tolist() == ["sum", "friction"]
+    assert table.columns[table.isna().any()].tolist() == ["free_hz", "from_hz"]
+    assert (
+        table.loc[1].drop(["branch", "free_hz", "from_hz"]).equals(table.loc[0].drop(["branch", "free_hz", "from_hz"]))
+    )
+
+
+@pytest.mark.parametrize(
+    ("count", "size", "every"), [(10, 5, 1), (1_000_001, 40, 1), (1_000_000, 40, 3), (7, 10**7, 2)]
+)
+def test_states_for_pictures_are_the_most_that_fit(count, size, every):
+    """Stored together with a sample; one more of them would not fit."""
+
+    @dataclass
+    class Ready:
+        record: ct.Record
+        count: int
+        stepper: SimpleNamespace
+
+    record = pictures.with_states(Ready(ct.Record(every=every), count, SimpleNamespace(size=size))).record
+    assert record.every == every
+    assert record.state_every % every == 0
+    assert count * size <= pictures.STATES * record.state_every
+    closer = record.state_every - every
+    assert closer == 0 or count * size > pictures.STATES * closer
+
+
+def test_each_track_of_a_coating_has_its_own_picture(monkeypatch):
+    monkeypatch.setattr("casingfem.plot.wear.figure_wear", lambda track: track)
+    monkeypatch.setattr("casingfem.plot.style.png", lambda figure: f"picture of {figure}".encode())
+    assert pictures.coatings(("a",)) == {"coating.png": b"picture of a"}
+    assert pictures.coatings(("a", "b")) == {"coating_1.png": b"picture of a", "coating_2.png": b"picture of b"}
 
 
 def test_the_picture_shows_growing_poles_bands_and_the_run():
@@ -75,6 +124,31 @@ def test_campbell_of_a_blade_that_stands_asks_for_a_speed(tmp_path):
     given = call("campbell", study, "--count", 1, "--steps", 2, "--to-hz", 10.0, "--json")
     assert given.exit_code == 0, given.stderr
     assert json.loads(given.stdout)["speed_hz"] == [0.0, pytest.approx(10.0)]
+
+
+@pytest.mark.parametrize(
+    ("speed", "words", "top", "steps", "count"),
+    [
+        ("100.0", (), 150.0, 16, 6),
+        ("20.0", (), 30.0, 16, 6),
+        ("100.0", ("--to-hz", 7, "--steps", 3, "--count", 2), 7.0, 3, 2),
+    ],
+)
+def test_a_campbell_diagram_goes_from_rest_to_half_as_much_again_as_the_study(
+    tmp_path, monkeypatch, speed, words, top, steps, count
+):
+    study, heard = tmp_path / "blade.toml", []
+    text = (DATA / "studies" / "rotating_blade.toml").read_text(encoding="utf-8")
+    study.write_text(text.replace("speed_hz = 100.0", f"speed_hz = {speed}"), encoding="utf-8")
+
+    def compute(*given):
+        heard.extend(given)
+        raise SystemExit(7)  # what it answers is judged elsewhere
+
+    monkeypatch.setattr(import_module("casingfem.modal.campbell"), "campbell", compute)
+    assert call("campbell", study, *words).exit_code == 7
+    np.testing.assert_allclose(heard[1] / (2.0 * np.pi), np.linspace(0.0, top, steps))
+    assert heard[2] == count
 
 
 @pytest.mark.slow

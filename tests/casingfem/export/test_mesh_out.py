@@ -2,7 +2,9 @@
 
 import json
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -11,8 +13,10 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.export.meshes import drawn_surface, mode_files
+from casingfem.export.meshes import drawn_mesh, drawn_surface, mode_files, pvd, vtu
+from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import write_files
+from tests.casingfem.structure.imported.parts import added_nodes
 from tests.casingfem.study.study_texts import PLATE, written
 
 
@@ -90,6 +94,57 @@ def test_the_series_swings_once_and_moves_the_points(casing, folder):
     for k, entry in enumerate(entries):
         mesh = meshio.read(folder / str(entry.get("file")))
         assert np.allclose(mesh.points - still, reach * np.cos(np.pi * k / 4) * unit, atol=1e-6)
+
+
+def test_a_picture_carries_its_own_part_of_the_shape_and_the_mode_it_is_of(casing, folder):
+    for k in range(5):
+        found = meshio.read(folder / f"mode_003_phase_{k:02d}.vtu")
+        expected = np.cos(np.pi * k / 4) * casing.fields[:, :3, 2]
+        np.testing.assert_allclose(found.point_data["displacement"], expected, atol=1e-6 * np.abs(expected).max())
+        np.testing.assert_allclose(found.point_data["thickness"], drawn_surface(casing).thickness, rtol=1e-6)
+        assert found.field_data["freq_hz"].tolist() == [casing.freq[2]]
+        assert found.field_data["nodal_diameters"].tolist() == [casing.nodal_diameters[2]]
+
+
+def test_a_series_keeps_instants_that_are_close_together_apart(tmp_path):
+    times = [10.0, 10.0 + 1e-6, np.float64(10.0 + 3e-6)]
+    (tmp_path / "late.pvd").write_bytes(pvd([(time, f"{k}.vtu") for k, time in enumerate(times)]))
+    entries = ET.parse(tmp_path / "late.pvd").getroot().iter("DataSet")
+    assert [float(entry.get("timestep")) for entry in entries] == times
+
+
+# opposite corners between which the nodes after the corners stand: of edges, then faces and cell, by VTK's manual
+SQUARE, BRICK = "01 12 23 30", "01 12 23 30 45 56 67 74 04 15 26 37"
+MIDDLES = {
+    "quad": "", "quad8": SQUARE, "quad9": f"{SQUARE} 02", "tetra": "", "tetra10": "01 12 20 03 13 23",
+    "hexahedron": "", "hexahedron20": BRICK, "hexahedron27": f"{BRICK} 07 16 05 36 02 46 06",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MIDDLES)
+def test_another_reader_finds_the_nodes_of_an_imported_part_where_its_cells_have_them(kind, tmp_path):
+    """Middles halfway between their corners, corners counted the right way round, nodes of no cell left out."""
+    dim = 2 if kind.startswith("quad") else 3
+    grid = grid_mesh(kind, (2, 1, 1)[:dim], lambda u: np.pad(u * (4.0, 2.0, 1.0)[:dim], ((0, 0), (0, 3 - dim))))
+    mesh, _ = added_nodes(grid, [9.0, 9.0, 9.0])
+    order = np.roll(np.arange(len(mesh.points)), 1)  # the node of no cell comes first
+    place = np.argsort(order)
+    mesh = replace(mesh, points=mesh.points[order], cells=place[mesh.cells], node_numbers=mesh.node_numbers + 100)
+    part = drawn_mesh(SimpleNamespace(structure=SimpleNamespace(mesh=mesh)))
+    (tmp_path / "part.vtu").write_bytes(vtu(part.points, part.cells, {"label": part.labels}, {}, part.kind))
+    found = meshio.read(tmp_path / "part.vtu")
+    ((name, cells),) = found.cells_dict.items()
+    assert name == kind
+    assert found.point_data["label"].tolist() == list(range(102, 102 + len(grid.points)))
+    np.testing.assert_array_equal(found.points, grid.points)
+    at = found.points[cells]
+    for k, (a, b) in enumerate(MIDDLES[kind].split(), start=4 if kind[0] in "qt" else 8):
+        np.testing.assert_allclose(at[:, k], (at[:, int(a)] + at[:, int(b)]) / 2.0, atol=1e-14)
+    ahead, aside, above = (at[:, k] - at[:, 0] for k in {"q": (1, 3, 2), "t": (1, 2, 3), "h": (1, 3, 4)}[kind[0]])
+    normal = np.cross(ahead, aside)
+    size = normal[:, 2] if dim == 2 else np.einsum("ci,ci->c", normal, above) / (6.0 if kind[0] == "t" else 1.0)
+    assert size.min() > 0.0
+    assert size.sum() == pytest.approx(8.0)
 
 
 def test_only_the_modes_chosen_are_written(folder):

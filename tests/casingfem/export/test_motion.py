@@ -4,7 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
-from casingfem.export.motion import motion_files
+from casingfem.export.motion import frames, motion_files, point_files
 from contact.io.outfiles import write_files
 
 BOX = np.array([3.0, 4.0, 12.0]) * [
@@ -39,3 +39,27 @@ def test_what_does_not_move_is_drawn_where_it_is(tmp_path):
     found = meshio.read(tmp_path / "box_0000.vtu")
     assert np.array_equal(found.points, BOX)
     assert found.field_data["exaggeration"].tolist() == [1.0]
+
+
+def test_points_have_their_own_places_instants_and_data(tmp_path):
+    """Three instants of two points, all numbers different."""
+    time, places = [0.25, 0.5, 2.0], np.arange(18.0).reshape(3, 2, 3)
+    force = 100.0 + np.arange(6.0).reshape(3, 2)
+    moved = np.arange(72.0).reshape(3, 8, 3)
+    write_files(tmp_path, point_files("tips", time, places, {"force_N": force}))
+    write_files(tmp_path, motion_files("box", BOX, HEXAHEDRON, time, moved))
+    for k in range(3):
+        found = meshio.read(tmp_path / f"tips_{k:04d}.vtu")
+        assert np.array_equal(found.points, places[k])
+        assert found.cells_dict["vertex"].tolist() == [[0], [1]]
+        assert found.point_data["force_N"].tolist() == force[k].tolist()
+        assert not found.point_data["displacement"].any()
+        assert found.field_data["time_s"].tolist() == [time[k]]
+        assert meshio.read(tmp_path / f"box_{k:04d}.vtu").field_data["time_s"].tolist() == [time[k]]
+
+
+def test_the_instants_shown_are_spread_evenly_from_the_first_to_the_last():
+    for count, most in ((100, 100), (101, 100), (199, 100), (5000, 7), (1, 4)):
+        shown = frames(count, most)
+        assert (shown[0], shown[-1], len(shown)) == (0, count - 1, min(count, most))
+        assert len(shown) == 1 or np.ptp(np.diff(shown)) <= 1

@@ -1,5 +1,6 @@
 """Random mistuning: restarts equal solutions from nothing, draws do not depend on each other, runs go on."""
 
+import io
 import json
 import os
 import signal
@@ -9,10 +10,12 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
+from casingfem.cli.mistune import result_files, words
 from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
@@ -21,7 +24,7 @@ from casingfem.modal.warm_start import guarded, restarted_modes
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.study import load_study
-from casingfem.study.mistuning import run_mistune
+from casingfem.study.mistuning import MistuneRun, run_mistune
 from casingfem.study.problems import StudyError
 from tests.casingfem.study.study_texts import STEEL
 
@@ -158,6 +161,29 @@ def test_only_closed_casings_have_pairs(steel):
     plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=field)
     with pytest.raises(ValueError, match="pairs of closed casings"):
         mistune(plate, 2)
+
+
+def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
+    rows = [Pair(0, 4, 1, 101.0, 0.02, 3.5), Pair(0, 5, 2, 92.0, 0.03, float("nan")), Pair(1, 4, 1, 99.0, 0.04, 7.5)]
+    perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
+    found = Mistuning.of(rows, perfect)
+    source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
+    files = result_files(found, {"source": source, "doublets": found.summary()})
+    draws, summary = (
+        pd.read_csv(io.StringIO(files[name]), comment="#") for name in ("mistune.csv", "mistune_summary.csv")
+    )
+    assert list(draws) == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
+    np.testing.assert_array_equal(draws, np.array(rows, dtype=float))
+    assert list(summary) == list(found.summary()[0])
+    np.testing.assert_array_equal(
+        summary, np.array([[np.nan if x is None else x for x in row.values()] for row in found.summary()], dtype=float)
+    )
+    run = MistuneRun(found=found, errors={0: 3e-9, 50: 2e-8, 100: 4e-10}, from_nothing=(7, 9), resumed=5)
+    assert words(run).splitlines()[1:] == [
+        "3 draws also solved from nothing: frequencies differ by 2.0e-08 at most",
+        "2 draws solved from nothing: the restart had missed modes",
+        "5 draws were there already",
+    ]
 
 
 # --- the command ----------------------------------------------------------------------------------------------

@@ -123,6 +123,12 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     document = json.loads(result.stdout)
     assert document["synthetic"] is True
     assert document["source"]["sha256"]
+    truth = cf.FrequencyTable.from_csv(out / "truth.csv")
+    for name in ("freq_hz", "angle_deg", "zeta"):
+        column = np.array([row[name] for row in document["modes"]], dtype=float)
+        np.testing.assert_array_equal(column, getattr(truth, name))
+    assert [row["n"] if row["n"] is not None else -1 for row in document["modes"]] == truth.n.tolist()
+    assert document["frfs"] == {"channels": 24, "lines": 161, "unit": "(m/s)/N"}
     assert {w["n"] for w in document["waves"]} >= {7, 8}
     assert {p.name for p in out.iterdir()} == {
         "rig.json", "truth.csv", "frfs.uff", "frfs.npz", "frfs.png", "coherence.npz", "scan.npz", "scan.png",

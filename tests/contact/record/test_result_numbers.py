@@ -4,10 +4,12 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from casingfem.cli.pictures import page_numbers
+from casingfem.cli.pictures import force_files, ledger, page_numbers
 from contact.base.errors import InputError
+from contact.record.divergence import Divergence
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
 from contact.result import Result
@@ -149,6 +151,51 @@ def test_the_page_of_a_run_and_the_row_of_a_sweep():
     }  # fmt: skip
     assert {name: row[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
     assert row["flags"] == "slip reversed in 9 steps; energy ledger open"
+
+
+def test_what_came_from_each_source_is_what_the_bodies_gained():
+    """The bars of the energy's picture: all sources are the last one, but for what nobody accounts for."""
+    found = ledger(MADE)
+    stored = found.pop("stored at the end")
+    assert stored == BUDGET.end.total - BUDGET.start.total
+    assert sum(found.values()) + BUDGET.unaccounted == pytest.approx(stored, rel=1e-12)
+    for bar, work in {
+        "contact": "contact", "turning rim": "rotation", "friction": "friction", "damping": "damping",
+        "loads": "external", "gravity, whirl": "body_force", "numerical": "algorithmic",
+    }.items():  # fmt: skip
+        more = ledger(replace(MADE, energy=replace(BUDGET, **{work: getattr(BUDGET, work) + 8.0})))
+        assert {name: more[name] - found[name] for name in found if more[name] != found[name]} == {bar: 8.0}
+
+
+def test_the_table_of_forces_is_read_back_column_by_column(tmp_path):
+    force_files(MADE, "rub")["rub_forces.csv"](tmp_path / "forces.csv")
+    table = pd.read_csv(tmp_path / "forces.csv", comment="#")
+    np.testing.assert_allclose(table["time_s"], MADE.time, rtol=1e-8)
+    for k in (0, 1):
+        for name, values in (
+            ("force{}_mean_N", MADE.force),
+            ("force{}_peak_N", MADE.force),
+            ("gap{}_least_m", MADE.gap),
+        ):
+            np.testing.assert_allclose(table[name.format(k + 1)], values[:, k], rtol=1e-8, atol=1e-12)
+    assert len(table.columns) == 7
+
+
+def test_a_run_that_diverged_says_when_and_how_fast_in_its_row_and_its_document():
+    """Growth is what the run had, theory's stands beside it; what is unknown is none."""
+    end = Divergence(limit="wall", step=4, time=0.375, reached=3.0, allowed=2.0, growth=12.5, theory=99.0, words="far")
+    row = row_of(None, replace(MADE, divergence=end))
+    said = row["status"], row["diverged_at_s"], row["growth_1_s"], row["why"], row["peak_force_N"]
+    assert said == ("diverged", 0.375, 12.5, "far", 9.0)
+    assert end.to_dict() == {
+        "limit": "wall", "step": 4, "time": 0.375, "reached": 3.0, "allowed": 2.0, "growth_1_s": 12.5,
+        "theory_1_s": 99.0, "words": "far",
+    }  # fmt: skip
+    unknown = replace(end, growth=np.nan, theory=np.nan, reached=np.inf)
+    assert {name for name, value in unknown.to_dict().items() if value is None} == {
+        "growth_1_s", "theory_1_s", "reached"
+    }  # fmt: skip
+    assert row_of(None, replace(MADE, divergence=unknown))["growth_1_s"] is None
 
 
 def test_intervals_are_joined_across_pauses_shorter_than_the_window():
