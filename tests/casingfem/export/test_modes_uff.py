@@ -1,6 +1,7 @@
 """Modes for test software: what two readers find in the file is the model's own."""
 
 from itertools import combinations, product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.export.meshes import drawn_surface
-from casingfem.export.modes_uff import write_modes_uff
+from casingfem.export.modes_uff import one_shape, write_modes_uff
 from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.imported.grid import grid_mesh
 from tests.casingfem.structure.imported.parts import STEEL, supported
@@ -35,6 +36,22 @@ def test_the_file_holds_the_modes(casing, path):
     for k, shape in enumerate(found.shapes):
         assert shape.values == pytest.approx(casing.fields[:, :3, k], rel=1e-5, abs=1e-30)
         assert shape.text[1] == f"n = {casing.nodal_diameters[k]}, m = 1"
+
+
+def test_each_mode_is_told_by_its_own_numbers():
+    """Of three modes and three nodes among five, all numbers different; a mode without n has no label."""
+    fields = np.arange(90.0).reshape(5, 6, 3)
+    modes = SimpleNamespace(nodal_diameters=[4, -1, 0], meridional=[2, 0, 3], freq=[10.0, 20.0, 30.0], fields=fields)
+    surface = SimpleNamespace(rows=np.array([4, 0, 2]), labels=np.array([11, 12, 13]))
+    shapes = [one_shape(modes, k, surface) for k in range(3)]
+    assert [shape.text[:2] for shape in shapes] == [
+        ("mode 1", "n = 4, m = 2"), ("mode 2", "NONE"), ("mode 3", "n = 0, m = 3")
+    ]  # fmt: skip
+    for k, shape in enumerate(shapes):
+        assert shape.integers == (1, k + 1)
+        assert shape.reals == (10.0 * (k + 1), 1.0, 0.0, 0.0)
+        assert shape.nodes.tolist() == [11, 12, 13]
+        assert shape.values.tolist() == [[18.0 * row + 3.0 * i + k for i in range(3)] for row in (4, 0, 2)]
 
 
 def test_the_header_says_what_the_modes_are_of(path, tmp_path):
