@@ -345,3 +345,8 @@ def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
         freq_hz=found.freq[:3], values=values, points=points, directions=out))  # fmt: skip
     told = [row["left_out_error"] for row in result.records()]
     np.testing.assert_allclose(np.square(told), np.mean(result.expansion.left_out**2, axis=0))
+
+
+def test_enhanced_comac_sees_neither_sign_nor_scale_of_a_shape():
+    shapes = np.random.default_rng(4).standard_normal((6, 3))
+    np.testing.assert_allclose(ecomac(shapes, shapes * [-1.0, 3.0, -0.2]), 0.0, atol=1e-15)
