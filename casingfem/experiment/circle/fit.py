@@ -55,7 +55,7 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineF
     real, imag = x.reshape(2, -1)
     sigma = np.sqrt(level * variance.reshape(2, -1).max(axis=0))
     left = float(np.sqrt(np.mean(residual**2) * np.log(2.0) / max(float(np.median(power)), 1e-300)))
-    return LineFit(real + 1j * imag, sigma, np.sqrt(level / len(residual)), left)
+    return LineFit(real + 1j * imag, sigma, np.sqrt(2.0 * level / len(residual)), left)  # count/2 bins share it
 
 
 def columns(record: ScanRecord, omega: FloatArray, order: FloatArray) -> Iterator[tuple[slice, FloatArray]]:

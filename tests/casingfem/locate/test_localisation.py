@@ -8,15 +8,16 @@ import pytest
 from scipy.stats import f
 
 from casingfem.errors import InputError, ModelError
+from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.locate.explanations import bolts_explained, groups_alike
+from casingfem.locate.explanations import bolts_explained, groups_alike, significant_masses
 from casingfem.locate.localisation import locate, search_model, with_baseline_noise
 from casingfem.locate.located import Explanation, Found, Localisation
-from casingfem.locate.mass_places import at_places
-from casingfem.locate.misfit import Misfit, turning
-from casingfem.locate.shape_check import checked_by_shapes
+from casingfem.locate.mass_places import Masses, at_places
+from casingfem.locate.misfit import Misfit, Point, turning
+from casingfem.locate.shape_check import checked_by_shapes, unlike
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.point_mass import EdgeMass
@@ -26,7 +27,8 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Frustum
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.calibration import calibrated, correction
+from casingfem.updating.calibration import calibrated, correction, turned_to
+from casingfem.updating.mixed_pairing import paired_by_shares
 from tests.test_results import assert_whole
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
@@ -591,3 +593,98 @@ def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     assert right.unlike < 0.3 * wrong.unlike
     with pytest.raises(InputError, match="found no shape that pairs with a mode"):
         checked_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))
+
+
+def test_whitened_residuals_have_the_covariance_of_frequencies_and_orientations():
+    """Two pairs, a single row between: by differences of the measured split vector, an angle's noise goes along it."""
+    n, angle_sigma = [5, 5, -1, 8, 8], 0.03
+    angle = [12.0, np.nan, np.nan, np.nan, 31.0]
+    table = FrequencyTable.from_arrays(
+        freq_hz=[300.0, 304.0, 350.0, 400.0, 403.0], sigma_hz=[0.1, 0.2, 0.1, 0.15, 0.1], n=n, angle_deg=angle
+    )
+    matches = [
+        Match(rows=rows, modes=rows, n=n[rows[0]], confidence=1.0, measured_hz=(), computed_hz=())
+        for rows in ((0, 1), (2,), (3, 4))
+    ]
+    misfit = Misfit(model=None, table=table, count=5, angle_sigma=angle_sigma)
+    C = np.eye(7)
+    for first, (low, high), lower, of in ((0, (0, 1), 12.0, 5), (4, (3, 4), 31.0 - 90.0 / 8, 8)):
+        f, s = table.freq_hz[[low, high]], np.hypot(*table.sigma_hz[[low, high]])
+        split = (f[1] ** 2 - f[0] ** 2) / (2.0 * np.sqrt(np.mean(f**2)))
+        up, down = (of * np.radians(lower) + way * 1e-5 for way in (1.0, -1.0))  # n psi
+        turned = [split / s * np.array([np.cos(2.0 * phase), np.sin(2.0 * phase)]) for phase in (up, down)]
+        slope = (turned[0] - turned[1]) / 2e-5
+        C[first + 1 : first + 3, first + 1 : first + 3] += angle_sigma**2 * np.outer(slope, slope)
+    W = misfit.whitening(table, matches, 7)
+    np.testing.assert_allclose(W @ C @ W.T, np.eye(7), atol=1e-8)
+
+
+@pytest.mark.parametrize("degrees", [3.0, 20.0, 33.0])
+def test_a_pair_is_turned_until_its_lower_member_has_the_measured_antinode(degrees):
+    """From members at 7 deg and a quarter wave on, three rings: the turned one is largest there."""
+    n, size = 5, np.array([0.3, 1.0, 0.6])
+    at = np.radians([7.0, 7.0 + 90.0 / n])
+    amplitudes = np.zeros((n + 1, 3, 1, 2), complex)
+    amplitudes[n, :, 0] = size[:, None] * np.exp(-1j * n * at)
+    T = turned_to(SimpleNamespace(rings=SimpleNamespace(amplitudes=amplitudes)), [0, 1], n, np.radians(degrees))
+    theta = np.radians(np.linspace(0.0, 36.0, 3601))
+    radial = np.cos(n * (theta[:, None] - at)) @ T
+    assert np.degrees(theta[np.abs(radial[:, 0]).argmax()]) == pytest.approx(degrees, abs=0.011)
+    np.testing.assert_allclose(T.T @ T, np.eye(2), atol=1e-12)
+
+
+@pytest.mark.parametrize(("many", "kept"), [(2.9, [1]), (3.1, [0, 1])])
+def test_masses_within_three_sigma_of_nothing_are_none(many, kept, monkeypatch):
+    """Angles as sure as nothing; the first mass `many` times its sigma of 1 mg, the other ten times."""
+    jacobian = np.vstack([1e6 * np.eye(4), np.zeros((6, 4))])
+    point = Point(np.zeros(4), None, np.zeros(10), jacobian, 1.0)
+    given = Masses(np.array([0.1, 2.0]), np.array([many, 10.0]) * 1e-6, point, jacobian)
+
+    def refined(misfit, edge, angles, masses):
+        of = [int(np.flatnonzero(given.angles == angle)[0]) for angle in angles]
+        return Masses(angles, masses, point, jacobian[:, [*of, *(2 + k for k in of)]])
+
+    monkeypatch.setitem(significant_masses.__globals__, "refined", refined)
+    assert significant_masses(None, "top", given).angles.tolist() == given.angles[kept].tolist()
+
+
+def test_shapes_are_those_of_the_stiffness_that_an_explanation_leaves_of_a_bolt(casing):
+    """A change is what is left less what the design has of a tight bolt: bolt 2 comes with 60 %, bolt 5 with all."""
+    asked = []
+
+    def solved(x, count):
+        asked.append(x)
+        raise LookupError
+
+    shell = loosened(casing, {2: 0.6})
+    model = SimpleNamespace(system=SimpleNamespace(shell=shell), modes=solved, nominal=np.zeros(20))
+    places = tuple(Found(place=k, angle_deg=0.0, value=v, sigma=0.1) for k, v in ((2, 0.25), (5, 0.3)))
+    with pytest.raises(LookupError):
+        unlike(model, Explanation(found=places, behind=0.0), np.eye(3), np.zeros(4), 0.05)
+    changed = np.zeros(12)
+    changed[[1, 4]] = 0.25 - 0.6, 0.3 - 1.0
+    np.testing.assert_allclose(asked[0], changed)
+
+
+@pytest.mark.parametrize(("off", "mode"), [(1.049, 1), (1.052, 0)])
+def test_a_wrong_n_costs_as_much_as_a_twentieth_in_frequency(off, mode):
+    """A row n = 8 between a mode n = 5 at its frequency and one n = 8 further up: exp(.05) is 1.0513."""
+    shares = np.zeros((9, 2))
+    shares[5, 0] = shares[8, 1] = 1.0
+    found = SimpleNamespace(freq=np.array([100.0, 100.0 * off]), rigid=0, rings=SimpleNamespace(shares=lambda: shares))
+    table = FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, n=[8])
+    matches, lost = paired_by_shares(found, table, 0.3)
+    assert [match.modes for match in matches] == [(mode,)]
+    assert lost == []
+
+
+@pytest.mark.parametrize(("modes_n", "pairs"), [((5, 8), [(0, 1), (1, 0)]), ((8, 5), [(0, 0), (1, 1)])])
+def test_rows_go_to_the_modes_that_share_their_n_in_any_order(modes_n, pairs):
+    shares = np.full((9, 2), 0.0)
+    for mode, n in enumerate(modes_n):
+        shares[[5, 8], mode] = 0.2
+        shares[n, mode] = 0.8
+    found = SimpleNamespace(freq=np.array([100.0, 101.0]), rigid=0, rings=SimpleNamespace(shares=lambda: shares))
+    table = FrequencyTable.from_arrays(freq_hz=[100.2, 100.8], sigma_hz=0.1, n=[8, 5])
+    matches, _ = paired_by_shares(found, table, 0.3)
+    assert sorted((match.rows[0], match.modes[0]) for match in matches) == pairs

@@ -4,10 +4,20 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from scipy.stats import f
 
 from casingfem.locate.misfit import Point
 from casingfem.locate.sparse_fit import Bounds, fitted, gains
-from casingfem.locate.sparse_search import best_addition, exchanged, pruned, scale2, significant, threshold, unexplained
+from casingfem.locate.sparse_search import (
+    best_addition,
+    exchanged,
+    pruned,
+    scale2,
+    search,
+    significant,
+    threshold,
+    unexplained,
+)
 
 COUNT = 7
 BOUNDS = Bounds(lower=-np.ones(COUNT), upper=np.zeros(COUNT))
@@ -87,3 +97,20 @@ def test_significance_is_that_of_the_f_test():
     assert not significant(before, Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 14.97), 2, 0.05, 5)
     assert unexplained(Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 18.31), 2, 0.05)  # 95 % of 10 dof
     assert not unexplained(Point(np.zeros(1), None, np.zeros(12), np.zeros((12, 1)), 18.30), 2, 0.05)
+
+
+@pytest.mark.parametrize(("over", "found"), [(0.97, [3]), (1.03, [3, 5])])
+def test_a_second_change_must_beat_the_luckiest_of_all_pairs(over, found):
+    """Orthogonal changes, residuals of 1.6 sigma; the second gains so many times what F(1, 26) asks of 21 pairs."""
+    rows, level, s2 = 28, 0.01, 2.5
+    asked = s2 * f.isf(level / (COUNT * (COUNT - 1) // 2), 1, rows - 2)
+    truth = np.zeros(COUNT)
+    truth[[3, 5]] = -0.9, -0.1 * np.sqrt(over * asked)
+    J = np.vstack([10.0 * np.eye(COUNT), np.zeros((rows - COUNT, COUNT))])
+    noise = np.append(np.zeros(COUNT), np.full(rows - COUNT, np.sqrt(s2 * (rows - 2) / (rows - COUNT))))
+
+    def evaluate(x):
+        left = J @ (x - truth) + noise
+        return Point(x, None, left, J, float(left @ left))
+
+    assert search(evaluate, BOUNDS, most=3, level=level)[0] == found

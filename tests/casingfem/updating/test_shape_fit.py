@@ -87,3 +87,12 @@ def test_an_update_without_shapes_has_no_comparison(frustum):
     found = cf.modes(shell, 4)
     table = cf.FrequencyTable.from_arrays(freq_hz=found.freq, sigma_hz=0.1, n=found.nodal_diameters)
     assert shape_fit(cf.update(shell, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])) is None
+
+
+def test_each_shape_has_the_mac_of_its_own_mode_and_of_its_own_pair(fit):
+    seen = shape_fit(fit)
+    for told, modes in ((seen.before, fit.before), (seen.after, fit.after)):
+        readings = seen.shapes.readings(modes)
+        for row, match in zip(told.rows, told.found, strict=True):
+            shape, mode = seen.shapes.shapes[:, row], readings[:, match.mode]
+            assert match.mac == pytest.approx((shape @ mode) ** 2 / (shape @ shape) / (mode @ mode), rel=1e-9)

@@ -338,3 +338,44 @@ def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
     assert [float(told[f"{k}"][5]) for k in range(1, 6)] == pytest.approx(errors, abs=6e-4)
     said = f"RMS {100.0 * (before - 1.0):.3f} % -> {100.0 * (1.0 - after):.3f} %, misfit {fit.misfit:.2f} sigma"
     assert said in repr(fit)
+
+
+def test_what_is_left_of_each_parameter_is_its_sigma_by_data_and_width_over_the_width():
+    J = np.random.default_rng(8).standard_normal((5, 3)) * [1.0, 0.2, 3.0]
+    sigma = np.array([0.5, 2.0, 1.0])
+    three = [cf.Parameter(name=f"p{k}", lower=-9.0, upper=9.0, sigma=s) for k, s in enumerate(sigma)]
+    C = np.linalg.inv(J.T @ J + np.diag(sigma**-2.0))
+    np.testing.assert_allclose(identifiability(three, J).left, np.sqrt(np.diag(C)) / sigma, rtol=1e-12)
+
+
+def test_a_trade_off_is_the_regularised_least_squares_of_its_linear_problem():
+    """One parameter regularised, one held by a prior about its start, one free; from a point away from the start."""
+    rng, k = np.random.default_rng(5), 140
+    J, r, away = rng.standard_normal((6, 3)), rng.standard_normal(6), np.array([0.3, -0.4, 0.2])
+    prior, inverse = np.array([0.0, 2.0, 0.0]), np.array([0.7, 0.0, 0.0])
+    w, left, size = trade_off(J, r, away, prior, inverse)[k]
+    weights = np.diag(prior**2 + (w * inverse) ** 2)
+    d = np.linalg.solve(J.T @ J + weights, J.T @ (J @ away - r))
+    assert w == WEIGHTS[k]
+    assert left == pytest.approx(np.linalg.norm(r + J @ (d - away)), rel=1e-10)
+    assert size == pytest.approx(abs(0.7 * d[0]), rel=1e-10)
+
+
+def test_bend_is_how_far_a_residual_leaves_its_tangent_at_one_sigma(fit):
+    near = parabolas(fit)
+    bend = cf.updating.laplace(fit, near).bend
+    for k, sigma in enumerate(fit.stated_sigma):
+        step = sigma * (np.arange(3) == k)
+        gap = near(near.x0 + step)[0] - near.r - near.J @ step
+        assert bend[k] == pytest.approx(np.abs(gap).max(), rel=1e-9)
+
+
+def test_the_sigma_of_a_prediction_holds_the_row_and_what_the_others_leave_of_the_parameter():
+    """f^2 is as E: with E alone each other row knows ln E to twice its relative sigma."""
+    rows, sigma = 4, np.array([1e-3, 2e-3, 3e-3, 4e-3])
+    f = cf.modes(blade(200e9), rows).freq
+    seen = cf.FrequencyTable.from_arrays(freq_hz=f, sigma_hz=sigma * f)
+    fit = cf.update(blade(), seen, vary("material.E"), outliers="keep")
+    for k, row in enumerate(cf.updating.leave_one_out(fit).rows):
+        others = np.sum(np.delete(sigma, k) ** -2.0) ** -0.5
+        assert row.sigma_hz == pytest.approx(f[k] * np.hypot(sigma[k], others), rel=1e-4)

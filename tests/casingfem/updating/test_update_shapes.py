@@ -120,3 +120,21 @@ def test_shapes_that_do_not_fit_are_refused(frustum):
         cf.updating.SensorShapes.on_edge(casing(frustum), "middle", THETA, np.ones((24, 1)), 0.01)
     with pytest.raises(ValueError, match="sigma must be positive"):
         cf.updating.SensorShapes.on_edge(casing(frustum), "top", THETA, np.ones((24, 1)), 0.0)
+
+
+def test_noise_over_a_shapes_rms_is_spread_over_the_sensors_of_a_shape_of_unit_norm(frustum):
+    """A shape of unit norm at 24 sensors has an rms of 1/sqrt(24); the model's error adds in squares."""
+    shell = casing(frustum)
+    out = np.column_stack([np.cos(THETA), np.sin(THETA), 0.0 * THETA])
+    points = np.real(shell.geometry(np.full(len(THETA), 0.25), THETA).surface.x).T
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 200.0, 300.0], sigma_hz=0.1)
+    values = np.cos(np.multiply.outer(THETA, [2, 3]))
+    shapes = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=[300.0, 100.0], values=values, points=points, directions=out, sigma=[0.03, 0.12]
+    )
+    found = cf.updating.SensorShapes.of(shapes, shell, table, error=0.04)
+    told = found.sigma_of(range(3)) * np.sqrt(len(THETA))
+    np.testing.assert_allclose(told, [np.hypot(0.12, 0.04), np.nan, 0.05], rtol=1e-12)
+    same = cf.updating.SensorShapes.of(shapes, shell, table, sigma=0.03, error=0.04).sigma_of([0, 2])
+    np.testing.assert_allclose(same * np.sqrt(len(THETA)), 0.05, rtol=1e-12)
+    np.testing.assert_allclose(found.shapes[:, 2], values[:, 0] / np.linalg.norm(values[:, 0]), rtol=1e-12)

@@ -10,9 +10,9 @@ import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import fit_lines
 from casingfem.experiment.circle.lines import clear_rate, line_frequencies
-from casingfem.experiment.circle.pair import split_pair
+from casingfem.experiment.circle.pair import described, split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
-from casingfem.experiment.circle.scan import CircleScan, demodulate
+from casingfem.experiment.circle.scan import CircleScan, demodulate, one_wave
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.rig.scan import Tone, Turning, repeating_noise, scan, spot_angle
 from casingfem.experiment.rig.truth import truth
@@ -485,3 +485,60 @@ def test_a_rate_is_clear_from_two_bins_between_lines_on(seconds, kept):
     found = clear_rate((300.0,), np.array([-1, 0, 1]), 1.0, seconds, FS)
     assert (found == 1.0) == kept
     assert found is not None
+
+
+def test_the_floor_is_the_noise_in_one_bin_and_goes_by_the_force():
+    """White noise has its variance in count/2 bins alike; a force of 2 N halves all but what has no unit."""
+    clean, level = wave(8, 0.11), 0.5
+    noisy = clean.velocity + level * np.random.default_rng(SEED).standard_normal(clean.velocity.size)
+    record = replace(clean, velocity=noisy)
+    found = demodulate(record, 9)
+    assert np.sqrt(np.mean(found.floor**2) * noisy.size / 2.0) == pytest.approx(level, rel=0.1)
+    force = 2.0 * np.cos(2.0 * np.pi * 371.3 * np.arange(noisy.size) / FS + 0.3)
+    over = demodulate(replace(record, force=force), 9)
+    np.testing.assert_allclose(over.floor, found.floor / 2.0, rtol=1e-8)
+    np.testing.assert_allclose(over.sigma, found.sigma / 2.0, rtol=1e-8)
+    one, other = found.wave(0, 8), over.wave(0, 8)
+    assert other.amplitude_sigma == pytest.approx(one.amplitude_sigma / 2.0, rel=1e-8)
+    assert other.travelling_sigma == pytest.approx(one.travelling_sigma, rel=1e-8)
+
+
+def test_the_sigma_of_a_wave_are_those_of_its_two_lines():
+    """Lines of different size and noise: by central differences, along and across each line."""
+    n, V, sigma = 5, np.array([3.0 * np.exp(0.4j), np.exp(1.1j)]), np.array([0.02, 0.05])
+    moved = np.zeros(3)
+    for k, way in ((0, 1.0), (1, 1.0), (0, 1j), (1, 1j)):
+        step = np.zeros(2, complex)
+        step[k] = 1e-5 * way * V[k] / abs(V[k])
+        up, down = one_wave(1.0, n, V + step, sigma), one_wave(1.0, n, V - step, sigma)
+        slope = [(getattr(up, name) - getattr(down, name)) / 2e-5 for name in ("amplitude", "angle_deg", "travelling")]
+        moved += (np.array(slope) * sigma[k]) ** 2
+    found = one_wave(1.0, n, V, sigma)
+    told = found.amplitude_sigma, found.angle_sigma_deg, found.travelling_sigma
+    np.testing.assert_allclose(told, np.sqrt(moved), rtol=1e-6)
+
+
+@pytest.mark.parametrize("psi", [0.05, 0.3])
+def test_the_phase_of_a_wave_is_that_at_its_antinode(psi):
+    assert demodulate(wave(5, psi, phase=0.4), 6).wave(0, 5).phase_deg == pytest.approx(np.degrees(0.4), abs=1e-7)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_tacho_of_an_even_rate_says_what_the_rate_does(direction):
+    at = np.arange(20) / (4 * 2.3)
+    angle = from_tacho(at, FS, 3000, per_turn=4, first_angle=0.7, direction=direction)
+    np.testing.assert_allclose(angle, turning(direction * 2.3, FS, 3000, first_angle=0.7), atol=1e-10)
+    assert angle[0] == pytest.approx(0.7)
+
+
+def test_a_pair_is_told_lower_member_first_whichever_the_fit_has_first():
+    factor = np.random.default_rng(SEED).standard_normal((10, 10))
+    covariance = factor @ factor.T
+    poles, parts = np.array([370.0, 371.0, -6.0, -5.0]), np.array([[1.0, 0.5], [-0.3, 0.8], [0.1, 0.2]])
+    swap = [1, 0, 3, 2, 5, 4, 6, 8, 7, 9]  # f, ln zeta, a, c, b, s
+    one = described(8, poles, parts, covariance, 1.0)
+    other = described(8, poles[[1, 0, 3, 2]], parts[[1, 0, 2]], covariance[np.ix_(swap, swap)], 1.0)
+    for name in ("freq", "freq_sigma", "zeta", "zeta_sigma", "angle_deg", "angle_sigma_deg", "split", "split_sigma"):
+        np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-12, err_msg=name)
+    np.testing.assert_allclose(one.zeta, np.exp([-6.0, -5.0]))
+    np.testing.assert_allclose(one.zeta_sigma, one.zeta * np.sqrt(np.diag(covariance)[2:4]))

@@ -308,3 +308,45 @@ def test_bad_shapes_are_named(changes, words):
     good = {"freq_hz": [100.0], "values": np.ones((4, 1)), "points": np.ones((4, 3)), "directions": np.ones((4, 3))}
     with pytest.raises(InputError, match=words):
         MeasuredShapes.from_arrays(**(good | changes))
+
+
+def test_what_belongs_to_a_shape_is_sorted_with_its_frequency():
+    given = {"values": np.diag([3.0, 1.0, 2.0]), "sigma": [0.3, 0.1, 0.2], "n": [3, 1, 2]}
+    test = MeasuredShapes.from_arrays(freq_hz=[30.0, 10.0, 20.0], points=np.eye(3), directions=np.eye(3), **given)
+    assert test.freq_hz.tolist() == [10.0, 20.0, 30.0]
+    assert test.values.sum(axis=0).tolist() == [1.0, 2.0, 3.0]
+    assert test.sigma.tolist() == [0.1, 0.2, 0.3]
+    assert test.n.tolist() == [1, 2, 3]
+
+
+def test_the_collinearity_of_an_ellipse_is_the_share_of_its_longer_axis():
+    """A wave of unit and half amplitude in quadrature: 1/(1 + 1/4) of its energy is in phase, at any common phase."""
+    theta = 2.0 * np.pi * np.arange(12) / 12
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    values = (np.cos(3 * theta) + 0.5j * np.sin(2 * theta)) * np.exp(0.9j)
+    test = MeasuredShapes.from_arrays(freq_hz=[300.0], values=values[:, None], points=out, directions=out)
+    assert test.collinearity[0] == pytest.approx(0.8, rel=1e-12)
+
+
+def test_errors_of_an_expansion_are_relative():
+    """Three decades of unit apart; alone, the one mode (1, 1, 1, 1) leaves of (1, 1, 1, 0) a quarter of its square."""
+    basis, shape, labels = np.ones((4, 1)), np.array([[1.0], [1.0], [1.0], [0.0]]), np.arange(4)
+    found = expand(shape * [1.0, 1e3], basis, labels, modes=[0])
+    left = np.sqrt(np.mean(shape**2)) * found.left_out  # each channel less the mean of the other three
+    np.testing.assert_allclose(found.outside, np.sqrt([0.25, 0.25]))
+    np.testing.assert_allclose(left, np.array([1.0, 1.0, 1.0, 3.0])[:, None] / 3.0 * [1.0, 1.0])
+
+
+def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)[:, :3].copy()
+    values[5] *= 1.5
+    result = correlate(found, MeasuredShapes.from_arrays(
+        freq_hz=found.freq[:3], values=values, points=points, directions=out))  # fmt: skip
+    told = [row["left_out_error"] for row in result.records()]
+    np.testing.assert_allclose(np.square(told), np.mean(result.expansion.left_out**2, axis=0))
+
+
+def test_enhanced_comac_sees_neither_sign_nor_scale_of_a_shape():
+    shapes = np.random.default_rng(4).standard_normal((6, 3))
+    np.testing.assert_allclose(ecomac(shapes, shapes * [-1.0, 3.0, -0.2]), 0.0, atol=1e-15)

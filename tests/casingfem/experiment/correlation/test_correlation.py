@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -284,3 +285,15 @@ def accepts(modes: ModeSet) -> ModeSet:
 
 def test_a_plain_dataclass_is_a_mode_set():
     assert accepts(blade()).freq.shape == (12,)
+
+
+def test_a_measured_doublet_goes_to_the_plane_that_both_its_shapes_are_like():
+    """Two pairs n = 3, 1 % below and 3 % above; each shape lies .6 in the plane of the nearer, .9 in the other's."""
+    found = SimpleNamespace(
+        freq=np.array([100.0, 100.0, 104.0, 104.0]), nodal_diameters=np.full(4, 3), doublets=((0, 1), (2, 3))
+    )
+    rows = FrequencyTable.from_arrays(freq_hz=[101.0, 101.0], sigma_hz=0.1, n=[3, 3])
+    likeness = np.array([[0.5, 0.1, 0.0, 0.9], [0.3, 0.3, 0.6, 0.3]])
+    (match,) = pair(found, rows, reach=0.2, shape_mac=likeness).matches
+    assert match.rows == (0, 1)
+    assert match.modes == (2, 3)
