@@ -291,8 +291,11 @@ def test_a_free_wheel_turns_and_slides_along_its_axis_at_any_speed(speed):
     found = cyclic_modes(wheel, 3, diameters=[0])
     assert found.rigid.tolist() == [True, True, False]
     np.testing.assert_allclose(found.freq[:2], 0.0, atol=0.01)
-    with pytest.raises(ModelError, match=re.escape(f"omega^2 = -{speed**2:.4g} rad^2/s^2, n = 1")):
+    with pytest.raises(ModelError, match=r"omega\^2 = -.* rad\^2/s\^2, n = 1") as refused:
         cyclic_modes(wheel, 1, diameters=[1])
+    told = re.search(r"= (-[\d.e+]+) rad", str(refused.value))
+    assert told is not None
+    assert float(told[1]) == pytest.approx(-(speed**2), rel=1e-3, abs=1e-3)  # K holds it to some 1e-4
 
 
 @pytest.mark.parametrize(("energy", "omega"), [(4.0, np.sqrt(6.0)), (12.0, 0.0)])
