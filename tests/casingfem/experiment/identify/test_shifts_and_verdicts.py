@@ -41,10 +41,10 @@ def test_one_mode_whose_peak_is_shifted_between_channels_is_one(bandwidths):
 
 @pytest.mark.slow
 def test_a_pair_with_shifts_is_a_pair_and_a_pair_without_knows_of_none():
-    shift = 2e-4 * np.random.default_rng(31).uniform(-1, 1, 12)
-    for by, noted in ((shift, True), (0.0, False)):
+    shift = 2e-4 * np.random.default_rng(101).uniform(-1, 1, 12)
+    for by, noted, seed in ((shift, True, 101), (0.0, False, 6)):
         H = mode(665.0, 1e-3, COS, by) + mode(665.7, 1e-3, SIN, by)
-        found = cf.identify(measured(H, 40.0, 6))
+        found = cf.identify(measured(H, 40.0, seed))
         assert len(found) == 2
         assert any(note.startswith("peaks lie at") for note in found.notes) == noted
         np.testing.assert_allclose(found.zeta, 1e-3, rtol=0.02)
