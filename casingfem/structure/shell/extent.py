@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
@@ -30,11 +29,18 @@ def stretches(shell: ShellParts) -> FloatArray:
     return np.asarray(0.5 * (breaks[1:] + breaks[:-1]))
 
 
-def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361), places: ArrayLike = ()) -> Extent:
-    """Sizes on a lattice of points, and at further places along; curvature and thickness at each, (points,)."""
-    (a0, a1), (b0, b1) = np.real(np.array(shell.chart.bounds))
-    along = np.union1d(np.linspace(a0, a1, counts[0]), places)
-    a, b = np.meshgrid(along, np.linspace(b0, b1, counts[1]), indexing="ij")
+class Sampled(NamedTuple):
+    """A shell on a grid of points: places (3, along, around), curvature [1/m] and thickness [m], (points,)."""
+
+    x: FloatArray
+    curvature: FloatArray
+    thickness: FloatArray
+
+
+def sampled(shell: ShellParts, along: FloatArray, around: int = 361) -> Sampled:
+    """A shell at some values of its first parameter, and evenly over the second."""
+    b0, b1 = np.real(np.array(shell.chart.bounds[1]))
+    a, b = np.meshgrid(along, np.linspace(b0, b1, around), indexing="ij")
     geometry = shell.geometry(a.ravel(), b.ravel())
     s = real(geometry.surface)
     normal = np.cross(s.x1, s.x2, axis=0)
@@ -43,13 +49,20 @@ def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361), places: ArrayL
     b11, b12, b22 = (np.einsum("ip,ip->p", u, normal) for u in (s.x11, s.x12, s.x22))
     area = g11 * g22 - g12**2
     mean, gauss = (b11 * g22 - 2.0 * b12 * g12 + b22 * g11) / (2.0 * area), (b11 * b22 - b12**2) / area
-    grid = s.x.reshape(3, *a.shape)
-    lengths = [np.linalg.norm(np.diff(grid, axis=k), axis=0).sum(axis=k - 1) for k in (1, 2)]
+    curvature = np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+    return Sampled(s.x.reshape(3, *a.shape), curvature, np.real(geometry.thickness))
+
+
+def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361)) -> Extent:
+    """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
+    a0, a1 = np.real(np.array(shell.chart.bounds[0]))
+    at = sampled(shell, np.linspace(a0, a1, counts[0]), counts[1])
+    lengths = [np.linalg.norm(np.diff(at.x, axis=k), axis=0).sum(axis=k - 1) for k in (1, 2)]
     return Extent(
-        diagonal=float(np.linalg.norm(np.ptp(s.x, axis=1))),
+        diagonal=float(np.linalg.norm(np.ptp(at.x, axis=(1, 2)))),
         sides=np.array([length.max() for length in lengths]),
-        curvature=np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0)),
-        thickness=np.real(geometry.thickness),
+        curvature=at.curvature,
+        thickness=at.thickness,
     )
 
 
@@ -59,7 +72,7 @@ def check_wall(shell: ShellParts) -> None:
     bent = float((size.thickness * size.curvature).max())
     if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness stands for a corner
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
-    short = extent(shell, places=stretches(shell))
+    short = sampled(shell, stretches(shell))
     bent = float((short.thickness * short.curvature).max())
     if bent > FOLDED + 1e-9:
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, and folds there")

@@ -288,7 +288,7 @@ def test_a_plain_dataclass_is_a_mode_set():
 
 
 def test_a_measured_doublet_goes_to_the_plane_that_both_its_shapes_are_like():
-    """Two pairs n = 3, 1 % below and 3 % above; each shape lies .6 in the plane of the nearer, .9 in the other's."""
+    """Two pairs n = 3, 1 % below and 3 % above; the nearer has .6 of each shape, the other .9."""
     found = SimpleNamespace(
         freq=np.array([100.0, 100.0, 104.0, 104.0]), nodal_diameters=np.full(4, 3), doublets=((0, 1), (2, 3))
     )
