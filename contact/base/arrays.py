@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,10 +68,15 @@ def require_not_negative(**fields: float) -> None:
             raise InputError(f"{name}: found {value!r}, expected a finite number >= 0")
 
 
+def is_whole(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number by its type, numpy's or Python's."""
+    return isinstance(value, int | np.integer)
+
+
 def require_count(least: int = 1, **fields: object) -> None:
     """Raise InputError for the first field that is not a whole number >= `least`, or more than memory holds."""
     for name, value in fields.items():
-        if not isinstance(value, int | np.integer) or value < least:
+        if not is_whole(value) or value < least:
             raise InputError(f"{name}: found {value!r}, expected a whole number >= {least}")
         if value > MANY:
             raise InputError(f"{name}: found {value if value < 1e18 else 'over 1e18'}, expected at most {MANY}")

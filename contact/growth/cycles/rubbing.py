@@ -66,7 +66,8 @@ class RimFamily:
     @property
     def rub(self) -> Rub:
         """The rub, of one tip where it is a rotating rim."""
-        return rub_of(self.rim) if isinstance(self.rim, RotatingRim) else self.rim
+        rub: Rub = rub_of(self.rim)
+        return rub
 
     @property
     def channels(self) -> tuple[str, ...]:

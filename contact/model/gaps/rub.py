@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from contact.base.arrays import Array, keep_readonly, require_count, require_finite, require_shape
+from contact.base.arrays import Array, is_whole, keep_readonly, require_count, require_finite, require_shape
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
@@ -221,7 +221,7 @@ class Rub:
 
 def _counts(number: object, count: int) -> bool:
     """Whether it is the number of one of so many, from 0."""
-    return isinstance(number, int | np.integer) and number in range(count)
+    return is_whole(number) and number in range(count)
 
 
 def _require_start(name: str, body: ModalBody, start: Start) -> None:
