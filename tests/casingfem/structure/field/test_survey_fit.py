@@ -35,6 +35,7 @@ def test_more_than_two_points_a_wave(gap, highest):
         ([0.0, 0.1, 0.2, 0.3], 36, 14, 2),
         ([0.0], 200, 40, 0),  # 80 of which 40 are taken
         ([0.0, 0.1, 0.2], 4, 1, 1),
+        ([0.0, 0.1], 4, 1, 1),
     ],
 )
 def test_the_fit_that_points_are_given(heights, points, harmonics, degree):
