@@ -43,6 +43,15 @@ def test_the_fit_that_points_are_given(heights, points, harmonics, degree):
     assert (fit.field.max_harmonic, fit.field.cos.shape[1] - 1) == (harmonics, degree)
 
 
+def test_one_height_is_its_own_place_along():
+    fit = fit_points(rings([0.3]), 4, None)
+    assert (fit.field.z_mid, fit.field.z_half, fit.mean[1], fit.gap_deg) == (0.3, 1.0, 0.0, pytest.approx(10.0))
+    with pytest.raises(
+        InputError, match=r"expected at most 9 deg for n_max = 20 .*resolve harmonic 17"
+    ):
+        fit_points(rings([0.3]), 20, None)
+
+
 def test_too_many_numbers_are_refused_before_they_are_laid_out(monkeypatch):
     """36 points for 9 unknowns are 324."""
     monkeypatch.setattr("casingfem.structure.field.survey.fit._MOST_NUMBERS", 324)

@@ -60,10 +60,9 @@ def test_rings_are_as_good_as_the_worst_and_scattered_points_as_all_of_them():
     assert both.coverage() == (pytest.approx(45.0 - np.degrees(0.1)), 4)
     seven = measured(np.append(theta, theta[:7] + 0.1), np.repeat([0.0, 0.1], [8, 7]), 1.0)
     assert seven.coverage() == (pytest.approx(45.0), 2)  # by all: between 315 and 360 deg stands none
-    many = rings(0.01 * np.arange(20), points=8)
-    assert many.coverage() == (pytest.approx(45.0), 20)
-    turned = measured(np.tile(theta, 21) + np.repeat(0.02 * np.arange(21), 8), np.repeat(0.01 * np.arange(21), 8), 1.0)
-    assert turned.coverage() == (pytest.approx(45.0 - np.degrees(0.4)), 21)
+    for count, gap in ((20, 45.0), (21, 45.0 - np.degrees(0.4))):  # more heights than twenty are a scan
+        turn, height = np.repeat(0.02 * np.arange(count), 8), np.repeat(0.01 * np.arange(count), 8)
+        assert measured(np.tile(theta, count) + turn, height, 1.0).coverage() == (pytest.approx(gap), count)
 
 
 def table(tmp_path, text):
