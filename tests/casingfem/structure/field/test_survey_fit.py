@@ -46,9 +46,7 @@ def test_the_fit_that_points_are_given(heights, points, harmonics, degree):
 def test_one_height_is_its_own_place_along():
     fit = fit_points(rings([0.3]), 4, None)
     assert (fit.field.z_mid, fit.field.z_half, fit.mean[1], fit.gap_deg) == (0.3, 1.0, 0.0, pytest.approx(10.0))
-    with pytest.raises(
-        InputError, match=r"expected at most 9 deg for n_max = 20 .*resolve harmonic 17"
-    ):
+    with pytest.raises(InputError, match=r"expected at most 9 deg for n_max = 20 .*resolve harmonic 17"):
         fit_points(rings([0.3]), 20, None)
 
 
