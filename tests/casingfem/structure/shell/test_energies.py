@@ -52,7 +52,7 @@ CASINGS = {
 @pytest.mark.parametrize("n", [1, 3])
 @pytest.mark.parametrize("name", CASINGS)
 def test_a_harmonic_has_the_energies_of_its_motion_on_the_whole_casing(name, n):
-    """(u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta, and the rings' turns: pi times as much."""
+    """(u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta, turns of rings with sin: pi times."""
     mesh = ShellMesh(order=6, rows=(0.0, 1 / 3, 1.0), around=9)
     shell = Shell(chart=CONE, thickness=0.02, material=STEEL, mesh=mesh, **CASINGS[name])
     meridian, grid = harmonic_matrices(shell, n), make_grid(shell.chart, mesh, shell.stations)
