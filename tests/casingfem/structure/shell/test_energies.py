@@ -15,6 +15,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Frustum, Panel
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
+from casingfem.structure.mesh.kinematics import frame
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import (
     admitted,
@@ -28,6 +29,7 @@ from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.energies import modal_products, point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.rigid import free_motions, kinetic_products, rigid_fields, rigid_modes, ring_turns
+from casingfem.structure.shell.ring_form import outward, ties
 from casingfem.structure.shell.shell import Shell, remade
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
@@ -76,6 +78,24 @@ def test_a_harmonic_has_the_energies_of_its_motion_on_the_whole_casing(name, n):
     turned[:, :3] = np.einsum("nji,njk->nik", meridian.turn, amplitudes[:, :3])
     expected = turned.reshape(-1, 2).T @ forces
     np.testing.assert_allclose(vectors.T @ meridian.restrict(forces), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_the_centre_of_a_ring_lies_off_its_edge_outwards_and_up():
+    """At 0.03 m along the radius and -0.02 m along the axis: u + phi x arm there, phi the turn of the wall's frame."""
+    shell = Shell(
+        chart=CONE, thickness=0.02, material=STEEL, **CASINGS["rings"], mesh=ShellMesh(around=9, order=3, rows=3)
+    )
+    theta = np.array([0.4, 2.0])
+    G, points, radial = ties(shell, np.full(2, 0.3), theta, np.array([0.03, -0.02]))
+    out = np.stack([np.cos(theta), np.sin(theta), 0.0 * theta], axis=1)
+    np.testing.assert_allclose(points, 0.43 * out + [0.0, 0.0, 0.28], rtol=1e-13)
+    np.testing.assert_allclose(radial, out, atol=1e-15)
+    basis = frame(CONE.surface(np.full(2, 0.3), theta, None))
+    for k in range(2):
+        phi = 0.7 * basis.e2[:, k] - 0.2 * basis.e1[:, k] + 0.5 * basis.normal[:, k]
+        expected = np.array([1.0, 2.0, 3.0]) + np.cross(phi, 0.03 * out[k] + [0.0, 0.0, -0.02])
+        np.testing.assert_allclose(G[k] @ [1.0, 2.0, 3.0, 0.7, 0.2, 0.5], [*expected, *phi], atol=1e-14)
+    assert [outward(shell, name) for name in ("base", "top", "stiffener 1")] == [-1, 1, 0]
 
 
 def casing(**changes):
