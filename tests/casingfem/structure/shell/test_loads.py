@@ -100,11 +100,8 @@ def test_a_deflection_is_told_as_a_table():
     np.testing.assert_array_equal([table[name] for name in list(table)[3:]], bent.fields.T)
     corner = np.flatnonzero((system.points[:, 0] == 0.4) & np.isclose(system.points[:, 1], 0.1))[0]
     np.testing.assert_allclose(bent.at(0.4, 0.1), bent.fields[corner, :3], rtol=1e-9)
-    assert repr(
-        bent
-    ) == f"Deflection(at most {np.linalg.norm(bent.fields[:, :3], axis=1).max():.4g} m of 16 nodes, " + (
-        f"strain energy {bent.energy:.4g} J)"
-    )
+    most = np.linalg.norm(bent.fields[:, :3], axis=1).max()
+    assert repr(bent) == f"Deflection(at most {most:.4g} m of 16 nodes, strain energy {bent.energy:.4g} J)"
     assert system.cells.tolist()[0][0] == 9
     assert system.cells.shape == (9, 5)
     with pytest.raises(ValueError, match="found no loads, expected at least one"):
@@ -121,19 +118,15 @@ def test_what_rotation_adds_at_a_speed(omega, warned):
         K = spin.stiffness(omega)
     expected = omega**2 * one.toarray() + omega**4 * two.toarray()
     np.testing.assert_allclose(K.toarray(), expected, rtol=1e-15)
-    assert [str(w.message).split(":")[1] for w in told] == [
-        " found quadratic strains of 0.31 times the linear ones"
-    ] * warned
+    words = [" found quadratic strains of 0.31 times the linear ones"]
+    assert [str(w.message).split(":")[1] for w in told] == words * warned
 
 
 def test_the_seam_of_a_tube_is_no_edge():
-    tube = Shell(
-        chart=Cylinder(radius=0.5, height=0.3), thickness=5e-3, material=STEEL, mesh=ShellMesh(order=2, around=9)
-    )
-    grid = make_grid(tube.chart, tube.mesh)
-    area = node_surface(tube, grid).reshape(-1)
+    mesh = ShellMesh(order=2, rows=1, around=9)
+    tube = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=5e-3, material=STEEL, mesh=mesh)
+    grid = make_grid(tube.chart, mesh)
+    area = node_surface(tube, grid)
     for z, part in ((0.0, 1 / 6), (0.15, 2 / 3), (0.3, 1 / 6)):
-        here = np.isclose(grid.nodes[0], z)
-        np.testing.assert_allclose(
-            np.unique(area[here].round(12)), part * 0.3 * np.pi / 9 * np.array([1 / 3, 2 / 3]), rtol=1e-9
-        )
+        here, whole = area[np.isclose(grid.nodes[0], z)], part * 0.3 * np.pi / 9
+        assert (here.min(), here.max()) == pytest.approx((whole / 3, whole * 2 / 3), rel=1e-12)
