@@ -141,6 +141,9 @@ def test_bolts_repeat_as_their_factors_do():
         ({"loose": {9: 1.0}}, "loose bolt 9 is none of the bolts 1 to 8"), ({"loose": {0: 1.0}}, "loose bolt 0"),
         ({"width": TURN / 8}, ""), ({"width": TURN / 8 * (1 + 1e-9)}, "overlap"), ({"width": 0.0}, "positive and fin"),
         ({"spacing": TURN / 8, "width": 0.1}, ""), ({"spacing": np.nan}, "positive and finite"),
+        ({"k": (1.0, -1e-9, 1.0)}, "must be finite and not negative"), ({"k_rot": np.inf}, "must be finite and"),
+        ({"loose": {1: -0.1}}, "must be finite and not negative"), ({"k": 0.0}, "bolts need k or k_rot above zero"),
+        ({"first_angle": np.inf}, "first_angle must be finite"), ({"spacing": TURN / 6.99}, "go round more than"),
     ],
 )  # fmt: skip
 def test_bolts_at_their_bounds(given, words):
@@ -150,3 +153,14 @@ def test_bolts_at_their_bounds(given, words):
             Bolts(**given)
     else:
         Bolts(**given)
+
+
+@pytest.mark.parametrize(("span", "off"), [((0.0, 1.0), False), ((1e-9, 1.0), True), ((0.0, 1.0 - 1e-9), True)])
+def test_a_patch_lies_on_an_open_edge(span, off):
+    wide = Bolts(count=1, k=1.0, first_angle=0.5, width=1.0)
+    wide.require_on(span, True, "base")
+    if off:
+        with pytest.raises(ValueError, match=r"support\.tip: patches from 0 to 1 on an edge from"):
+            wide.require_on(span, False, "tip")
+    else:
+        wide.require_on(span, False, "tip")

@@ -9,10 +9,11 @@ from scipy.sparse import csc_array
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble, nodal_mass
+from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad, node_surface
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
@@ -120,6 +121,20 @@ def test_what_rotation_adds_at_a_speed(omega, warned):
     np.testing.assert_allclose(K.toarray(), expected, rtol=1e-15)
     words = [" found quadratic strains of 0.31 times the linear ones"]
     assert [str(w.message).split(":")[1] for w in told] == words * warned
+
+
+def test_quadratic_strains_of_a_spinning_bar():
+    """nu = 0: u' = rho/(2 E) ((h + L)^2 - (h + x)^2) and u'^2/2, their energies by 8 points of Gauss."""
+    bar = Plate(length=0.2, width=0.04)
+    soft, rotation = Material(E=210e9, nu=0.0, rho=7800.0), Rotation.of_blade(bar, omega=1.0, hub_radius=0.3)
+    mesh = ShellMesh(order=4, rows=1, around=1)
+    system = assemble(Shell(chart=bar, thickness=3e-3, material=soft, supports={"root": Clamped()}, mesh=mesh))
+    found = spin(system, rotation)
+    x, w = np.polynomial.legendre.leggauss(8)
+    strain = 7800.0 / 420e9 * (0.25 - (0.4 + 0.1 * x) ** 2)
+    assert found.nonlinear == pytest.approx(np.sqrt((w @ strain**4 / 4.0) / (w @ strain**2)), rel=1e-9)
+    tip = np.isclose(system.grid.nodes[0], 0.2)
+    np.testing.assert_allclose(found.fields[tip, 0], 0.1 * w @ strain, rtol=1e-9)
 
 
 def test_the_seam_of_a_tube_is_no_edge():
