@@ -50,6 +50,15 @@ def test_one_height_is_its_own_place_along():
         fit_points(rings([0.3]), 20, None)
 
 
+@pytest.mark.parametrize(
+    ("n_max", "degree", "words"), [(0, 0, "n_max must be a whole number >= 1"), (1, -1, "degree must")]
+)
+def test_one_harmonic_and_degree_zero_are_the_least(n_max, degree, words):
+    assert fit_points(rings([0.3]), 1, 0).field.cos.shape == (1, 1)
+    with pytest.raises(ValueError, match=words):
+        fit_points(rings([0.3]), n_max, degree)
+
+
 def test_too_many_numbers_are_refused_before_they_are_laid_out(monkeypatch):
     """36 points for 9 unknowns are 324."""
     monkeypatch.setattr("casingfem.structure.field.survey.fit._MOST_NUMBERS", 324)
