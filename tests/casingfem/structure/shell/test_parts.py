@@ -166,3 +166,7 @@ def test_a_plain_fit_is_what_a_survey_is_given(tmp_path):
     assert [str(w.message).rsplit("[", 1)[1] for w in told] == ["survey-stray]", "survey-eccentric]"]
     assert [round(theta) for theta, _, _ in doubted.doubted] == [50]
     assert doubted.set_aside == ()
+    lines = [f"{t},0,{v!r}\n" for t, v in zip(theta, value.tolist(), strict=True)]
+    path.write_text("theta_deg,z_m,radius_m\n" + "".join(lines))
+    with pytest.warns(ModelWarning):
+        assert SurveyField.from_csv(path, n_max=4).doubted == doubted.doubted
