@@ -53,8 +53,9 @@ def spurious_split(bolts: Bolts, mesh: ShellMesh, ratio: float, n_max: int = 12)
     lam, shapes = eigh(np.diag(order) + ratio * at_points.T @ (weights[:, None] * at_points))
     splits = [0.0]
     for n in range(1, n_max + 1):
-        if 2 * n % bolts.count:
-            pair = np.argsort(-(shapes[np.round(order) == n] ** 2).sum(axis=0), kind="stable")[:2]
+        own = np.round(order) == n
+        if 2 * n % bolts.count and own.sum() == 2:  # else the mesh does not carry these waves
+            pair = np.argsort(-(shapes[own] ** 2).sum(axis=0), kind="stable")[:2]
             splits.append(0.5 * float(np.ptp(lam[pair]) / lam[pair].mean()))
     return max(splits)
 

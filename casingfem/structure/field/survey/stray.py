@@ -23,7 +23,9 @@ def stray_points(design: FloatArray, residual: FloatArray) -> BoolArray:
         return beyond(design, residual, robust_weights(design, residual) > 0.0)
     stray = shifted_points(design, residual)
     if stray.any():  # those beside them may have been taken for them: a robust fit knows the candidates
-        stray = significant(design, residual, stray | (robust_weights(design, residual) == 0.0))
+        candidates = stray | (robust_weights(design, residual) == 0.0)
+        if candidates.sum() <= len(residual) - design.shape[1] - FREE:  # of more, none can be judged
+            return significant(design, residual, candidates)
     return stray
 
 
@@ -85,11 +87,14 @@ def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
 
 
 def significant(design: FloatArray, residual: FloatArray, candidates: BoolArray) -> BoolArray:
-    """Those of the candidates whose shifts are significant given each other: the least goes, one at a time."""
+    """Those of the candidates whose shifts are significant given each other: the least goes, one at a time.
+
+    By the residual of a plain fit; there must be degrees of freedom left beside the candidates.
+    """
     span = np.linalg.qr(design)[0]
     members = np.flatnonzero(candidates)
     free = len(residual) - design.shape[1]
-    while members.size and members.size <= free - FREE:
+    while members.size:
         columns = -span @ span[members].T
         columns[members, np.arange(members.size)] += 1.0  # P e_k
         inverse = np.linalg.pinv(columns[members], hermitian=True)  # of e_j P e_k

@@ -1,0 +1,149 @@
+"""What a survey's points are asked before they are fitted: both sides of each bound."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError, ModelWarning
+from casingfem.structure.field.survey.points import SurveyPoints, read_points
+
+
+def measured(theta, z, value, **changes):
+    theta, z, value = (np.array(part, float) for part in np.broadcast_arrays(theta, z, value))
+    return SurveyPoints(theta=theta.ravel(), z=z.ravel(), value=value.ravel(), **changes)
+
+
+def rings(heights, points=36, value=0.5, **changes):
+    theta = 2.0 * np.pi * np.arange(points) / points
+    return measured(theta, np.array(heights)[:, None], value, **changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"theta": np.zeros(2)}, r"theta \(2,\), z \(3,\), value \(3,\); expected arrays of one common length >= 1"),
+        ({"theta": np.zeros((3, 1)), "z": np.zeros((3, 1)), "value": np.ones((3, 1))}, "one common length"),
+        ({"theta": [], "z": [], "value": []}, "one common length >= 1"),
+        ({"value": [1.0, 0.0, 2.0]}, "value = 0.0; expected finite numbers, thickness > 0"),
+        ({"z": [0.0, np.inf, 0.0]}, "z = inf"),
+        ({"theta": [0.0, 1.0, np.nan]}, "theta = nan"),
+    ],
+)
+def test_points_that_are_none(changes, words):
+    given = {"theta": [0.0, -1.0, 0.0], "z": [0.0, -1.0, 2.0], "value": [1.0, 2.0, 3.0]}
+    SurveyPoints(**given, quantity="thickness")
+    with pytest.raises(InputError, match=words):
+        SurveyPoints(**given | changes, quantity="thickness")
+
+
+def test_points_are_kept_and_not_shared():
+    z = np.array([0.0, 1.0])
+    points = SurveyPoints(theta=z, z=z, value=z + 1.0)
+    z[0] = 5.0
+    assert (points.z[0], points.quantity, points.path, points.card) == (0.0, "radius", "survey", ())
+    assert not points.z.flags.writeable
+    assert points.at(np.array([False, True])).value.tolist() == [2.0]
+
+
+def test_heights_within_half_a_millimetre_are_one_ring():
+    points = measured(0.0, [0.0, 4.9e-4, 5.1e-4, 9.8e-4, 0.1, -0.1], 1.0)
+    assert points.rings().tolist() == [1, 1, 2, 2, 3, 0]
+    assert measured(0.0, [0.0, 5e-4], 1.0).rings().tolist() == [0, 0]
+
+
+def test_rings_are_as_good_as_the_worst_and_scattered_points_as_all_of_them():
+    theta = np.radians(np.arange(8) * 45.0)
+    two = measured(np.append(theta, theta + 0.1), np.repeat([0.0, 0.1], 8), 1.0)
+    assert two.coverage() == (pytest.approx(45.0), 2)
+    lone = measured(np.append(two.theta, 1.0), np.append(two.z, 0.2), 1.0)  # a point beside the rings, 16 of 17
+    assert lone.coverage() == (pytest.approx(45.0), 2)
+    both = measured(np.append(two.theta, [1.0, 1.0]), np.append(two.z, [0.2, 0.3]), 1.0)  # 16 of 18
+    assert both.coverage() == (pytest.approx(45.0 - np.degrees(0.1)), 4)
+    seven = measured(np.append(theta, theta[:7] + 0.1), np.repeat([0.0, 0.1], [8, 7]), 1.0)
+    assert seven.coverage() == (pytest.approx(45.0), 2)  # by all: between 315 and 360 deg stands none
+    for count, gap in ((20, 45.0), (21, 45.0 - np.degrees(0.4))):  # more heights than twenty are a scan
+        turn, height = np.repeat(0.02 * np.arange(count), 8), np.repeat(0.01 * np.arange(count), 8)
+        assert measured(np.tile(theta, count) + turn, height, 1.0).coverage() == (pytest.approx(gap), count)
+
+
+def table(tmp_path, text):
+    path = tmp_path / "rig.csv"
+    path.write_text(text)
+    return path
+
+
+def lines(value="0.5", z="0.0", count=12, step=30.0):
+    return "".join(f"{step * k},{z},{value}\n" for k in range(count))
+
+
+@pytest.mark.parametrize(
+    ("header", "value", "refused"),
+    [
+        ("radius_m", "0.005", False), ("radius_m", "0.00499", True), ("radius_m", "50", False),
+        ("radius_m", "50.1", True), ("radius_mm", "5", False), ("radius_mm", "4.9", True),
+        ("thickness_m", "1e-5", False), ("thickness_m", "0.99e-5", True), ("thickness_m", "0.5", False),
+        ("thickness_m", "0.51", True), ("thickness_mm", "0.01", False), ("thickness_mm", "501", True),
+    ],
+)  # fmt: skip
+def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
+    path = table(tmp_path, f"theta_deg,z_m,{header}\n{lines(value)}")
+    if refused:
+        stem, unit = header.split("_")
+        other = f"{stem}_{'m' if unit == 'mm' else 'mm'}"
+        with pytest.raises(InputError, match=f"line 1, column '{header}'.*does the column hold {other}"):
+            read_points(path)
+    else:
+        points = read_points(path)
+        scale = 1e-3 if header.endswith("_mm") else 1.0
+        assert points.value[0] == pytest.approx(float(value) * scale, rel=1e-15)
+        assert points.quantity == header.split("_")[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "height", "what", "value", "refused"),
+    [
+        ("z_m", "24.9", "radius_m", "0.5", ""),  # fifty radii
+        ("z_m", "25.1", "radius_m", "0.5", "0.0005 to 25 m; does the column hold z_mm"),
+        ("z_mm", "0.51", "radius_m", "0.5", ""),
+        ("z_mm", "0.49", "radius_m", "0.5", "0.0005 to 25 m; does the column hold z_m[?]"),
+        ("z_mm", "0", "radius_m", "0.5", ""),
+        ("z_m", "0.00049", "radius_m", "0.5", ""),
+        ("z_m", "24.9", "thickness_m", "0.003", ""),  # of half a metre
+        ("z_m", "25.1", "thickness_m", "0.003", "does the column hold z_mm"),
+        ("z_mm", "0.49", "thickness_m", "0.003", "does the column hold z_m[?]"),
+    ],
+)
+def test_heights_that_hint_at_another_unit(tmp_path, name, height, what, value, refused):
+    path = table(tmp_path, f"theta_deg,{name},{what}\n" + lines(value, "0") + lines(value, height))
+    if refused:
+        with pytest.raises(InputError, match=refused):
+            read_points(path)
+    else:
+        assert np.ptp(read_points(path).z) == pytest.approx(float(height) * (1e-3 if name == "z_mm" else 1.0))
+
+
+@pytest.mark.parametrize(("value", "refused"), [("499", False), ("501", True)])
+def test_a_value_a_thousand_times_the_median_is_mistyped(tmp_path, value, refused):
+    path = table(tmp_path, f"theta_deg,z_m,radius_m\n{lines()}360,0,{value}\n")
+    if refused:
+        with pytest.raises(InputError, match="line 14, column 'radius_m': found 501; expected a value like the others"):
+            read_points(path)
+    else:
+        assert len(read_points(path)) == 13
+
+
+@pytest.mark.parametrize(("turn", "refused"), [("12.56", False), ("-12.56", False), ("-12.57", True)])
+def test_angles_beyond_two_turns_are_no_radians(tmp_path, turn, refused):
+    path = table(tmp_path, f"theta_rad,z_m,radius_m\n0,0,0.5\n{turn},0,0.5\n")
+    if refused:
+        with pytest.raises(InputError, match=r"line 3, column 'theta_rad': found -12\.57 rad; expected at most"):
+            read_points(path)
+    else:
+        assert read_points(path).theta[1] == float(turn)
+
+
+def test_columns_left_out_are_named(tmp_path):
+    path = table(tmp_path, "theta_deg,z_mm,radius_mm,point,date\n90,20,500,1,2\n-30,40,501,2,3\n")
+    with pytest.warns(ModelWarning, match="rig.csv: point, date"):
+        points = read_points(path)
+    expected = [[np.pi / 2, -np.pi / 6], [0.02, 0.04], [0.5, 0.501]]
+    np.testing.assert_allclose([points.theta, points.z, points.value], expected, rtol=1e-15)
