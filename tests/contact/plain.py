@@ -41,8 +41,8 @@ VECTORS: dict[str, Any] = {
 
 
 def ours(name: str) -> bool:
-    """Whether a module belongs to the package."""
-    return name == "contact" or name.startswith("contact.")
+    """Whether a module belongs to the package, or makes bodies of it for tests."""
+    return name == "contact" or name.startswith(("contact.", "tests.contact.synthetic"))
 
 
 @cache
@@ -60,6 +60,7 @@ def plain() -> Iterator[Callable[[str], Any]]:
     before, config.DISABLE_JIT = config.DISABLE_JIT, True
     try:
         vars(importlib.import_module("contact.jit.vector")).update(VECTORS)
+        vars(importlib.import_module("contact.jit.bundle"))["bundled"] = lambda value: value
         called = importlib.import_module("contact.jit.compiled").ByAddress
         called.__call__ = lambda self, *arguments: type(self).function(*arguments)
         room = importlib.import_module("contact.solver.friction.room").Otherwise
