@@ -1,6 +1,7 @@
 """Steps of a rub of several tips against the same steps by whole rows and matrices; uncompiled."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -149,6 +150,6 @@ def test_tips_obey_the_law_where_they_are_and_their_ledger_is_that_of_the_modes(
     assert sums.damping[0] == pytest.approx(damping, rel=1e-9)
     assert sums.contact_steps.tolist() == touched.tolist()
     pressed = [False, *(one[2].any() for one in seen)]
-    assert s.counts[2] == sum(now or before for before, now in zip(pressed[:-1], pressed[1:], strict=True))
+    assert s.counts[2] == sum(now or before for before, now in pairwise(pressed))
     np.testing.assert_allclose(sums.impulse, H * sum(one[2] for one in seen)[normal], rtol=1e-10)
     assert sums.residual.max() <= 1e-13
