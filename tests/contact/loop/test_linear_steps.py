@@ -140,3 +140,16 @@ def expected_events(notes):
                 found.append((k, 0, note.opened))
             closed[k] = note.force[k] > 0.0
     return found
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_motion_that_is_no_number_fails_in_the_step_it_is_met(name):
+    scheme, stiffness, exact, _ = RUNS[name]
+    with plain() as module:
+        record = module("contact.record.record")
+        run = prepared(module("contact"), scheme, stiffness, exact.C)
+        out = record.samples(record.Record(), 4, 2, 3)
+        assert run.advance(out, 3, 1) == -1
+        run.state.u[:] = np.nan
+        assert run.advance(out, 5, 3) == 5
+        assert "not a finite number" in run.why()
