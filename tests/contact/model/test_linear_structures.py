@@ -47,7 +47,7 @@ def test_linear_structures_that_cannot_be_are_refused(change, words):
 def test_a_gap_may_be_passed_by_round_off_of_its_own_size():
     structure(gap0=[0.0, 1e3], Q=np.eye(2), displacement=[-0.9e-9, 0.0])
     structure(displacement=[1e4, -1e4], gap0=[-1e4])
-    with pytest.raises(ct.InputError, match="contact 1 penetrates by 1.1e-09 m"):
+    with pytest.raises(ct.InputError, match=r"contact 1 penetrates by 1\.1e-09 m"):
         structure(gap0=[0.0, 1e3], Q=np.eye(2), displacement=[-1.1e-9, 0.0])
     with pytest.raises(ct.InputError, match="contact 2 penetrates by"):
         structure(gap0=[0.0, 0.0], Q=np.eye(2), displacement=[0.0, -1.1e-12])
