@@ -1,4 +1,4 @@
-"""Someone's matrices piece by piece: units, dofs, rigid motions, loads, modes, damping, and what is reported of them."""
+"""Someone's matrices piece by piece: units, dofs, rigid motions, loads, modes, damping, and what is told."""
 
 import math
 from dataclasses import replace
