@@ -198,10 +198,13 @@ def test_rows_of_a_rim_by_the_waves_of_its_casing_and_the_lean_of_its_blade():
 
 def test_a_disk_before_its_casing_in_two_dimensions():
     casing = ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
-    disk = ModalPair(n=2, freq_hz=120.0, modal_mass=1.0)
+    disk = ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.02)
     rub = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0, velocity=3.0)
     theta = 2.0 * np.pi * np.arange(5) / 5
-    np.testing.assert_allclose(rub.blades[0].rows[::2], np.stack([np.cos(2 * theta), np.sin(2 * theta)], 1), atol=1e-15)
+    expected = 2.0 * np.stack([np.cos(2 * theta), np.sin(2 * theta)], axis=1)
+    np.testing.assert_allclose(rub.blades[0].rows[::2], expected, atol=1e-14)
+    np.testing.assert_allclose(rub.blades[0].omega, [240.0 * math.pi] * 2, rtol=1e-14)
+    assert rub.blades[0].zeta.tolist() == [0.02] * 2
     assert not rub.blades[0].rows[1::2].any()
     np.testing.assert_array_equal(rub.blades[0].S, np.eye(10) / 2e4)
     assert [tip.angle_deg for tip in rub.tips] == pytest.approx([0.0, 72.0, 144.0, 216.0, 288.0])

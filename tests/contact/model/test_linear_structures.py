@@ -51,3 +51,10 @@ def test_a_gap_may_be_passed_by_round_off_of_its_own_size():
         structure(gap0=[0.0, 1e3], Q=np.eye(2), displacement=[-1.1e-9, 0.0])
     with pytest.raises(ct.InputError, match="contact 2 penetrates by"):
         structure(gap0=[0.0, 0.0], Q=np.eye(2), displacement=[0.0, -1.1e-12])
+
+
+@pytest.mark.parametrize("made", [np.array, csr_array], ids=["dense", "sparse"])
+def test_asymmetry_counts_by_the_largest_entry_of_either_sign(made):
+    structure(K=made([[1.0, -100.0], [-100.0 - 0.9e-7, 1.0]]))
+    with pytest.raises(ct.InputError, match=r"K: found an asymmetry of 1\.1e-09 of the largest entry"):
+        structure(K=made([[1.0, -100.0], [-100.0 - 1.1e-7, 1.0]]))
