@@ -216,6 +216,18 @@ def test_a_rim_without_friction_is_a_perfect_contact_where_nothing_is_said():
     assert not mean_contact(rim)[1]
 
 
+@pytest.mark.parametrize("blade_hz", [100.0, 1500.0])
+def test_a_band_of_a_split_casing_begins_at_1e_8_of_the_highest_frequency_of_both(blade_hz, monkeypatch):
+    monkeypatch.setattr("contact.growth.floquet.floquet_growth", lambda _, speed, mu: 1e-5 * mu * (speed - 50.0))
+    casing, tip = ring(imperfect=0.01), blade()
+    tip = replace(tip, omega=[TURN * 0.5 * blade_hz, TURN * blade_hz])
+    rim = ct.RotatingRim(casing, tip, clearance=-1e-5, speed_hz=5.0)
+    found = rim_stability(rim, [0.0, 100.0], mu=0.5)
+    floor = 1e-8 * max(casing.omega.max(), TURN * blade_hz)
+    assert np.array(found.bands_hz) == pytest.approx(np.array([[50.0 + floor / 0.5e-5, 100.0]]), abs=1e-6)
+    assert found.words.startswith("A split casing: growth per turn by Floquet's theory. Closed contact diverges in ")
+
+
 def test_groups_of_equal_modes_stand_by_frequency():
     groups = equal_modes(np.array([5.0, 1.0, 5.0, 3.0, 1.0]), np.zeros(5))
     assert [group.tolist() for group in groups] == [[1, 4], [3], [0, 2]]

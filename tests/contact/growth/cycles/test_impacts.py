@@ -18,8 +18,10 @@ def motion(C, S=None, e=0.5, moves=(0.0, 0.0), rest=(0.0, 0.0)):
     C = np.atleast_2d(C)
     k, n = len(C), np.zeros((len(C), 2))
     B = np.vstack([np.zeros((2, k)), C.T * [[1.0], [2.0]]])
-    plant = Plant(A=A, B=B, C=np.hstack([C, n]), S=np.zeros((k, k)) if S is None else np.array(S),
-                  D=np.array([[1.0, 0, 0, 0]]), E=np.zeros((1, k)), restitution=np.broadcast_to(e, (k,)), rate=3.0)  # fmt: skip
+    plant = Plant(
+        A=A, B=B, C=np.hstack([C, n]), S=np.zeros((k, k)) if S is None else np.array(S), rate=3.0,
+        D=np.array([[1.0, 0, 0, 0]]), E=np.zeros((1, k)), restitution=np.broadcast_to(e, (k,)),
+    )  # fmt: skip
     none = np.zeros((1, 1), complex)
     drive = Drive(
         w=2.0, harmonics=np.ones(1),
