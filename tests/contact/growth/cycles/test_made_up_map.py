@@ -6,58 +6,16 @@ beyond which the two points of period 2 have the sum 1 - b and the product (1 - 
 
 import math
 from importlib import import_module
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
 from contact.growth.cycles.branch import begun, followed, merged
-from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.course import Tangent
 from contact.growth.cycles.passage import Event
 from contact.growth.cycles.shooting import map_of, orbit, settled
-
-B = 0.3
-FOLD, FLIP = -((1.0 - B) ** 2) / 4.0, 3.0 * (1.0 - B) ** 2 / 4.0
-
-
-class Henon:
-    """The map as a family of motions of period 2 s; `asked` is what was followed from where."""
-
-    name = "v"
-    channels = ("x", "y")
-    begin = np.zeros(2)
-
-    def __init__(self):
-        self.asked = []
-
-    def at(self, value):
-        plant = SimpleNamespace(rigid=np.array([True, False]))
-        return SimpleNamespace(v=value, family=self, plant=plant, closed_at=lambda *_: ()), 2.0
-
-
-def followed_map(motion, x, start, period, *, tangent=True, extremes=True):
-    motion.family.asked.append((start, period))
-    x, M, amplitude = np.array(x, dtype=float), np.eye(2), np.zeros(2)
-    for _ in range(round(period / 2.0)):
-        amplitude = np.maximum(amplitude, np.abs(x))
-        M = np.array([[-2.0 * x[0], B], [1.0, 0.0]]) @ M
-        x = np.array([motion.v - x[0] ** 2 + B * x[1], x[0]])
-        if not np.abs(x[0]) < 1e6:
-            raise ct.NumericsError("it leaves")
-    return SimpleNamespace(start=start, x=x, M=M if tangent else None, events=(), gap=np.ones(2), force=np.zeros(2),
-                           amplitude=amplitude, first=())  # fmt: skip
-
-
-@pytest.fixture
-def family(monkeypatch):
-    for name in ("shooting", "basins"):
-        monkeypatch.setattr(import_module(f"contact.growth.cycles.{name}"), "passage", followed_map)
-    return Henon()
-
-
-def fixed(v, sign=1.0):
-    return (-(1.0 - B) + sign * math.sqrt((1.0 - B) ** 2 + 4.0 * v)) / 2.0
+from tests.contact.growth.cycles.henon import FLIP, FOLD, B, course, fixed, followed_map
 
 
 def test_an_orbit_from_a_guess_has_its_state_and_multipliers(family):
@@ -140,10 +98,6 @@ def test_events_count_by_contact(family, monkeypatch):
     found = orbit(family, 0.2, guess=np.array([0.5, 0.0]))
     assert (found.closings, found.rests, found.touching, found.contacts) == ((3, 1), (1, 0), (1,), 2)
     assert (found.twice().closings, found.twice().rests) == ((6, 2), (2, 0))
-
-
-def course(family, low=-0.3, high=0.6, size=1e-3):
-    return Course(family=family, low=low, high=high, size=size)
 
 
 def test_lengths_along_a_branch_count_the_state_by_its_size_and_the_value_by_its_range(family):
@@ -265,36 +219,3 @@ def test_basins_of_a_point_of_two_points_and_of_nothing(family):
     one = ct.growth.cycles.basins(family, 0.2, np.array([0.1, 0.1]), starts=2, seed=3)
     assert (one.reached, one.attractors[0].periods, one.attractors[0].share) == ((0, 0), 1, 1.0)
     assert "not periodic" not in repr(one)
-
-
-def test_steps_are_at_most_a_fiftieth_where_nothing_is_said(family):
-    (branch,) = ct.growth.cycles.follow(family, (0.2, 0.25)).branches
-    along = course(family, 0.2, 0.25)
-    apart = [
-        math.sqrt(along.product(away := Tangent(b.x - a.x, b.value - a.value), away, a.x))
-        for a, b in zip(branch.points[1:-1], branch.points[2:], strict=True)
-    ]
-    assert 0.0199 < max(apart) < 0.0201
-    short = ct.growth.cycles.follow(family, (0.2, 0.25), most=2).branches[0]
-    assert (len(short.points), short.end) == (2, "2 orbits")
-
-
-@pytest.mark.parametrize(
-    ("between", "more", "words"),
-    [
-        ((math.nan, 1.0), {}, "start: found nan"), ((0.0, math.inf), {}, "end: found inf"),
-        ((0.0, 1.0), {"longest": 0.0}, "longest: found"), ((0.0, 1.0), {"most": 1}, "most: found 1"),
-        ((0.0, 1.0), {"doublings": -1}, "doublings: found -1"), ((0.5, 0.5), {}, r"v: found 0\.5 to 0\.5, expected a"),
-    ],
-)  # fmt: skip
-def test_ranges_and_steps_that_lead_nowhere_are_refused(family, between, more, words):
-    with pytest.raises(ct.InputError, match=words):
-        ct.growth.cycles.follow(family, between, **more)
-
-
-def test_a_flip_within_the_last_step_before_the_edge_is_located(family):
-    for high in (FLIP + 1e-3, FLIP + 6e-3, FLIP + 0.012):
-        (branch,) = ct.growth.cycles.follow(family, (0.2, high), longest=0.05).branches
-        (flip,) = branch.of("flip")
-        assert flip.orbit.value == pytest.approx(FLIP, abs=2e-5)
-        assert branch.points[-1].value == high
