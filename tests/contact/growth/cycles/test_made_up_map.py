@@ -115,7 +115,7 @@ def test_lengths_along_a_branch_count_the_state_by_its_size_and_the_value_by_its
 
 
 def test_the_direction_of_a_branch_is_its_derivative_by_the_value(family):
-    at, along = orbit(family, 0.2, guess=np.array([0.5, 0.0])), course(family)
+    at, along = orbit(family, 0.2, guess=np.array([0.5, 0.0])), course(family, 0.15, 0.25)
     rate = 1.0 / math.sqrt((1.0 - B) ** 2 + 0.8)  # dx/dv
     assert along.slope(at) == pytest.approx([1.0, 0.0], abs=1e-7)
     for sense in (1.0, -1.0):
@@ -124,6 +124,7 @@ def test_the_direction_of_a_branch_is_its_derivative_by_the_value(family):
         assert math.copysign(1.0, found.value) == sense
         assert along.product(found, found, at.x) == pytest.approx(1.0, rel=1e-12)
         new = along.next(at, found, 0.05)
+        assert new.iterations <= 4
         assert new.x == pytest.approx([fixed(new.value)] * 2, rel=1e-10)
         apart = Tangent(new.x - at.x, new.value - at.value)
         assert along.product(apart, found, at.x) == pytest.approx(0.05, rel=1e-9)

@@ -3,11 +3,13 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 import contact as ct
 from contact.growth.cycles.course import Tangent
-from tests.contact.growth.cycles.henon import FLIP, course
+from contact.growth.cycles.shooting import orbit
+from tests.contact.growth.cycles.henon import FLIP, course, fixed
 
 
 def test_steps_are_at_most_a_fiftieth_where_nothing_is_said(family):
@@ -41,3 +43,10 @@ def test_a_flip_within_the_last_step_before_the_edge_is_located(family):
         (flip,) = branch.of("flip")
         assert flip.orbit.value == pytest.approx(FLIP, abs=2e-5)
         assert branch.points[-1].value == high
+
+
+def test_a_search_begins_at_the_orbit_that_is_given(family):
+    other = orbit(family, 0.2, guess=np.array([fixed(0.2, -1.0)] * 2))
+    found = ct.growth.cycles.follow(family, (0.2, 0.3), first=other, longest=0.2)
+    assert found.branches[0].points[0] is other
+    assert found.branches[0].points[-1].x == pytest.approx([fixed(0.3, -1.0)] * 2, rel=1e-9)
