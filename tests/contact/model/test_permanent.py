@@ -17,7 +17,7 @@ from contact.model.gaps.permanent import (
     rub_contact,
 )
 from contact.model.gaps.rub_system import rub_system
-from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rim import blade, flap_blade, ring
 from tests.contact.synthetic_rub import N_MAX, nodes, rim3, tips
 
 
@@ -188,3 +188,12 @@ def test_waves_of_a_rim_are_named_direction_by_direction():
     assert rim_channels(1, 1) == ("radial.cos0", "radial.cos1", "radial.sin1")
     assert rim_channels(0, 3) == ("radial.cos0", "tangential.cos0", "axial.cos0")
     assert rim_channels(0, lines=2) == tuple(f"line{k}.{d}.cos0" for k in (0, 1) for d in ("radial", "tangential"))
+
+
+def test_blades_of_unlike_numbers_of_modes_have_their_own_rows():
+    blades = (flap_blade(), blade())
+    found = rub_contact(ct.Rub(ring(), blades, [ct.ContactPoint(blade=k, angle_deg=90.0 * k) for k in (0, 1)]))
+    assert found.Q[0, 10:].tolist() == [0.0, 0.0, 0.0]
+    assert found.T[0, 10:].tolist() == [-1.0, 0.0, 0.0]
+    np.testing.assert_allclose(found.Q[1, 10:], [0.0, *-blade().rows[0]], rtol=1e-14)
+    np.testing.assert_allclose(found.T[1, 10:], [0.0, *-blade().rows[1]], rtol=1e-14)

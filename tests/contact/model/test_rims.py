@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.model.gaps.modal_system import _table
 from contact.model.law import Abradable, AugmentedLagrangian, Coulomb, Penalty, Unilateral, kind, pressure
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
@@ -108,3 +109,19 @@ def test_numbers_of_an_augmented_lagrangian_are_above_zero(name):
             Penalty(stiffness=0.0)
         with pytest.raises(ct.InputError, match=r"mu: found -0\.1"):
             Coulomb(mu=-0.1)
+
+
+@pytest.mark.parametrize("larger", ["radial", "tangential"])
+def test_rows_of_a_ten_billionth_of_the_largest_are_noise(larger):
+    """Three modes of a rim and one of its blade: the second is left without a row."""
+    large, small = np.array([[1.0, 0.9e-10, -1.1e-10]]), np.array([[1e-3, 0.0, 0.0]])
+    radial, tangential = (large, small) if larger == "radial" else (small, large)
+    found = _table(radial, tangential, np.array([4.0]), np.array([5.0]), 0)
+    assert found.start.tolist() == [0, 1, 1, 2, 3]
+    assert found.harmonic.tolist() == [0, 0, 0]
+    expected = [1.0, -1.1e-10, 4.0], [1e-3, 0.0, 5.0]
+    if larger == "tangential":
+        expected = [1e-3, 0.0, 4.0], [1.0, -1.1e-10, 5.0]
+    assert (found.q_cos.tolist(), found.t_cos.tolist()) == expected
+    assert not found.q_sin.any()
+    assert not found.t_sin.any()
