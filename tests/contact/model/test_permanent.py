@@ -197,3 +197,14 @@ def test_blades_of_unlike_numbers_of_modes_have_their_own_rows():
     assert found.T[0, 10:].tolist() == [-1.0, 0.0, 0.0]
     np.testing.assert_allclose(found.Q[1, 10:], [0.0, *-blade().rows[0]], rtol=1e-14)
     np.testing.assert_allclose(found.T[1, 10:], [0.0, *-blade().rows[1]], rtol=1e-14)
+
+
+def test_a_compliance_varies_by_the_largest_way_it_leaves_its_mean_up_or_down():
+    """Less by d (cos^2 phi + cos^2 2 phi), which leaves its mean by d (cos 2 phi + cos 4 phi)/2: d or 9 d/16 at most."""
+    casing, d = ring(), 2e-9
+    S = casing.S - d * np.diag(np.isin(np.arange(26), [1, 2]))
+    for sense in (1.0, -1.0):
+        one = ct.Rub(replace(casing, S=casing.S + sense * (S - casing.S)), (blade(),))
+        mean, varies = mean_compliance(rub_system(one, 2), 6)
+        assert varies == pytest.approx(d / np.abs(mean).max(), rel=1e-9)
+        assert mean[0, 0] == pytest.approx(7e-8 - sense * d + 2e-8, rel=1e-12)

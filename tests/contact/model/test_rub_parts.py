@@ -99,6 +99,7 @@ def test_names_walls_and_directions_of_a_rub():
     np.testing.assert_allclose(row, math.cos(math.pi / 6) * span + 0.5 * flap, rtol=1e-12)
     assert ct.Rub(rim3(), (nodes(1),), tips(1)).dimensions == 3
     assert [len(part) for part in (two.bodies, two.starts)] == [3, 3]
+    assert rub(tips=[ContactPoint()], whirl=[ct.gaps.Whirl(amplitude=0.0)]).tips == (ContactPoint(),)
 
 
 def test_rows_of_a_rim_by_table():
