@@ -200,7 +200,7 @@ def test_blades_of_unlike_numbers_of_modes_have_their_own_rows():
 
 
 def test_a_compliance_varies_by_the_largest_way_it_leaves_its_mean_up_or_down():
-    """Less by d (cos^2 phi + cos^2 2 phi), which leaves its mean by d (cos 2 phi + cos 4 phi)/2: d or 9 d/16 at most."""
+    """By d (cos^2 phi + cos^2 2 phi), which leaves its mean by d (cos 2 phi + cos 4 phi)/2: d one way, 9 d/16 other."""
     casing, d = ring(), 2e-9
     S = casing.S - d * np.diag(np.isin(np.arange(26), [1, 2]))
     for sense in (1.0, -1.0):
