@@ -109,7 +109,7 @@ def coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
             for k in turning:
                 for sign in (1.0, -1.0):
                     speed = (sign * seen.omega[k] - seen.omega[j]) / seen.order[k]
-                    if speed * sense > 0.0:
+                    if np.sign(speed) == sense:
                         found.append(_meeting(contact, seen, int(k), int(j), sign, float(speed)))
     return tuple(sorted(found, key=lambda c: c.speed_hz))
 
@@ -120,20 +120,18 @@ def free_coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
     A wave and a mode meet where the contacts see both alike: |sum of products| above COUPLED of the largest there can
     be, which by n diameters a disk's tuned modes do only with theirs. Modes of one frequency count once.
     """
+    U, order = _turning_shapes(contact)
+    seen = contact.Q @ U
+    size = np.linalg.norm(seen, axis=0)
     found = []
-    for sense in (1.0, -1.0):
-        U, order = _turning_shapes(contact)
-        seen = contact.Q @ U
-        size = np.linalg.norm(seen, axis=0)
-        for j in range(contact.casing, contact.omega.size):
-            for k in np.flatnonzero((np.abs(order) > 0.5) & (size > 0.0)):
-                alike = abs(np.vdot(seen[:, k], seen[:, j])) / (size[k] * size[j]) if size[j] > 0.0 else 0.0
-                if alike < COUPLED:
-                    continue
-                for sign in (1.0, -1.0):
-                    speed = (sign * contact.omega[k] - contact.omega[j]) / order[k]
-                    if speed * sense > 0.0:
-                        found.append(_free(contact, int(k), int(j), float(order[k]), sign, float(speed)))
+    for j in range(contact.casing, contact.omega.size):
+        for k in np.flatnonzero(np.abs(order) > 0.5):
+            if abs(np.vdot(seen[:, k], seen[:, j])) <= COUPLED * size[k] * size[j]:
+                continue
+            for sign in (1.0, -1.0):
+                speed = (sign * contact.omega[k] - contact.omega[j]) / order[k]
+                if speed != 0.0:
+                    found.append(_free(contact, int(k), j, float(order[k]), sign, float(speed)))
     alike = {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}
     return tuple(sorted(alike.values(), key=lambda c: c.speed_hz))
 
@@ -232,16 +230,16 @@ def _sum_words(met: tuple[Coincidence, ...], low: float, high: float) -> list[st
     if not sums:
         return []
     c = _nearest(sums, low, high)
-    fastest = c.n * max(abs(low), abs(high))
+    fastest = max(-low, high)
     if low <= c.speed_hz <= high:
         return [
             f"The sum condition f_c + f_b = n f (n = {c.n}) is met at {c.speed_hz:.5g} Hz "
             f"({c.free_hz:.5g} Hz without contact): {_effect(c)}."
         ]
-    if all(other.n * max(abs(low), abs(high)) < other.casing_hz for other in sums):
+    if all(other.n * fastest < other.casing_hz for other in sums):
         return [
-            f"n f = {fastest:.4g} Hz < f_c = {c.casing_hz:.4g} Hz: the sum condition f_c + f_b = n f cannot be met in "
-            f"this range, whatever the blade."
+            f"n f = {c.n * fastest:.4g} Hz < f_c = {c.casing_hz:.4g} Hz: the sum condition f_c + f_b = n f cannot be "
+            "met in this range, whatever the blade."
         ]
     return [f"The sum condition f_c + f_b = n f (n = {c.n}) is met at {c.speed_hz:.5g} Hz, outside this range."]
 

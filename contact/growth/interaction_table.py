@@ -181,8 +181,6 @@ def _seen(poles: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 def _row(c: Coincidence, found: StabilityMap, contact: ClosedContact, pulses: float) -> Interaction:
     near = np.abs(found.seen_hz - c.speed_hz) <= max(c.half_hz, float(np.diff(found.speed_hz).max()))
-    if not near.any():
-        near = np.abs(found.seen_hz - c.speed_hz) == np.abs(found.seen_hz - c.speed_hz).min()
     best = int(np.flatnonzero(near)[found.seen_growth[near].argmax()])
     at, rate = float(found.seen_hz[best]), float(found.seen_growth[best])
     band = next((band for band in found.bands_hz if band[0] <= at <= band[1]), (math.nan, math.nan))
@@ -197,7 +195,7 @@ def _row(c: Coincidence, found: StabilityMap, contact: ClosedContact, pulses: fl
 def _band_row(band: tuple[float, float], found: StabilityMap, contact: ClosedContact, pulses: float) -> Interaction:
     """A band without a coincidence: friction along the casing feeds a wave that travels."""
     inside = (found.seen_hz >= band[0]) & (found.seen_hz <= band[1])
-    best = int(np.flatnonzero(inside)[found.seen_growth[inside].argmax()]) if inside.any() else 0
+    best = int(np.flatnonzero(inside)[found.seen_growth[inside].argmax()])
     at, rate = float(found.seen_hz[best]), float(found.seen_growth[best])
     nan, branch = math.nan, "friction" if contact.mu > 0.0 else "several at once"
     return Interaction(

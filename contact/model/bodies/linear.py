@@ -115,7 +115,7 @@ class LinearBody:
         assert self.displacement is not None
         gap = self.gap0 + self.Q @ self.displacement
         k = int(np.argmin(gap))
-        scale = max(1.0, float(np.abs(self.gap0).max()), float(np.abs(self.displacement).max(initial=0.0)))
+        scale = max(1.0, float(np.abs(self.gap0).max()), float(np.abs(self.displacement).max()))
         if gap[k] < -1e-12 * scale:
             raise InputError(f"gap0: contact {k + 1} penetrates by {-gap[k]:g} m at t = 0, expected a gap >= 0")
 

@@ -29,7 +29,7 @@ def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None =
     require_positive(modes=modes)
     require_not_negative(zeta=zeta)
     free = rod.fixed == "none"
-    name = end or rod.contact_end(has_left=free, has_right=free and end is None)
+    name = end or rod.contact_end(has_left=True, has_right=True)
     alpha = rod.end_mass / rod.mass
     beta = _roots(alpha, modes, free=free)
     tip = np.cos(beta) if free else np.sin(beta)

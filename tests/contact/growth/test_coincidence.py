@@ -1,0 +1,217 @@
+"""Where waves meet modes, what they do there, and the words for it, each against the formula written out."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.growth.coincidence import Coincidence, close_speeds, coincidences, free_coincidences, in_words, loaded
+from contact.growth.growth_map import StabilityMap
+from contact.model.gaps.permanent import ClosedContact, HandPair, ModalPair, disk_contact, turning
+
+TURN = 2.0 * math.pi
+PAIR = HandPair(
+    casing=ModalPair(n=3, freq_hz=310.0, modal_mass=1.7, zeta=3e-3),
+    blade=ModalPair(freq_hz=130.0, modal_mass=0.3, zeta=7e-3), compliance=9e-6, friction=0.4, lean_deg=35.0,
+)  # fmt: skip
+
+
+def meeting(n, hz, growth=1.0, branch="sum", *, half=0.2, drives=True, casing_hz=300.0):
+    return Coincidence(n=n, branch=branch, casing_hz=casing_hz, blade_hz=120.0, free_hz=hz, speed_hz=hz, half_hz=half,
+                       growth=growth, drives=drives)  # fmt: skip
+
+
+def told(met, low, high, bands=(), contact=None):
+    found = StabilityMap(speed_hz=np.array([low, 0.5 * (low + high), high]), growth=np.zeros(3), peak_speed_hz=low,
+                         peak_growth=0.0, bands_hz=tuple(bands))  # fmt: skip
+    return in_words(contact, tuple(met), found)
+
+
+def test_the_loaded_frequencies_and_growth_of_a_pair():
+    """sqrt(w^2 + k/m) of the blade, k/(2 m) of a wave; growth as the larger root of x^2 + (a + b) x + a b - s^2."""
+    found, k = loaded(PAIR), 1.0 / 9e-6
+    w_c, w_b = math.sqrt((TURN * 310.0) ** 2 + k / 3.4), math.sqrt((TURN * 130.0) ** 2 + k / 0.3)
+    assert found[:3] == pytest.approx((w_c / TURN, w_b / TURN, (w_c + w_b) / TURN / 3.0), rel=1e-12)
+    a, b = 7e-3 * TURN * 130.0, 3e-3 * TURN * 310.0
+    assert found.growth == pytest.approx(max(np.roots([1.0, a + b, a * b - k * k / (8.0 * 0.51 * w_b * w_c)])))
+
+
+@pytest.mark.parametrize("branch", ["sum", "backward"])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_meeting_is_the_quadratic_of_one_wave_and_one_mode(branch, sense):
+    """(nu_c + c/S - nu)(w_b + b/S - nu) = b c/S^2 at the speed where the real parts of both are the same."""
+    met = [c for c in coincidences(PAIR.contact()) if c.branch == branch and c.speed_hz * sense > 0.0]
+    sign, w_c, w_b = -1.0 if branch == "sum" else 1.0, TURN * 310.0, TURN * 130.0
+    n = 3.0 * sense * sign  # +-w_c - n Omega = w_b
+    free = (sign * w_c - w_b) / n
+    casing = (1.0 + 1j * 0.4 * sense * np.sign(n) / 3.0) / (2.0 * 1.7)
+    blade = (1.0 - 0.4 * sense / math.tan(math.radians(35.0))) / 0.3
+    S = 9e-6 + casing.real / (w_c**2 - (w_b - free * n) ** 2)  # the wave the other way round
+    S += casing.real / (4.0 * w_c**2) + blade / (4.0 * w_b**2)
+    c, b = sign * casing / (2.0 * w_c), blade / (2.0 * w_b)
+    own = 1j * 3e-3 * w_c + 1j * c.imag / S, 1j * 7e-3 * w_b
+    nu = np.roots([1.0, -sum(own), own[0] * own[1] - b * c / S**2])
+    (found,) = met
+    assert (found.n, found.casing_hz, found.blade_hz) == (3, pytest.approx(310.0), pytest.approx(130.0))
+    assert found.free_hz == pytest.approx(free / TURN, rel=1e-12)
+    assert found.speed_hz == pytest.approx((free + (c.real - b) / S / n) / TURN, rel=1e-10)
+    assert found.half_hz == pytest.approx(2.0 * math.sqrt(abs(b * c)) / S / 3.0 / TURN, rel=1e-10)
+    assert found.growth == pytest.approx(-nu.imag.min(), rel=1e-9)
+    assert found.drives == ((b * c).real < 0.0)
+
+
+def several(casing_hz, rows):
+    """One pair of n = 1, and blade modes of 90, 95, ... Hz seen by these rows, (contacts, modes)."""
+    rows = np.atleast_2d(rows)
+    m = 2 + rows.shape[1]
+    omega = TURN * np.array([casing_hz, casing_hz, *(90.0 + 5.0 * np.arange(m - 2))])
+    seen = np.hstack([np.eye(2)[: len(rows)], rows])
+    r = len(rows)
+    return ClosedContact(omega=omega, zeta=np.zeros(m), G=turning([1], m), Q=seen, T=np.zeros((r, m)),
+                         S_nn=1e-4 * np.eye(r), S_nt=np.zeros((r, r)), casing=2)  # fmt: skip
+
+
+def test_modes_of_a_billionth_of_the_largest_product_are_not_met():
+    met = coincidences(several(300.0, [[1.0, 1e-4, 1e-5]]))
+    assert sorted({round(c.blade_hz, 9) for c in met}) == [90.0, 95.0]
+    assert [(c.n, c.branch, round(c.free_hz, 9)) for c in met if c.blade_hz < 91.0] == [
+        (1, "sum", -390.0), (1, "backward", -210.0), (1, "backward", 210.0), (1, "sum", 390.0),
+    ]  # fmt: skip
+
+
+def test_equal_frequencies_meet_at_rest_which_is_no_speed():
+    for contact in (several(90.0, [[1.0]]), several(90.0, [[1.0], [0.5]])):
+        met = coincidences(contact) if len(contact.Q) == 1 else free_coincidences(contact)
+        assert [(c.branch, round(c.free_hz, 9)) for c in met] == [("sum", -180.0), ("sum", 180.0)]
+
+
+def test_a_wave_just_above_or_below_the_blade_is_met_at_a_slow_speed():
+    for casing_hz, branch in ((90.05, "backward"), (89.95, "forward")):
+        for contact in (several(casing_hz, [[1.0]]), several(casing_hz, [[1.0], [0.5]])):
+            met = coincidences(contact) if len(contact.Q) == 1 else free_coincidences(contact)
+            slow = sorted((c.branch, c.free_hz) for c in met if abs(c.free_hz) < 1.0)
+            assert slow == [(branch, pytest.approx(-0.05)), (branch, pytest.approx(0.05))]
+
+
+def test_several_contacts_meet_what_they_see_alike_by_a_twentieth():
+    """Waves are seen as (1, +-i)/sqrt 2; a mode seen as (a, i b) could be, a real one is by half of its square."""
+    contact = several(300.0, [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
+    met = free_coincidences(contact)
+    assert {round(c.blade_hz, 9) for c in met} == {90.0, 95.0}
+    assert [round(c.speed_hz, 9) for c in met if c.blade_hz > 91.0] == [-395.0, -205.0, 205.0, 395.0]
+    first = next(c for c in met if c.blade_hz < 91.0 and c.free_hz > 300.0)
+    assert (first.n, first.branch, first.drives, first.casing_hz) == (1, "sum", True, pytest.approx(300.0))
+    assert first.half_hz == pytest.approx(0.05 * 390.0)
+    assert math.isnan(first.growth)
+    assert not next(c for c in met if c.branch == "backward").drives
+
+
+def test_modes_of_one_frequency_count_once_and_the_disk_only_its_own_diameters():
+    casing, disk = (ModalPair(n=5, freq_hz=hz, modal_mass=2.0) for hz in (300.0, 120.0))
+    met = free_coincidences(disk_contact(casing, disk, stiffness=1e3, blades=22))
+    assert [(c.branch, round(c.free_hz, 9)) for c in met] == [
+        ("sum", -84.0), ("backward", -36.0), ("backward", 36.0), ("sum", 84.0),
+    ]  # fmt: skip
+
+
+def test_a_mode_that_two_contacts_see_unlike_a_wave_is_not_met():
+    """A third contact, at which the pair does not move, takes all but 0.04 or 0.06 of a mode's motion."""
+    for share, often in ((0.04, 0), (0.06, 4)):
+        rows = np.zeros((3, 3))
+        rows[0, 0] = rows[1, 1] = 1.0
+        rows[:, 2] = [share * math.sqrt(2.0), 0.0, math.sqrt(1.0 - 2.0 * share**2)]
+        contact = ClosedContact(
+            omega=TURN * np.array([300.0, 300.0, 90.0]), zeta=np.zeros(3), G=turning([2], 3), Q=rows,
+            T=np.zeros((3, 3)), S_nn=1e-4 * np.eye(3), S_nt=np.zeros((3, 3)), casing=2,
+        )  # fmt: skip
+        assert len(free_coincidences(contact)) == often
+
+
+def test_speeds_close_to_coincidences_are_an_eighth_of_their_band_apart():
+    assert close_speeds(()).size == 0
+    found = close_speeds((meeting(8, 52.0, half=0.5), meeting(8, 60.0, half=1.0)))
+    assert found.tolist() == [*(51.0 + 0.125 * np.arange(17)), *(58.0 + 0.25 * np.arange(17))]
+
+
+@pytest.mark.parametrize(
+    ("hz", "low", "high", "words"),
+    [
+        (50.0, 50.0, 55.0, "is met at 50 Hz (50 Hz without contact)"),
+        (55.0, 50.0, 55.0, "is met at 55 Hz (55 Hz without contact)"),
+        (50.0, 50.1, 55.0, "is met at 50 Hz, outside this range."),
+        (52.5, 30.0, 37.5, "is met at 52.5 Hz, outside this range."),
+        (52.5, 30.0, 37.25, "n f = 298 Hz < f_c = 300 Hz: the sum condition"),
+        (-52.5, -37.5, -30.0, "is met at -52.5 Hz, outside this range."),
+        (-52.5, -37.25, -30.0, "n f = 298 Hz < f_c = 300 Hz: the sum condition"),
+        (0.4, 0.3, 0.6, "is met at 0.4 Hz (0.4 Hz"),
+        (4.0, -8.0, 8.0, "is met at 4 Hz (4 Hz"),
+    ],
+)
+def test_words_of_the_sum_condition_in_and_beside_a_range(hz, low, high, words):
+    assert words in told([meeting(8, hz)], low, high)
+
+
+@pytest.mark.parametrize("branch", ["sum", "backward"])
+def test_words_leave_out_the_other_sense_and_the_other_condition(branch):
+    assert told([meeting(8, -52.0, branch=branch)], 50.0, 55.0) == "Closed contact does not diverge from 50 to 55 Hz."
+    other = "difference" if branch == "sum" else "sum"
+    assert f"The {other} condition" not in told([meeting(8, 52.0, branch=branch)], 50.0, 55.0)
+
+
+def test_the_sum_is_out_of_reach_only_where_all_waves_are():
+    far, near = meeting(8, 52.5), meeting(12, 38.0, casing_hz=330.0)
+    assert "n f = 256 Hz < f_c = 300 Hz" in told([far], 20.0, 32.0)
+    assert "(n = 12) is met at 38 Hz, outside" in told([far, near], 20.0, 32.0)
+    assert "n f = 324 Hz < f_c = 330 Hz" in told([far, near], 20.0, 27.0)
+
+
+@pytest.mark.parametrize(
+    ("hz", "low", "high", "words"),
+    [
+        (8.0, 8.0, 9.0, "is met at 8 Hz: "), (9.0, 8.0, 9.0, "is met at 9 Hz: "), (-8.5, -9.0, -8.0, "at -8.5 Hz: "),
+        (9.5, 8.0, 9.0, "is met at 9.5 Hz, outside this range: "), (0.4, 0.3, 0.6, "is met at 0.4 Hz: "),
+        (4.0, -8.0, 8.0, "is met at 4 Hz: "),
+    ],
+)  # fmt: skip
+def test_words_of_the_difference_condition_in_and_beside_a_range(hz, low, high, words):
+    said = told([meeting(6, hz, branch="forward")], low, high)
+    assert words in said
+    assert "f_b = f_c + n f (n = 6)" in said
+    assert "f_b = f_c - n f (n = 6)" in told([meeting(6, hz, branch="backward")], low, high)
+
+
+@pytest.mark.parametrize(
+    ("branch", "drives", "growth", "words"),
+    [
+        ("sum", True, 0.5, "flutter, even without friction."), ("sum", True, 0.0, "flutter, which damping holds down."),
+        ("sum", False, 0.5, "no flutter, because friction drives the blade into the casing (mu > tan(lean))."),
+        ("backward", True, 0.5, ": flutter, mu > tan(lean)."),
+        ("backward", True, 0.0, ": mu > tan(lean) would drive flutter, which damping holds down."),
+        ("backward", False, 0.5, "a forced resonance, no flutter unless mu > tan(lean)."),
+    ],
+)  # fmt: skip
+def test_words_of_what_a_coincidence_does(branch, drives, growth, words):
+    assert told([meeting(8, 52.0, growth, branch, drives=drives)], 50.0, 55.0).endswith(words)
+
+
+def test_friction_along_the_casing_is_told_where_a_band_begins_or_ends_far_from_every_coincidence():
+    near, far, creep = meeting(8, 52.5, half=0.25), meeting(8, 40.0, half=0.25), "Away from coincidences friction"
+    contact = PAIR.contact()
+    for bands, said in (
+        ([(52.0, 53.0)], False), ([(51.9, 53.0)], True), ([(52.0, 53.1)], True), ([(52.2, 52.4), (45.0, 46.0)], True),
+        ([], False),
+    ):  # fmt: skip
+        assert (creep in told([near, far], 30.0, 60.0, bands, contact)) == said
+    away = [near], 30.0, 60.0, [(45.0, 46.0)]
+    assert creep not in told(*away, None)
+    assert creep not in told(*away, replace(contact, mu=0.0))
+    pair = ModalPair(n=3, freq_hz=310.0, modal_mass=1.7)
+    two = disk_contact(pair, replace(pair, freq_hz=100.0), stiffness=1e3, blades=9)
+    assert creep not in told(*away, replace(two, mu=0.3))
+    assert told(*away, contact).startswith("Closed contact diverges in 45-46 Hz, fastest at 30 Hz. ")
+
+
+def test_a_map_that_diverges_has_a_band():
+    assert ct.growth.stability(replace(PAIR, friction=0.0, lean_deg=0.0).contact(), [100.0, 200.0]).diverges

@@ -1,0 +1,255 @@
+"""Gaps and bodies before them, by numbers worked out by hand: rods, masses, clamped beams, disks, rims."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
+from contact.model.gaps.cantilever import Cantilever
+from contact.model.gaps.modal_system import point_system, rim_system
+from contact.model.gaps.one_tip import rub_of
+from contact.model.gaps.permanent import ModalPair
+from contact.model.gaps.rod_modes import chain_gap, rod_modes, side
+from tests.contact.synthetic_rim import blade, ring
+
+BEAM = Cantilever(length=0.4, width=0.03, height=0.004, E=70e9, rho=2700.0, zeta=0.02)
+ROD = {"length": 2.0, "area": 0.7, "E": 1.5, "rho": 1.2}
+
+
+def test_a_clamped_beam_gives_way_statically_as_a_whole():
+    """Tip force: L^3/(3 E I) at the tip; line load: L^4/(8 E I) there, and L^5/(20 E I) of its own work."""
+    EI, L = 70e9 * 0.03 * 0.004**3 / 12.0, 0.4
+    assert BEAM.EI == pytest.approx(EI, rel=1e-14)
+    assert BEAM.line_mass == pytest.approx(2700.0 * 0.03 * 0.004, rel=1e-14)
+    for count in (1, 6):
+        body = BEAM.modes(count)
+        whole = body.S + (body.rows / body.omega**2) @ body.rows.T
+        np.testing.assert_allclose(whole, np.array([[L**3 / 3, L**4 / 8], [L**4 / 8, L**5 / 20]]) / EI, rtol=1e-12)
+        assert body.zeta.tolist() == [0.02] * count
+        assert body.channels == ("tip", "uniform")
+    assert BEAM.modes().omega.size == 20
+    assert BEAM.modes(200).omega.size == 200
+    with pytest.raises(ct.InputError, match="modes: found 201, expected a whole number from 1 to 200"):
+        BEAM.modes(201)
+
+
+def test_shapes_of_a_clamped_beam_by_quadrature():
+    """cosh - cos - s (sinh - sin) of b x/L: 2 at the tip, up to its sign, and mean 2 s/b."""
+    b = np.array([1.8751040687119611, 4.694091132974174, 7.854757438237613])
+    body, x = BEAM.modes(3), (np.arange(20000) + 0.5) / 20000
+    for i, root in enumerate(b):
+        s = (math.sinh(root) - math.sin(root)) / (math.cosh(root) + math.cos(root))
+        shape = np.cosh(root * x) - np.cos(root * x) - s * (np.sinh(root * x) - np.sin(root * x))
+        tip = math.cosh(root) - math.cos(root) - s * (math.sinh(root) - math.sin(root))
+        norm = math.sqrt(BEAM.line_mass * 0.4 * np.mean(shape**2))
+        assert body.rows[:, i] == pytest.approx([tip / norm, 0.4 * shape.mean() / norm], rel=1e-6)
+        assert body.omega[i] == pytest.approx((root / 0.4) ** 2 * math.sqrt(BEAM.EI / BEAM.line_mass), rel=1e-12)
+
+
+def test_a_clamped_beam_before_its_stop():
+    gap = BEAM.before_stop(clearance=1e-3, load=50.0, velocity=0.3, modes=4)
+    (one,), body = gap.sides, BEAM.modes(4)
+    assert (one.sign, one.channel, one.body.omega.size) == (-1, "tip", 4)
+    assert one.load == pytest.approx(50.0 * body.rows[1], rel=1e-14)
+    assert one.velocity == pytest.approx(0.3 * BEAM.line_mass * body.rows[1], rel=1e-14)
+    assert gap.clearance == pytest.approx(1e-3 - 50.0 * body.S[0, 1], rel=1e-12)
+    still = BEAM.before_stop(clearance=1e-3)
+    assert not np.any(still.sides[0].load)
+    assert not np.any(still.sides[0].velocity)
+    assert (still.sides[0].body.omega.size, still.clearance) == (20, 1e-3)
+    assert BEAM.before_stop(clearance=0.0, load=50.0, modes=1).clearance == max(-50.0 * BEAM.modes(1).S[0, 1], 0.0)
+
+
+@pytest.mark.parametrize("name", ["length", "width", "height", "E", "rho"])
+def test_sizes_of_beams_are_above_zero(name):
+    with pytest.raises(ct.InputError, match=f"{name}: found 0.0"):
+        replace(BEAM, **{name: 0.0})
+
+
+@pytest.mark.parametrize("fixed", ["none", "right"])
+@pytest.mark.parametrize("end_mass", [0.0, 0.9])
+def test_modes_of_a_rod_solve_its_equation_and_leave_its_static_compliance(fixed, end_mass):
+    """Far end free or held; at the other E A u' = omega^2 m u of the mass there; unit mass by quadrature."""
+    rod = ct.Rod(**ROD, fixed=fixed, end_mass=end_mass)
+    body = rod_modes(rod, modes=5, zeta=0.03, end="left")
+    mass, EA, c = 1.2 * 0.7 * 2.0, 1.5 * 0.7, math.sqrt(1.5 / 1.2)
+    xi = (np.arange(4000) + 0.5) / 4000
+    assert body.zeta.tolist() == [0.03] * 5
+    beta = body.omega * 2.0 / c
+    for k, (b, omega) in enumerate(zip(beta, body.omega, strict=True)):
+        shape, slope = (np.cos, lambda x: -np.sin(x)) if fixed == "none" else (np.sin, np.cos)
+        assert EA * b / 2.0 * slope(b) == pytest.approx(omega**2 * end_mass * shape(b), abs=1e-9)
+        norm = math.sqrt(mass * np.mean(shape(b * xi) ** 2) + end_mass * shape(b) ** 2)
+        assert body.rows[0, k] == pytest.approx(shape(b) / norm, rel=1e-6)
+        assert body.recovery[0, k] == pytest.approx((1.0 if fixed == "none" else 0.0) / norm, rel=1e-6)
+        low = k * math.pi - (math.pi / 2.0 if fixed == "none" else 0.0)
+        assert low - 1e-9 <= b <= low + math.pi / 2.0 + 1e-9
+    elastic = body.omega > 0.0
+    assert elastic.tolist() == [fixed != "none", True, True, True, True]
+    many = rod_modes(rod, modes=4000, end="left")
+    whole = np.sum((many.rows[0, many.omega > 0.0] / many.omega[many.omega > 0.0]) ** 2)
+    kept = np.sum((body.rows[0, elastic] / body.omega[elastic]) ** 2)
+    assert body.S[0, 0] == pytest.approx(whole - kept, rel=5e-3)
+    assert rod_modes(rod, end="left").omega.size == 50
+    assert not rod_modes(rod, end="left").zeta.any()
+
+
+def test_channels_of_a_rod_are_its_free_end():
+    assert rod_modes(ct.Rod(**ROD, fixed="left"), modes=2).channels == ("right",)
+    assert rod_modes(ct.Rod(**ROD, fixed="right"), modes=2).channels == ("left",)
+    assert rod_modes(ct.Rod(**ROD), modes=2, end="right").channels == ("right",)
+    with pytest.raises(ct.InputError, match="expected a rod with one contact end"):
+        rod_modes(ct.Rod(**ROD), modes=2)
+
+
+@pytest.mark.parametrize("fixed", ["none", "right"])
+@pytest.mark.parametrize("end_mass", [0.0, 0.9])
+def test_a_rod_that_moves_as_a_whole_brings_its_momentum(fixed, end_mass):
+    rod = ct.Rod(**ROD, fixed=fixed, end_mass=end_mass, velocity=-0.4, x=3.0)
+    found = side(rod, "left", 1, modes=4, gravity=9.0)
+    beta, xi = found.body.omega * 2.0 / math.sqrt(1.25), (np.arange(4000) + 0.5) / 4000
+    tip = found.body.rows[0]
+    for k, b in enumerate(beta):
+        shape = np.cos(b * xi) / np.cos(b) if fixed == "none" else np.sin(b * xi) / np.sin(b)
+        momentum = tip[k] * (1.68 * shape.mean() + end_mass)
+        assert found.velocity[k] == pytest.approx(-0.4 * momentum, rel=1e-6, abs=1e-6)
+        assert found.load[k] == pytest.approx(-9.0 * momentum, rel=1e-6, abs=2e-5)
+    assert found.mass == pytest.approx(1.68 + end_mass)
+    assert found.potential == pytest.approx(9.0 * (1.68 * 4.0 + end_mass * 3.0))
+    assert (found.name, found.sign, found.channel) == ("rod", 1, "left")
+    if fixed == "none":
+        other = side(rod, "right", -1, modes=4, gravity=9.0)
+        assert other.potential == pytest.approx(9.0 * (1.68 * 4.0 + end_mass * 5.0))
+
+
+def test_a_mass_on_a_stretched_spring_at_a_gap():
+    mass = ct.PointMass(mass=4.0, x=2.0, velocity=-3.0, stiffness=36.0, anchor=1.5)
+    found = side(mass, "right", -1, modes=1, gravity=10.0)
+    assert found.body.omega.tolist() == [3.0]
+    assert (found.body.rows.tolist(), found.body.S.tolist(), found.body.zeta.tolist()) == ([[0.5]], [[0.0]], [0.0])
+    assert found.velocity.tolist() == [-6.0]
+    assert found.load.tolist() == [-20.0 - 9.0]
+    assert (found.mass, found.name, found.potential) == (4.0, "mass", 80.0 + 4.5)
+
+
+def test_a_chain_of_two_meets_between_them_and_a_wall_has_no_side():
+    low, high = ct.PointMass(mass=1.0, x=0.5), ct.PointMass(mass=2.0, x=0.75)
+    gap = chain_gap(ct.model.bodies.chain.assemble([high, low]), modes=3)
+    assert gap.clearance == 0.25
+    assert [(one.channel, one.sign, one.mass) for one in gap.sides] == [("right", -1, 1.0), ("left", 1, 2.0)]
+    alone = chain_gap(ct.model.bodies.chain.assemble([ct.Wall(), ct.Rod(**ROD, x=0.25)]), modes=3)
+    assert [(one.channel, one.sign, one.body.omega.size) for one in alone.sides] == [("left", 1, 3)]
+
+
+def test_sides_of_a_gap_are_one_system():
+    body = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.1, 0.2], channels=("x", "y"), rows=[[1.0, 2.0], [3.0, 4.0]],
+                        S=[[0.5, 0.1], [0.1, 0.25]])  # fmt: skip
+    one = ct.gaps.Side(body=body, channel="y", sign=-1, velocity=[5.0, 6.0], load=[7.0, 8.0], potential=2.0, mass=3.0)
+    gap = ct.PointGap(sides=(one, ct.gaps.Side(body=body, channel="x", sign=1, potential=0.5)), clearance=0.125)
+    found = point_system(gap)
+    assert found.Q.tolist() == [-3.0, -4.0, 1.0, 2.0]
+    assert (found.omega.tolist(), found.zeta.tolist()) == ([1.0, 2.0] * 2, [0.1, 0.2] * 2)
+    assert (found.load.tolist(), found.velocity.tolist()) == ([7.0, 8.0, 0.0, 0.0], [5.0, 6.0, 0.0, 0.0])
+    assert (found.first.tolist(), found.potential, found.masses[0]) == ([0, 2, 4], 2.5, 3.0)
+    assert (found.S_nn(0.3), found.clearance(0.3), found.S_nt(0.3), found.S_tt(0.3)) == (0.75, 0.125, 0.0, 0.0)
+    assert not found.compliance_turns
+    assert gap.load_response == 113.0
+    plain = ct.gaps.Side(body=body, channel="y", sign=1)
+    assert (plain.name, plain.potential, math.isnan(plain.mass)) == ("body", 0.0, True)
+    assert ct.PointGap(sides=(plain,)).clearance == 0.0
+    for name in ("velocity", "load"):
+        with pytest.raises(ct.InputError, match=name):
+            ct.gaps.Side(body=body, channel="y", sign=1, **{name: [1.0]})
+
+
+def test_rows_of_a_rim_by_the_waves_of_its_casing_and_the_lean_of_its_blade():
+    casing, point = ring(imperfect=0.05), blade()
+    rim = ct.RotatingRim(casing, point, clearance=2e-5, speed_hz=3.0, lean_deg=25.0, angle_deg=40.0,
+                         casing_velocity=np.arange(10.0), out_of_roundness=[{"p": 2, "sin": 3e-6}])  # fmt: skip
+    system, a, N = rim_system(rim), math.radians(25.0), 6
+    phi = np.array([0.3, -2.0])
+    Q, T = system.table.rows_at(phi)
+    for k, at in enumerate(phi):
+        waves = np.r_[1.0, np.cos(np.arange(1, N + 1) * at), np.sin(np.arange(1, N + 1) * at)]
+        span, flap = point.rows
+        normal = np.r_[waves @ casing.rows[:13], -(math.cos(a) * span + math.sin(a) * flap)]
+        tangent = np.r_[waves @ casing.rows[13:], -(math.cos(a) * flap - math.sin(a) * span)]
+        np.testing.assert_allclose(Q[k], normal, atol=1e-9)
+        np.testing.assert_allclose(T[k], tangent, atol=1e-9)
+        np.testing.assert_allclose(system.table.rows(at), [Q[k], T[k]], atol=1e-12)
+        of_blade = np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]])
+        own, E = of_blade @ point.S @ of_blade.T, np.kron(np.eye(2), waves)
+        S = E @ casing.S @ E.T + own
+        assert [p(at) for p in (system.S_nn, system.S_nt, system.S_tt)] == pytest.approx([S[0, 0], S[0, 1], S[1, 1]])
+        assert system.clearance(at) == pytest.approx(2e-5 + 3e-6 * math.sin(2 * at))
+    assert (system.speed, system.angle) == (pytest.approx(6.0 * math.pi), pytest.approx(math.radians(40.0)))
+    assert system.velocity.tolist() == [*np.arange(10.0), 0.0, 0.0]
+    assert (system.first.tolist(), system.radius, system.compliance_turns) == ([0, 10, 12], 0.45, True)
+    assert not rim_system(replace(rim, casing=ring())).compliance_turns
+    rub = rub_of(rim)
+    assert (rub.clearance, rub.speed.omega(1.0)) == (2e-5, pytest.approx(6.0 * math.pi))
+    assert (rub.tips[0].lean_deg, rub.tips[0].angle_deg) == (25.0, 40.0)
+    assert rub.casing_start.velocity.tolist() == np.arange(10.0).tolist()
+    assert rub_of(3.0) is None
+
+
+def test_a_disk_before_its_casing_in_two_dimensions():
+    casing = ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
+    disk = ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.02)
+    rub = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0, velocity=3.0)
+    theta = 2.0 * np.pi * np.arange(5) / 5
+    expected = 2.0 * np.stack([np.cos(2 * theta), np.sin(2 * theta)], axis=1)
+    np.testing.assert_allclose(rub.blades[0].rows[::2], expected, atol=1e-14)
+    np.testing.assert_allclose(rub.blades[0].omega, [240.0 * math.pi] * 2, rtol=1e-14)
+    assert rub.blades[0].zeta.tolist() == [0.02] * 2
+    assert not rub.blades[0].rows[1::2].any()
+    np.testing.assert_array_equal(rub.blades[0].S, np.eye(10) / 2e4)
+    assert [tip.angle_deg for tip in rub.tips] == pytest.approx([0.0, 72.0, 144.0, 216.0, 288.0])
+    assert [(tip.span, tip.flap, tip.track) for tip in rub.tips][3] == ("span3", "flap3", 0)
+    assert (rub.clearance, rub.speed.omega(0.0)) == (-1e-3, pytest.approx(14.0 * math.pi))
+    assert rub.casing_start.velocity.tolist() == [6.0, 0.0]
+    assert rub.casing.radius == 0.5
+    still = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0)
+    assert not still.casing_start.velocity.any()
+    rows = pair_rim(casing, radius=0.3).rows
+    expected = np.zeros((10, 2))
+    expected[[2, 4], [0, 1]], expected[[9, 7], [0, 1]] = 0.5, [-0.25, 0.25]
+    np.testing.assert_array_equal(rows, expected)
+    assert pair_rim(casing, radius=0.3).zeta.tolist() == [0.01, 0.01]
+    for blades, other in ((4, disk), (5, replace(disk, n=1))):
+        with pytest.raises(ct.InputError, match=r"expected the same n >= 1 and blades > 2 n"):
+            two_dimensional(casing, other, blades=blades, stiffness=2e4, press=1e-3, speed_hz=7.0)
+
+
+def test_a_disk_of_mistuned_blades_as_a_body():
+    disk = ct.BladedDisk(blades=3, freq_hz=100.0, modal_mass=0.25, coupling=0.3, mistuning=[0.0, 0.1, -0.2], zeta=0.01,
+                         compliance=3e-6, lean_deg=12.0)  # fmt: skip
+    own = np.array([1.0, 1.21, 0.64]) + 0.6
+    expected = (200.0 * math.pi) ** 2 * (np.diag(own) - 0.3 * (np.ones((3, 3)) - np.eye(3)))
+    np.testing.assert_allclose(disk.stiffness, expected, rtol=1e-12)
+    body = disk.body()
+    flaps = body.rows[1::2]
+    np.testing.assert_allclose(flaps @ np.diag(body.omega**2) @ flaps.T, 4.0 * expected, rtol=1e-9)
+    assert not body.rows[::2].any()
+    np.testing.assert_array_equal(body.S, 3e-6 * np.eye(6))
+    assert body.zeta.tolist() == [0.01] * 3
+    assert body.channels == ("span0", "flap0", "span1", "flap1", "span2", "flap2")
+    tips = disk.tips()
+    assert [(tip.span, tip.flap, tip.angle_deg, tip.lean_deg, tip.track) for tip in tips] == [
+        (f"span{j}", f"flap{j}", 120.0 * j, 12.0, 0) for j in range(3)
+    ]
+    plain = ct.BladedDisk(blades=3, freq_hz=100.0, modal_mass=0.25)
+    assert (plain.coupling, plain.zeta, plain.compliance, plain.lean_deg) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("freq_hz", 0.0), ("modal_mass", -1.0), ("coupling", -0.1), ("compliance", -1.0), ("zeta", -0.1),
+     ("lean_deg", math.nan), ("blades", 1)],
+)  # fmt: skip
+def test_disks_that_cannot_be_are_refused(name, value):
+    with pytest.raises(ct.InputError, match=f"{name}: found {value}"):
+        ct.BladedDisk(**{"blades": 3, "freq_hz": 100.0, "modal_mass": 0.25} | {name: value})
