@@ -124,8 +124,8 @@ def test_local_modes_peak_at_three_tenths_of_the_median_of_modes_in_the_band(exp
     """Damped .8 %, by 1/2, 1, 1/2 at three sensors in a ring, under each drive."""
     decay = 5.0 if exponential else 0.0
     found = made(fixture=4, exponential=exponential)
-    F, s = 2.0 * np.pi * found.truth.fixture_hz[:, None], 2j * np.pi * X + decay
-    own = np.sqrt((0.008 * decay) ** 2 + F**2 - decay**2) - 0.008 * decay  # |p - decay| = F
+    rate, s = 2.0 * np.pi * found.truth.fixture_hz[:, None], 2j * np.pi * X + decay
+    own = np.sqrt((0.008 * decay) ** 2 + rate**2 - decay**2) - 0.008 * decay  # |p - decay| = rate
     usual = np.median(np.abs(RESIDUES[:, 1:3]) / (2.0 * (ZETA * OMEGA**2)[1:3]))
     each = 0.3 * usual * 2.0 * 0.008 * own**2 / (s**2 + 2.0 * 0.008 * own * s + own**2) * s**2
     added = found.frfs.responses - exact(decay=decay)
