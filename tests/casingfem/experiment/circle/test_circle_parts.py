@@ -8,7 +8,7 @@ from scipy.linalg import subspace_angles
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import noise_beside, white_level
-from casingfem.experiment.circle.lines import clear_rate, closest, require_clear
+from casingfem.experiment.circle.lines import clear_rate, closest, line_frequencies, require_clear
 from casingfem.experiment.circle.orientation import Circle, antinode, harmonic
 from casingfem.experiment.circle.other_orders import reading, spread_of_others
 from casingfem.experiment.circle.record import ScanRecord, from_tacho
@@ -139,6 +139,11 @@ def test_the_spectrum_of_white_noise_is_its_variance():
     exact = [abs(np.sum(residual * window * np.exp(-2j * np.pi * k * np.arange(64) / 64))) ** 2 for k in range(33)]
     np.testing.assert_allclose(white_level(residual), np.array(exact) / np.sum(window**2), rtol=1e-9)
     assert white_level(3.0 * rng.normal(size=40_000)).mean() == pytest.approx(9.0, rel=0.03)
+
+
+def test_a_line_below_0_hz_stands_above_it():
+    assert line_frequencies([5.0], np.array([-3, 3]), 2.0).tolist() == [1.0, 11.0]
+    assert line_frequencies([5.0], np.array([1]), -2.0, runout=2).tolist() == [3.0, 0.0, 2.0, 4.0]
 
 
 def test_the_closest_lines_and_none_of_a_single_one():
