@@ -9,7 +9,7 @@ from scipy.linalg import subspace_angles
 from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import noise_beside, white_level
 from casingfem.experiment.circle.lines import clear_rate, closest, line_frequencies, require_clear
-from casingfem.experiment.circle.orientation import Circle, antinode, harmonic
+from casingfem.experiment.circle.orientation import Circle, antinode, harmonic, quadrature
 from casingfem.experiment.circle.other_orders import reading, spread_of_others
 from casingfem.experiment.circle.record import ScanRecord, from_tacho
 
@@ -88,6 +88,11 @@ def test_harmonics_are_ones_or_cosine_and_sine():
     np.testing.assert_allclose(harmonic(theta, 2), [[np.cos(0.4), np.sin(0.4)], [np.cos(2.0), np.sin(2.0)]])
 
 
+@pytest.mark.parametrize(("apart", "share"), [(0.0, 0.0), (90.0, 1.0), (180.0, 0.0), (-30.0, 0.5), (150.0, 0.5)])
+def test_antinodes_are_a_quarter_wave_apart_or_a_part_of_it(apart, share):
+    assert quadrature(0.3, 0.3 - np.radians(apart) / 5, 5) == pytest.approx(share, abs=1e-14)
+
+
 def test_a_reading_is_generalised_least_squares():
     rng = np.random.default_rng(SEED)
     own, half = rng.normal(size=(5, 2)), rng.normal(size=(5, 5))
@@ -108,6 +113,7 @@ def test_the_spread_of_other_orders_is_what_expectation_and_maximisation_leave_a
     order = np.array([0, 0, 1, 2, 2, 3, 4, 4])
     spread = spread_of_others(shape, own, np.eye(8), order, S)
     np.testing.assert_allclose(spread, np.diag(np.diag(spread)), atol=1e-15)
+    assert np.diag(spread).min() > 0.1
     inverse = np.linalg.inv(S + spread)
     P = inverse - inverse @ own @ np.linalg.inv(own.T @ inverse @ own) @ own.T @ inverse
     v = np.diag(spread)[[0, 2, 3, 5, 6]]
@@ -202,6 +208,7 @@ def test_a_record_comes_back_with_or_without_force(tmp_path):
         assert found.angle.tolist() == [0.5, 0.75, 1.25]
         assert (found.force is None) if force is None else (found.force.tolist() == force)
         assert found.seconds == 0.375
+        assert not given.velocity.flags.writeable
         assert found.rate == pytest.approx(0.75 / (2.0 * np.pi * 2.0) * 8.0, rel=1e-14)
 
 
