@@ -146,6 +146,17 @@ def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():
     assert "noise" not in quiet.card[-1]
 
 
+def test_run_out_adds_to_what_the_spot_sees():
+    asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 400.0, "seconds": 0.5, "seed": SEED}
+    still, out = (
+        scan(ring(), Turning(mirror=2.5, first_angle=0.4, runout=runout), [Tone(95.0)], **asked).record
+        for runout in ((), ((0.1, -0.3), (0.0, 0.2)))
+    )
+    theta = 0.4 + 2.0 * np.pi * 2.5 * np.arange(200) / 400.0
+    added = 0.1 * np.cos(theta) - 0.3 * np.sin(theta) + 0.2 * np.sin(2.0 * theta)
+    np.testing.assert_allclose(out.velocity - still.velocity, added, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("fs", "seconds", "taken"), [(4.0, 0.5, True), (4.0, 0.3, False), (0.0, 9.0, False), (-4.0, -9.0, False)]
 )
