@@ -113,9 +113,11 @@ def test_functions_stand_over_hertz_or_seconds(kind, axis, taken):
 
 def test_a_table_says_which_of_its_columns_lack_or_are_unknown(tmp_path):
     head = "# unit: m/N\nfreq_hz,response_point,response_direction,reference_point,reference_direction,real"
-    for header, words in ((head, r"column 'imag': found no such column; expected freq_hz,response_point,"),
-                          (head + ",imag,phase", "column 'phase': found an unknown column; expected freq_hz,"),
-                          (head.replace("freq_hz", "time_s") + ",imag", "column 'imag': found an unknown column")):  # fmt: skip
+    for header, words in (
+        (head, r"column 'imag': found no such column; expected freq_hz,response_point,"),
+        (head + ",imag,phase", "column 'phase': found an unknown column; expected freq_hz,"),
+        (head.replace("freq_hz", "time_s") + ",imag", "column 'imag': found an unknown column"),
+    ):
         (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * (header.count(",") + 1)) + "\n")
         with pytest.raises(InputError, match=words):
             read_frfs(tmp_path / "t.csv")
