@@ -153,7 +153,8 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
     )
     spread = np.hypot(*(sigma / np.maximum(size, 1e-300))) / (2.0 * n)
     total = float(size.sum())
-    slope = 2.0 * size[::-1] / max(total, 1e-300) ** 2  # of (down - up)/(down + up)
+    over = max(total, 1e-300)
+    relative = 2.0 * (size[::-1] / over) * (sigma / over)  # slopes of (down - up)/(down + up), times sigma
     return Wave(
         tone=tone,
         n=n,
@@ -162,9 +163,9 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
         phase_deg=phase,
         angle_deg=psi,
         angle_sigma_deg=float(min(np.degrees(spread), 180.0 / n)),
-        travelling=float((size[1] - size[0]) / max(total, 1e-300)),
-        travelling_sigma=float(np.hypot(*(slope * sigma))),
-        seen=bool(np.max(size / sigma) > SEEN),
+        travelling=float((size[1] - size[0]) / over),
+        travelling_sigma=float(np.hypot(*relative)),
+        seen=bool(np.any(size > SEEN * sigma)),
     )
 
 

@@ -69,6 +69,11 @@ def test_two_rows_of_n_4_are_a_doublet_within_15_per_cent_and_an_eighth_of_a_per
     assert len(found.groups()) == 2 - one
 
 
+def test_the_distance_of_two_rows_is_over_their_own_mean_whatever_lies_below():
+    assert [group.rows for group in table([50.0, 100.0, 116.2], n=4).groups()] == [(0,), (1, 2)]
+    assert [group.rows for group in table([100.0, 116.3, 900.0], n=4).groups()] == [(0,), (1,), (2,)]
+
+
 def test_rows_without_diameters_are_single_and_groups_ascend():
     found = table([30.0, 10.0, 10.1, 20.0, 20.1, 5.0], n=[3, 0, 0, 2, 2, -1])
     assert [group.rows for group in found.groups()] == [(5,), (1,), (2,), (3, 4), (0,)]
