@@ -204,8 +204,9 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     n = np.array(sorted({k for order in asked for k in (order, -order)}))
     require_clear(record.tones, n, record.rate, record.seconds, record.fs, runout)
     tones = np.asarray(record.tones)
-    omega = 2.0 * np.pi * np.r_[np.repeat(tones, len(n)), np.zeros(runout + (runout > 0))]
-    order = np.r_[np.tile(n, len(tones)), np.arange(1 if runout else 0, 0), np.arange(runout + 1 if runout else 0)]
+    turns = np.arange(runout + 1 if runout else 0)
+    omega = 2.0 * np.pi * np.r_[np.repeat(tones, len(n)), 0.0 * turns]
+    order = np.r_[np.tile(n, len(tones)), turns]
     fit = fit_lines(record, omega, order)
     shape = (len(tones), len(n))
     V, sigma, floor = (values[: len(tones) * len(n)].reshape(shape) for values in fit[:3])

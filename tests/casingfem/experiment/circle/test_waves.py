@@ -55,6 +55,27 @@ def test_a_record_without_motion_has_no_waves():
     assert "0 waves above 4 sigma of 3" in repr(found)
 
 
+@pytest.mark.parametrize(("asked", "n"), [(2, range(-2, 3)), ([3, 1], [-3, -1, 1, 3]), ([0, 2], [-2, 0, 2]), (0, [0])])
+def test_orders_are_all_up_to_one_or_those_named_both_ways_round(asked, n):
+    record = ScanRecord(fs=500.0, velocity=np.ones(1000), angle=turning(2.0, 500.0, 1000), tones=(50.0,))
+    assert demodulate(record, asked).n.tolist() == list(n)
+    for wrong in ([2, -1], -1, []):
+        with pytest.raises(InputError, match="expected numbers of nodal diameters, 0 or more"):
+            demodulate(record, wrong)
+
+
+@pytest.mark.parametrize("harmonics", [1, 3])
+def test_what_repeats_every_turn_is_fitted_beside_the_waves(harmonics):
+    """A mean and so many harmonics of it leave nothing; one more leaks."""
+    theta = turning(2.1, 500.0, 1000, first_angle=0.3)
+    tone = np.cos(2.0 * np.pi * 50.3 * np.arange(1000) / 500.0)
+    out = 0.7 + sum(np.cos(k * theta - 0.2 * k) for k in range(1, harmonics + 1))
+    record = ScanRecord(fs=500.0, velocity=tone + out, angle=theta, tones=(50.3,))
+    for fitted, exact in ((harmonics, True), (harmonics - 1, False)):
+        V = demodulate(record, 1, runout=fitted).V[0]
+        assert np.allclose(V, [0.0, 1.0, 0.0], rtol=0.0, atol=1e-9) == exact
+
+
 def scan(**changes):
     """A tone, or two, at the orders 0 and 2, with sigma .1."""
     V = np.asarray(changes.pop("V", [[1.0, 2.0, 3.0j], [4.0, 0.05, 6.0]]), complex)

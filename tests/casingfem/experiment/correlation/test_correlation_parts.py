@@ -50,7 +50,7 @@ def test_likeness_of_complex_shapes_takes_the_weight_on_both_sides():
 
 def test_where_shapes_differ_by_hand():
     a, b = rng().normal(size=(5, 3)), rng().normal(size=(5, 4))[:, 1:]
-    a[4] = 0.0
+    a[4], b[1, 0] = 0.0, 0.0
     found = comac(a, b)
     assert np.isnan(found[4])
     exact = [np.sum(np.abs(x * y)) ** 2 / (x @ x) / (y @ y) for x, y in zip(a[:4], b[:4], strict=True)]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.uff.set_58 import read_function
+from casingfem.experiment.uff.set_58 import read_function, read_function_header
 from casingfem.experiment.uff.split import BinaryHeader
 from tests.casingfem.experiment.uff.test_uff_sets import raw, refused, whole
 
@@ -28,6 +28,26 @@ def test_a_function_says_where_it_was_measured_and_what_its_axes_show():
     assert found.axes.abscissa == (18, (1, 2, 3), "frequency", "Hz")
     assert (found.x.tolist(), found.values.tolist(), found.step) == ([10.0, 10.5, 11.0], [1.0, 2.0, 3.0], 0.5)
     assert found.double is False
+
+
+def test_a_header_says_what_stands_below_it_and_where():
+    found = read_function_header(raw("58", function()))
+    assert (found.kind, found.points, found.start, found.step, found.binary) == (4, 3, 10.0, 0.5, False)
+    assert (found.line, found.fault) == (2, "")
+    values = np.ones(3, "<f4")
+    lines = function(values="", spacing=1)
+    for size, whole_ in ((12, True), (8, False)):
+        given = raw("58b", lines, binary=BinaryHeader("<", size), payload=values.tobytes()[:size])
+        found = read_function_header(given)
+        assert (found.points, found.binary, not found.fault) == (3, True, whole_)
+
+
+@pytest.mark.parametrize("points", [2, 3])
+def test_two_points_or_more_need_a_step(points):
+    wrong = raw("58", function(points=points, step=0.0))
+    refused(
+        read_function, wrong, "line 9, set 58 (functions): found the step 0 of an even abscissa; expected a step above"
+    )
 
 
 @pytest.mark.parametrize("kind", [0, 27])
