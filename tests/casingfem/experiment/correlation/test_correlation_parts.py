@@ -35,6 +35,17 @@ def test_a_subspace_mac_is_the_mean_squared_cosine_of_principal_angles(left, rig
     assert subspace_mac(A, B, M if weighted else None) == pytest.approx(exact, rel=1e-9)
 
 
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_planes_of_any_size_and_phase_have_their_likeness(size):
+    a, b = (rng().normal(size=(6, k)) + 1j * rng().normal(size=(6, k)) for k in (2, 3))
+    exact = np.mean(np.cos(subspace_angles(a, b)) ** 2)
+    assert subspace_mac(size * a, b) == pytest.approx(exact, rel=1e-9)
+    with pytest.raises(ValueError, match="linearly independent"):
+        subspace_mac(size * a[:, [0, 0]], b)
+    with pytest.raises(ValueError, match="same dofs, not 5 and 6"):
+        subspace_mac(a[:5], b)
+
+
 def test_likeness_of_complex_shapes_takes_the_weight_on_both_sides():
     a, b = (rng().normal(size=(4, k)) + 1j * rng().normal(size=(4, k)) for k in (2, 3))
     M = np.diag([1.0, 2.0, 5.0, 0.5])

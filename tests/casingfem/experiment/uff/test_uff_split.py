@@ -31,11 +31,6 @@ def test_a_mark_stands_in_the_first_six_columns(line, mark):
 def test_sets_have_their_lines_and_the_number_of_the_first():
     sets = split(text("", MARK, "   151", "a", " b ", MARK, "", MARK, "    18", "c", MARK) + b"\n", "f.uff")
     assert [(raw.number, raw.lines, raw.first) for raw in sets] == [("151", ("a", " b "), 4), ("18", ("c",), 10)]
-    assert sets[0].line(1, "text") == " b "
-    with pytest.raises(
-        InputError, match=r"f\.uff, line 6, set 151 \(header\): found the end of the set; expected text"
-    ):
-        sets[0].line(2, "text")
     assert split(text(MARK, "    18", "c", MARK).removesuffix(b"\n"), "f.uff")[0].lines == ("c",)
     assert split(text(MARK, "    18", "c", MARK).replace(b"\n", b"\r\n"), "f.uff")[0].lines == ("c",)
 
