@@ -5,6 +5,8 @@ import re
 import numpy as np
 import pytest
 from scipy.linalg import subspace_angles
+from scipy.stats import norm as normal
+from scipy.stats import t as student
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.fit import noise_beside, white_level
@@ -70,6 +72,23 @@ def test_the_sigma_of_a_pure_shape_is_that_of_its_noise():
     """sigma sqrt(2/N)/(n A)."""
     found = Circle.of(EVEN).label(2.0 * np.cos(4.0 * (EVEN - 0.2)), 0.01**2 * np.eye(24))
     assert found.sigma == pytest.approx(0.01 * np.sqrt(2.0 / 24) / (4 * 2.0), rel=2e-2)
+
+
+def test_the_interval_of_an_antinode_is_student_s_where_other_orders_turn_it():
+    """Freedom 10/(share of what is estimated)^2, by the orders up to 8 beyond the largest told."""
+    theta = EVEN[::2] + np.radians([0, 3, -2, 4, -4, 1, -3, 2, 4, -1, 3, -4])
+    shape = np.cos(3.0 * (theta - 0.2)) + 0.1 * np.cos(5.0 * theta) + 0.05 * np.sin(8.0 * theta)
+    C = np.diag(np.linspace(0.5, 1.5, 12)) * 1e-4
+    circle = Circle.of(theta)
+    rest = [harmonic(theta, m) for m in range(circle.n_max + 8) if m != 3]
+    order = np.concatenate([[k] * part.shape[1] for k, part in enumerate(rest)])
+    others = spread_of_others(shape, harmonic(theta, 3), np.hstack(rest), order, C)
+    read = reading(harmonic(theta, 3), others + 1e-4 * np.eye(12))
+    (angle, whole), (_, known) = (antinode(read @ shape, read @ part @ read.T, 3) for part in (C + others, C))
+    freedom = 10.0 / (1.0 - (known / whole) ** 2) ** 2
+    found = circle.label(shape, C)
+    assert found.angle == pytest.approx(angle, rel=1e-9)
+    assert found.sigma == pytest.approx(whole * student.ppf(0.975, freedom) / normal.ppf(0.975), rel=1e-6)
 
 
 def test_an_antinode_and_its_deviation_by_hand():

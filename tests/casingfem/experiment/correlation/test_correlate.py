@@ -205,6 +205,8 @@ def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
     np.testing.assert_allclose(a, np.repeat(HEIGHTS, 24), atol=1e-3)
     sensors = sensors_of(found, points, out)
     np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
+    assert sensors.labels.tolist() == list(range(1, 49))
+    assert sensors_on(casing, found.grid, points[:2], out[:2], [7, 7]).labels.tolist() == [7, 7]
     with pytest.raises(ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
         sensors_of(found, points * 1.2, out)
 

@@ -71,6 +71,7 @@ def test_sensors_of_an_imported_part_are_at_its_nearest_nodes_that_cells_use():
         found.distance, np.linalg.norm(points - mesh.points[found.nodes[:, 0]], axis=1), rtol=1e-12
     )
     assert found.labels.tolist() == [1, 2]
+    assert len(found) == 2
     assert found.weights.tolist() == [[1.0], [1.0]]
     assert np.isnan(found.a).all()
     assert np.isnan(found.b).all()
