@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
-from casingfem.experiment.frf.files import file_places, read_frfs, read_picks, read_places
+from casingfem.experiment.frf.files import file_places, read_coherence, read_frfs, read_picks, read_places
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import angles_of, form_of, radial_signs, sensor_grid
 from casingfem.experiment.uff.nodes import Nodes
@@ -109,6 +109,16 @@ def test_functions_stand_over_hertz_or_seconds(kind, axis, taken):
         InputError, match=rf"function 1 over 'NONE' in '{axis.unit}' \(kind {axis.kind}\); expected {words}"
     ):
         FrfSet.from_functions([given], kind)
+
+
+def test_kinds_of_functions_are_chosen_by_their_numbers(tmp_path):
+    """2, 3 auto and cross spectrum, 9, 10 power and energy density, 12 spectrum; 6, 26 ordinary, multiple coherence."""
+    (one,) = frfs(kind="spectrum", responses=[[1.0, 2.0, 3.0]]).functions()
+    every = [replace(one, kind=k, response=one.response._replace(node=k), values=one.values.real) for k in range(28)]
+    path = write_uff(tmp_path / "f.uff", functions=every)
+    assert FrfSet.from_uff(path, "spectrum").response_point.tolist() == [2, 3, 9, 10, 12]
+    assert FrfSet.from_uff(path).response_point.tolist() == [4]
+    assert read_coherence(path).response_point.tolist() == [6, 26]
 
 
 def test_a_table_says_which_of_its_columns_lack_or_are_unknown(tmp_path):
