@@ -150,6 +150,8 @@ def test_channels_are_sorted_by_sensor_and_reference():
     np.testing.assert_allclose(grid.theta, np.radians([90.0, 30.0]), rtol=1e-15)
     np.testing.assert_array_equal(grid.places, [[np.nan] * 3, [1.0, 2.0, 3.0]])
     assert radial_signs(grid).tolist() == [-1.0, 1.0]
+    assert radial_signs(sensor_grid(frfs(), None)).tolist() == [1.0]
+    assert not grid.channels.flags.writeable
     assert len(grid) == 2
     assert np.isnan(sensor_grid(given, None).theta).all()
     with pytest.raises(InputError, match="found no angle for point 9; expected an angle of every sensor"):
@@ -186,6 +188,8 @@ def test_a_form_that_is_said_counts_and_an_unknown_unit_is_refused():
         InputError, match=r"found unit 'Pa/N'; expected one such as \(m/s\^2\)/N, or form=receptance|mobi"
     ):
         form_of(frfs(unit="Pa/N"), None)
+    with pytest.raises(InputError, match="found form 'compliance'; expected receptance or mobility or accelerance"):
+        form_of(frfs(unit="m/N"), "compliance")
 
 
 def test_angles_of_places_are_about_z():
