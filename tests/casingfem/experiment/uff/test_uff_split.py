@@ -157,6 +157,8 @@ def test_a_user_of_nodes_that_are_not_there_is_named(tmp_path):
     assert parsed(tmp_path, line).lines[0].nodes.tolist() == [1, 0, 9]
     with pytest.raises(InputError, match=r"set 82 \(trace lines\): found node 9, not among the nodes of the file"):
         parsed(tmp_path, line, {"nodes": some([1, 2, 3])})
+    with pytest.raises(InputError, match="found node 1, not among"):
+        parsed(tmp_path, line, {"nodes": some([2, 3, 9])})
     with pytest.raises(InputError, match="found node 8 and 1 more, not among"):
         parsed(tmp_path, element(5, (1, 9, 8)), {"nodes": some([1, 2, 3])})
 
