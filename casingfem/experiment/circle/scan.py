@@ -153,7 +153,8 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
     )
     spread = np.hypot(*(sigma / np.maximum(size, 1e-300))) / (2.0 * n)
     total = float(size.sum())
-    slope = 2.0 * size[::-1] / max(total, 1e-300) ** 2  # of (down - up)/(down + up)
+    over = max(total, 1e-300)
+    relative = 2.0 * (size[::-1] / over) * (sigma / over)  # slopes of (down - up)/(down + up), times sigma
     return Wave(
         tone=tone,
         n=n,
@@ -162,9 +163,9 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
         phase_deg=phase,
         angle_deg=psi,
         angle_sigma_deg=float(min(np.degrees(spread), 180.0 / n)),
-        travelling=float((size[1] - size[0]) / max(total, 1e-300)),
-        travelling_sigma=float(np.hypot(*(slope * sigma))),
-        seen=bool(np.max(size / sigma) > SEEN),
+        travelling=float((size[1] - size[0]) / over),
+        travelling_sigma=float(np.hypot(*relative)),
+        seen=bool(np.any(size > SEEN * sigma)),
     )
 
 
@@ -203,8 +204,9 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     n = np.array(sorted({k for order in asked for k in (order, -order)}))
     require_clear(record.tones, n, record.rate, record.seconds, record.fs, runout)
     tones = np.asarray(record.tones)
-    omega = 2.0 * np.pi * np.r_[np.repeat(tones, len(n)), np.zeros(runout + (runout > 0))]
-    order = np.r_[np.tile(n, len(tones)), np.arange(1 if runout else 0, 0), np.arange(runout + 1 if runout else 0)]
+    turns = np.arange(runout + 1 if runout else 0)
+    omega = 2.0 * np.pi * np.r_[np.repeat(tones, len(n)), 0.0 * turns]
+    order = np.r_[np.tile(n, len(tones)), turns]
     fit = fit_lines(record, omega, order)
     shape = (len(tones), len(n))
     V, sigma, floor = (values[: len(tones) * len(n)].reshape(shape) for values in fit[:3])

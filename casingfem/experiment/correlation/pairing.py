@@ -103,7 +103,7 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
     taken = {mode for _, matched in found for mode in matched}
     rest = [mode for mode in range(len(modes.freq)) if mode not in taken]
     unlabelled.sort(key=lambda row: (table.freq_hz[row], row))
-    if shape_mac is None:
+    if cost.shapes is None:
         skipped = [SKIPPED if len(cost.slot_of[mode]) == 1 else 0.0 for mode in rest]
         singles: tuple[list[Indices], list[Indices]] = (
             [(row,) for row in unlabelled],
@@ -111,7 +111,7 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
         )
         found += align(*singles, cost, left_out=cost.left_out, skipped=skipped)
     else:
-        found += _assigned(unlabelled, rest, cost)
+        found += _assigned(unlabelled, rest, cost, cost.shapes)
     return _pairing(found, slots, cost)
 
 
@@ -182,14 +182,14 @@ def _slots(modes: ModeSet) -> list[Indices]:
     return sorted(singles + doublets, key=lambda slot: (float(modes.freq[list(slot)].mean()), slot))
 
 
-def _assigned(rows: Sequence[int], modes: Sequence[int], cost: _Cost) -> list[tuple[Indices, Indices]]:
+def _assigned(
+    rows: Sequence[int], modes: Sequence[int], cost: _Cost, shapes: FloatArray
+) -> list[tuple[Indices, Indices]]:
     """Assign rows to modes at the least total cost; as many spare columns as rows stand for no mode."""
     prices = np.full((len(rows), len(modes) + len(rows)), cost.left_out)
     for i, row in enumerate(rows):
         for j, mode in enumerate(modes):
-            prices[i, j] = cost((row,), (mode,)) + (
-                TIE * (1.0 - cost.shapes[row, mode]) if cost.shapes is not None else 0.0
-            )
+            prices[i, j] = cost((row,), (mode,)) + TIE * (1.0 - shapes[row, mode])
     chosen = zip(*assignment(prices), strict=True)
     return [((rows[i],), (modes[j],)) for i, j in chosen if j < len(modes)]
 

@@ -76,12 +76,6 @@ class RawSet:
         """The error for a line, counted from 0 below the set's number."""
         return InputError(self.path, where=self.name, line=self.first + index, found=found, expected=expected)
 
-    def line(self, index: int, meaning: str) -> str:
-        """One line, which must be there."""
-        if index >= len(self.lines):
-            raise self.error(len(self.lines), "the end of the set", meaning)
-        return self.lines[index]
-
 
 def named(number: str) -> str:
     """Set number and kind.

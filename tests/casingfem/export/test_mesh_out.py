@@ -153,7 +153,23 @@ def test_only_the_modes_chosen_are_written(folder):
     assert {name.split(".")[0][:8] for name in names} == {"mode_001", "mode_003"}
 
 
+def test_all_modes_are_written_if_none_are_named_in_four_phases_at_least(casing):
+    """Of each the shape, the series, and the pictures at its two ends and between."""
+    files = mode_files(casing, phases=4)
+    each = [f"mode_{k}{end}" for k in ("001", "002", "003", "004") for end in (".vtu", *PICTURES, ".pvd")]
+    assert list(files) == each
+
+
+PICTURES = ("_phase_00.vtu", "_phase_01.vtu", "_phase_02.vtu")
+
+
 def test_what_cannot_be_drawn_is_refused(casing):
+    with pytest.raises(ValueError, match="phases must be an even number of at least 4, found 2"):
+        mode_files(casing, phases=2)
+    with pytest.raises(ValueError, match="mode 0 is not among the 4"):
+        mode_files(casing, [-1])
+    with pytest.raises(ValueError, match="exaggeration must be positive, found inf"):
+        mode_files(casing, exaggeration=np.inf)
     with pytest.raises(ValueError, match="even number"):
         mode_files(casing, phases=7)
     with pytest.raises(ValueError, match="exaggeration"):

@@ -50,6 +50,8 @@ def test_each_mode_is_told_by_its_own_numbers():
     for k, shape in enumerate(shapes):
         assert shape.integers == (1, k + 1)
         assert shape.reals == (10.0 * (k + 1), 1.0, 0.0, 0.0)
+        # a structure's normal mode, three translations a node, displacements
+        assert (shape.model, shape.analysis, shape.characteristic, shape.quantity) == (1, 2, 2, 8)
         assert shape.nodes.tolist() == [11, 12, 13]
         assert shape.values.tolist() == [[18.0 * row + 3.0 * i + k for i in range(3)] for row in (4, 0, 2)]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.io.last_line import check_last_line
+from casingfem.io.last_line import check_last_line, fields, full, owner
 
 NODES = "*NODE\n1, 0.25, 1.50\n"
 GRIDS = "GRID    1               0.5     1.0     2.0\n"
@@ -67,3 +67,75 @@ def test_lines_that_may_be_cut_are_refused(case):
 def test_where_all_is_read_no_card_excuses_a_line():
     with pytest.raises(ModelError, match="cut short"):
         check_last_line("MAT1,1,2.+11", "a", abaqus=False, read=None)
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("1, 0.5,2.,, \t", ["1", " 0.5", "2."]),
+        ("GRID,1,,0.5,", ["GRID", "1", "", "0.5"]),
+        ("GRID    1               0.5     ", ["GRID", "1       ", "        ", "0.5     "]),
+        ("GRID\t12\t\t0.5", ["GRID", "12      ", "        ", "0.5"]),
+        ("GRID*   1                               0.5     ", ["GRID*", "1".ljust(16), " " * 16, "0.5     "]),
+        ("MAT1    *       0.5", ["MAT1", "*       ", "0.5"]),
+    ],
+)
+def test_fields_stand_between_commas_or_in_eight_or_sixteen_columns(line, found):
+    assert fields(line, abaqus=False) == found
+    assert fields("1, 0.5,2.,", abaqus=True) == ["1", " 0.5", "2."]
+
+
+@pytest.mark.parametrize(
+    ("line", "abaqus", "whole"),
+    [
+        ("GRID    1       -1.23456", False, True),
+        ("GRID    1       -1.2345", False, False),
+        ("GRID*   1               -1.234567890123", False, False),
+        ("GRID*   1               -1.2345678901234", False, True),
+        ("GRID*   1               -1.23456", False, False),
+        ("MAT1    *       -1.23456", False, True),
+        ("GRID\t1\t-1.23456", False, True),
+        ("GRID,1, ", False, True),
+        ("GRID,1\t", False, True),
+        ("GRID,1,", False, True),
+        ("GRID,1,2.", False, False),
+        ("GRID,1,2.345678,-1.23456", False, False),
+        ("1, 2.,-1.23456, 1.23456", True, False),
+        ("12345678", True, False),
+        ("1, 2.,", True, True),
+    ],
+)
+def test_a_last_number_is_whole_where_it_fills_its_columns_or_something_follows(line, abaqus, whole):
+    assert full(line, abaqus) == whole
+
+
+@pytest.mark.parametrize(
+    ("lines", "abaqus", "name"),
+    [
+        (["*Node,  NSET=a", "1, 2."], True, "NODE"),
+        (["*ELEMENT  OUTPUT", "1"], True, "ELEMENT OUTPUT"),
+        (["*NODE", "** *ELSET", "1"], True, "NODE"),
+        (["*NODE", "*ELSE"], True, ""),
+        (["*NODE", "*ELSET, A"], True, "ELSET"),
+        (["1, 2."], True, ""),
+        (["grid*   1", "+       2"], False, "GRID"),
+        (["GRID,1", "MAT1,1"], False, "MAT1"),
+        (["GRID,1", "MAT1"], False, ""),
+        (["GRID,1", "MAT1    "], False, "MAT1"),
+        (["ENDDATA", "GRID,1"], False, "ENDDATA"),
+        (["1", "+"], False, ""),
+        ([" *NODE", "1"], True, "NODE"),
+    ],
+)
+def test_a_last_line_belongs_to_the_keyword_or_card_above_unless_that_may_be_cut(lines, abaqus, name):
+    assert owner(lines, abaqus) == name
+
+
+@pytest.mark.parametrize(("columns", "whole"), [(72, True), (71, False)])
+def test_a_card_that_reaches_column_72_is_whole(columns, whole):
+    text = "$\n" + "GRID    1".ljust(columns - 2) + "x2"
+    if whole:
+        check_last_line(text, "a", abaqus=False, read=READ)
+        return
+    with pytest.raises(ModelError, match="cut short"):
+        check_last_line(text, "a", abaqus=False, read=READ)

@@ -1,10 +1,12 @@
 """Readers that loop, fill the memory or crash are found by a child, which hands over what it reads, if asked."""
 
+import io
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,6 +111,56 @@ def test_what_would_crash_the_parent_is_not_called_there(readers):
 def test_what_a_child_says_of_a_file(readers, reader, said):
     with pytest.raises(probe.UnreadableError, match=said):
         probe.arrays_of(readers, "handing_readers", reader)
+
+
+def raised(error):
+    """A reader that fails."""
+
+    def call(path):
+        raise error
+
+    return call
+
+
+def test_what_a_reader_returns_is_written_and_taken_up_whole():
+    stream, given = io.BytesIO(), {"b": np.eye(2), "a": np.array([1, 2]), "c": np.array(["x"])}
+    assert probe.give(stream, lambda path: given | {"path": str(path)}, Path("f.dat")) == 0
+    stream.seek(0)
+    found = probe.taken(stream)
+    assert list(found) == ["b", "a", "c", "path"]
+    for name, array in given.items():
+        np.testing.assert_array_equal(found[name], array)
+    assert found["path"].item() == "f.dat"
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (raised(ValueError("no K")), "no K"), (raised(IndexError()), "IndexError"),
+        (lambda path: {"a": np.ones(1), "K": np.array([None])}, "K is no array of numbers"),
+    ],
+)  # fmt: skip
+def test_what_a_reader_raises_is_written_too(call, said):
+    stream = io.BytesIO()
+    assert probe.give(stream, call, Path("f.dat")) == probe.REFUSED == 3
+    stream.seek(0)
+    with pytest.raises(probe.UnreadableError, match=f"^{said}$"):
+        probe.taken(stream)
+
+
+def test_a_reader_without_memory_says_nothing():
+    stream = io.BytesIO()
+    assert probe.give(stream, raised(MemoryError()), Path("f.dat")) == 1
+    assert stream.getvalue() == b""
+
+
+@pytest.mark.slow
+def test_bounds_grow_with_the_file(tmp_path):
+    """By a second for 20 MB, by 20 bytes of memory for a byte."""
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(50_000_000)
+    code, fault = probe.in_child("read", tmp_path / "large", "os", "fspath", subprocess.DEVNULL)
+    assert (code, fault) == (0, "its reader took more than 5.5 s or 2.5 GB, or crashed")
 
 
 def refuse(words):

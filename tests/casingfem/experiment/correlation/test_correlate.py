@@ -205,6 +205,8 @@ def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
     np.testing.assert_allclose(a, np.repeat(HEIGHTS, 24), atol=1e-3)
     sensors = sensors_of(found, points, out)
     np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
+    assert sensors.labels.tolist() == list(range(1, 49))
+    assert sensors_on(casing, found.grid, points[:2], out[:2], [7, 7]).labels.tolist() == [7, 7]
     with pytest.raises(ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
         sensors_of(found, points * 1.2, out)
 
@@ -350,3 +352,16 @@ def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
 def test_enhanced_comac_sees_neither_sign_nor_scale_of_a_shape():
     shapes = np.random.default_rng(4).standard_normal((6, 3))
     np.testing.assert_allclose(ecomac(shapes, shapes * [-1.0, 3.0, -0.2]), 0.0, atol=1e-15)
+
+
+def test_shapes_a_fifth_off_in_frequency_pair_and_no_others_unless_asked(casing, found):
+    points, out = placed(casing)
+    values = sensors_of(found, points, out).shapes(found.fields)[:, :1]
+    near, far = (
+        MeasuredShapes.from_arrays(freq_hz=factor * found.freq[:1], values=values, points=points, directions=out)
+        for factor in (0.84, 0.82)
+    )
+    assert len(correlate(found, near).pairing) == 1
+    with pytest.raises(InputError, match=r"no shape that pairs with a mode; expected one within 0\.2 of a"):
+        correlate(found, far)
+    assert len(correlate(found, far, reach=0.25).pairing) == 1

@@ -162,7 +162,14 @@ def test_a_circle_has_at_least_one_place():
     [
         ({"omega": [0.0]}, "above 0"),
         ({"omega": [9.0, 8.0], "rows": [[1.0, 1.0]]}, "ascending"),
-        ({"zeta": [2.0]}, "not per cent"),
+        ({"omega": [-1.0]}, "above 0"),
+        ({"omega": [], "rows": [[]]}, "at least one frequency"),
+        ({"omega": [np.inf]}, "omega: found nan or infinity"),
+        ({"zeta": [2.0]}, "zeta: found 2, expected damping ratios between 0 and 1, not per cent"),
+        ({"zeta": [1.0]}, "zeta: found 1, expected damping ratios"),
+        ({"zeta": [0.0]}, "zeta: found 0, expected damping ratios"),
+        ({"omega": [9.0, 9.5], "zeta": [0.5, -0.1], "rows": [[1.0, 1.0]]}, "zeta: found -0.1, expected damping ratios"),
+        ({"S": [[np.nan]]}, "S: found nan or infinity, expected finite numbers of shape"),
         ({"rows": [[1.0, 2.0]]}, r"shape \(1, 2\), expected finite numbers of shape \(1, 1\)"),
         ({"rows": [[np.nan]]}, "nan or infinity"),
         ({"rows": [1.0]}, r"expected \(probes, modes\)"),
@@ -172,6 +179,13 @@ def test_a_circle_has_at_least_one_place():
 def test_a_rig_that_cannot_be_is_refused(arrays, words):
     with pytest.raises(InputError, match=words):
         Rig.of(**({"omega": [9.0], "zeta": 0.01, "rows": [[1.0]]} | arrays))
+
+
+def test_a_rig_has_frequencies_in_hz_and_may_have_two_alike():
+    rig = Rig.of(omega=[9.0, 9.0], zeta=0.01, rows=[[1.0, 1.0]])
+    np.testing.assert_allclose(rig.freq, [9.0 / (2.0 * np.pi)] * 2, rtol=1e-15)
+    assert (len(rig), rig.S.tolist(), rig.probes) == (2, [[0.0]], (Probe(1, 0, (0.0, 0.0, 0.0), 0.0),))
+    assert not rig.rows.flags.writeable
 
 
 def test_what_cannot_be_asked_is_refused(casing, frustum, coarse):

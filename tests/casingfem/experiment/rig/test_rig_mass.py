@@ -7,7 +7,7 @@ import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.experiment.rig.mass import loaded
 from casingfem.experiment.rig.rig import Rig
-from casingfem.experiment.rig.structure import Place, circle, rig_of
+from casingfem.experiment.rig.structure import Place, circle, rig_of, towards
 from casingfem.structure.shell.assembly import assemble
 
 ANGLES = (0.2, 1.9)
@@ -77,6 +77,8 @@ def test_static_answers_do_not_feel_the_mass(bare):
 
 def test_bad_masses_are_refused():
     rig = Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0]])
+    with pytest.raises(InputError, match="expected 0 or more"):
+        Place(at=(0.0, 0.0), mass=np.inf)
     for mass in (-1.0, np.nan):
         with pytest.raises(InputError, match="masses of 0 kg or more"):
             loaded(rig, [0], [mass])
@@ -84,3 +86,42 @@ def test_bad_masses_are_refused():
             loaded(rig, [0, 0], [0.1, mass])
         with pytest.raises(InputError, match="expected 0 or more"):
             Place(at=(0.0, 0.0), mass=mass)
+
+
+def test_places_at_one_point_have_one_number_and_probes_their_points(bare):
+    places = [Place(at=(0.25, 0.1)), Place(at=(0.1, -2.0)), Place(at=(0.25, 0.1), direction="y")]
+    zeta = np.linspace(0.001, 0.002, 30)
+    rig = rig_of(bare, places, zeta=zeta, first=5)
+    assert [p.node for p in rig.probes] == [5, 6, 5]
+    assert [p.node for p in rig_of(bare, places[:2], zeta=0.1).probes] == [1, 2]
+    np.testing.assert_allclose([p.angle for p in rig.probes], [0.1, -2.0, 0.1], atol=1e-12)
+    x = np.real(bare.shell.geometry(np.array([0.25, 0.1]), np.array([0.1, -2.0])).surface.x).T
+    np.testing.assert_allclose([p.point for p in rig.probes], x[[0, 1, 0]], atol=1e-12)
+    np.testing.assert_array_equal(rig.zeta, zeta)
+    np.testing.assert_array_equal(rig.omega, bare.omega)
+    np.testing.assert_array_equal(rig.S, rig.S.T)
+
+
+def test_a_circle_of_sensors_goes_round_from_its_first_angle():
+    found = circle(0.2, 3, first_angle=0.5, direction="axial", mass=0.01)
+    assert [place.at[0] for place in found] == [0.2] * 3
+    np.testing.assert_allclose([place.at[1] for place in found], 0.5 + 2.0 * np.pi / 3.0 * np.arange(3), rtol=1e-14)
+    assert {(place.direction, place.mass) for place in found} == {("axial", 0.01)}
+    assert {(place.direction, place.mass) for place in circle(0.2, 2)} == {("radial", 0.0)}
+
+
+C, S = np.cos(0.3), np.sin(0.3)
+TOWARDS = {  # vector, its number on a closed casing and on an open part
+    "radial": ([C, S, 0.0], 1, 0), "hoop": ([-S, C, 0.0], 2, 0), "axial": ([0.0, 0.0, 1.0], 3, 3),
+    "x": ([1.0, 0.0, 0.0], 0, 1), "y": ([0.0, 1.0, 0.0], 0, 2), "z": ([0.0, 0.0, 1.0], 3, 3),
+    "normal": ([0.6, 0.0, 0.8], 0, 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("direction", TOWARDS)
+def test_a_direction_is_its_unit_vector_and_its_number(direction):
+    vector, closed, open_ = TOWARDS[direction]
+    for periodic, code in ((True, closed), (False, open_)):
+        unit, number = towards(direction, 0.3, np.array([0.6, 0.0, 0.8]), closed=periodic)
+        np.testing.assert_allclose(unit, vector, rtol=1e-15)
+        assert number == code

@@ -93,6 +93,7 @@ def test_noise_has_variance_one_and_its_share_in_common():
     alike = np.abs(noise @ noise.conj().T) / 40000
     np.testing.assert_allclose(alike, np.kron(np.eye(2), [[1.0, 0.3], [0.3, 1.0]]), atol=0.02)
     assert np.var(noise.real) == pytest.approx(0.5, rel=0.02)
+    assert abs(np.mean(noise**2)) < 0.02  # real and imaginary parts have nothing in common
 
 
 def test_coherence_and_peaks_say_how_large_the_noise_is():

@@ -1,0 +1,244 @@
+"""Sets of functions and their channels: abscissas, units, places, forms, each refusal in words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.files import file_places, read_coherence, read_frfs, read_picks, read_places
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.frf.sensor_grid import angles_of, form_of, radial_signs, sensor_grid
+from casingfem.experiment.uff.nodes import Nodes
+from casingfem.experiment.uff.set_58 import Axes, Axis
+from casingfem.experiment.uff.write import write_uff
+
+
+def frfs(**changes):
+    given = {"kind": "frf", "x": [10.0, 20.0, 40.0], "responses": [[1.0, 2.0, 3.0j]], "unit": "m/N"}
+    return FrfSet.from_arrays(**given | changes)
+
+
+def test_places_of_one_number_are_those_of_every_channel_and_0_if_nothing_is_said():
+    found = frfs(responses=np.ones((2, 3)), response_point=7, reference_direction=[1, -2])
+    assert found.response_point.tolist() == [7, 7]
+    assert found.reference_direction.tolist() == [1, -2]
+    assert found.response_direction.tolist() == found.reference_point.tolist() == [0, 0]
+    assert (found.card, found.path, len(found)) == ((), "functions", 2)
+    assert found.responses.dtype == complex
+    assert frfs(kind="time", responses=[1, 2, 3]).responses.dtype == float
+    assert not found.x.flags.writeable
+
+
+@pytest.mark.parametrize(("value", "whole"), [(3.0, True), (3.5, False), (9e14, True), (1e15, False), (np.nan, False)])
+def test_places_are_whole_numbers(value, whole):
+    if whole:
+        assert frfs(response_point=np.array([value])).response_point.tolist() == [int(value)]
+        return
+    with pytest.raises(InputError, match="found response_point that are not whole numbers; expected those of points"):
+        frfs(response_point=np.array([value]))
+
+
+def test_which_numbers_are_none_is_counted():
+    bad = np.ones((3, 3))
+    bad[0, 1] = bad[2, 1] = bad[2, 2] = np.inf
+    with pytest.raises(InputError, match="infinity in 2 of 3 channels, on 2 of 3 lines, first at 20; expected finite"):
+        frfs(responses=bad)
+
+
+@pytest.mark.parametrize(
+    ("x", "step"),
+    [
+        ([10.0, 10.5, 11.0], 0.5), ([10.0, 20.0, 40.0], 0.0), ([10.0], 0.0),
+        (0.25 * np.array([0, 1, 2 + 0.9e-9]), 0.25),
+        (0.25 * np.array([0, 1, 2 + 1.1e-9]), 0.0), (40.0 * np.array([0, 1, 2 + 1.1e-9]), 0.0),
+    ],
+)  # fmt: skip
+def test_an_abscissa_is_even_where_its_steps_are_to_a_billionth(x, step):
+    (found,) = frfs(x=x, responses=np.ones((1, len(x)))).functions()
+    assert found.step == pytest.approx(step, rel=1e-8)
+    assert found.double
+    assert not frfs(x=x, responses=np.ones((1, len(x)))).functions(double=False)[0].double
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "axis"),
+    [("frf", 4, (18, "frequency", "Hz")), ("spectrum", 12, (18, "frequency", "Hz")), ("time", 1, (17, "time", "s"))],
+)
+def test_functions_say_their_kind_their_places_and_their_axes(kind, number, axis):
+    first, second = frfs(
+        kind=kind, responses=[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], response_point=[3, 4], response_direction=[-1, 2],
+        reference_point=[5, 6], reference_direction=[3, -3],
+    ).functions()  # fmt: skip
+    assert (first.kind, second.kind) == (number, number)
+    assert (first.response, first.reference) == (("", 3, -1), ("", 5, 3))
+    assert (second.response, second.reference) == (("", 4, 2), ("", 6, -3))
+    for each, values in ((first, [1.0, 2.0, 3.0]), (second, [4.0, 5.0, 6.0])):
+        assert (each.axes.abscissa.kind, each.axes.abscissa.label, each.axes.abscissa.unit) == axis
+        assert each.axes.ordinate == Axis(label="response", unit="m/N")
+        assert (each.x.tolist(), each.values.tolist()) == ([10.0, 20.0, 40.0], values)
+
+
+@pytest.mark.parametrize(
+    ("above", "below", "unit"),
+    [("m/s^2", "N", "(m/s^2)/(N)"), ("m", "NONE", "m"), ("None", "N", "(1)/(N)"), ("NONE", "none", ""), ("", "", "")],
+)
+def test_a_unit_is_that_of_the_ordinate_over_its_denominator(above, below, unit):
+    (function,) = frfs().functions()
+    axes = function.axes._replace(ordinate=Axis(unit=above), denominator=Axis(unit=below))
+    assert FrfSet.from_functions([replace(function, axes=axes)], "frf").unit == unit
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "taken"),
+    [
+        ("frf", Axis(18, unit="Hz"), True), ("frf", Axis(0, unit="HZ"), True), ("frf", Axis(18, unit="NONE"), True),
+        ("frf", Axis(18, unit=""), True), ("frf", Axis(17, unit="Hz"), False), ("frf", Axis(18, unit="s"), False),
+        ("frf", Axis(18, unit="rpm"), False), ("time", Axis(17, unit="sec"), True), ("time", Axis(0, unit="s"), True),
+        ("time", Axis(18, unit="s"), False), ("time", Axis(17, unit="Hz"), False),
+    ],
+)  # fmt: skip
+def test_functions_stand_over_hertz_or_seconds(kind, axis, taken):
+    (function,) = frfs(kind=kind, responses=[[1.0, 2.0, 3.0]]).functions()
+    given = replace(function, axes=Axes(axis, function.axes.ordinate))
+    if taken:
+        assert len(FrfSet.from_functions([given], kind)) == 1
+        return
+    words = "frequency in Hz" if kind == "frf" else "time in s"
+    with pytest.raises(
+        InputError, match=rf"function 1 over 'NONE' in '{axis.unit}' \(kind {axis.kind}\); expected {words}"
+    ):
+        FrfSet.from_functions([given], kind)
+
+
+def test_kinds_of_functions_are_chosen_by_their_numbers(tmp_path):
+    """2, 3 auto and cross spectrum, 9, 10 power and energy density, 12 spectrum; 6, 26 ordinary, multiple coherence."""
+    (one,) = frfs(kind="spectrum", responses=[[1.0, 2.0, 3.0]]).functions()
+    every = [replace(one, kind=k, response=one.response._replace(node=k), values=one.values.real) for k in range(28)]
+    path = write_uff(tmp_path / "f.uff", functions=every)
+    assert FrfSet.from_uff(path, "spectrum").response_point.tolist() == [2, 3, 9, 10, 12]
+    assert FrfSet.from_uff(path).response_point.tolist() == [4]
+    assert read_coherence(path).response_point.tolist() == [6, 26]
+
+
+def test_a_table_says_which_of_its_columns_lack_or_are_unknown(tmp_path):
+    head = "# unit: m/N\nfreq_hz,response_point,response_direction,reference_point,reference_direction,real"
+    for header, words in (
+        (head, r"column 'imag': found no such column; expected freq_hz,response_point,"),
+        (head + ",imag,phase", "column 'phase': found an unknown column; expected freq_hz,"),
+        (head.replace("freq_hz", "time_s") + ",imag", "column 'imag': found an unknown column"),
+    ):
+        (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * (header.count(",") + 1)) + "\n")
+        with pytest.raises(InputError, match=words):
+            read_frfs(tmp_path / "t.csv")
+    (tmp_path / "t.csv").write_text(head + ",imag\n10,4,1,5,-3,,\n20,4,1,5,-3,1.5,-2\n")
+    found = read_frfs(tmp_path / "t.csv")
+    np.testing.assert_array_equal(found.responses, [[np.nan, 1.5 - 2.0j]])
+    assert (found.kind, found.response_point.tolist(), found.reference_direction.tolist()) == ("frf", [4], [-3])
+
+
+def test_channels_are_sorted_by_sensor_and_reference():
+    """Two sensors, one of them turned over, by two references; channels in any order."""
+    given = frfs(
+        responses=np.ones((4, 3)), response_point=[9, 3, 9, 3], response_direction=[1, -1, 1, -1],
+        reference_point=[5, 5, 4, 4], reference_direction=[3, 3, 3, 3],
+    )  # fmt: skip
+    grid = sensor_grid(given, {3: 90.0, 9: 30.0}, {9: [1.0, 2.0, 3.0]})
+    assert (grid.points.tolist(), grid.directions.tolist()) == ([3, 9], [-1, 1])
+    assert grid.references.tolist() == [[4, 3], [5, 3]]
+    assert grid.channels.tolist() == [[3, 1], [2, 0]]
+    np.testing.assert_allclose(grid.theta, np.radians([90.0, 30.0]), rtol=1e-15)
+    np.testing.assert_array_equal(grid.places, [[np.nan] * 3, [1.0, 2.0, 3.0]])
+    assert radial_signs(grid).tolist() == [-1.0, 1.0]
+    assert radial_signs(sensor_grid(frfs(), None)).tolist() == [1.0]
+    assert not grid.channels.flags.writeable
+    assert len(grid) == 2
+    assert np.isnan(sensor_grid(given, None).theta).all()
+    with pytest.raises(InputError, match="found no angle for point 9; expected an angle of every sensor"):
+        sensor_grid(given, {3: 90.0})
+    with pytest.raises(InputError, match="found no angle for point 3"):
+        sensor_grid(given, {3: np.inf, 9: 30.0})
+    with pytest.raises(
+        InputError, match="found channels 2 and 4 from the same sensor to the same reference; expected ea"
+    ):
+        sensor_grid(replace(given, reference_point=[5, 5, 4, 5]), None)
+    some = frfs(responses=np.ones((3, 3)), response_point=[9, 3, 9], reference_point=[5, 5, 4])
+    with pytest.raises(
+        InputError, match="found no channel from point 3 to reference 4; expected every sensor with every"
+    ):
+        sensor_grid(some, None)
+
+
+FORMS = {
+    "m/N": 0, "mm/kN": 0, "(um)/(N)": 0, "m/s/N": 1, "(m/sec)/N": 1, "(m/s^2)/N": 2, "g/N": 2, "G / lbf": 2,
+    "m/s**2/mN": 2,
+    "1/N*m/s2": 2, "m/s²/V": 2, "m/sec2/N": 2, "": None, "1": None, "none": None, "m": 0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", FORMS)
+def test_a_unit_says_how_many_derivatives_a_response_is_above_a_receptance(unit):
+    assert form_of(frfs(unit=unit), None) == FORMS[unit]
+
+
+def test_a_form_that_is_said_counts_and_an_unknown_unit_is_refused():
+    for form, power in (("receptance", 0), ("mobility", 1), ("accelerance", 2)):
+        assert form_of(frfs(unit="Pa/N"), form) == power
+    with pytest.raises(
+        InputError, match=r"found unit 'Pa/N'; expected one such as \(m/s\^2\)/N, or form=receptance|mobi"
+    ):
+        form_of(frfs(unit="Pa/N"), None)
+    with pytest.raises(InputError, match="found form 'compliance'; expected receptance or mobility or accelerance"):
+        form_of(frfs(unit="m/N"), "compliance")
+
+
+def test_angles_of_places_are_about_z():
+    found = angles_of({4: np.array([0.0, 2.0, 9.0]), 7: np.array([-1.0, 0.0, 1.0]), 8: np.array([1.0, -1.0, 0.0])})
+    assert found == {4: pytest.approx(90.0), 7: pytest.approx(180.0), 8: pytest.approx(-45.0)}
+
+
+def test_places_of_a_universal_file_are_those_off_its_axis(tmp_path):
+    points = np.array([[0.0, 0.0, 3.0], [0.0, 1e-9, 4.0]])
+    for rows in (1, 2):
+        nodes = Nodes(
+            labels=np.array([5, 7])[:rows], points=points[:rows], systems=np.zeros(rows), motions=np.zeros(rows)
+        )
+        found = file_places(write_uff(tmp_path / "f.unv", nodes=nodes))
+        assert (found is None) == (rows == 1)
+    assert list(found) == [5, 7]
+    np.testing.assert_array_equal(found[7], points[1])
+    assert file_places(write_uff(tmp_path / "g.uff", functions=frfs().functions())) is None
+    assert file_places(tmp_path / "f.csv") is None
+
+
+def test_points_have_one_angle_each_and_picks_a_column(tmp_path):
+    file = tmp_path / "p.csv"
+    file.write_text("point,angle_deg\n4,90\n7,30\n")
+    assert read_places(file) == ({4: 90.0, 7: 30.0}, None)
+    file.write_text("point,angle_deg\n4,90\n7,30\n4,91\n")
+    with pytest.raises(InputError, match=r"p\.csv, line 4, column 'point': found 4 again; expected each point once"):
+        read_places(file)
+    file.write_text("point,angle_deg,z_m\n4,90,1\n")
+    with pytest.raises(
+        InputError, match="line 1: found point,angle_deg,z_m; expected point,angle_deg, or point,angle_de"
+    ):
+        read_places(file)
+    file.write_text("mode,freq_hz\n4,90.5\n5,91\n")
+    assert read_picks(file).tolist() == [90.5, 91.0]
+    file.write_text("mode,freq\n4,90.5\n")
+    with pytest.raises(InputError, match="line 1: found mode,freq; expected a column freq_hz"):
+        read_picks(file)
+    with pytest.raises(InputError, match=r"found ending '\.txt'; expected one of \.uff, "):
+        read_frfs(tmp_path / "f.txt")
+
+
+@pytest.mark.parametrize("ending", [".uff", ".UNV", ".uf", ".ufb", ".npz", ".csv"])
+def test_responses_are_read_by_the_ending_of_their_file(ending, tmp_path):
+    path, given = tmp_path / f"f{ending}", frfs()
+    if ending == ".npz":
+        given.save(path)
+    elif ending == ".csv":
+        given.to_csv(path)
+    else:
+        write_uff(path, functions=given.functions(), binary=True)
+    np.testing.assert_array_equal(read_frfs(path).responses, given.responses)

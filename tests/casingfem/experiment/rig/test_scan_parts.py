@@ -1,0 +1,188 @@
+"""Parts of a scan on the rig against sums written out: harmonics of a circle, waves, forces in space, the record."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError
+from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.scan import Tone, Turning, circle_content, in_space, scan, velocity_at_spot
+
+SEED = 5120
+OMEGA, ZETA = 2.0 * np.pi * np.array([90.0, 104.0]), np.array([0.01, 0.03])
+CIRCLE, DRIVE = [1, 2, 3, 4, 5], 0
+THETA = 0.3 + 2.0 * np.pi * np.arange(5) / 5
+WRAPPED = np.mod(THETA + np.pi, 2.0 * np.pi) - np.pi
+ORDERS = np.arange(-2, 3)
+
+
+def ring(angles=WRAPPED):
+    """A probe inside a ring of five, two modes of no symmetry, and what they leave out."""
+    rng = np.random.default_rng(SEED)
+    half = rng.normal(size=(6, 6))
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(np.r_[0.0, angles])]
+    return Rig.of(omega=OMEGA, zeta=ZETA, rows=rng.normal(size=(6, 2)), S=1e-6 * half @ half.T, probes=probes)
+
+
+def waves(rig, freq, forces):
+    """V_n = i omega/P sum_p e^(-i n theta_p) u_p under complex forces at probes, (orders,)."""
+    omega = 2.0 * np.pi * freq
+    H = (rig.rows / (OMEGA**2 - omega**2 + 2j * ZETA * OMEGA * omega)) @ rig.rows.T + rig.S
+    moved = H[CIRCLE] @ forces
+    return np.array([1j * omega * np.mean(np.exp(-1j * n * THETA) * moved) for n in ORDERS])
+
+
+def at(probes, forces):
+    """Forces at some probes, none elsewhere."""
+    whole = np.zeros(6, complex)
+    whole[probes] = forces
+    return whole
+
+
+@pytest.mark.parametrize(("count", "last"), [(3, 1), (4, 1), (5, 2), (6, 2), (7, 3)])
+def test_a_circle_has_the_orders_that_its_probes_tell(count, last):
+    theta = -2.0 + 2.0 * np.pi * np.arange(count) / count
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(np.angle(np.exp(1j * a)))) for k, a in enumerate(theta)]
+    rig = Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((count, 1)), probes=probes)
+    n, transform = circle_content(rig, range(count))
+    assert n.tolist() == list(range(-last, last + 1))
+    shapes = np.exp(1j * np.multiply.outer(theta, n))
+    np.testing.assert_allclose(transform @ shapes, np.eye(len(n)), atol=1e-12)
+
+
+@pytest.mark.parametrize(("off", "even"), [(0.9e-9, True), (1.1e-9, False), (-1.1e-9, False)])
+def test_probes_may_be_uneven_by_round_off_alone(off, even):
+    rig = ring(WRAPPED + np.array([0.0, 0.0, off, 0.0, 0.0]))
+    if even:
+        circle_content(rig, CIRCLE)
+        return
+    with pytest.raises(InputError, match="found 5 probes at uneven angles, expected 3 or more"):
+        circle_content(rig, CIRCLE)
+
+
+def test_two_probes_make_no_circle():
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), k * np.pi) for k in range(2)]
+    rig = Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((2, 1)), probes=probes)
+    with pytest.raises(InputError, match="found 2 probes at uneven angles"):
+        circle_content(rig, [0, 1])
+
+
+def test_a_scan_is_what_a_spot_sees_of_the_waves_of_its_shaker():
+    """Two tones, given from above; without a word there is neither noise nor wander, and 1 N in phase."""
+    rig, turn = ring(), Turning(mirror=2.5, casing=0.7)
+    found = scan(rig, turn, [Tone(101.0, 3.0, 0.4), Tone(95.0)], circle=CIRCLE, drive=DRIVE, fs=500.0, seconds=0.3,
+                 seed=SEED)  # fmt: skip
+    V = np.array([waves(rig, 95.0, at(0, 1.0)), waves(rig, 101.0, at(0, 3.0 * np.exp(0.4j)))])
+    assert found.n.tolist() == ORDERS.tolist()
+    assert found.record.tones == (95.0, 101.0)
+    np.testing.assert_allclose(found.V, V, rtol=1e-10)
+    t = np.arange(150) / 500.0
+    theta = 2.0 * np.pi * 1.8 * t
+    seen = sum(
+        np.real(v * np.exp(1j * (2.0 * np.pi * f * t + n * theta)))
+        for f, row in zip((95.0, 101.0), V, strict=True) for v, n in zip(row, ORDERS, strict=True)
+    )  # fmt: skip
+    np.testing.assert_allclose(found.record.velocity, seen, rtol=1e-9, atol=1e-12 * np.abs(seen).max())
+    np.testing.assert_allclose(found.record.angle, theta, rtol=1e-12)
+    assert found.record.card[0].startswith("SYNTHETIC")
+    assert "1.12 Hz" in found.record.card[-1]  # 1.6 x .7
+
+
+@pytest.mark.parametrize(("highest", "last"), [(None, 2), (2, 2), (1, 1), (0, 0)])
+def test_a_force_in_space_is_its_harmonics_each_at_a_frequency_of_its_own(highest, last):
+    """At the angle .6 - 2 pi W t it is sum_m F e^(i m .6) e^(i (omega - 2 pi m W) t) e^(-i m theta_p)/P at the probes.
+
+    Two tones that are W apart meet: what they make adds up.
+    """
+    rig, turn = ring(), Turning(mirror=3.0, casing=0.25)
+    tones = [Tone(97.0, 2.0, -0.3), Tone(97.25, 0.5)]
+    felt = in_space(rig, CIRCLE, turn, tones, CIRCLE, 0.6, highest)
+    exact = {}
+    for tone in tones:
+        for m in range(-last, last + 1):
+            force = tone.amplitude * np.exp(1j * (tone.phase + 0.6 * m)) * np.exp(-1j * m * THETA) / 5.0
+            freq = tone.freq - 0.25 * m
+            exact[freq] = exact.get(freq, 0.0) + waves(rig, freq, at(CIRCLE, force))
+    assert sorted(felt) == sorted(exact)
+    assert len(felt) == 2 * last + 2
+    for freq, wave in exact.items():
+        np.testing.assert_allclose(felt[freq], wave, rtol=1e-9)
+
+
+def test_a_scan_with_a_force_in_space_begins_at_its_angle():
+    rig, turn = ring(), Turning(mirror=3.0, casing=0.25)
+    asked = {"circle": CIRCLE, "drive_circle": CIRCLE, "fs": 500.0, "seconds": 0.1, "seed": SEED}
+    for more, angle, highest in (({}, 0.0, None), ({"drive_angle": 0.6, "highest": 1}, 0.6, 1)):
+        found = scan(rig, turn, [Tone(97.0)], **asked, **more)
+        felt = in_space(rig, CIRCLE, turn, [Tone(97.0)], CIRCLE, angle, highest)
+        assert found.record.tones == tuple(sorted(felt))
+        np.testing.assert_array_equal(found.V, [felt[freq] for freq in sorted(felt)])
+
+
+def test_frequencies_that_differ_by_round_off_are_one():
+    """.3 - .1 is not .2 to the last bit."""
+    felt = in_space(ring(), CIRCLE, Turning(mirror=3.0, casing=0.1), [Tone(90.3), Tone(90.2)], CIRCLE, 0.0, 1)
+    assert sorted(felt) == [90.1, 90.2, 90.3, 90.4]
+
+
+def test_a_spot_sees_each_wave_at_its_own_angle():
+    rng = np.random.default_rng(SEED)
+    V = rng.normal(size=(2, 4)) + 1j * rng.normal(size=(2, 4))
+    n, freq, angle = np.arange(-1, 3), np.array([7.0, 9.5]), np.cumsum(rng.uniform(-0.2, 0.4, 60))
+    t = np.arange(60) / 40.0
+    seen = np.array([
+        np.real(sum(V[k, j] * np.exp(1j * (2.0 * np.pi * freq[k] * t[i] + n[j] * angle[i]))
+                    for k in range(2) for j in range(4)))
+        for i in range(60)
+    ])  # fmt: skip
+    np.testing.assert_allclose(velocity_at_spot(V, freq, n, angle, 40.0), seen, atol=1e-12)
+
+
+def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():
+    asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 4000.0, "seconds": 2.0, "seed": SEED}
+    quiet, loud = (scan(ring(), Turning(mirror=2.5), [Tone(95.0)], snr_db=snr, **asked).record for snr in (None, 26.0))
+    added = loud.velocity - quiet.velocity
+    assert np.std(added) / np.std(quiet.velocity) == pytest.approx(10.0 ** (-26.0 / 20.0), rel=0.03)
+    assert loud.card[-1] == "noise: 26 dB below the rms"
+    assert "noise" not in quiet.card[-1]
+
+
+def test_run_out_adds_to_what_the_spot_sees():
+    asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 400.0, "seconds": 0.5, "seed": SEED}
+    still, out = (
+        scan(ring(), Turning(mirror=2.5, first_angle=0.4, runout=runout), [Tone(95.0)], **asked).record
+        for runout in ((), ((0.1, -0.3), (0.0, 0.2)))
+    )
+    theta = 0.4 + 2.0 * np.pi * 2.5 * np.arange(200) / 400.0
+    added = 0.1 * np.cos(theta) - 0.3 * np.sin(theta) + 0.2 * np.sin(2.0 * theta)
+    np.testing.assert_allclose(out.velocity - still.velocity, added, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("fs", "seconds", "taken"), [(4.0, 0.5, True), (4.0, 0.3, False), (0.0, 9.0, False), (-4.0, -9.0, False)]
+)
+def test_a_record_has_two_samples_at_least(fs, seconds, taken):
+    asked = {"circle": CIRCLE, "drive": DRIVE, "fs": fs, "seconds": seconds, "seed": SEED}
+    if taken:
+        assert len(scan(ring(), Turning(mirror=1.0), [Tone(95.0)], **asked).record.velocity) == 2
+        return
+    with pytest.raises(InputError, match="expected a record of two samples or more"):
+        scan(ring(), Turning(mirror=1.0), [Tone(95.0)], **asked)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, "expected a spot that moves"), ({"mirror": 0.5, "casing": 0.5}, "expected a spot that moves"),
+        ({"mirror": 1.0, "first_angle": np.nan}, "expected a spot that moves"),
+        ({"mirror": 1.0, "speckle": np.inf}, "expected a spot that moves"),
+        ({"mirror": 1.0, "casing": 0.5, "wander": 0.01}, "0 where the casing turns"),
+    ],
+)  # fmt: skip
+def test_a_spot_that_does_not_move_or_wanders_on_a_lathe_is_refused(given, words):
+    with pytest.raises(InputError, match=words):
+        Turning(**given)
+
+
+def test_a_spot_runs_at_the_difference_of_mirror_and_casing():
+    assert Turning(mirror=2.5, casing=0.5).spot == 2.0
+    assert Turning(casing=1.5).spot == -1.5

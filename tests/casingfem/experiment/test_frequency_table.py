@@ -1,0 +1,161 @@
+"""Frequency tables at their bounds: values out of range, doublets just close or alike enough, units just seen."""
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError, ModelWarning
+from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.table_unit import other_unit, refuse_unpaired, require_hz
+
+
+def table(freq, **more):
+    return FrequencyTable.from_arrays(freq_hz=freq, **{"sigma_hz": 0.1} | more)
+
+
+ENDS = {  # column: the last values that are taken, the first that are not
+    "mode": ((1,), (0, -1)), "n": ((-1, 0), (-2,)), "freq_hz": ((0.2, 1e300), (np.inf, 0.0)),
+    "sigma_hz": ((1e-9, 6.999), (0.0, 7.0, np.nan)), "angle_deg": ((0.0, 359.9, np.nan), (360.0, -0.1)),
+    "zeta": ((0.0, 0.999, np.nan), (1.0, -1e-9)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("column", ENDS)
+def test_values_are_taken_up_to_their_ends(column):
+    given = {"freq_hz": [50.0, 7.0], "mode": [3, 4], "sigma_hz": [0.1, 0.1], "n": [1, 2], "angle_deg": [1.0, 2.0],
+             "zeta": [0.1, 0.2]}  # fmt: skip
+    taken, refused = ENDS[column]
+    for value in taken:
+        found = FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
+        np.testing.assert_array_equal(getattr(found, column), [given[column][0], value])
+    for value in refused:
+        with pytest.raises(InputError, match=f"{column} = {value} in row 2; expected "):
+            FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
+
+
+def test_arrays_are_read_only_and_modes_counted_from_1():
+    found = table([3.0, 4.0])
+    assert found.mode.tolist() == [1, 2]
+    assert found.n.tolist() == [-1, -1]
+    assert np.isnan(found.angle_deg).all()
+    assert np.isnan(found.zeta).all()
+    assert not any(getattr(found, name).flags.writeable for name in ("mode", "n", "freq_hz", "sigma_hz", "zeta"))
+
+
+def test_what_nobody_measured_says_so_once():
+    assert not table([3.0]).synthetic
+    assert not table([3.0], card=["rig", "SYNTHETIC"]).synthetic
+    assert not table([3.0], card=["SYNTHETICS"]).synthetic
+    assert table([3.0], card=["made SYNTHETIC"], synthetic=True).card == ("made SYNTHETIC",)
+    for card in ((), ("rig",)):
+        found = table([3.0], card=card, synthetic=True)
+        assert found.synthetic
+        assert found.card == ("SYNTHETIC: made by a program, not measured", *card)
+
+
+def test_the_split_of_an_order_is_that_of_its_lowest_doublet_over_its_mean():
+    found = table([100.0, 102.0, 50.0, 300.0, 301.0, 70.0, 71.0], n=[4, 4, 4, 4, 4, 7, 7])
+    assert found.splits() == {4: pytest.approx(2.0 / 101.0, rel=1e-14), 7: pytest.approx(1.0 / 70.5, rel=1e-14)}
+
+
+@pytest.mark.parametrize(("freq", "angles", "one"), [
+    ([100.0, 116.2], None, True), ([100.0, 116.3], None, False), ([116.2, 100.0], None, True),
+    ([100.0, 101.0], [3.0, 14.2], False), ([100.0, 101.0], [3.0, 14.3], True), ([100.0, 101.0], [3.0, 36.7], True),
+    ([100.0, 101.0], [3.0, 36.8], False), ([100.0, 101.0], [40.0, 48.2], False),
+    ([100.0, 101.0], [3.0, np.nan], True),
+    ([100.0, 101.0], [np.nan, 3.0], True),
+])  # fmt: skip
+def test_two_rows_of_n_4_are_a_doublet_within_15_per_cent_and_an_eighth_of_a_period_of_90_over_n(freq, angles, one):
+    found = table(freq, n=4, angle_deg=np.nan if angles is None else angles)
+    assert len(found.groups()) == 2 - one
+
+
+def test_the_distance_of_two_rows_is_over_their_own_mean_whatever_lies_below():
+    assert [group.rows for group in table([50.0, 100.0, 116.2], n=4).groups()] == [(0,), (1, 2)]
+    assert [group.rows for group in table([100.0, 116.3, 900.0], n=4).groups()] == [(0,), (1,), (2,)]
+
+
+def test_rows_without_diameters_are_single_and_groups_ascend():
+    found = table([30.0, 10.0, 10.1, 20.0, 20.1, 5.0], n=[3, 0, 0, 2, 2, -1])
+    assert [group.rows for group in found.groups()] == [(5,), (1,), (2,), (3, 4), (0,)]
+    assert [group.n for group in found.groups()] == [-1, 0, 0, 2, 3]
+
+
+def test_leaving_out_rows_keeps_what_belongs_to_the_others(tmp_path):
+    (tmp_path / "t.csv").write_text(
+        '# lab\nmode,freq_hz,sigma_hz,zeta,remark\n4,1.5,0.1,0.01,one\n7,2.5,0.2,0.02,"a, b"\n'
+    )
+    with pytest.warns(ModelWarning, match="remark.*table-columns"):
+        whole = FrequencyTable.from_csv(tmp_path / "t.csv")
+    found = whole.without(4)
+    assert (found.mode.tolist(), found.freq_hz.tolist(), found.sigma_hz.tolist(), found.zeta.tolist()) == (
+        [7],
+        [2.5],
+        [0.2],
+        [0.02],
+    )
+    assert found.extra == {"remark": ("a, b",)}
+    assert found.columns()["remark"] == ("a, b",)
+    assert (found.card, found.path) == (("lab",), str(tmp_path / "t.csv"))
+    whole.to_csv(tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_text() == (
+        '# lab\nmode,n,freq_hz,sigma_hz,angle_deg,zeta,remark\n4,,1.5,0.1,,0.01,one\n7,,2.5,0.2,,0.02,"a, b"\n'
+    )
+
+
+@pytest.mark.parametrize(("header", "column"), [
+    ("mode,freq,sigma_hz", "freq_hz"), ("mode,Frequency [Hz],sigma_hz", "freq_hz"), ("mode,f,sigma_hz", "freq_hz"),
+    ("mode,freq_hz,sigma", "sigma_hz"), ("mode,freq_hz,sig(Hz)", "sigma_hz"),
+    ("mode,freq_hz,sigma_hz,angle", "angle_deg"),
+    ("mode,freq_hz,sigma_hz,zeta_pct", "zeta"), ("mode_no,freq_hz,sigma_hz", "mode"),
+])  # fmt: skip
+def test_a_column_that_looks_misspelt_is_refused_where_the_right_one_is_absent(header, column, tmp_path):
+    (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * header.count(",")) + ",1\n")
+    with pytest.raises(InputError, match=f"line 1, column .*: found an unknown column; expected {column}, un"):
+        FrequencyTable.from_csv(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize("name", ["f", "sigma_rel", "damping", "(x)"])
+def test_another_column_beside_the_right_ones_is_kept(name, tmp_path):
+    (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,3.5,0.1,7\n")
+    with pytest.warns(ModelWarning, match="table-columns"):
+        assert FrequencyTable.from_csv(tmp_path / "t.csv").extra == {name: ("7",)}
+
+
+FREQ = np.array([100.0, 200.0, 450.0])
+FACTORS = {"rad/s": 2.0 * np.pi, "kHz": 1e-3, "1/min": 60.0}
+
+
+@pytest.mark.parametrize("unit", FACTORS)
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_unit_is_seen_where_every_row_is_within_a_fifth_of_it(unit, way):
+    freq = FREQ * FACTORS[unit]
+    for off, seen in ((0.19, unit), (0.21, "")):
+        rows = freq * np.exp(way * np.array([0.0, off, 0.0]))
+        assert other_unit(table(rows, sigma_hz=1e-3 * rows), FREQ, None) == seen
+    one = table(freq[:1], sigma_hz=1e-3 * freq[:1])
+    assert other_unit(one, FREQ, None) == ""
+    assert other_unit(table(freq, sigma_hz=1e-3 * freq), np.r_[0.0, FREQ[1:]], None) == ""
+
+
+def test_rows_of_an_order_stand_beside_the_lowest_mode_of_it():
+    """Rows by label: 3 at 2 pi 100, 5 at 2 pi 300; by order they would stand beside 50 and 100 Hz."""
+    freq, n = np.array([50.0, 100.0, 120.0, 300.0, 330.0]), np.array([0, 3, 3, 5, 5])
+    rows = 2.0 * np.pi * np.array([330.0, 100.0, 300.0, 120.0])
+    assert other_unit(table(rows, n=[5, 3, 5, 3]), freq, n) == "rad/s"
+    assert other_unit(table(rows, n=[5, 3, 5, -1]), freq, n) == ""
+    assert other_unit(table(rows, n=[5, 3, 5, 3]), freq, None) == ""
+
+
+def test_a_table_in_another_unit_is_refused_with_its_first_row_and_the_first_mode():
+    require_hz(table(FREQ), FREQ, None)
+    wrong = table(FREQ[::-1] * 60.0, sigma_hz=1.0, path="t.csv")
+    words = (
+        r"t\.csv, column 'freq_hz': found 6000 to 27000, where the lowest computed mode has 100 Hz: in every row about"
+    )
+    with pytest.raises(InputError, match=words + " 60 times what is computed, as of 1/min; expected Hz"):
+        require_hz(wrong, FREQ, None)
+    with pytest.raises(InputError, match="as of 1/min"):
+        refuse_unpaired(wrong, FREQ, None, 0.5)
+    words = r"no row of t\.csv pairs .* within 20%: measured 7\.0 to 9\.0 Hz, computed 100\.0 to 450\.0 Hz"
+    with pytest.raises(InputError, match=words):
+        refuse_unpaired(table([9.0, 7.0], path="t.csv"), FREQ, None, 0.2)

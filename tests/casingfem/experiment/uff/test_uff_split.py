@@ -1,0 +1,225 @@
+"""Where sets of universal files begin and end, what two sets of one kind make together, what is written."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from casingfem.errors import InputError, ModelWarning
+from casingfem.experiment.uff.nodes import Elements, Nodes, TraceLine, Units
+from casingfem.experiment.uff.read import parse_uff
+from casingfem.experiment.uff.set_55 import Shape
+from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
+from casingfem.experiment.uff.split import is_mark, split
+from casingfem.experiment.uff.write import write_uff
+
+MARK = "    -1"
+
+
+def text(*lines):
+    return "\n".join([*lines, ""]).encode()
+
+
+@pytest.mark.parametrize(
+    ("line", "mark"), [("    -1", True), ("-1", True), ("    -1  ", True), ("     -1", False), ("   -1 2", False)]
+)
+def test_a_mark_stands_in_the_first_six_columns(line, mark):
+    assert is_mark(line) == mark
+
+
+def test_sets_have_their_lines_and_the_number_of_the_first():
+    sets = split(text("", MARK, "   151", "a", " b ", MARK, "", MARK, "    18", "c", MARK) + b"\n", "f.uff")
+    assert [(raw.number, raw.lines, raw.first) for raw in sets] == [("151", ("a", " b "), 4), ("18", ("c",), 10)]
+    assert split(text(MARK, "    18", "c", MARK).removesuffix(b"\n"), "f.uff")[0].lines == ("c",)
+    assert split(text(MARK, "    18", "c", MARK).replace(b"\n", b"\r\n"), "f.uff")[0].lines == ("c",)
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["", " "], "line 1, before the first set: found nothing; expected a universal file"),
+        (["x"], "line 1, before the first set: found 'x'; expected -1 in columns 5 and 6, which opens a set"),
+        (
+            [MARK, "    18", "c", MARK, "y"],
+            "line 4, set 18 (coordinate systems): found -1, and neither another -1 nor the",
+        ),
+        (
+            [MARK, "    18", MARK, MARK],
+            "line 5, after set 18 (coordinate systems): found the end of the file; expected the",
+        ),
+        (
+            [MARK, "  1234567", MARK],
+            "line 2, before the first set: found '1234567'; expected the number of a set in colu",
+        ),
+        (
+            [MARK, "    151", "a", MARK],
+            "line 2, before the first set: found '151'; expected the number of a set in columns",
+        ),
+        (
+            [MARK, "    18", "c"],
+            "line 3, set 18 (coordinate systems): found the end of the file; expected -1, the set's",
+        ),
+        ([MARK, "   151", *"abcdefg", MARK, "x"], "line 10, set 151 (header): found -1, and neither"),
+    ],
+)
+def test_a_file_that_is_no_series_of_sets_is_refused_with_its_line(lines, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        split(text(*lines), "f.uff")
+
+
+def test_a_mark_among_the_seven_lines_of_a_header_is_text():
+    (raw,) = split(text(MARK, "   151", *"abcdef", MARK, "x", MARK), "f.uff")
+    assert raw.lines == (*"abcdef", MARK, "x")
+
+
+def binary(order=1, form=2, lines=11, size=4, payload=b"abcd", behind=b"\n    -1\n", header=11):
+    first = f"    58b{order:6d}{form:6d}{lines:12d}{size:12d}{0:6d}{0:6d}{0:12d}{0:12d}"
+    return text(MARK, first, *["x"] * header) + payload + behind
+
+
+@pytest.mark.parametrize("behind", [b"\n    -1\n", b"\r\n    -1\r\n", b"    -1\n", b"    -1"])
+def test_bytes_end_at_their_mark_with_or_without_an_end_of_line(behind):
+    for order, word in ((1, "<"), (2, ">")):
+        (raw,) = split(binary(order, behind=behind), "f.uff")
+        assert (raw.number, raw.binary, raw.payload) == ("58b", (word, 4), b"abcd")
+        assert (raw.lines, raw.first) == (("x",) * 11, 3)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"order": 3}, "found byte order 3; expected 1 (little endian), 2 (big end"),
+        ({"form": 1}, "found floating format 1; expected 2 (IEEE 754"),
+        ({"lines": 12}, "found lines of header 12; expe"),
+        ({"size": 9}, "found no closing -1 behind 9 bytes of data; expected it t"),
+        ({"size": 99}, "found 12 bytes of data; expected 99, as line 2 says"),
+        ({"header": 10, "payload": b"", "behind": b""}, "found the end of the fil"),
+        ({"payload": b"abc\n", "behind": b"    -1\n"}, "found no closing -1 behin"),
+        ({"size": 3}, "found no closing -1 behind 3 bytes"),
+        ({"behind": b"\n    -1\nx\n"}, "found no closing -1 behind"),
+        ({"behind": b"\n  -1\n"}, "found no closing -1 behind"),
+    ],
+)
+def test_a_binary_function_is_as_its_first_line_says(given, words):
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
+        split(binary(**given), "f.uff")
+    assert caught.value.where == "set 58b (functions, binary)"
+    assert caught.value.line == (2 if {"order", "form", "lines"} & set(given) else 13 if "header" in given else 14)
+
+
+def some(labels, shift=0.0):
+    labels = np.asarray(labels)
+    points = np.column_stack([labels + shift, 0.5 * labels, 0.0 * labels])
+    return Nodes(labels=labels, points=points, systems=0 * labels, motions=labels + 10)
+
+
+def parsed(tmp_path, *parts, **more):
+    data = b"".join(write_uff(tmp_path / "part.uff", **part).read_bytes() for part in parts)
+    return parse_uff(data, "f.uff", **more)
+
+
+def test_nodes_of_several_sets_are_all_there_once_in_their_order(tmp_path):
+    found = parsed(tmp_path, {"nodes": some([4, 2])}, {"nodes": some([2, 3, 1])})
+    assert found.nodes.labels.tolist() == [4, 2, 3, 1]
+    assert found.nodes.motions.tolist() == [14, 12, 13, 11]
+    assert found.nodes.points[:, 0].tolist() == [4.0, 2.0, 3.0, 1.0]
+
+
+@pytest.mark.parametrize(("shift", "one"), [(2.9e-5, True), (3.1e-5, False)])
+def test_a_node_of_two_sets_may_lie_apart_by_a_hundred_thousandth_of_the_size(shift, one, tmp_path):
+    """Of 3 m, from 1 to 4."""
+    parts = {"nodes": some([1, 2, 3, 4])}, {"nodes": replace(some([2]), points=np.array([[2.0 + shift, 1.0, 0.0]]))}
+    if one:
+        assert parsed(tmp_path, *parts).nodes.points[1].tolist() == [2.0, 1.0, 0.0]
+        return
+    with pytest.raises(InputError, match=r"line 14, set 2411 .*: found node 2 at another place than in the set before"):
+        parsed(tmp_path, *parts)
+
+
+def element(label, nodes=(1, 2, 3)):
+    return {"elements": Elements(labels=np.array([label]), kinds=np.array([91]), properties=np.array([[1, 2, 7]]),
+                                 beams=np.zeros((1, 3)), nodes=(np.array(nodes),))}  # fmt: skip
+
+
+def test_elements_of_several_sets_are_all_there_and_none_twice(tmp_path):
+    found = parsed(tmp_path, element(5), element(6, (2, 3, 1)))
+    assert found.elements.labels.tolist() == [5, 6]
+    assert [row.tolist() for row in found.elements.nodes] == [[1, 2, 3], [2, 3, 1]]
+    with pytest.raises(
+        InputError, match=r"line 8, set 2412 \(elements\): found element 5 again; expected labels that no"
+    ):
+        parsed(tmp_path, element(5), element(5))
+
+
+def test_a_user_of_nodes_that_are_not_there_is_named(tmp_path):
+    line = {"lines": [TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 0, 9]))]}
+    assert parsed(tmp_path, line).lines[0].nodes.tolist() == [1, 0, 9]
+    with pytest.raises(InputError, match=r"set 82 \(trace lines\): found node 9, not among the nodes of the file"):
+        parsed(tmp_path, line, {"nodes": some([1, 2, 3])})
+    with pytest.raises(InputError, match="found node 1, not among"):
+        parsed(tmp_path, line, {"nodes": some([2, 3, 9])})
+    with pytest.raises(InputError, match="found node 8 and 1 more, not among"):
+        parsed(tmp_path, element(5, (1, 9, 8)), {"nodes": some([1, 2, 3])})
+
+
+def shape(nodes):
+    return Shape(text=("a",), model=1, analysis=2, characteristic=2, quantity=8, integers=(1, 1),
+                 reals=(9.0, 1.0, 0.0, 0.0), nodes=np.array(nodes), values=np.ones((len(nodes), 3)))  # fmt: skip
+
+
+def test_what_looks_incomplete_is_said(tmp_path):
+    with pytest.warns(ModelWarning, match="f.uff: shapes at 2 to 3 nodes, not the same.*uff-shapes"):
+        parsed(tmp_path, {"shapes": [shape([1, 2]), shape([3, 1, 2])]})
+    assert len(parsed(tmp_path, {"shapes": [shape([1, 2, 3]), shape([3, 1, 2])]}).shapes) == 2
+    labels = [k for k in range(1, 41) if k not in (3, 5, 7, 9, 11, 13)]
+    with pytest.warns(ModelWarning, match="f.uff: nodes 3, 5, 7, 9, 11 left out and 1 more"):
+        parsed(tmp_path, {"nodes": some(labels)})
+    with pytest.warns(ModelWarning, match="f.uff: elements 6 left out.*uff-gap"):
+        parsed(tmp_path, *(element(k) for k in (4, 5, 7, 8, 9)))
+
+
+def test_a_file_tells_what_it_holds(tmp_path):
+    found = parsed(tmp_path, {"nodes": some([1, 2, 3])}, element(1), {"shapes": [shape([1, 2])]})
+    assert found.contents == "3 nodes, 1 elements, 1 shapes"
+    skipped = text(*[MARK, "    18", "c", MARK] * 2, MARK, "   757", MARK)
+    found = parse_uff(skipped, "f.uff")
+    assert found.contents == "2 sets 18 (coordinate systems) skipped, 1 set 757 (constraints) skipped"
+    assert [each.line for each in found.skipped] == [2, 6, 10]
+
+
+def test_text_is_filled_up_with_none_and_a_header_with_blank_lines(tmp_path):
+    lines = write_uff(tmp_path / "f.uff", shapes=[shape([1])]).read_text().splitlines()
+    assert lines[2:7] == ["a", "NONE", "NONE", "NONE", "NONE"]
+    assert lines[7:9] == [f"{1:10d}{2:10d}{2:10d}{8:10d}{2:10d}{3:10d}", f"{2:10d}{4:10d}{1:10d}{1:10d}"]
+    lines = write_uff(tmp_path / "f.uff", header=["x", "y"]).read_text().splitlines()
+    assert lines == [MARK, "   151", "x", "y", "", "", "", "", "", MARK]
+    with pytest.raises(ValueError, match="nothing to write"):
+        write_uff(tmp_path / "f.uff")
+    lines = (
+        write_uff(tmp_path / "f.uff", nodes=some([7]), nodes_set="15", units=Units(length=2.0)).read_text().splitlines()
+    )
+    assert lines[8] == f"{7:10d}{0:10d}{17:10d}{8:10d}  1.40000E+01  7.00000E+00  0.00000E+00"
+
+
+@pytest.mark.parametrize(("line", "fits"), [("x" * 80, True), ("x" * 81, False), ("a\tb", False)])
+def test_lines_of_text_have_80_printable_characters(line, fits, tmp_path):
+    if fits:
+        assert parse_uff(write_uff(tmp_path / "f.uff", header=[line]).read_bytes(), "f").header[0] == line
+        return
+    with pytest.raises(ValueError, match="does not fit into 80 columns of a universal file"):
+        write_uff(tmp_path / "f.uff", header=[line])
+
+
+@pytest.mark.parametrize(("points", "fits"), [(90_000, True), (110_000, False)])
+def test_a_step_may_put_the_last_point_off_by_a_hundredth_of_itself(points, fits, tmp_path):
+    """1/3 with seven digits is 1e-7 of itself off: a hundredth after 1e5 steps."""
+    given = Function(
+        kind=1, text=(), response=Channel("", 1, 1), reference=Channel("", 0, 0), x=np.arange(points) / 3.0,
+        step=1.0 / 3.0, values=np.ones(points), double=False, axes=Axes(Axis(17), Axis()),
+    )  # fmt: skip
+    if fits:
+        assert write_uff(tmp_path / "f.uff", functions=[given], binary=True).stat().st_size > 4 * points
+        return
+    with pytest.raises(ValueError, match=r"its last point would be off by 0\.011 steps"):
+        write_uff(tmp_path / "f.uff", functions=[given], binary=True)
