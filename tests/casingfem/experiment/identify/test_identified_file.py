@@ -16,15 +16,17 @@ LINES = np.array([90.0, 100.0, 110.0])
 def identified(**changes):
     """Three modes at two sensors; the first two are a pair, the third holds two shapes and is doubtful."""
     each = np.arange(1.0, 4.0)
+    channels, places = np.array([[0], [1]]), np.zeros((2, 3))
     grid = SensorGrid(points=np.array([4, 7]), directions=np.ones(2, int), theta=np.array([0.1, 2.0]),
-                      references=np.array([[9, 1]]), channels=np.arange(2)[:, None], places=np.zeros((2, 3)))  # fmt: skip
+                      references=np.array([[9, 1]]), channels=channels, places=places)  # fmt: skip
     diagram = Stabilisation(freq=np.array([99.0]), zeta=np.array([0.01]), order=np.array([3]), stable=np.array([True]))
     measured = np.array([[1.0 + 1j, 2.0, 3.0], [0.0, 1j, 1.0]])
     fitted = np.array([[1.0, 2.0 - 1j, np.nan], [0.0, 2j, np.nan]])
     given = {
         "freq": np.array([100.0, 102.0, 130.0]), "sigma_freq": 0.3 * each, "zeta": 1e-3 * each,
-        "sigma_zeta": 1e-4 * each, "n": np.array([2, 2, -1]), "purity": 0.1 * each, "angle_deg": 10.0 * each, "sigma_angle": 0.5 * each,
-        "shapes": np.ones((2, 3)), "sigma_shapes": 0.1 * np.ones((2, 3)), "residues": np.ones((2, 1, 3)) + 0j,
+        "sigma_zeta": 1e-4 * each, "n": np.array([2, 2, -1]), "purity": 0.1 * each, "angle_deg": 10.0 * each,
+        "sigma_angle": 0.5 * each, "shapes": np.ones((2, 3)),
+        "sigma_shapes": 0.1 * np.ones((2, 3)), "residues": np.ones((2, 1, 3)) + 0j,
         "residue_scale": 100.0 * each, "collinearity": 0.2 * each, "signal": 7.0 * each, "doublets": ((0, 1),),
         "unresolved": (2,), "split_bound": 0.01 * each, "sensors": grid, "lines": LINES, "fitted": fitted,
         "measured": measured, "diagram": diagram, "doubts": ("", "", "why"), "notes": ("a", "b"), "card": ("c",),

@@ -16,8 +16,10 @@ from casingfem.experiment.identify.setups.cluster_modes import (
     rematched,
     worth,
 )
-from casingfem.experiment.identify.setups.cluster_moves import _better, _one_fewer, _one_more, _price, _together
-from casingfem.experiment.identify.setups.clusters import Cluster, _few_each, clusters
+from casingfem.experiment.identify.setups.cluster_moves import (
+    _price,
+)
+from casingfem.experiment.identify.setups.clusters import Cluster, _few_each, _noise, clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, squares_at
 
 SETUPS = [np.array([0, 2]), np.array([1, 3, 4])]
@@ -184,39 +186,25 @@ def test_modes_exchanged_in_a_set_up_are_exchanged_back_where_damping_tells_and_
     np.testing.assert_allclose(rematched(ClusterModes(c, wrong), SETUPS, 1e-2, None), own.freq, rtol=1e-12)
 
 
-def test_a_move_counts_where_the_criterion_falls_by_more_than_one():
-    c = cluster(sigma=1.0)
-    old = peaks([[100.0, 100.2]], [[0.004] * 2], squares=50.0, on_peaks=2.0)
-    for fall, better in ((1.01, True), (0.99, False)):
-        new = old._replace(squares=50.0 - 2.0 * fall, on_peaks=3.0)
-        assert _better(c, SETUPS, new, old) is better  # by the smaller noise, of two
-    fewer = peaks([[100.0, 100.2], [102.0, 102.0]], [[0.004] * 2] * 2, squares=50.0, on_peaks=2.0)
-    assert _better(c, SETUPS, old, fewer)
+def test_lines_are_taken_from_about_the_widest_mode_of_a_cluster():
+    own = modes([[100.0, 100.1], [101.0, 101.0]], [0.004, 0.01])
+    (c,) = clusters(window(own), own, SETUPS)
+    low, high = 100.0 * (1.0 - 4e-3), 101.0 * (1.0 + 7e-3)
+    assert c.span == pytest.approx((low, high), rel=1e-12)
+    a, b = np.searchsorted(LINES, [low * 0.92, high * 1.08])
+    np.testing.assert_array_equal(c.window.freq, LINES[a:b])
 
 
-def test_one_set_up_is_put_to_the_mean_of_the_others_where_that_is_a_tenth_of_a_bandwidth_away():
-    setups = [np.array([k]) for k in range(3)]
-    own = peaks([[100.0, 100.0, 100.0], [110.0, 110.0, 110.3]], [[0.01] * 3] * 2)
-    starts = list(_together(cluster(), setups, own))
-    assert [freq.tolist() for freq, _ in starts] == [[[100.0] * 3, [110.0] * 3]]  # 0.3 of 2.2; others move 0.15
-    np.testing.assert_array_equal(starts[0][1], [0.01, 0.01])
-    assert list(_together(cluster(), [np.arange(5)], peaks([[100.0]], [[0.01]]))) == []
-
-
-def test_a_mode_that_takes_little_is_tried_to_be_left_out():
-    c = cluster(sigma=1.0)
-    own = fit_again(c, SETUPS, c.modes.freq, c.modes.zeta)
-    assert list(_one_fewer(c, SETUPS, own)) == []  # both take much
-    ((freq, zeta),) = _one_fewer(c, SETUPS, own._replace(on_peaks=1e9))
-    left = [squares_at(c.window, SETUPS, own.freq[[1 - k]], own.zeta[[1 - k], 0]) for k in range(2)]
-    k = int(np.argmin(left))
-    np.testing.assert_array_equal(freq, own.freq[[1 - k]])
-    np.testing.assert_array_equal(zeta, own.zeta[[1 - k], 0])
-    price = 13 * np.log(c.window.Y.size)
-    for share, tried in ((1.01, 1), (0.99, 0)):
-        squares = left[k] - 3.0 * price / share * 2.0
-        assert len(list(_one_fewer(c, SETUPS, own._replace(squares=squares, on_peaks=2.0)))) == tried
-    assert list(_one_fewer(c, SETUPS, peaks([[100.0] * 2], [[0.01] * 2]))) == []
-    many = peaks([[100.0] * 2] * 14, [[0.01] * 2] * 14)
-    assert list(_one_more(c, SETUPS, many)) == []
-    assert list(_one_more(c, SETUPS, own)) == []
+@pytest.mark.parametrize("smooth", [0.1, 1.0, 100.0])
+def test_noise_is_what_neighbouring_lines_tell_or_what_is_left_up_to_forty_times_that(smooth):
+    rng = np.random.default_rng(15)
+    rest = rng.standard_normal((2, 200)) + 1j * rng.standard_normal((2, 200))
+    rest = rest + smooth * np.exp(0.05j * np.arange(200)) * np.array([[1.0], [-2.0]])
+    third = np.abs(np.diff(rest, 3, axis=1))
+    rough = np.mean((np.median(third, axis=1) / np.sqrt(40.0 * np.log(2.0))) ** 2)
+    power = np.sum(np.abs(rest) ** 2)
+    rho = [np.sum((rest[:, k:] * rest[:, :-k].conj()).real) / power for k in (1, 2)]
+    left = 0.5 * power / 400 * max(1.0 + 2.0 * (2.0 / 3.0 * rho[0] + rho[1] / 3.0), 1.0)
+    assert _noise(rest) == pytest.approx(max(rough, min(left, 40.0 * rough)), rel=1e-10)
+    assert (left > 40.0 * rough) == (smooth == 100.0)
+    assert _noise(0.0 * rest) == 0.0

@@ -190,6 +190,31 @@ def test_what_most_modes_say_a_channel_is_off():
     assert around.telling == pytest.approx(np.sum((np.r_[rest, around.scale[4]] / rest.max()) ** 2) - 2.0, rel=1e-9)
 
 
+def test_what_channels_are_off_the_best_wave_of_each_mode_is_a_median():
+    """Found four times anew, each time with what it was as a weight."""
+    rng = np.random.default_rng(21)
+    places, weight = Places(THETA, SIGN, np.zeros(8, int), (1, 2)), rng.uniform(0.5, 2.0, 8)
+    residues = residues_of([1, 2, 1, 2, 1, 2])
+    residues = residues * np.exp(0.7j * rng.standard_normal(residues.shape)) * (1.0 + 0.3 * rng.standard_normal((6, 8)))
+    shapes = residues / np.sqrt(np.mean(np.abs(residues) ** 2, axis=1, keepdims=True))
+    off = np.ones(8)
+    for _ in range(4):
+        rest = np.zeros((6, 8))
+        for k, shape in enumerate(shapes):
+            left = []
+            for n in (1, 2):
+                columns = places.waves(n) / off[:, None]
+                left.append(shape / off - columns @ np.linalg.lstsq(columns + 0j, shape / off, rcond=None)[0])
+            rest[k] = np.abs(min(left, key=np.linalg.norm)) * off
+        off = np.hypot(np.median(rest, axis=0), 0.03)
+    around = Around.of(places, residues, weight)
+    np.testing.assert_allclose(around.scale, 1.0 / off / weight, rtol=1e-8)
+    assert around.telling == pytest.approx(max(np.sum((off.min() / off) ** 2) - 2.0, 0.0), rel=1e-8)
+    for n, Q in zip((1, 2), around.waves, strict=True):
+        columns = places.waves(n) / off[:, None]
+        np.testing.assert_allclose(Q @ (Q.T @ columns), columns, rtol=1e-8, atol=1e-12)
+
+
 def test_shapes_of_some_channels_beside_those_of_the_others():
     """-2 ln of the likelihood: twice the telling channels times ln of what the best wave leaves and a little."""
     rng = np.random.default_rng(9)
