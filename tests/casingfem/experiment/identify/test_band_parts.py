@@ -6,6 +6,7 @@ import pytest
 from casingfem.experiment.identify import band_fits
 from casingfem.experiment.identify.band_fits import (
     Responses,
+    _aligned_fits,
     _by_misfit,
     _modes,
     _picks,
@@ -19,6 +20,8 @@ from casingfem.experiment.identify.band_fits import (
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
+from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.shifted_modes import Shifted
 
 LINES = np.arange(90.0, 112.0, 0.25)
 NOISE = np.array([0.5, 2.0, 1.0])
@@ -114,3 +117,52 @@ def test_what_a_fit_leaves_about_a_pole_raises_its_sigma():
     fit = fit_poles(_window(data, band, []), np.array([98.0, 103.2]), np.array([5e-3, 6e-3]), steps=0)
     want = [np.sqrt(noise_at(fit, k) / fit.noise * alike_lines(fit, k)) for k in range(2)]
     np.testing.assert_allclose(_by_misfit(fit), want, rtol=1e-12)
+
+
+SETUPS = [np.array([0, 2]), np.array([1])]
+
+
+@pytest.mark.parametrize("known", [1e-9, 1e-2])
+@pytest.mark.parametrize("waves", [False, True])
+def test_fits_of_aligned_data_know_what_set_ups_differ_by(known, waves):
+    """A standard deviation is that of the set-ups or of white noise, raised by what is not white, once."""
+    along = np.linspace(0.4, 1.0, len(LINES))
+    along[50] = 0.0
+    freq, zeta = np.array([[98.0, 98.4], [103.0, 102.7]]), np.array([5e-3, 6e-3])
+    residues = 1e-3 * np.array([[1.0, -0.5, 0.3], [0.2, 0.8, -0.6]]) + 0j
+    data = responses(along=along)
+    seen = _window(data, Band((0, 88), (0, 88), 2), [])
+    modes = Modes(freq, zeta, residues)
+    rng = np.random.default_rng(19)
+    H = modes.response(seen, SETUPS)
+    H = H + along[:, None] * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    data = data._replace(H=(H * NOISE / np.where(along > 0.0, along, 1.0)[:, None]).T)
+    whole = _window(data, Band((0, 88), (0, 88), 2), [])
+    each = np.array([0.3, 0.7])
+    mean = {"mean_freq": np.exp(np.log(freq).mean(axis=1)), "sigma_mean": known * np.array([1.0, 2.0]),
+            "rival": 0.1 * each} if waves else {}  # fmt: skip
+    variance, worth = np.full((2, 2), known**2), 10.0 * each
+    told = modes, variance, 3.0 * known * each, 0.01 * each, worth, SETUPS, 0.0, known, 9.0
+    found = Shifted(*told, **mean)
+    bands = [Band((0, 40), (0, 88), 1), Band((40, 88), (10, 88), 1)]
+    first, second = _aligned_fits(data, bands, found, whole)
+    straight = found.aligned(whole)
+    centre, sigma = found.mean()
+    for fit, lines in ((first, slice(0, 88)), (second, slice(10, 88))):
+        plain = fit_poles(straight.cut(lines), centre, zeta, steps=0)
+        np.testing.assert_allclose(fit.window.Y, straight.cut(lines).Y, atol=1e-9)
+        np.testing.assert_allclose(fit.freq, centre, rtol=1e-14)
+        np.testing.assert_allclose(fit.zeta, zeta, rtol=1e-14)
+        np.testing.assert_allclose(fit.A[:, 0], residues.real / NOISE * fit.window.scale**2, rtol=1e-12)
+        assert (fit.matching.tolist(), fit.worth.tolist()) == ((0.01 * each).tolist(), (10.0 * each).tolist())
+        assert fit.rival.tolist() == ((0.1 * each).tolist() if waves else [0.0, 0.0])
+        np.testing.assert_allclose(fit.seen, found.seen(), rtol=1e-12)
+        np.testing.assert_allclose(fit.apart, found.apart(np.array([1]), np.array([0])), rtol=1e-12)
+        white = np.sqrt(plain.noise * np.diag(plain.covariance)) / plain.raised
+        misfit = np.sqrt([noise_at(plain, k) / plain.noise * alike_lines(plain, k) for k in range(2)])
+        least = 0.0 if waves else 1.0
+        want = np.maximum(np.tile(misfit, 2), plain.raised) * np.maximum(np.r_[sigma, found.sigma_zeta], least * white)
+        np.testing.assert_allclose(np.sqrt(fit.noise * np.diag(fit.covariance)), want, rtol=1e-6)
+        ratio = fit.covariance / np.sqrt(np.outer(np.diag(fit.covariance), np.diag(fit.covariance)))
+        usual = plain.covariance / np.sqrt(np.outer(np.diag(plain.covariance), np.diag(plain.covariance)))
+        np.testing.assert_allclose(ratio, usual, rtol=1e-6, atol=1e-9)
