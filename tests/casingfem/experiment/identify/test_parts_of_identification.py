@@ -86,6 +86,8 @@ def test_sensors_are_trusted_where_most_of_their_references_belong():
     assert trusted_sensors(nothing, sensors) is None
     belongs = np.array([True, False, True, False, False, True])  # by reference, of sensor 1 and 2
     assert trusted_sensors(nothing._replace(belongs=belongs), sensors).tolist() == [True, False]
+    two = np.array([True, True, False, True])  # half of them are not most
+    assert trusted_sensors(nothing._replace(belongs=two), grid(2, 2)).tolist() == [False, True]
 
 
 def test_a_test_with_shifts_or_leakage_says_so():
@@ -100,6 +102,7 @@ def test_the_largest_n_is_noted_and_sensors_that_tell_none():
     sensors = grid(9, theta=np.radians([10.0, 20, 20, 30, 40, 50, 60, 70, 80]))
     circle = Circle(theta=sensors.theta, orders=(0, 1, 4))
     assert circle_notes([mode(100.0, n=4)], sensors, circle)[0].startswith("n = 4 is the largest looked for, at most")
+    assert len(circle_notes([mode(100.0, n=1), mode(110.0, n=4)], sensors, circle)) == 1
     assert circle_notes([mode(100.0, n=1)], sensors, circle) == ()
     assert circle_notes([], sensors, circle) == ()
     assert circle_notes([mode(100.0)], sensors, None) == ()
