@@ -10,9 +10,9 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.channels_alone import Alone
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again, held, read
-from casingfem.experiment.identify.setups.clusters import Cluster
+from casingfem.experiment.identify.setups.clusters import Cluster, clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import _grouped, _polished, shifted
+from casingfem.experiment.identify.setups.shifted import _found, _grouped, _polished, _Reading, shifted
 from casingfem.experiment.identify.setups.shifted_modes import Shifted
 
 LINES = np.arange(90.0, 150.0, 0.2)
@@ -130,6 +130,20 @@ def test_channels_stay_alone_where_groups_do_not_read_them_as_well():
     assert [channels.tolist() for channels in poor.setups] == [[0], [1], [2], [3], [4], [5]]
     assert (poor.evidence, poor.grouped) == (7.0, [])
     assert poor.shift == good.shift == pytest.approx(np.std(np.log(many.freq), ddof=1), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_set_ups_with_the_same_frequencies_become_one():
+    modes, data = window()
+    four = [np.array([0]), np.array([2, 3]), np.array([1]), np.array([4, 5])]
+    common = modes._replace(freq=FREQ.mean(axis=1, keepdims=True))
+    near = list(clusters(data, common, [np.arange(6)]))
+    found, reading = _found(data, common, near, _Reading(four, 1e-3, 0.0, 8.0, []), 0.05, map)
+    assert sorted(channels.tolist() for channels in reading.setups) == [[0, 2, 3], [1, 4, 5]]
+    assert found.freq.shape == FREQ.shape
+    np.testing.assert_allclose(np.sort(found.freq, axis=1), np.sort(FREQ, axis=1), atol=0.02)
+    assert reading.shift == pytest.approx(np.median(np.std(np.log(FREQ), axis=1, ddof=1)), rel=0.05)
+    assert (reading.evidence, reading.leak, reading.grouped) == (8.0, 0.0, [])
 
 
 COARSE = LINES[::2]
