@@ -59,6 +59,10 @@ def test_a_shape_is_the_first_singular_vector_turned_into_phase_its_largest_part
         np.testing.assert_allclose(
             shape.covariance, shape_covariance(fit, (pole, shape.parts), (pole, shape.parts), GRID), rtol=1e-9
         )
+    three = np.array([[0, 3, 2], [4, 1, 0], [2, 5, 1]])
+    sizes = np.linalg.svd(residue_matrix(fit, 0, three), compute_uv=False)
+    balance = 2.0 * sizes[0] * sizes[1] / (sizes[0] ** 2 + sizes[1] ** 2)
+    assert mode_shape(fit, 0, three).balance == pytest.approx(balance, rel=1e-9)
     one = mode_shape(fit, 0, GRID[:, :1])
     assert (one.second, one.balance) == (0.0, 0.0)
 

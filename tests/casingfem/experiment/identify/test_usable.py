@@ -37,6 +37,11 @@ def test_bands_ascend_from_zero(band, words):
     assert len(usable(frfs(), (0.0, 1e9), None, None).freq) == 60
 
 
+def test_other_functions_than_frequency_responses_are_refused():
+    with pytest.raises(InputError, match="found kind 'spectrum'; expected frequency responses"):
+        usable(frfs(kind="spectrum"), None, None, None)
+
+
 def test_thirty_lines_are_enough():
     assert len(usable(frfs(), (100.0, 102.91), None, None).freq) == 30
     with pytest.raises(InputError, match="found 29 lines in the band; expected at least 30"):
