@@ -26,6 +26,8 @@ def test_lines_of_a_band_are_used_with_both_ends():
     assert found.along.tolist() == [1.0] * 36
     assert (found.power, found.notes) == (0, ())
     assert usable(whole, None, "mobility", None).power == 1
+    faint = usable(frfs(1e-12 * whole.responses), None, None, None)
+    np.testing.assert_array_equal(faint.H, 1e-12 * whole.responses)
     at_rest = frfs(x=np.arange(60.0))
     assert usable(at_rest, None, None, None).freq[0] == 1.0  # nothing is measured at 0 Hz
 
