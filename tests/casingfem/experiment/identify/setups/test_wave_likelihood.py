@@ -221,6 +221,10 @@ def test_modes_take_the_size_of_their_waves_or_residues_within_a_factor_of_ten()
     found = sized(whole, read, SIZE)
     means = [whole.waves.columns[kind] @ x for kind, x in zip(KIND, read.fit.x, strict=True)]
     np.testing.assert_allclose(found.shapes.size, [np.sqrt(np.mean(mean**2)) for mean in means], rtol=1e-12)
+    free = Shapes(np.array([1, 2]), SIZE)
+    alone = WaveRead(free, wave_fit(whole, free, p, q))
+    size = np.sqrt(np.mean(np.abs(alone.fit.residues[1] / WEIGHT) ** 2))
+    assert sized(whole, alone, SIZE).shapes.size[1] == pytest.approx(size, rel=1e-12)
     held = sized(whole, read, np.array([100.0, 1e-3]))
     np.testing.assert_allclose(held.shapes.size, [10.0, 1e-2], rtol=1e-12)
 
