@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.identify.setups.wave_fit import fitted
+from casingfem.experiment.identify.setups.wave_fit import fitted, wave_fit
 from casingfem.experiment.identify.setups.wave_kinds import WaveRead, rms
 from casingfem.experiment.identify.setups.wave_model import Shapes
 from casingfem.experiment.identify.setups.wave_more import _kinds, one_more
+from casingfem.experiment.identify.setups.wave_residues import unlikely_at
 from casingfem.experiment.identify.setups.wave_search import GAIN, _resized, _searched, wave_modes
 from tests.casingfem.experiment.identify.setups.test_wave_likelihood import (
     FREQ,
@@ -52,8 +53,12 @@ def test_the_last_mode_is_tried_as_the_likeliest_wave_and_as_a_local_one():
     assert wave.kind.tolist() == KIND.tolist()
     assert local.kind.tolist() == [KIND[0], 3]
     assert trying.waves.columns.shape[0] == 4
-    seen = np.flatnonzero(trying.waves.off[3] == 3.0)
-    assert 1 <= len(seen) <= 3  # half of seven at most
+    p, q = np.log(FREQ), np.log(ZETA)
+    strongest = np.argsort(-np.abs(wave_fit(whole, Shapes(np.array([1, 2]), SIZE[[0, 0]]), p, q).residues[1]))
+    each = [whole._replace(waves=waves().seen_by(strongest[:count])) for count in (1, 2, 3)]  # half of seven at most
+    unlikely = [unlikely_at(one, local, one.products(p, q)) for one in each]
+    count = 1 + int(np.argmin(unlikely))
+    assert set(np.flatnonzero(trying.waves.off[3] == 3.0)) == set(strongest[:count])
     assert set(np.unique(trying.waves.off[3])) == {0.03, 3.0}
     assert wave.size[0] == SIZE[0]
     assert wave.size[1] == local.size[1]
