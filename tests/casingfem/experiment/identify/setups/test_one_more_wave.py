@@ -75,6 +75,8 @@ def test_a_likelier_reading_is_kept_and_what_else_was_tried_is_told():
     assert moved == {0, 1}
     assert (0, 1) in tried
     assert all(other.some.tolist() == [0, 1] for other in tried[0, 1])
+    assert len(tried[0, 1]) > 3
+    assert min(other.rise for other in tried[0, 1]) >= 0.0
     nothing, none, still = _searched(whole, read, set())
     assert nothing is read
     assert (none, still) == ({}, set())
