@@ -88,6 +88,19 @@ def test_the_mismatch_of_a_mode_with_those_of_the_other_set_ups():
     np.testing.assert_allclose(found, want, rtol=1e-9)
 
 
+def test_shapes_count_where_a_mode_is_told_from_the_others_of_its_set_up():
+    own = own_peaks()
+    Q = np.linalg.qr(np.random.default_rng(13).standard_normal((6, 2)))[0]
+    around = Around([Q], np.linspace(0.5, 2.0, 6), 2.0)
+    told = np.zeros(3)
+    for k in range(3):
+        gaps = [np.log(own.freq[k, 1] / own.freq[m, 1]) ** 2 for m in range(3) if m != k]
+        both = [own.variance[k, 1] + own.variance[m, 1] for m in range(3) if m != k]
+        told[k] = 1.0 / (1.0 + np.max(np.array(both) / gaps) / 0.1**2)
+    plain, whole = (_mismatch(own, SETUPS, SHIFT, [1], each)[0] for each in (None, around))
+    np.testing.assert_allclose(whole, plain + told * around.mismatch(own.residues, SETUPS[1]), rtol=1e-9)
+
+
 def test_what_exchanged_modes_would_change():
     own = own_peaks()
     found = matching_sigma(own, SETUPS, SHIFT)
