@@ -134,7 +134,8 @@ def test_fits_of_aligned_data_know_what_set_ups_differ_by(known, waves):
     seen = _window(data, Band((0, 88), (0, 88), 2), [])
     modes = Modes(freq, zeta, residues)
     rng = np.random.default_rng(19)
-    H = modes.response(seen, SETUPS)
+    missed = Modes(np.array([[104.0, 104.0]]), np.array([8e-3]), 5e-5 * np.array([[1.0, -0.5, 0.8]]) + 0j)
+    H = modes.response(seen, SETUPS) + missed.response(seen, SETUPS)
     H = H + along[:, None] * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
     data = data._replace(H=(H * NOISE / np.where(along > 0.0, along, 1.0)[:, None]).T)
     whole = _window(data, Band((0, 88), (0, 88), 2), [])
@@ -160,6 +161,7 @@ def test_fits_of_aligned_data_know_what_set_ups_differ_by(known, waves):
         np.testing.assert_allclose(fit.apart, found.apart(np.array([1]), np.array([0])), rtol=1e-12)
         white = np.sqrt(plain.noise * np.diag(plain.covariance)) / plain.raised
         misfit = np.sqrt([noise_at(plain, k) / plain.noise * alike_lines(plain, k) for k in range(2)])
+        assert np.any(np.tile(misfit, 2) > 1.1 * plain.raised)
         least = 0.0 if waves else 1.0
         want = np.maximum(np.tile(misfit, 2), plain.raised) * np.maximum(np.r_[sigma, found.sigma_zeta], least * white)
         np.testing.assert_allclose(np.sqrt(fit.noise * np.diag(fit.covariance)), want, rtol=1e-6)
