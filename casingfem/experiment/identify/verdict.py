@@ -48,7 +48,7 @@ FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; fro
 
 def verdicts(fit: PoleFit, collinearity: list[float]) -> list[tuple[str, bool]]:
     """For each pole of a fit what is doubtful about it, "" where nothing is, and whether it is to be left out."""
-    worth = np.maximum(gains(fit) / penalty(fit.window), fit.worth) if len(fit.freq) else np.zeros(0)
+    worth = np.maximum(gains(fit) / penalty(fit.window), fit.worth)
     found = []
     for pole, phase in enumerate(collinearity):
         reasons = [*_reasons(fit, pole, float(worth[pole]), phase), *_close(fit, pole), *_beside(fit, pole)]
@@ -111,7 +111,7 @@ def _close(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
 def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
     """Whether a stronger neighbour's peak, which the fit may not follow, explains a pole."""
     peaks = np.linalg.norm(fit.A.reshape(len(fit.A), -1), axis=1) / fit.zeta
-    shapes = fit.A[:, 0] + 1j * fit.A[:, -1] if fit.A.shape[1] == 2 else fit.A[:, 0]  # in units of the noise
+    shapes = fit.A[:, 0] + 1j * fit.A[:, 1] if fit.A.shape[1] == 2 else fit.A[:, 0]  # in units of the noise
     misfit = _misfit(fit, pole)
     for other in np.flatnonzero((peaks > peaks[pole]) & (fit.zeta < DAMPED[0])).tolist():
         width = 2.0 * np.sqrt(fit.zeta[pole] * fit.freq[pole] * fit.zeta[other] * fit.freq[other])

@@ -40,7 +40,6 @@ def find_setups(peaks: Sequence[OwnPeaks], alive: BoolArray) -> list[IntArray]:
     groups = [np.array([c]) for c in np.setdiff1d(np.flatnonzero(alive), seen)]
     if len(seen) > 1:
         apart = 1.0 - share[np.ix_(seen, seen)]
-        np.fill_diagonal(apart, 0.0)
         label = fcluster(linkage(squareform(apart, checks=False), "average"), 1.0 - OFTEN, "distance")
         groups += [seen[label == k] for k in np.unique(label)]
     else:

@@ -177,14 +177,14 @@ def _fit(
     m, count = freq.shape
     low, high = np.log(span)
     entries = 2 * len(problem.window.freq) * np.array([len(channels) for channels in problem.setups])
-    p, q = _near_each_other(np.log(freq), most), np.repeat(np.log(zeta)[:, None], count, axis=1)
+    p, q = near_each_other(np.log(freq), most), np.repeat(np.log(zeta)[:, None], count, axis=1)
     at, damping, settled = _At.of(problem, p, q), np.full(count, 1e-3), np.zeros(count, bool)
     for _ in range(STEPS):
         here = np.flatnonzero(~settled)
         old = at.some(here)
         by_freq, by_zeta = (_common_step if common else _own_steps)(old, damping[here])
         limit = TRUST[0] * np.exp(q[:, here])
-        p_new = _near_each_other(np.clip(p[:, here] + np.clip(by_freq, -limit, limit), low, high), most)
+        p_new = near_each_other(np.clip(p[:, here] + np.clip(by_freq, -limit, limit), low, high), most)
         q_new = np.clip(q[:, here] + np.clip(by_zeta, -TRUST[1], TRUST[1]), np.log(LEAST), np.log(MOST_ZETA))
         new = _At.of(problem.some(here), p_new, q_new)
         gain = old.squares - new.squares
@@ -208,7 +208,7 @@ def _fit(
     return OwnPeaks(np.exp(p), np.exp(q), noise * variance, noise * zeta_variance, residues, *left)
 
 
-def _near_each_other(p: FloatArray, most: float) -> FloatArray:
+def near_each_other(p: FloatArray, most: float) -> FloatArray:
     """Frequencies ln f (modes, setups) moved to within `most` of each mode's median."""
     if np.isinf(most):
         return p

@@ -76,10 +76,10 @@ def most_say(
     best, said = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
     small = SMALL * np.sqrt(len(theta)) * np.median(np.abs(shapes), axis=0) + 1e-12  # not of the norm: one may be huge
     for order in range(most + 1):
-        waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])[:, : 2 if order else 1]
+        waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])
         weight = np.repeat(heard[:, None], shapes.shape[1], axis=1)
         for _ in range(STEPS):
-            gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(waves.shape[1])
+            gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(2)
             right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
             fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
             weight = heard[:, None] / np.maximum(np.abs(shapes - fitted), small)

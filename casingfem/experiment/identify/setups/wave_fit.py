@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.experiment.identify.setups.own_shifts import near_each_other
 from casingfem.experiment.identify.setups.wave_model import Products, Shapes, WaveProblem
 from casingfem.experiment.identify.setups.wave_residues import drawn_to, eliminated, means, pulled, squares_held
 from casingfem.io.arrays import Array, FloatArray
@@ -83,8 +84,7 @@ def _step(problem: WaveProblem, shapes: Shapes, at: WaveFit, damping: float) -> 
     m, count = at.p.shape
     limit = TRUST[0] * np.exp(at.q)[:, None]
     p = at.p + np.clip(step[: m * count].reshape(m, count), -limit, limit)
-    p, middle = np.clip(p, *np.log(problem.cluster.span)), np.median(p, axis=1, keepdims=True)
-    p = np.clip(p, middle - problem.cluster.apart, middle + problem.cluster.apart)
+    p = near_each_other(np.clip(p, *np.log(problem.cluster.span)), problem.cluster.apart)
     q = np.clip(at.q + np.clip(step[m * count :], -TRUST[1], TRUST[1]), *np.log(ZETA))
     return wave_fit(problem, shapes, p, q)
 

@@ -87,6 +87,9 @@ def test_a_common_pole_is_the_weighted_mean_of_two():
     assert np.isnan([one.angle, one.sigma_angle]).all()
     assert one.unresolved
     assert _one_of(two, modes[::-1], 0, 1).n == 8
+    two.A[1] = -0.9  # 0.1/1.9 of their residues is left
+    cancelled = np.log(1.01) * 19.0 + 2.0 * np.hypot(0.01, 0.02)
+    assert _one_of(two, modes, 0, 1).split_bound == pytest.approx(cancelled, rel=1e-9)
 
 
 def test_which_neighbours_are_put_into_one():

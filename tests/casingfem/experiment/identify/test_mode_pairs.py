@@ -25,6 +25,10 @@ def test_partners_are_neighbours_of_one_n_and_apart_by_a_quarter_wave():
     assert paired([mode(100.0), mode(100.0 * (1.0 + 1.01 * PAIR_SPAN), 1.0)]) == ()
 
 
+def test_modes_of_one_nodal_diameter_have_partners():
+    assert paired([mode(100.0, n=1), mode(101.0, 1.0, n=1)]) == ((0, 1),)
+
+
 def test_what_has_no_waves_or_holds_two_shapes_has_no_partner():
     assert paired([mode(100.0, n=0), mode(101.0, n=0)]) == ()
     assert paired([mode(100.0, unresolved=True), mode(101.0, 1.0)]) == ()
