@@ -194,13 +194,13 @@ def test_a_whirl_names_its_waves():
 
 @pytest.mark.parametrize("turning", [1.0, -1.0])
 def test_the_sense_of_a_wave_is_that_of_the_larger_part_at_its_own_diameters(turning):
-    """Two rings of uneven weight; all of n = 0 have none."""
+    """Two rings of uneven weight, 2.25 against 2.71; those of n = 0 have none."""
     forward, backward = np.zeros((2, 4, 2, 3, 4))
-    forward[2, :, :, 0], backward[2, :, :, 0] = [[1.0], [3.0]], [[2.0], [1.0]]  # 7.5 against 3.25
+    forward[2, :, :, 0], backward[2, :, :, 0] = [[3.0], [0.0]], [[0.0], [1.9]]
     forward[3, 0, 1, 1], backward[1, 0, 1, 1] = 1.0, 1.1
-    forward[0, :, 2, 2] = backward[0, :, 2, 2] = 1.0
+    forward[0, :, 2, 2], backward[0, :, 2, 2] = 1.0, 0.5
     forward[1, 1, 0, 3], backward[1, 1, 0, 3] = 0.4, 0.5
     weights = np.array([0.25, 0.75])
     n, sense = wave_sense([Rings(part, weights) for part in (forward, backward)], turning)
     assert n.tolist() == [2, 1, 0, 1]
-    assert sense.tolist() == [turning, -turning, 0, -turning]
+    assert sense.tolist() == [-turning, -turning, 0, -turning]
