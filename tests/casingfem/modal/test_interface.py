@@ -198,7 +198,7 @@ def test_a_tip_of_a_panel_has_one_to_a_hundred_pieces(steel, count, refused):
         mesh=ShellMesh(order=3, rows=1, around=1),
     )  # fmt: skip
     if refused:
-        with pytest.raises(ModelError, match="TipNodes.count must lie between 1 and 100, found 101"):
+        with pytest.raises(ModelError, match=r"TipNodes\.count must lie between 1 and 100, found 101"):
             interface_rows(assemble(shell), TipNodes(count=count))
         return
     system = assemble(shell)
