@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.updating.identifiability import Identifiability, identifiability, widths
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.regularisation import WEIGHTS, Regularisation, chosen_weight, corner, is_harmonic, trade_off
+from casingfem.updating.updating import mode_count
+from tests.casingfem.updating.test_update_judged import blade, table, vary
 
 VARY = [
     Parameter(name="material.E", lower=1e9, upper=3e9),
@@ -97,3 +100,50 @@ def test_fewer_residuals_than_parameters_leave_directions_unseen():
     np.testing.assert_allclose(found.singular, [np.linalg.norm(scaled), 0.0], atol=1e-12)
     square = scaled**2 / np.sum(scaled**2)
     np.testing.assert_allclose(found.left**2, 1.0 - square + square / (1.0 + np.sum(scaled**2)), rtol=1e-9)
+
+
+@pytest.mark.parametrize("rule", ["discrepancy", "l-curve"])
+def test_a_regularised_update_is_stationary_at_the_weight_that_its_rule_chooses_there(rule):
+    """J^T r + w^2 D^-2 (x - x0) = 0 for the one held, which its prior does not hold as well; the other is free."""
+    width = 0.5e-3
+    free = [
+        Parameter(name="material.E", lower=100e9, upper=300e9),
+        Parameter(name="shell.thickness", lower=2e-3, upper=4e-3, sigma=width),
+    ]
+    fit = cf.update(
+        blade(), table(1e-3), free, regularise=Regularisation(rule=rule, names=("shell.thickness",)), outliers="keep"
+    )
+    told = fit.regularised
+    assert told.names == ("shell.thickness",)
+    w = told.weight
+    away = fit.x - [206.85e9, 3e-3]
+    np.testing.assert_allclose(fit.given.prior, [0.0, w / width], rtol=1e-12)
+    pull = np.array([0.0, w**2 / width**2 * away[1]])
+    scale = np.linalg.norm(fit.jacobian, axis=0) * np.linalg.norm(fit.values)
+    np.testing.assert_allclose((fit.jacobian.T @ fit.values + pull) / scale, 0.0, atol=3e-3)
+    curve = trade_off(fit.jacobian, fit.values, away, np.zeros(2), np.array([0.0, 1.0 / width]))
+    np.testing.assert_allclose(told.curve, curve, rtol=1e-6)
+    chosen, by, note = chosen_weight(rule, curve, 8)
+    assert abs(np.log(chosen / w)) < 0.06
+    assert (told.rule, told.note) == (by, note)
+
+
+def test_modes_are_computed_to_15_per_cent_past_the_table_and_four_more():
+    """At least as many as there are rows."""
+    freq = cf.modes(blade(), 12).freq
+    for highest in (freq[3] / 1.1501, freq[3] / 1.1499, 0.5 * freq[0]):
+        rows = cf.FrequencyTable.from_arrays(freq_hz=[0.4 * freq[0], 0.45 * freq[0], highest], sigma_hz=1.0)
+        below = int(np.count_nonzero(freq < 1.15 * highest))
+        assert mode_count(rows, blade(), None) == max(below, 3) + 4
+
+
+def test_what_an_update_is_not_asked_for_rightly_is_refused_first():
+    for more, words in (
+        ({"outliers": "drop"}, 'outliers: found \'drop\', expected "set-aside" or "keep"'),
+        ({"model_error": 1.0}, r"model_error must lie in \[0, 1\), found 1.0"),
+        ({"model_error": -0.1}, r"model_error must lie in \[0, 1\), found -0.1"),
+    ):
+        with pytest.raises(cf.errors.InputError, match=words):
+            cf.update(blade(), table(rows=3), vary("material.E"), count=7, **more)
+    with pytest.raises(cf.errors.InputError, match="vary: name at least one parameter"):
+        cf.update(blade(), table(rows=3), [])
