@@ -237,3 +237,17 @@ def test_a_node_that_is_held_cannot_be_pushed():
     number = int(mesh.node_numbers[mesh.groups["root"].nodes[0]])
     with pytest.raises(ModelError, match=f"node {number} is held, nothing can be pushed there"):
         node_rows(system, AtNodes((number,)))
+
+
+def test_a_curved_tip_has_its_chord_square_to_its_mean_normal():
+    """From end to end of the face x = 2 + .1 y^3 the mean normal is that of the straight line."""
+
+    def place(u):
+        return np.stack([u[:, 0] * (2.0 + 0.1 * u[:, 1] ** 3), 0.6 * u[:, 1], 0.2 * u[:, 2]], axis=1)
+
+    mesh = grid_mesh("hexahedron20", (1, 3, 1), place, groups=GROUPS)
+    system = cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}).assembled()
+    frame = tip_frame(system, facets_of(system, "tip"), "tip")
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(frame[0], np.array([0.6, -0.1, 0.0]) / np.hypot(0.6, 0.1), atol=1e-9)
+    np.testing.assert_allclose(frame[2], np.array([0.1, 0.6, 0.0]) / np.hypot(0.6, 0.1), atol=1e-9)
