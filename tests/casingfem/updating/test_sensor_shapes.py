@@ -9,9 +9,11 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.modal.neighbour import solved
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch, numbered, only_seen
-from casingfem.updating.shapes import SensorShapes, plane_at, redundant, shape_values
+from casingfem.updating.shapes import SensorShapes, plane_at, redundant, shape_jacobian, shape_values
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 CASING = cf.Shell(
@@ -219,3 +221,27 @@ def test_of_a_match_the_rows_with_shapes_are_kept():
     assert only_seen(match((3, 4), (1, 2)), rows) is None
     assert only_seen(match((4, 5), (1, 2)), rows) == match((5,), (2,))
     assert only_seen(match((2, 0), (1, 2)), rows) == match((2, 0), (1, 2))
+
+
+def test_slopes_of_shapes_are_those_of_what_is_left_of_them():
+    """Three modes across a plate at six places, of shapes that are none of its own."""
+    rng = np.random.default_rng(5)
+    plate = cf.Shell(
+        chart=cf.Plate(length=0.2, width=0.07), thickness=3e-3, material=STEEL,
+        supports={"root": cf.ElasticEdge(k_face=1e11)}, mesh=ShellMesh(order=4, rows=1, around=1),
+    )  # fmt: skip
+    at = SensorShapes(
+        a=np.array([0.05, 0.1, 0.15, 0.2, 0.2, 0.12]), b=np.array([0.0, 0.02, -0.03, 0.03, -0.03, -0.01]),
+        directions=np.tile([0.0, 0.0, 1.0], (6, 1)), shapes=rng.standard_normal((6, 3)), sigma=np.full(3, 0.1),
+    )  # fmt: skip
+    here = solved(plate, 5)
+    seen = np.flatnonzero(np.linalg.norm(at.readings(here.modes), axis=0) > 0.1).tolist()
+    matches = [match((2,), (seen[0],)), match((0,), (seen[2],)), match((1,), (seen[1],))]
+    names = ("material.nu", "support.root.k_face")
+    found = shape_jacobian(here, [cf.Parameter(name=name, lower=0.01, upper=1e13) for name in names], at, matches)
+    assert found.shape == (18, 2)
+    for k, name in enumerate(names):
+        x = get_value(plate, name)
+        ends = [shape_values(solved(with_value(plate, name, x * by), 5).modes, at, matches) for by in (1.0001, 0.9999)]
+        slope = (ends[0] - ends[1]) / (2e-4 * x)
+        np.testing.assert_allclose(found[:, k], slope, atol=1e-3 * np.abs(slope).max(), err_msg=name)
