@@ -72,9 +72,9 @@ def point(jacobian, values, x=None, chi2=None):
 
 
 def test_the_smallest_change_that_shows_is_that_of_the_f_test():
-    at = point(np.array([[3.0, 0.0, 0.0], [4.0, 0.0, 2.0]] + [[0.0] * 3] * 8), np.zeros(10))
+    at = point(np.array([[3.0, 0.0, 0.0], [4.0, 0.0, 0.5]] + [[0.0] * 3] * 8), np.zeros(10))
     needed = fisher.isf(0.05 / 3, 1, 9)
-    np.testing.assert_allclose(visible(at, 0.05, 1.5), 1.5 * np.sqrt(needed) / [5.0, np.nan, 2.0], rtol=1e-9)
+    np.testing.assert_allclose(visible(at, 0.05, 1.5), 1.5 * np.sqrt(needed) / [5.0, np.nan, 0.5], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("cosine", "groups"), [(0.9991, ((1, 3),)), (0.9989, ())])

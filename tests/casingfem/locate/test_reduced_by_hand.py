@@ -113,12 +113,12 @@ def test_a_row_that_pairs_with_nothing_costs_a_tenth_of_itself():
 @pytest.mark.parametrize(("apart", "turned"), [(0.99e-6, True), (1.01e-6, False)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_perfect_pair_is_differentiated_along_the_axes_of_each_change(apart, turned, sign):
-    """Eigenvalues of [[3, 2], [2, 0]]: 4 and -1; the lower member takes the larger by size."""
-    G = sign * np.array([[[3.0, 2.0, 9.0], [2.0, 0.0, 8.0], [9.0, 8.0, 7.0]]])
+    """Eigenvalues of [[4, 2], [2, 1]]: 5 and 0; the lower member takes the larger by size."""
+    G = sign * np.array([[[4.0, 2.0, 9.0], [2.0, 1.0, 8.0], [9.0, 8.0, 7.0]]])
     found = SimpleNamespace(freq=np.array([100.0, 100.0 * (1.0 + apart), 200.0]))
     result = widest(found, [(0, 1)], G)
     expected = G.copy()
     if turned:
-        expected[0, :2, :2] = sign * np.diag([4.0, -1.0])
+        expected[0, :2, :2] = sign * np.diag([5.0, 0.0])
     np.testing.assert_allclose(result, expected, atol=1e-12)
     assert G[0, 0, 1] == sign * 2.0

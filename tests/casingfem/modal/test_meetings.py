@@ -111,6 +111,7 @@ def test_a_disk_that_is_none_is_refused(blades, n, said):
         DiskFrequencies(blades=blades, freq={n: (1.0,)})
     assert said in str(caught.value)
     assert DiskFrequencies(blades=7, freq={3: (1.0,), 0: (2.0,)}).of(4) == (1.0,)
+    assert DiskFrequencies(blades=1, freq={0: (2.0,)}).of(5) == (2.0,)
 
 
 @pytest.mark.parametrize("freq", [[0.0], [np.nan], [5.0, -1.0]])
