@@ -105,11 +105,13 @@ def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
     system = system or assemble(shell)
     assembled = time.perf_counter() - started
     pencil = make_pencil(system.stiffness, system.mass)
-    found = solve_modes(system.stiffness, system.mass, count + GUARD, shift_of(shell))
+    shift = shift_of(shell)
+    found = solve_modes(system.stiffness, system.mass, count + GUARD, shift)
     assert found.factor is not None
+    shown = None if found.sturm_count is None else gap_after(found.eigenvalues, count, abs(shift))[0]
     guard = ritz_modes(system, found.vectors)
     seconds = {"assemble": assembled, "solve": time.perf_counter() - started - assembled}
-    lowest = replace(named(shell, system, guard, count, seconds), sturm_count=found.sturm_count)
+    lowest = replace(named(shell, system, guard, count, seconds), sturm_count=shown)
     warn_of_surveys(lowest)
     return Solution(checked_resolution(lowest), guard, system, pencil, OldFactor(found.factor, pencil.scale), 0)
 

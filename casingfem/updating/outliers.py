@@ -125,9 +125,14 @@ def step_without(
 
 
 def strongest(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray) -> Found:
-    """The one shift that lowers chi^2 most, significant or not; its deviation is in stated sigma."""
+    """The one shift that lowers chi^2 most, significant or not; its deviation is in stated sigma.
+
+    Where the parameters swallow every shift, as those of as many residuals do, they are taken to stay as they are.
+    """
     left, r, usable = projected(shifts, residual, jacobian)
-    (k,) = grown([], left, r, usable if len(usable) else range(len(shifts)))
+    if not usable:
+        left, r, usable = projected(shifts, residual, np.zeros_like(jacobian))
+    (k,) = grown([], left, r, usable)
     delta, spread, _ = solved(left[:, [k]], r)
     return Found(shifts[k].kind, shifts[k].rows, -float(delta[0]), float(abs(delta[0]) / spread[0]))
 

@@ -139,3 +139,21 @@ def test_an_open_shell_is_refused(steel):
     plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel)
     with pytest.raises(ValueError, match="open shell has no nodal diameters"):
         affine_model(assemble(plate), [], 4)
+
+
+@pytest.mark.parametrize("direction", [0, 1, 2])
+def test_a_unit_of_a_change_is_a_tight_bolt_or_a_kilogram(model, direction):
+    """Moved as a whole by one, a bolt resists with its stiffness, a kilogram weighs one."""
+    system = model.system
+    motion = np.zeros((len(system.points), 5, 1))
+    motion[:, direction] = 1.0
+    masses = mass_changes(system, "top", np.array([0.3, 1.0, 2.0]))
+    assert len(masses) == 3
+    for change in masses:
+        assert change.stiffness is None
+        np.testing.assert_allclose(change.mass.product(motion.reshape(-1, 1)), [[1.0]], rtol=1e-12)
+    bolts = bolt_changes(system, "base")
+    assert len(bolts) == BOLTS.count
+    for change in bolts:
+        assert change.mass is None
+        np.testing.assert_allclose(change.stiffness.product(motion.reshape(-1, 1)), [[1e8]], rtol=1e-9)

@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
-from casingfem.modal.interface.chart_rows import node_rows, rim_lines, rim_rows, tip_directions, tip_rows
-from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
+from casingfem.errors import ModelError
+from casingfem.modal.interface.chart_rows import (
+    interface_rows,
+    node_rows,
+    rim_lines,
+    rim_rows,
+    tip_directions,
+    tip_rows,
+)
+from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Panel, Plate
@@ -159,3 +167,45 @@ def test_pieces_of_a_tip_of_uneven_curvature_have_equal_lengths(steel):
     pieces, _ = node_rows(system, TipNodes(count=3))
     tip, _ = tip_rows(system, Tip())
     np.testing.assert_allclose((pieces @ fields).reshape(3, 3)[:, :2].mean(axis=0), tip @ fields, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("interface", "words"),
+    [
+        (AtNodes((3, 4)), "at: found nodes 3, 4 of a chart, whose nodes have no numbers"),
+        (Rim("top", n_max=2, axis=(1.0, 0.0, 0.0)), "a Rim of a chart turns about z, found another axis"),
+        (Rim("top", n_max=2, point=(0.0, 0.1, 0.0)), "a Rim of a chart turns about z, found another axis"),
+        (Rim("top", n_max=2, lines=(-0.01, 0.1)), r"rim.lines: found \(-0.01, 0.1\), expected places from 0 to 0.25"),
+        (Rim("top", n_max=2, lines=(0.1, 0.26)), r"rim.lines: found \(0.1, 0.26\), expected places from 0 to 0.25"),
+    ],
+)
+def test_interfaces_that_a_casing_does_not_have_are_refused(casing, interface, words):
+    with pytest.raises(ModelError, match=words):
+        interface_rows(casing, interface)
+
+
+def test_lines_may_stand_on_both_ends_of_a_casing(casing):
+    rows, names = interface_rows(casing, Rim("top", n_max=2, lines=(0.0, 0.25)))
+    assert rows.shape == (20, 5 * len(casing.points))
+    assert names[-1] == "line1.tangential.sin2"
+
+
+@pytest.mark.parametrize(("count", "refused"), [(1, False), (100, False), (101, True)])
+def test_a_tip_of_a_panel_has_one_to_a_hundred_pieces(steel, count, refused):
+    chart = Panel(radius=0.3, length=0.12, angle=0.25)
+    shell = Shell(
+        chart=chart, thickness=2e-3, material=steel, supports={"root": Clamped()},
+        mesh=ShellMesh(order=3, rows=1, around=1),
+    )  # fmt: skip
+    if refused:
+        with pytest.raises(ModelError, match=r"TipNodes\.count must lie between 1 and 100, found 101"):
+            interface_rows(assemble(shell), TipNodes(count=count))
+        return
+    system = assemble(shell)
+    rows, names = interface_rows(system, TipNodes(count=count))
+    assert rows.shape == (3 * count, 5 * len(system.points))
+    assert len(names) == 3 * count
+    chord = tip_directions(system, Tip())[2]
+    theta = system.grid.nodes[1]
+    along = system.points[theta.argmax()] - system.points[theta.argmin()]
+    assert chord @ along > 0.0  # towards larger angles

@@ -1,6 +1,7 @@
 """Modes of solids on meshes: labels on bodies of revolution, rigid motions, mechanisms, the same table as shells."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from casingfem.errors import ModelWarning, NumericsError
 from casingfem.linalg import factor
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal import mesh_modes as mesh_module
-from casingfem.modal.mesh_modes import mesh_modes, projected
+from casingfem.modal.mesh_modes import check_rigid, meridional_shapes, mesh_modes, projected
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Frustum
@@ -197,3 +198,56 @@ def test_digits_of_a_file_are_no_meridional_coordinate(steel):
     label, purity = projected(MeshShell(mesh=mesh, material=steel, thickness=2e-3), wave, 8).label()
     assert label.tolist() == [2]
     assert purity[0] > 0.999
+
+
+def test_shares_of_waves_are_their_energies_and_twice_those_of_what_goes_all_around(found):
+    """Radial, hoop and axial motions count alike; 1 mm of n = 0 counts as 1.4 mm of a wave."""
+    mesh = found.structure.mesh
+    theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
+    c, s = np.cos(theta), np.sin(theta)
+    fields = np.zeros((len(theta), 3, 3))
+    radial, hoop = 3.0 * np.cos(2 * theta), 4.0 * np.sin(3 * theta)
+    fields[:, 0, 0], fields[:, 1, 0] = radial * c - hoop * s, radial * s + hoop * c
+    fields[:, 2, 1] = 1.0 + 2.0 * np.cos(4 * theta - 0.3)
+    fields[:, 2, 2] = 5.0 * np.sin(2 * theta) + 5.0 * np.sin(theta)
+    shares = projected(found.structure, fields, 6).shares()
+    expected = np.zeros((7, 3))
+    expected[[2, 3], 0] = 9.0 / 25.0, 16.0 / 25.0
+    expected[[0, 4], 1] = 2.0 / 6.0, 4.0 / 6.0
+    expected[[1, 2], 2] = 0.5
+    np.testing.assert_allclose(shares, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize(("r", "count"), [(np.linspace(0.5, 1.0, 40), 4), (0.7 + 0.2 * np.sin(np.arange(40.0)), 10)])
+def test_meridional_shapes_are_cubic_and_orthonormal(r, count):
+    """Ten in a section; on a cone, where the radius follows z, four."""
+    z, weight = np.linspace(0.0, 2.0, 40), np.linspace(1.0, 3.0, 40)
+    shapes = meridional_shapes(r, z, weight)
+    assert shapes.shape == (40, count)
+    np.testing.assert_allclose(shapes.T @ (weight[:, None] * shapes), np.eye(count), atol=1e-9)
+    cubic = (r - 2.0 * z) ** 3 + z**2 + r
+    np.testing.assert_allclose(shapes @ (shapes.T @ (weight * cubic)), cubic, rtol=1e-7)
+
+
+@pytest.mark.parametrize(("freq", "told"), [(0.795, True), (0.797, False)])
+def test_motions_below_a_twentieth_of_the_scale_that_are_not_rigid_are_doubted(freq, told):
+    """5 rad/s of a scale of 100: .7958 Hz; one rigid motion is known."""
+    system = SimpleNamespace(
+        rigid=1, frequency_scale=100.0, structure=SimpleNamespace(mesh=SimpleNamespace(source="part.inp"))
+    )
+    if told:
+        with pytest.warns(ModelWarning, match=r"part\.inp: 2 modes near zero, rigid motions explain 1.*mesh-mechanism"):
+            check_rigid(system, np.array([0.0, freq, 5.0]))
+    else:
+        check_rigid(system, np.array([0.0, freq, 5.0]))
+
+
+@pytest.mark.parametrize(("wanted", "count"), [((), 40), ((2,), 2)])
+def test_forty_modes_are_computed_if_nothing_is_said(steel, wanted, count):
+    skin = grid_mesh("quad9", (3, 2), lambda u: np.insert(u * [0.3, 0.1], 2, 0.0, axis=1), groups={"root": (0, 0.0)})
+    found = mesh_modes(MeshShell(mesh=skin, thickness=3e-3, material=steel, supports={"root": Clamped()}), *wanted)
+    assert len(found) == count
+    assert found.nodal_diameters.tolist() == [-1] * count
+    assert found.fields.shape == (35, 5, count)
+    assert set(found.seconds) == {"assemble", "solve", "label"}
+    assert all(0.0 <= spent < 100.0 for spent in found.seconds.values())

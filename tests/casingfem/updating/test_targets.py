@@ -146,3 +146,28 @@ def test_half_a_doublet_is_a_single(casing):
     found = modes(casing, COUNT)
     residual, _ = evaluate(casing, table_of(found, 12).without(2))
     assert len(residual) == 1 + 5 * 3
+
+
+def test_slopes_of_a_small_casing_equal_differences(frustum):
+    """A pair of n = 4 with an angle, turned by all other modes too, and a single row."""
+    shell = frustum(
+        thickness=2e-2,
+        mesh=ShellMesh(order=4, rows=1, around=7),
+        radius_defect=FourierField.of({8: (4e-3, 2e-3), 3: 2e-3}),
+    )
+    names = ("radius.p8.sin", "material.E")
+    vary = [Parameter(name=name, lower=-1e15, upper=1e15) for name in names]
+    here = solved(shell, 10)
+    low, high = next(pair for pair in here.modes.doublets if here.modes.nodal_diameters[pair[0]] == 4)
+    rows = [low, high, 5]
+    table = FrequencyTable.from_arrays(
+        freq_hz=here.modes.freq[rows] * [1.0, 1.001, 1.002], sigma_hz=0.1, n=here.modes.nodal_diameters[rows],
+        angle_deg=[here.modes.angle_deg[low] + 3.0, np.nan, np.nan],
+    )  # fmt: skip
+    exact = judged(here, table, vary)[1]
+    assert exact.shape == (4, 2)
+    for k, name in enumerate(names):
+        x = get_value(shell, name)
+        ends = [judged(solved(with_value(shell, name, x * by), 10), table)[0] for by in (1.0001, 0.9999)]
+        slope = (ends[0] - ends[1]) / (2e-4 * x)
+        np.testing.assert_allclose(exact[:, k], slope, atol=1e-4 * np.abs(slope).max())

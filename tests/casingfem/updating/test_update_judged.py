@@ -169,6 +169,7 @@ def test_a_left_out_row_is_not_used():
 )
 def test_rows_that_the_parameters_cannot_do_without_are_not_left_out(rows, names, words):
     fit = cf.update(blade(), table(rows=rows), vary(*names), outliers="keep")
+    assert fit.to_json()["worst"]["sigma"] == pytest.approx(0.0, abs=1e-6)  # of a fit that leaves nothing: an error
     with pytest.raises(cf.errors.InputError, match=words):
         cf.updating.leave_one_out(fit)
 
