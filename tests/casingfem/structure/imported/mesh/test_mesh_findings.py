@@ -106,6 +106,7 @@ def test_a_pyramid_is_measured_short_of_its_apex():
     (box(1, 1, 0.5e-9), ["mesh-flat-cell"]),
     (box(1, 1, -2e-9), ["mesh-inverted-cell"]),
     (moved(box(1, 1, 1), 6, [-0.9, -0.9, -0.9]), ["mesh-scrambled-cell"]),
+    (moved(box(1, 1, 1), 6, [-0.4, -0.4, -0.4]), []),  # folded at the corner alone, beyond the quadrature points
 ])  # fmt: skip
 def test_cells_flat_inverted_or_folded(mesh, found):
     assert codes(bad_cells(mesh)) == found
@@ -140,11 +141,11 @@ def test_nodes_within_a_thousandth_of_the_shortest_edge_coincide(gap, seen):
 
 
 def test_attachments_join_pairs_and_parts():
-    pairs = np.array([[1, 4], [2, 7]])
-    assert attached_pairs(halves(0.0), pairs).tolist() == [False, False]
+    pairs = np.array([[1, 4], [2, 7], [1, 7]])
+    assert attached_pairs(halves(0.0), pairs).tolist() == [False, False, False]
     assert attached_pairs(halves(0.0), np.zeros((0, 2), dtype=int)).tolist() == []
     bolt = halves(0.0, attachments=Attachments(springs=(link(1, 4),)))
-    assert attached_pairs(bolt, pairs).tolist() == [True, False]
+    assert attached_pairs(bolt, pairs).tolist() == [True, False, False]
     assert [f.message.split(" coincide")[0] for f in coincident(bolt)] == ["2 nodes (3, 8)"]
     both = halves(0.0, attachments=Attachments(springs=(link(1, 4),), equations=(Equation(terms=link(2, 7).terms),)))
     assert coincident(both) == []
@@ -159,7 +160,7 @@ def test_parts_are_counted_with_the_largest_first():
     loose = squares(x, cells)
     told = ["3 parts of 3, 2, 1 cells, apart from the largest: 3 cells (1, 2, 3)"]
     assert [f.message for f in parts(loose)] == told
-    body = Rigid(reference=1, nodes=np.array([0, 4, 13]))
+    body = Rigid(reference=1, nodes=np.array([13, 4, 0]))
     tied = squares(x, cells, attachments=Attachments(rigids=(body,)))
     assert [f.message for f in parts(tied)] == ["2 parts of 3, 3 cells, apart from the largest: 3 cells (4, 5, 6)"]
 
@@ -185,6 +186,8 @@ def test_a_corner_on_a_middle_node_hangs_and_linear_cells_have_none():
     row = grid_mesh("quad8", (2, 1), flat)
     assert hanging(row) == []
     assert hanging(grid_mesh("quad", (2, 1), flat)) == []
+    x = [[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]]
+    assert hanging(squares(x, [[0, 1, 2, 2, 3, 4, 2, 5]], "quad8")) == []  # a triangle: 2 is a corner and a middle
     cells = row.cells.copy()
     cells[1, 0] = cells[0, 4]
     found = hanging(MeshData(kind="quad8", points=row.points, cells=cells))
