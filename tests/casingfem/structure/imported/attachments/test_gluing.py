@@ -91,8 +91,8 @@ def test_a_shell_is_followed_on_its_edges_or_its_cells():
 @pytest.mark.parametrize(("kind", "place", "moved"), [
     ("line", [1.4], [1.0]), ("line", [-0.3], [0.0]), ("quad", [0.3, 1.7], [0.3, 1.0]),
     ("quad", [-0.1, 0.6], [0.0, 0.6]), ("quad", [0.9, 0.8], [0.9, 0.8]), ("triangle", [0.2, 0.3], [0.2, 0.3]),
-    ("triangle", [0.8, 0.4], [0.7, 0.3]), ("triangle", [0.9, 1.5], [0.45, 0.55]), ("triangle6", [1.5, -1.0], [1.0, 0.0]),
-    ("triangle", [1.5, 0.02], [0.99, 0.01]),
+    ("triangle", [0.8, 0.4], [0.7, 0.3]), ("triangle", [0.9, 1.5], [0.45, 0.55]),
+    ("triangle6", [1.5, -1.0], [1.0, 0.0]), ("triangle", [1.5, 0.02], [0.99, 0.01]),
 ])  # fmt: skip
 def test_places_are_kept_inside_their_facet(kind, place, moved):
     np.testing.assert_allclose(inside(kind, np.array([place])), [moved], atol=1e-14)
