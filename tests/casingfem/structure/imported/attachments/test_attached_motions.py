@@ -233,3 +233,11 @@ def test_an_enlarged_matrix_is_a_copy_with_nothing_behind():
     A = csc_array(np.array([[1.0, 2.0], [3.0, 4.0]]))
     assert enlarged(A, 3).toarray().tolist() == [[1, 2, 0], [3, 4, 0], [0, 0, 0]]
     assert A.shape == (2, 2)
+
+
+def test_the_director_of_a_reference_on_a_shell_turns_with_it():
+    at = shell(rigids=(Rigid(reference=0, nodes=np.array([1])), Rigid(reference=0, nodes=np.array([4]))))
+    rows = tied_rows(at, NONE)
+    assert rows.own == {3, 4}
+    assert rows.owner[3] == rows.owner[4] == "its turns as the reference of rigid connection"
+    assert sorted(rows.owner) == [3, 4, *range(5, 10), *range(20, 23), *range(at.turn(4), at.turn(4) + 3)]
