@@ -107,7 +107,7 @@ def test_every_dof_of_a_rigid_motion_is_what_its_connections_make_of_it(kind):
         "rigid": lambda: motions(
             rigids=(Rigid(reference=4, nodes=np.array([1, 5])), Rigid(reference=5, nodes=np.array([6])))
         ),
-        "mean": lambda: motions(means=(Mean(reference=6, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)),
+        "mean": lambda: motions(means=(Mean(reference=5, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)),
         "shell": lambda: shell(rigids=(Rigid(reference=0, nodes=np.array([1, 2, 4])),)),
         "tie": lambda: shell(
             glued=(Tie(nodes=np.array([3]), others=np.array([[0, 1, 2]]), weights=np.array([[1.0, -1.0, 1.0]])),)
