@@ -191,3 +191,12 @@ def test_a_blade_is_all_cells_or_those_of_its_group(sector):
 def test_a_wheel_has_two_sectors_or_more(sector, sectors, told):
     with pytest.raises(ModelError, match=rf"cyclic\.sectors: {told}"):
         CyclicSector(structure=sector.structure, sectors=sectors)
+
+
+def test_two_halves_with_named_faces_make_a_wheel():
+    ends = {"low": (0, 0.0), "high": (0, 1.0)}
+    mesh = grid_mesh("quad9", (4, 1), lambda u: cone(u * [2.0, 1.0]), groups=ends)
+    part = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL, supports={})
+    half = CyclicSector(structure=part, sectors=2, faces=("low", "high"))
+    assert half.diameters == (0, 1)
+    assert len(np.unique(wheel_nodes(half))) == 8 * 2 * 3
