@@ -112,10 +112,9 @@ def stray_middles(mesh: MeshData) -> Array:
     for kind, rows, slots in natives(mesh):
         points = mesh.points[mesh.cells[rows][:, slots]]
         for k, corners in enumerate(KINDS[kind].supports_of_nodes):
-            if len(corners) > 1:
-                around = points[:, list(corners)]
-                reach = np.linalg.norm(around - around[:, :1], axis=2).max(axis=1)
-                stray[rows] |= np.linalg.norm(points[:, k] - around.mean(axis=1), axis=1) > STRAY * reach
+            around = points[:, list(corners)]
+            reach = np.linalg.norm(around - around[:, :1], axis=2).max(axis=1)
+            stray[rows] |= np.linalg.norm(points[:, k] - around.mean(axis=1), axis=1) > STRAY * reach
     return stray
 
 

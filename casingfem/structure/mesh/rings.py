@@ -4,6 +4,7 @@ import numpy as np
 
 from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.mesh.edge_form import places_of
 from casingfem.structure.mesh.shell_mesh import Grid, rim_values
 
 
@@ -16,10 +17,8 @@ def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Arra
     rings = order.reshape(-1, around)
     samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
     nodes, weights = rim_values(grid, edge, samples)
-    place = np.full(len(theta), -1)
-    place[grid.edges[edge].nodes] = np.arange(around)
     spread = np.zeros((len(samples), around))
-    np.add.at(spread, (np.arange(len(samples))[:, None], place[nodes]), weights)
+    np.add.at(spread, (np.arange(len(samples))[:, None], places_of(grid.edges[edge].nodes, nodes)), weights)
     n = np.arange(n_max + 1)
     kernel = np.exp(-1j * np.outer(n, samples)) / len(samples)
     kernel[1:] *= 2.0

@@ -126,8 +126,8 @@ def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
 
 def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
     """Rows in the order of the parts that hang together, and where each part but the first begins."""
-    count, part = connected_components(A, directed=False)
-    return np.argsort(part, kind="stable"), np.cumsum(np.bincount(part, minlength=max(count, 1)))[:-1]
+    part = connected_components(A, directed=False)[1]
+    return np.argsort(part, kind="stable"), np.cumsum(np.bincount(part))[:-1]
 
 
 def warn_floating(mesh: MeshData, held: IntArray) -> None:

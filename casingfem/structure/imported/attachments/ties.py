@@ -246,9 +246,11 @@ def eliminated(rows: Rows) -> csr_array:
     R = coo_array((np.concatenate([value, np.ones(len(free))]), place), shape=(size, size)).tocsr()
     for _ in range(LEVELS):
         if not dependent[R.indices].any():
-            return csr_array(R)
+            break
         R = csr_array(R @ R)
         R.eliminate_zeros()
-    ring = rows.owner[int(R.indices[dependent[R.indices]][0])]
-    found = f"{ring}: found connections that hang on one another in a ring"
+    left = R.indices[dependent[R.indices]]
+    if not len(left):
+        return csr_array(R)
+    found = f"{rows.owner[int(left[0])]}: found connections that hang on one another in a ring"
     raise ModelError("mesh-attachment", f"{rows.motions.mesh.source}: {found}")

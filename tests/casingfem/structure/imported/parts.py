@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.imported.mesh.attachments import Attachments
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.mesh.attachments import Attachments, Spring, Term
+from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.solid import Solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -27,3 +29,34 @@ def supported(mesh, *names, **options):
     """A steel solid clamped on groups, "root" if none is named."""
     held = {name: cf.Clamped() for name in names or ("root",)}
     return Solid(mesh=mesh, material=STEEL, supports=held, **options)
+
+
+def flat(u):
+    return np.insert(u, 2, 0.0, axis=1)
+
+
+def squares(points, cells, kind="quad", **given):
+    return MeshData(kind=kind, points=flat(np.array(points, dtype=float)), cells=np.array(cells), **given)
+
+
+def box(*sides, kind="hexahedron", counts=(1, 1, 1)):
+    return grid_mesh(kind, counts, lambda u: u * sides)
+
+
+def tapered(top, kind="quad"):
+    """A square of which the upper side is shorter: the area per r and s is 1 - s (1 - top)."""
+    return grid_mesh(kind, (1, 1), lambda u: flat(np.stack([u[:, 0] * (1 - u[:, 1] * (1 - top)), u[:, 1]], axis=1)))
+
+
+def moved(mesh, node, shift):
+    points = mesh.points.copy()
+    points[mesh.cells[0, node]] += shift
+    return MeshData(kind=mesh.kind, points=points, cells=mesh.cells)
+
+
+def codes(found):
+    return [finding.code for finding in found]
+
+
+def link(*nodes):
+    return Spring(terms=tuple(Term(node, 0, 1.0) for node in nodes), stiffness=1.0)

@@ -82,3 +82,9 @@ def test_inner_points_are_where_the_polynomial_is_level(order):
     slope, bend = (np.polynomial.legendre.legder(np.eye(order + 1)[order], m) for m in (1, 2))
     step = np.polynomial.legendre.legval(t, slope) / np.polynomial.legendre.legval(t, bend)
     assert np.abs(step).max() < 1e-15
+
+
+def test_values_and_slopes_at_a_table_of_places():
+    places = np.array([[0.1, 0.4, 0.9], [0.0, 0.3, 1.0]])
+    for table, row in zip(lagrange(3, places), lagrange(3, places.ravel()), strict=True):
+        np.testing.assert_allclose(table, row.reshape(4, 2, 3), atol=1e-14)

@@ -8,6 +8,10 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.chart import Plate
+from casingfem.structure.mesh.edge_form import EdgeForm
+from casingfem.structure.mesh.scatter import element_sum, scatter_blocks
+from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.energies import modal_products, point_fields
 
@@ -26,3 +30,57 @@ def test_the_sum_of_elements_has_the_energy_of_motions(frustum, coarse, supports
     ).K
     np.testing.assert_allclose(V.T @ (system.stiffness @ V), energies, rtol=1e-10)
     np.testing.assert_allclose(V.T @ (system.K @ V), energies, rtol=1e-10)
+
+
+GRID = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=2, rows=2, around=1))
+SIZE = 5 * GRID.nodes.shape[1]
+
+
+def symmetric(rng, *shape):
+    one = rng.standard_normal(shape)
+    return one + one.swapaxes(-1, -2)
+
+
+def turned_frames():
+    """Frames of nodes 1 and 4 that mix all five dofs; the others have none."""
+    frames = np.tile(np.eye(5), (GRID.nodes.shape[1], 1, 1))
+    rng = np.random.default_rng(6)
+    frames[1], frames[4] = (np.linalg.qr(rng.standard_normal((5, 5)))[0] for _ in range(2))
+    return frames
+
+
+def block_diagonal(frames, size=SIZE):
+    """x = F y, of dofs behind those of the nodes as they are."""
+    whole = np.eye(size)
+    for k, frame in enumerate(frames):
+        whole[5 * k : 5 * k + 5, 5 * k : 5 * k + 5] = frame
+    return whole
+
+
+@pytest.mark.parametrize("frames", [np.tile(np.eye(5), (GRID.nodes.shape[1], 1, 1)), turned_frames()])
+def test_elements_and_forms_are_summed_in_the_frames_of_nodes_on_the_free_dofs(frames):
+    """A form with a dof of its own behind those of the nodes; two of its points have the same dofs."""
+    rng = np.random.default_rng(5)
+    size = SIZE + 2
+    matrices = symmetric(rng, len(GRID.elements), 45, 45)
+    dofs = np.array([[*range(5, 10), SIZE + 1, 17], [*range(5, 10), SIZE + 1, 17], [*range(20, 25), SIZE, 3]])
+    form = EdgeForm(dofs=dofs, B=rng.standard_normal((3, 2, 7)), D=symmetric(rng, 3, 2, 2))
+    free = np.setdiff1d(np.arange(size), [0, 7, 21, 40])
+    dense = np.zeros((size, size))
+    for element, matrix in zip(GRID.elements, matrices, strict=True):
+        own = (5 * element[:, None] + np.arange(5)).ravel()
+        dense[np.ix_(own, own)] += matrix
+    dense += form.matrix(size).toarray()
+    turn = block_diagonal(frames, size)
+    found = element_sum(matrices.copy(), GRID, frames, free, [form])
+    assert found.size == len(free)
+    expected = (turn.T @ dense @ turn)[np.ix_(free, free)]
+    np.testing.assert_allclose(found @ np.eye(len(free)), expected, rtol=1e-11, atol=1e-11)
+
+
+def test_blocks_of_nodes_turn_with_their_frames():
+    blocks, frames = symmetric(np.random.default_rng(8), GRID.nodes.shape[1], 5, 5), turned_frames()
+    free = np.setdiff1d(np.arange(SIZE), [2, 24])
+    turn = block_diagonal(frames)
+    expected = (turn.T @ block_diagonal(blocks) @ turn)[np.ix_(free, free)]
+    np.testing.assert_allclose(scatter_blocks(blocks, frames, free).toarray(), expected, rtol=1e-12, atol=1e-13)

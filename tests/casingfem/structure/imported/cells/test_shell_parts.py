@@ -1,0 +1,144 @@
+"""What an imported shell is made of: middles, folds on both sides of what is allowed, walls, springs on its edges."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.structure.imported.cells.shell import tangent_frames
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.mesh.mesh_data import Group
+from casingfem.structure.imported.shell import MeshShell, check_folds, edge_springs, with_centres
+from casingfem.structure.imported.support import check_support
+from tests.casingfem.structure.imported.parts import STEEL, box, flat, squares
+
+PLIES = (cf.shell.Ply(thickness=1.0),)
+ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
+PLATE = grid_mesh("quad", (2, 1), lambda u: flat(u * [2.0, 3.0]), groups=ENDS)
+OWN = replace(PLATE, groups={**PLATE.groups, "one": Group(nodes=PLATE.cells[1], cells=[1])})
+
+
+def folded(angle):
+    """Two squares that meet at an angle [degrees]."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    mesh = squares(np.zeros((6, 2)), [[0, 1, 2, 3], [1, 4, 5, 2]], cell_numbers=np.array([7, 8]), source="roof")
+    x = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1 + c, 0, s], [1 + c, 1, s]]
+    return replace(mesh, points=np.array(x))
+
+
+def test_the_ninth_node_stands_where_eight_put_it():
+    """Half of the middles less a quarter of the corners; triangles have none of their own."""
+    x = np.array([[0, 0], [4, 0], [5, 3], [0, 2], [2, -0.5], [4.6, 1.5], [2.5, 2.7], [0.1, 1], [8, 0], [6, 0.2],
+                  [6.6, 1.6]])  # fmt: skip
+    mesh = squares(x, [[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]], "quad8",
+                   node_numbers=np.arange(21, 32), groups={"all": Group(nodes=[0])})  # fmt: skip
+    nine = with_centres(mesh)
+    assert nine.kind == "quad9"
+    assert nine.cells.tolist() == [[0, 1, 2, 3, 4, 5, 6, 7, 11], [1, 8, 2, 2, 9, 10, 2, 5, 2]]
+    centre = 0.5 * x[4:8].sum(axis=0) - 0.25 * x[:4].sum(axis=0)
+    np.testing.assert_allclose(nine.points[11], [*centre, 0.0], rtol=1e-13)
+    assert nine.node_numbers.tolist() == [*range(21, 32), 0]
+    assert list(nine.groups) == ["all"]
+    assert with_centres(nine) is nine
+    assert with_centres(PLATE) is PLATE
+
+
+@pytest.mark.parametrize("angle", [0.0, 9.9, -9.9])
+def test_small_kinks_pass_without_a_word(angle):
+    check_folds(folded(angle))
+
+
+@pytest.mark.parametrize("angle", [10.1, -10.1, 60.9])
+def test_kinks_are_doubted(angle):
+    with pytest.warns(ModelWarning, match=rf"roof: 2 cells \(7, 8\) meet at up to {abs(angle):.0f} degrees"):
+        check_folds(folded(angle))
+
+
+@pytest.mark.parametrize("angle", [61.1, 90.0])
+def test_folds_are_refused(angle):
+    with pytest.raises(ModelError, match=rf"roof: 2 cells \(7, 8\) fold by up to {angle:.0f} degrees"):
+        check_folds(folded(angle))
+
+
+@pytest.mark.parametrize("t", [0.0, -1.0, np.nan, np.inf])
+def test_thicknesses_are_above_zero(t):
+    with pytest.raises(ModelError, match=rf"shell\.thickness must be above 0, found {t!r}"):
+        MeshShell(mesh=PLATE, thickness=t, material=STEEL)
+    with pytest.raises(ModelError, match=rf"shell\.thicknesses\.one must be above 0, found {t!r}"):
+        MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": t}, material=STEEL)
+
+
+def test_walls_and_inertia_of_groups():
+    brass = cf.Material(E=100e9, nu=0.35, rho=8500.0)
+    shell = MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL, materials={"one": brass})
+    assert shell.walls().tolist() == [[0.1, 0.2], [210e9, 100e9], [0.3, 0.35], [7800.0, 8500.0]]
+    np.testing.assert_allclose(shell.inertia(), [[780.0, 1700.0], [0.65, 8500.0 * 0.008 / 12.0]], rtol=1e-13)
+    np.testing.assert_allclose(shell.density(), [780.0, 1700.0], rtol=1e-13)
+    assert (shell.fibres, shell.wall, shell.shear_correction) == (None, "curved", None)
+    layered = MeshShell(mesh=OWN, thickness=0.1, material=STEEL, wall="linear", plies=PLIES,
+                        angle_from=(1.0, 0.0, 0.0))  # fmt: skip
+    assert layered.fibres.tolist() == [1.0, 0.0, 0.0]
+    system = shell.assembled()
+    assert system.wall == 0.1
+    assert system.frequency_scale == pytest.approx(np.sqrt(100e9 / 8500.0) * 0.1 / 13.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("degrees", "seen"), [(2.6, True), (2.5, False), (180.0 - 2.5, False)])
+def test_plies_do_not_count_from_a_direction_across_the_wall(degrees, seen):
+    """1 less the cosine is a thousandth at 2.56 degrees."""
+    angle = np.radians(degrees)
+    given = {"mesh": PLATE, "thickness": 0.1, "material": STEEL, "wall": "linear",
+             "plies": PLIES, "angle_from": (0.0, 5.0 * np.sin(angle), 5.0 * np.cos(angle))}  # fmt: skip
+    if seen:
+        assert len(MeshShell(**given).plies) == 1
+    else:
+        with pytest.raises(ModelError, match=r"shell\.angle_from: found .*, 2 cells \(1, 2\) lie across it"):
+            MeshShell(**given)
+
+
+@pytest.mark.parametrize(("given", "told"), [
+    ({"wall": "bent"}, r"shell\.wall: expected curved or linear, found 'bent'"),
+    ({"plies": PLIES}, r"shell\.plies: found wall 'curved', expected wall \"linear\""),
+    ({"plies": PLIES, "wall": "linear", "materials": {"one": STEEL}}, "found materials of groups"),
+    ({"plies": PLIES, "wall": "linear", "angle_from": (0.0, 0.0, 0.0)}, "expected a direction"),
+    ({"plies": PLIES, "wall": "linear", "angle_from": (0.0, np.inf, 0.0)}, "expected a direction"),
+])  # fmt: skip
+def test_layers_need_a_linear_wall_of_one_material_and_a_direction(given, told):
+    with pytest.raises(ModelError, match=told):
+        MeshShell(mesh=OWN, thickness=0.1, material=STEEL, **given)
+
+
+def test_springs_of_an_edge_act_on_displacements_and_on_leanings():
+    """t k per length on the 3 m of the tip, t^3/12 k on a leaning of its directors; nothing on the root."""
+    shell = MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL,
+                      supports={"tip": cf.ElasticEdge(k_face=7e6), "root": cf.Clamped()})  # fmt: skip
+    frames = tangent_frames(np.tile([0.0, 0.0, 1.0], (6, 1)))
+    (K,) = edge_springs(shell, frames)
+    shift, lean = np.array([0.3, -0.5, 0.8]), np.array([0.6, 0.7, 0.0])
+    u = np.hstack([np.tile(shift, (6, 1)), np.zeros((6, 2))]).ravel()
+    w = np.hstack([np.zeros((6, 3)), frames @ lean]).ravel()
+    assert u @ K @ u == pytest.approx(7e6 * 0.2 * 3.0 * (shift @ shift), rel=1e-12)
+    assert w @ K @ w == pytest.approx(7e6 * 0.2**3 / 12.0 * 3.0 * (lean @ lean), rel=1e-12)
+    tip = np.repeat(np.isin(np.arange(6), OWN.groups["tip"].nodes), 5)
+    assert not K.toarray()[~tip].any()
+
+
+@pytest.mark.parametrize(("support", "told"), [
+    (cf.ElasticEdge(k_r=1.0), "found line springs or a pattern around, expected k_face alone"),
+    (cf.ElasticEdge(k_theta=1.0), "found line springs"), (cf.ElasticEdge(k_z=1.0), "found line springs"),
+    (cf.ElasticEdge(k_rot=1.0, k_face=1.0), "found line springs"), (cf.ShearDiaphragm(), "found ShearDiaphragm"),
+])  # fmt: skip
+def test_supports_that_a_mesh_cannot_have_are_refused(support, told):
+    with pytest.raises(ModelError, match=rf"grid: support\.tip: {told}"):
+        check_support(PLATE, "tip", support)
+
+
+def test_supports_that_a_mesh_can_have():
+    for support in (cf.Clamped(), cf.imported.Fixed(directions=("x",)), cf.ElasticEdge(k_face=1.0)):
+        check_support(PLATE, "tip", support)
+    bare = replace(box(1, 1, 1), groups={"pin": Group(nodes=[0])})
+    check_support(bare, "pin", cf.Clamped())
+    with pytest.raises(ModelError, match=r"grid: support\.pin.*mesh-group-no-facets"):
+        check_support(bare, "pin", cf.ElasticEdge(k_face=1.0))
