@@ -36,8 +36,7 @@ def split_line(line: str) -> tuple[str, list[str]]:
         return head, data[: 4 if "*" in head else 8]
     line = line.expandtabs(8)
     head, width = line[:8].strip(), 16 if "*" in line[:8] else 8
-    body = line[8:72].ljust(64)
-    data = [body[k : k + width].strip() for k in range(0, 64, width)]
+    data = [line[k : k + width].strip() for k in range(8, 72, width)]
     while data and not data[-1]:
         data.pop()
     return head, data
