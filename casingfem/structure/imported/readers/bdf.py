@@ -67,7 +67,7 @@ class Parser(Numbers):
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
         """Take every card in turn; GRDSET, which may stand anywhere, first."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
-            self.defaults = next(([*card.fields, *BLANK][:7] for card in cards(lines) if card.name == "GRDSET"), BLANK)
+            self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
         for card in cards(lines):
             if card.name == "GRID":
                 self.take_grid(card)
