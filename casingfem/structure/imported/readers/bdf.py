@@ -124,7 +124,7 @@ class Parser(Numbers):
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
         if card.name in SHELLS and not middles:
             kind = kind.rstrip("68")
-        if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
+        if card.name in OFFSETS and self.real(card, (card.fields[OFFSETS[card.name] :] or [""])[0]):
             self.leave_out(card, f"offset (ZOFFS) of {card.name}")
         nodes = [self.integer(card, text or "0") for text in given]
         owner = self.integer(card, card.fields[1] or str(number))

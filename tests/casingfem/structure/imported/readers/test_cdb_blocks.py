@@ -42,6 +42,22 @@ def test_a_range_begins_with_one_where_nothing_stands_before_it(tmp_path):
     assert draft.node_sets["a"].tolist() == [0, 1, 2]
 
 
+def test_a_number_of_zero_in_a_component_is_none(tmp_path):
+    draft = read(tmp_path, [*PART, "CMBLOCK,a,NODE,3", "(8i10)", f"{21:10d}{0:10d}{22:10d}"])
+    assert draft.node_sets["a"].tolist() == [0, 1]
+
+
+def test_a_range_has_no_more_numbers_than_the_file_has_characters(tmp_path):
+    lines = [*PART, "CMBLOCK,a,NODE,1", "(8i10)"]
+    size = sum(map(len, lines)) + 10
+    with pytest.raises(ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
+        read(tmp_path, [*lines, f"{-size:10d}"])
+    with pytest.raises(
+        ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file can hold"
+    ):
+        read(tmp_path, [*lines, f"{-size - 1:10d}"])
+
+
 @pytest.mark.parametrize("block", range(2))
 @pytest.mark.parametrize("by", [-1, 1])
 def test_a_block_has_as_many_items_as_it_says(block, by, tmp_path):
@@ -157,7 +173,8 @@ def test_lines_of_other_commands_are_passed_over(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         draft = read(
-            tmp_path, [*PART, "N", "E", "N,R5.3,LOC", "ET", "/CE,1", "!CP,1", "/CERIG,2", "MP,EX,1,2e11", "RBE"]
+            tmp_path,
+            [*PART, "N", "E", "N,R5.3,LOC", "ET", "ET,9", "EN,3", "/CE,1", "!CP,1", "/CERIG,2", "MP,EX,1,2e11", "RBE"],
         )
     assert len(draft.blocks) == 1
 
