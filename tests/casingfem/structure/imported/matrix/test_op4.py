@@ -59,9 +59,9 @@ def test_a_matrix_may_end_without_values_behind_its_last_column(tmp_path):
 
 @pytest.mark.parametrize("letter", ["D", "E"])
 def test_numbers_are_as_wide_as_the_header_says(letter, tmp_path):
-    text = f"{1:8d}{2:8d}{2:8d}{2:8d}{'K':8}5E9.2\n{1:8d}{1:8d}{2:8d}\n 1.25{letter}+00-2.50{letter}-01\n"
+    text = f"{1:8d}{2:8d}{2:8d}{2:8d}{'E1.5':8}E9.2\n{1:8d}{1:8d}{2:8d}\n 1.25{letter}+00-2.50{letter}-01\n"
     text += f"{2:8d}{1:8d}{1:8d}\n 1.00{letter}+00\n"
-    assert read(tmp_path, text)["K"].toarray().tolist() == [[1.25], [-0.25]]
+    assert read(tmp_path, text)["E1.5"].toarray().tolist() == [[1.25], [-0.25]]
 
 
 def test_complex_matrices_are_passed_over_but_those_of_a_set(tmp_path):
