@@ -77,6 +77,7 @@ def test_a_binary_file_cut_in_its_last_record_is_refused(cut, tmp_path):
         ),
         (record([3, 4, 2, 5], b"K       "), "K: found type 5, 4 rows, 3 columns, expected a real matrix"),
     ],
+    ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_damaged_records_are_named_with_their_place(content, told, tmp_path):
     with pytest.raises(ModelError, match=rf"a\.op4: {told}"):
