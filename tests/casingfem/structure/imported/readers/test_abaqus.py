@@ -55,6 +55,10 @@ def points(kind, *elements, name="p"):
             26.0, "SPRINGA 9 (line 14)",
         ),
         (
+            points("SPRINGA", "9, 12, 11") + "*SPRING, ELSET=p\n2.\n",
+            [(1, 0, -1.0), (0, 0, 1.0)], 2.0, "SPRINGA 9 (line 14)",
+        ),
+        (
             points("SPRINGA", "9, 15, 16") + "*SPRING, ELSET=p\n2.\n",
             [(4, 2, -1.0), (5, 2, 1.0)], 2.0, "SPRINGA 9 (line 14)",
         ),
