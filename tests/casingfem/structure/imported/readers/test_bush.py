@@ -131,6 +131,7 @@ def test_stiffness_along_its_line_alone_needs_no_orientation(tmp_path):
             r"line 9: CBUSH: found an offset in system 4 \(OCID\), expected none",
         ),
         ("CBUSH,30,3,5,6,.5,.2,-.1\nPBUSH,3,K,1.,1.", "found an orientation along the line of its grids"),
+        ("CBUSH,30,2,5,6\nPBUSH,3,K,1.", "line 9: CBUSH: found the property 2, which no PBUSH gives"),
     ],
 )
 def test_bushes_that_are_not_understood_are_refused(cards, told, tmp_path):
