@@ -1,11 +1,12 @@
 """Abaqus input files: sets, surfaces, elements and ties by their words; each refusal with its line."""
 
+import re
+
 import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.imported.readers.inp import FAMILIES, read_inp, stacked
-from casingfem.structure.imported.readers.inp_names import NODES
 
 PLACES = ["0, 0, 0", "1, 0, 0", "1, 1, 0", "0, 1, 0", "0, 0, 1", "1, 0, 1", "1, 1, 1", "0, 1, 1", "2, 0, 0", "2, 1, 0"]
 NODE = "*NODE\n" + "".join(f"{10 + k}, {place}\n" for k, place in enumerate(PLACES))
@@ -37,7 +38,7 @@ def facets(draft, name):
 def test_types_of_elements_take_as_many_nodes_as_they_have(family, ending, tmp_path):
     """Written over two lines, so that the count tells where an element ends."""
     kind = FAMILIES[family]
-    count = NODES[kind]
+    count = {"STRI65": 6, "B31": 2, "B32": 3}.get(family) or int(re.search(r"\d+$", family)[0])
     row = [str(10 + k % 10) for k in range(count)]
     text = f"{NODE}*ELEMENT, TYPE={family.lower()}{ending}\n31, {row[0]},\n{', '.join(row[1:])}\n"
     if family.startswith("B3"):
