@@ -34,7 +34,7 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     read = {".npz": read_from_npz, ".mat": read_from_mat}.get(path.suffix.lower(), read_from_hdf5)
     found = read(path)
     tables = {name: np.asarray(found.pop(name)) for name in TABLES if name in found}
-    square = {name: A for name, A in found.items() if getattr(A, "ndim", 0) == 2 and A.shape[0] == A.shape[1]}
+    square = {name: A for name, A in found.items() if A.ndim == 2 and A.shape[0] == A.shape[1]}
     roles = roles_of([name for name, A in square.items() if A.dtype.kind in "iufc"], path.name)
     if dofs is None:
         if "dofs" not in tables:
@@ -144,6 +144,5 @@ def hdf5_arrays(path: Path) -> dict[str, Any]:
 
 
 def to_columns(name: str, A: Any) -> dict[str, Any]:
-    """A sparse matrix as the arrays of an npz."""
-    sparse = csc_array(A) if not issparse(A) else A
-    return {f"{name}_data": sparse.data, f"{name}_indices": sparse.indices, f"{name}_indptr": sparse.indptr}
+    """A matrix in compressed columns as the arrays of an npz."""
+    return {f"{name}_data": A.data, f"{name}_indices": A.indices, f"{name}_indptr": A.indptr}

@@ -126,7 +126,7 @@ def read_text(lines: list[str], source: str) -> dict[str, csc_array]:
 
 def text_columns(lines: list[str], at: int, width: int, entries: Entries, source: str) -> int:
     """Read columns until the one after the last; returns the line after it."""
-    column, row, wanted = 0, 0, 0
+    column = row = wanted = 0
 
     def values() -> FloatArray:
         nonlocal at
@@ -192,7 +192,7 @@ def read_binary(content: bytes, source: str) -> dict[str, csc_array]:
 
     def record() -> bytes:
         nonlocal start, at
-        length = int(np.frombuffer(content, f"{order}i4", 1, at)[0]) if at + 4 <= len(content) else -1
+        length = int.from_bytes(content[at : at + 4], "little" if order == "<" else "big", signed=True)
         end = at + 8 + length
         if length < 0 or end > len(content) or content[at : at + 4] != content[end - 4 : end]:
             raise fault(source, f"byte {at}: found no whole record: cut short?")

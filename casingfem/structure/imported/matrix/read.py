@@ -96,7 +96,7 @@ def read_dofs(path: Path) -> IntArray:
         if direction is None or not node.strip().isdecimal():
             raise table.refuse(row=k, found=f"{node}, {word}", expected=f"a node, and {', '.join(DIRECTIONS)}")
         rows.append((int(node), direction))
-    return np.array(rows, dtype=np.int64).reshape(-1, 2)
+    return np.array(rows, dtype=np.int64)
 
 
 def table_with(path: Path, columns: tuple[str, ...]) -> strict_csv.StrictCsv:

@@ -209,10 +209,10 @@ class AbaqusAttachments:
         means, owned = list(self.means), set[int]()
         for card, numbers in self.properties:
             for number in numbers.tolist():
-                kind, nodes, _ = self.elements.get(number, ("", np.zeros(0, dtype=np.int64), 0))
-                if kind not in PROPERTIES[card.keyword]:
+                if number not in self.elements or self.elements[number][0] not in PROPERTIES[card.keyword]:
                     expected = " or ".join(PROPERTIES[card.keyword])
                     raise self.names.fault(card.line, f"*{card.keyword} on element {number}, expected {expected}")
+                kind, nodes, _ = self.elements[number]
                 owned.add(number)
                 where = f"{kind} {number} (line {card.line})"
                 if kind == "DCOUP3D":

@@ -67,7 +67,7 @@ class Parser(Numbers):
     def read(self, lines: Sequence[NumberedLine]) -> Draft:
         """Take every card in turn; GRDSET, which may stand anywhere, first."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
-            self.defaults = next(([*card.fields, *BLANK][:7] for card in cards(lines) if card.name == "GRDSET"), BLANK)
+            self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
         for card in cards(lines):
             if card.name == "GRID":
                 self.take_grid(card)
@@ -124,7 +124,7 @@ class Parser(Numbers):
         kind = SOLIDS[card.name, len(given)] if card.name in PLACES else SHELLS[card.name][0]
         if card.name in SHELLS and not middles:
             kind = kind.rstrip("68")
-        if self.real(card, (card.fields[OFFSETS.get(card.name, 99) :] or [""])[0]):
+        if card.name in OFFSETS and self.real(card, (card.fields[OFFSETS[card.name] :] or [""])[0]):
             self.leave_out(card, f"offset (ZOFFS) of {card.name}")
         nodes = [self.integer(card, text or "0") for text in given]
         owner = self.integer(card, card.fields[1] or str(number))

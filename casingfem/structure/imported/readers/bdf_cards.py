@@ -36,8 +36,7 @@ def split_line(line: str) -> tuple[str, list[str]]:
         return head, data[: 4 if "*" in head else 8]
     line = line.expandtabs(8)
     head, width = line[:8].strip(), 16 if "*" in line[:8] else 8
-    body = line[8:72].ljust(64)
-    data = [body[k : k + width].strip() for k in range(0, 64, width)]
+    data = [line[k : k + width].strip() for k in range(8, 72, width)]
     while data and not data[-1]:
         data.pop()
     return head, data
@@ -47,7 +46,6 @@ def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
     """Cards of the bulk data, continuations joined, comments left out."""
     begin = next((k + 1 for k, (_, line) in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
     card: Card | None = None
-    full = 0
     for number, raw in lines[begin:]:
         line = raw.partition("$")[0].rstrip()
         if not line.strip():
@@ -56,14 +54,13 @@ def cards(lines: Sequence[NumberedLine]) -> Iterator[Card]:
         if head.upper().startswith("ENDDATA"):
             break
         if card is not None and (not head or head[0] in "+*"):
-            card.fields += [""] * (full - len(card.fields))
+            card.fields += [""] * (card.room - len(card.fields))
             card.fields += data
         else:
             if card is not None:
                 yield card
-            card, full = Card(number, head.rstrip("*").upper(), data), 0
-        full += 4 if "*" in head else 8
-        card.room = full
+            card = Card(number, head.rstrip("*").upper(), data)
+        card.room += 4 if "*" in head else 8
     if card is not None:
         yield card
 

@@ -47,7 +47,7 @@ def bush_springs(given: NastranCards, card: Card) -> list[Spring]:
 def moved(grid: int, arm: FloatArray, along: FloatArray, turning: bool, sign: float) -> list[Term]:
     """Motion along a direction of the end of a grid's arm, or the grid's turn about it."""
     turn = along if turning else np.cross(arm, along)
-    turn = np.where(np.abs(turn) > SMALL * (1.0 if turning else max(float(np.linalg.norm(arm)), SMALL)), turn, 0.0)
+    turn = np.where(np.abs(turn) > SMALL * (1.0 if turning else np.linalg.norm(arm)), turn, 0.0)
     terms = [] if turning else [Term(grid, c, sign * float(along[c])) for c in range(3) if abs(along[c]) > SMALL]
     return terms + [Term(grid, 3 + c, sign * float(turn[c])) for c in range(3) if turn[c]]
 

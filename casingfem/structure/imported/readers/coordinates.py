@@ -99,7 +99,7 @@ def axes_at(systems: Mapping[int, System], number: int, x: FloatArray) -> FloatA
     if kind == "rectangular":
         return axes
     _, b, c = coordinates(kind, axes @ (x - origin))
-    if not np.hypot(*(axes[:2] @ (x - origin))) > SMALL * max(float(np.linalg.norm(x - origin)), SMALL):
+    if not np.hypot(*(axes[:2] @ (x - origin))) > SMALL * np.linalg.norm(x - origin):
         raise ValueError(f"a point on the axis of system {number}, where its directions are not defined")
     cos, sin = np.cos(np.radians([b, c])), np.sin(np.radians([b, c]))
     if kind == "cylindrical":

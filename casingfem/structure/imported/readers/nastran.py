@@ -83,7 +83,7 @@ class NastranAttachments(NastranCards):
             axes = self.systems.axes(card, self.numbers.integer(card, system), self.place(node))
             inertia = axes.T @ inertia @ axes
             x, y, z = np.array([x, y, z]) @ axes
-        if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * np.abs(inertia).max():
+        if mass < 0.0 or np.linalg.eigvalsh(inertia)[0] < -1e-9 * inertia.max():
             raise self.numbers.fault(card, f"found the mass {mass:g} or an inertia below 0")
         offset = (float(x), float(y), float(z))
         return PointMass(node=node, mass=scale * mass, inertia=inertia, offset=offset, where=self.where(card))
