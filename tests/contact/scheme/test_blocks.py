@@ -148,6 +148,7 @@ def test_a_run_in_a_lane_has_its_own_numbers_and_others_are_away():
     lanes.load(3, jobs[0])
     assert (lanes.kept.every[:, 3].tolist(), lanes.kept.due[:, 3].tolist()) == ([1, NEVER], [0, NEVER])
     assert not batch(jobs[:1]).rubs
+    assert batch(jobs[:1]).kept.state.shape == (WIDTH, 0, jobs[0].run.size)
 
 
 def test_a_run_that_skips_nothing_never_looks_for_a_flight():
@@ -201,6 +202,7 @@ def test_rows_of_a_rim_are_its_modes_clearance_and_compliance():
     assert rim_rows(system, 0.0, normal, tangent, np.zeros(4)).seen.size == m + 1
     assert rows.surface == pytest.approx(0.45 * 40.0 * math.pi, rel=1e-12)
     assert count % 8 == 0
+    assert rows.waves.shape == rows.waves_next.shape == (2, count)
     phi = 0.7
     Q, T = system.table.rows(phi)
     exact = {"normal": [*Q, *(part(phi) for part in (system.clearance, system.S_nn, system.S_nt, system.S_tt))]}

@@ -93,7 +93,7 @@ def frame(amplitude=lambda t: 0.0 * t):
     return ct.LinearBody(M=np.array([1.0, 2.0, 0.5]), K=K, Q=np.eye(3)[:1], gap0=np.ones(1), forcing=forcing)
 
 
-def stepped(run, first, steps, record=Record(every=1, state_every=1)):  # noqa: B008
+def stepped(run, first, steps, *, failed=-1):
     """What a run that keeps its order of coordinates hands to its loop, and says of a step that failed."""
     calls = []
 
@@ -101,10 +101,10 @@ def stepped(run, first, steps, record=Record(every=1, state_every=1)):  # noqa: 
         calls.append((start, count, out, amplitudes))
         sums.filled[1] = 2
         out.state[:2] = 10.0 * np.arange(2.0)[:, None] + np.arange(out.state.shape[1])
-        return -1
+        return failed
 
     run = replace(run, loop=loop)
-    out = samples(record, steps, 1, run.size)
+    out = samples(Record(every=1, state_every=1), steps, 1, run.size)
     return run, run.advance(out, first, steps), out, calls[0]
 
 
@@ -129,6 +129,13 @@ def test_a_load_that_is_no_number_stops_before_the_step_that_needs_it(bad, good)
     run, failed, _, (first, steps, *_) = stepped(run, 3, 4)
     assert (failed, first, steps) == (3 + good, 3, good)
     assert run.why() == f"forcing 2: found nan at t = {0.1 * (3 + bad):.6g} s, expected a finite force"
+
+
+def test_a_step_that_fails_before_a_load_is_no_number_is_the_one_told():
+    run = ct.Newmark().prepare(frame(), ct.Unilateral(), dt=0.1, courant=None)
+    run = replace(run, system=linear_system(frame(lambda t: np.where(t > 0.25, np.nan, t))))
+    assert stepped(run, 0, 4, failed=0)[1] == 0
+    assert run.why().startswith("the contacts have no common answer")
 
 
 def test_a_failed_step_is_explained_by_the_motion_or_the_contacts():

@@ -36,6 +36,7 @@ def test_a_patch_starts_with_its_rows_compliance_and_motion(mu, S):
     W = (rows * p.c @ rows.T + C)[chosen, chosen]
     assert s.rows.tolist() == rows[chosen].tolist()
     assert s.S.tolist() == (C[chosen, chosen].tolist() if S else [])
+    assert S or s.S.shape == (0, 0)
     np.testing.assert_allclose(s.own, (np.diag(rows * p.c @ rows.T) + np.diag(C))[::2], rtol=1e-13)
     if mu:
         np.testing.assert_allclose(s.W, W, rtol=1e-13)

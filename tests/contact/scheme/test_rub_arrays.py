@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.rub import Start, Stiffening
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import fourier
@@ -53,8 +54,9 @@ def test_waves_between_tips_sum_to_their_compliance_at_every_angle(dimensions):
 
 def test_waves_that_compliance_can_make_are_sums_and_differences_of_those_it_couples():
     S = np.zeros((2, 9, 2, 9))  # waves 1, cos 1 .. cos 4, sin 1 .. sin 4
-    S[0, 2, 1, 8] = S[1, 1, 1, 1] = S[1, 5, 0, 3] = 1.0
-    assert made._products(S).tolist() == [0, 2, 4, 6]  # cos 2 with sin 4, cos 1 with cos 1, sin 1 with cos 3
+    S[0, 2, 1, 8] = S[1, 1, 1, 1] = S[1, 5, 0, 3] = S[0, 4, 0, 4] = 1.0
+    # cos 2 with sin 4, cos 1 with cos 1, sin 1 with cos 3, cos 4 with cos 4
+    assert made._products(S).tolist() == [0, 2, 4, 6, 8]
 
 
 def test_rows_of_compliance_between_waves_are_those_of_the_matrix():
@@ -199,4 +201,30 @@ def test_a_rub_names_its_bodies_and_their_coordinates():
     assert run.blocks[-1][0] == "tips"
     assert [(motion.kind, motion.number) for motion in run.motions()] == [("casing", 0), ("blade", 1), ("blade", 2)]
     assert run.size == 25
+    assert ct.ExactModal().prepare(scene(), ct.Unilateral(), dt=H, courant=None).size == 19
     assert run.window == pytest.approx(2.0 * np.pi / 9000.0, rel=1e-12)
+
+
+def test_a_rub_starts_with_weights_of_damping_and_the_limit_of_its_smaller_rim():
+    load = np.arange(10.0)
+    rub = scene(casing_start=Start(load=load))
+    system, parts = arrays(rub, 1)
+    narrow = replace(system, radius=np.array([0.5, 0.4, 0.45]))
+    s = made._state(rub, narrow, parts, 0.3, 1)
+    np.testing.assert_allclose(s.kick[:10], parts.c[:10] * load, rtol=1e-13)
+    np.testing.assert_allclose(s.weight, (1.0 - parts.al) / (2.0 * parts.c), rtol=1e-13)
+    np.testing.assert_allclose(s.d, parts.backward(np.zeros(16), np.zeros(16)), rtol=1e-13)
+    assert s.limits.tolist() == motion_limits(0.4, rub.wall).tolist()
+    assert (s.mu.tolist(), s.lam.size, s.seen.size) == ([0.3] * 3, 3, 19)
+
+
+def test_turning_terms_whirl_and_closing_are_tables_of_the_loop():
+    whirl = ct.gaps.Whirl(amplitude=4e-6, per_rev=-2.0, hz=3.0, phase_deg=25.0)
+    profile = ct.RimProfile.fourier([{"p": 2, "cos": 2e-5, "sin": -1e-5}])
+    rub = scene(whirl=(whirl,), closing=ct.gaps.Closing([0.0, 1.0], [2e-6, 5e-6]), profile=profile)
+    laws = made._laws(rub, arrays(rub, 1)[0])
+    np.testing.assert_allclose(laws.whirl, [[4e-6, -2.0, 6.0 * math.pi, math.radians(25.0)]], rtol=1e-13)
+    assert laws.closing.tolist() == [[0.0, 2e-6], [1.0, 5e-6]]
+    assert (laws.terms.harmonic.tolist(), laws.terms.cos.tolist(), laws.terms.sin.tolist()) == ([2], [2e-5], [-1e-5])
+    assert laws.pulls.laws.shape == (0, 8)
+    assert made._laws(scene(), arrays(scene(), 1)[0]).whirl.shape == (0, 4)

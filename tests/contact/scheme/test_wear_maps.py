@@ -128,6 +128,8 @@ def test_coats_of_all_tracks_are_one_array_with_their_own_numbers():
     assert coats.start.tolist() == [0, cells, 2 * cells]
     assert coats.track.tolist() == [0, 1, 0, 1]
     assert [one.tips for one in tracks.tracks] == [(0, 2), (1, 3)]
+    phi = (np.arange(cells) + 0.5) * 2.0 * math.pi / cells
+    np.testing.assert_allclose(tracks.tracks[1].made, 1e-4 * np.cos(2.0 * phi), atol=1e-16)
     coats.worn[cells] = 7.0
     assert tracks.tracks[1].coating.worn[0] == 7.0
     area = 0.03 * 2.0 * math.pi * 0.4 / cells
