@@ -1,0 +1,174 @@
+"""Scenes over speeds: what stays in contact, where orbits are followed, random starts; and the source of a scene."""
+
+import hashlib
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.scene.stability import load_interactions, load_stability
+from contact.scene.turning import BasinsTable
+from tests.contact.synthetic_rim import blade, ring
+
+PAIR = """
+[scene]
+kind = "pair"
+[casing]
+n = 3
+freq_hz = 200.0
+modal_mass = 2.0
+[blade]
+freq_hz = 100.0
+modal_mass = 0.5
+zeta = 0.01
+[contact]
+stiffness = 4e6
+friction = 0.2
+lean_deg = 10.0
+[speed]
+from_hz = 10.0
+to_hz = 20.0
+steps = 3
+"""
+
+
+def test_a_pair_by_hand_is_looked_at_over_its_speeds(tmp_path):
+    file = tmp_path / "pair.toml"
+    file.write_text(PAIR)
+    for load in (load_stability, load_interactions):
+        scene = load(file)
+        assert scene.speed_hz.tolist() == [10.0, 15.0, 20.0]
+        assert (scene.what.compliance, scene.what.friction, scene.what.lean_deg) == (2.5e-7, 0.2, 10.0)
+        assert (scene.what.casing.n, scene.what.casing.freq_hz, scene.what.blade.zeta) == (3, 200.0, 0.01)
+        assert scene.mu == 0.0
+    file.write_text(PAIR.replace("stiffness = 4e6", "compliance = 3e-7").replace("steps = 3\n", ""))
+    assert load_stability(file).what.compliance == 3e-7
+    assert load_stability(file).speed_hz.size == 401
+
+
+RIM = """
+[scene]
+kind = "rim"
+t_end = 1.0
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+[contact]
+clearance = 1e-4
+friction = 0.3
+[speed]
+hz = -5.0
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+
+
+def test_a_rim_is_looked_at_over_its_scan_or_up_to_twice_its_speed(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM)
+    scene = load_interactions(file)
+    np.testing.assert_allclose(scene.speed_hz, 0.05 * np.arange(1, 201), rtol=1e-12)
+    assert scene.mu == 0.3
+    with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing, expected \{from_hz"):
+        load_stability(file)
+    file.write_text(RIM.replace("hz = -5.0", "hz = 0.0"))
+    with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing, .* where the scene does not turn"):
+        load_interactions(file)
+    scan = "hz = -5.0\nscan = {from_hz = 1.0, to_hz = 4.0, steps = 4}"
+    file.write_text(RIM.replace("hz = -5.0", scan).replace("friction = 0.3\n", ""))
+    for load in (load_stability, load_interactions):
+        assert (load(file).speed_hz.tolist(), load(file).mu) == ([1.0, 2.0, 3.0, 4.0], 0.0)
+
+
+def test_the_source_of_a_scene_is_the_hash_of_its_file_and_bases_in_their_order(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    (tmp_path / "rim.toml").write_text(RIM)
+    parts = [(tmp_path / name).read_bytes() for name in ("rim.toml", "casing.npz", "blade.npz")]
+    scene = ct.load_scene(tmp_path / "rim.toml")
+    assert scene.source == {"scene": "rim.toml", "sha256": hashlib.sha256(b"\0".join(parts)).hexdigest()}
+    assert (scene.t_end, scene.dt, scene.courant, scene.on_limit, scene.record) == (1.0, 1e-5, None, "stop", None)
+    assert replace(scene.what, clearance=0.0).speed_hz == -5.0
+
+
+TURNING = """
+[scene]
+kind = "rim"
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+[contact]
+clearance = 1e-4
+friction = 0.3
+[speed]
+from_hz = 3.0
+to_hz = 5.0
+"""
+COATING = "[coating]\nE = 8e8\nyield_stress = 2e4\nhardening = 1e6\nthickness = 2e-3\nwidth = 0.03\ntip = 0.05\n"
+
+
+@pytest.fixture
+def turning(tmp_path):
+    """Write a scene of a turning rim, and read it."""
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+
+    def read(text):
+        (tmp_path / "rim.toml").write_text(text)
+        return ct.scene.load_cycles(tmp_path / "rim.toml")
+
+    return read
+
+
+def test_a_turning_rim_is_followed_over_its_speed_or_what_varies(turning):
+    scene = turning(TURNING)
+    family = scene.family
+    assert (scene.between, family.name, family.mu, family.stiffness) == ((3.0, 5.0), "speed_hz", 0.3, math.inf)
+    assert (family.rim.speed_hz, scene.ask) == (3.0, None)
+    assert (scene.how.longest_step, scene.how.most_points, scene.how.doublings) == (0.02, 1000, 0)
+    one = TURNING.replace("from_hz = 3.0\nto_hz = 5.0", "hz = -4.0")
+    for name, ends in (("clearance", (2e-4, 1e-4)), ("friction", (0.0, 0.3))):
+        scene = turning(one + f"[vary]\n{name} = {list(ends)}\n")
+        assert (scene.between, scene.family.name, scene.family.rim.speed_hz) == (ends, name, -4.0)
+    coated = turning(TURNING + COATING).family
+    area = 0.03 * 0.05  # of a tip's land
+    assert coated.stiffness == pytest.approx(8e8 * area / 2e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("[vary]\nfriction = [0.0, 0.3]\n", "expected a range of speeds, or .vary. with speed.hz"),
+        ("[continuation]\nchannels = ['span']\n", "continuation.channels found with a rim"),
+        (COATING + "machined = 1e-4\n", "coating.machined found, expected the profile that is left"),
+    ],
+)
+def test_turning_rims_that_cannot_be_followed_are_refused(turning, more, words):
+    with pytest.raises(ct.scene.SceneError, match=words):
+        turning(TURNING + more)
+    with pytest.raises(ct.scene.SceneError, match=r"expected a range of speeds, or .vary. with speed.hz"):
+        turning(TURNING.replace("from_hz = 3.0\nto_hz = 5.0", "hz = 4.0"))
+    assert turning(TURNING + COATING + "machined = 0.0\n").between == (3.0, 5.0)
+
+
+def test_random_starts_are_as_large_as_the_six_orbits_next_to_their_value(turning, monkeypatch):
+    told = {}
+    monkeypatch.setattr(
+        "contact.scene.cycles.basins", lambda family, at, size, **more: told.update(size=size, at=at, **more)
+    )
+    points = [SimpleNamespace(value=4.0 + 0.1 * k * (-1) ** k, x=np.array([k, -2.0 * k])) for k in range(9)]
+    found = SimpleNamespace(branches=[SimpleNamespace(points=points[::2]), SimpleNamespace(points=points[1::2])])
+    scene = turning(TURNING)
+    assert scene.reached(found) is None
+    assert told == {}
+    replace(scene, ask=BasinsTable(at=4.0, seed=3, spread=1.5, starts=7, settle=11)).reached(found)
+    assert told.pop("size").tolist() == [1.5 * 5.0, 1.5 * 10.0]
+    assert told == {"at": 4.0, "starts": 7, "seed": 3, "settle": 11, "progress": None}
