@@ -72,7 +72,7 @@ def test_shapes_and_entries_that_are_no_numbers_are_told():
     require_shape("S", np.zeros((2, 3)), [2, 3])
     with pytest.raises(InputError, match=re.escape("S: found shape (2, 3), expected (3, 2)")):
         require_shape("S", np.zeros((2, 3)), (3, 2))
-    with pytest.raises(InputError, match="^S: found 2 entries that are NaN or infinite, expected finite numbers$"):
+    with pytest.raises(InputError, match=r"^S: found 2 entries that are NaN or infinite, expected finite numbers$"):
         require_shape("S", np.array([np.nan, 1.0, np.inf]), (3,))
     with pytest.raises(InputError, match="found 1 entries"):
         require_shape("S", np.array([np.nan, 1.0]), (2,))
@@ -125,7 +125,7 @@ def test_a_file_of_arrays_is_read_or_refused_with_its_key(tmp_path):
     write_npz(path, {"format": "body-1", "x": np.arange(3.0), "name": "tip"})
     with pytest.raises(InputError, match="key 'format': found 'body-1', expected 'body-2'"):
         read_npz(path, "body-2", ("x",), ("format", "name"))
-    with pytest.raises(InputError, match="missing keys y, z$"):
+    with pytest.raises(InputError, match=r"missing keys y, z$"):
         read_npz(path, "body-1", ("y", "x", "z"), ("format", "name"))
     with pytest.raises(InputError, match=r"body\.npz: member 'name': found <U3, expected real numbers"):
         read_npz(path, "body-1", ("x",), ("format",))

@@ -142,9 +142,7 @@ def test_units_are_what_their_words_say_in_si(words, length, mass, time):
 
 @pytest.mark.parametrize("words", ["m-kg", "m-kg-s-s", "kg-kg-s", "m-m-s", "m-kg-kg"])
 def test_words_that_are_no_units_are_refused(words):
-    with pytest.raises(
-        ValueError, match=rf"units: found '{words}', expected length \(m, cm, mm, in, ft\), mass \(kg, g"
-    ):
+    with pytest.raises(ValueError, match=rf"units: found '{words}', expected length \(m, cm, mm, in, ft\), mass"):
         units_of(words)
 
 
