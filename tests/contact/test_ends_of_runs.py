@@ -205,3 +205,24 @@ def test_a_run_needs_an_end():
         prepared(ct.Scene(what=rim, dt=1e-5))
     with pytest.raises(ct.InputError, match=r"t_end: found -1\.0, expected a finite number > 0"):
         prepared(ct.Scene(what=rim, t_end=-1.0, dt=1e-5))
+
+
+def test_the_budget_of_a_run_has_each_sum_of_all_contacts_in_its_place():
+    names = ("work", "rotation", "friction", "damping", "external", "body_force", "algorithmic", "peak")
+    sums = {name: np.array([2.0**k, 0.5]) for k, name in enumerate(names)}
+    stepper = SimpleNamespace(sums=SimpleNamespace(**sums), stored=lambda: ENERGY.end)
+    start = replace(ENERGY.start, strain=7.0)
+    found = RUN._budget(SimpleNamespace(stepper=stepper, start=start, load_step=3.0, overlap=0.25))
+    assert (found.start, found.end, found.load_step, found.overlap) == (start, ENERGY.end, 3.0, 0.25 * 128.5)
+    assert (found.contact, found.rotation, found.friction) == (1.5, 2.5, 4.5)
+    assert (found.damping, found.external, found.body_force, found.algorithmic) == (8.0, 16.0, 32.0, 64.0)
+
+
+def test_what_a_run_is_prepared_with_belongs_to_its_step_and_law():
+    bodies = [ct.PointMass(mass=2.0, x=-0.1, velocity=1.0), ct.Wall()]
+    ready = prepared(ct.Scene(what=bodies, t_end=0.3, dt=0.01, gravity=3.0, law=ct.Unilateral()))
+    assert (ready.count, ready.mu, ready.coated, ready.on_limit) == (30, 0.0, False, "stop")
+    assert ready.load_step == pytest.approx(1e-4 * 3.0**2 * 2.0, rel=1e-12)  # h^2 f^T M^-1 f
+    assert (ready.record.every, ready.overlap) == (1, 0.0)
+    with pytest.raises(ct.InputError, match=r"at: found 0\.4 s, expected at most 0\.3 s"):
+        prepared(ct.Scene(what=bodies, t_end=0.3, dt=0.01, record=Record(at=[0.4])))
