@@ -65,15 +65,17 @@ def test_what_stands_in_the_way_of_a_folder(tmp_path):
 
 def test_files_are_text_bytes_or_written_by_a_function(tmp_path):
     write = {"a.txt": "ä", "deep/b.bin": b"\x00\x01", "c.txt": lambda path: path.write_text("by it")}
-    assert write_files(tmp_path / "new" / "out", write) == [tmp_path / "new" / "out" / name for name in write]
-    out = tmp_path / "new" / "out"
+    assert write_files(tmp_path / "far" / "new" / "out", write) == [
+        tmp_path / "far" / "new" / "out" / name for name in write
+    ]
+    out = tmp_path / "far" / "new" / "out"
     assert (out / "a.txt").read_bytes() == "ä".encode()
     assert (out / "deep/b.bin").read_bytes() == b"\x00\x01"
     assert (out / "c.txt").read_text() == "by it"
     assert sorted(path.name for path in out.iterdir()) == ["a.txt", "c.txt", "deep"]
-    assert write_atomic(out / "more" / "d.txt", "d") == out / "more" / "d.txt"
-    assert (out / "more" / "d.txt").read_text() == "d"
-    assert [path.name for path in (tmp_path / "new").iterdir()] == ["out"]
+    assert write_atomic(out / "more" / "deep" / "d.txt", "d") == out / "more" / "deep" / "d.txt"
+    assert (out / "more" / "deep" / "d.txt").read_text() == "d"
+    assert [path.name for path in (tmp_path / "far" / "new").iterdir()] == ["out"]
 
 
 @pytest.mark.parametrize(("number", "words"), [(errno.EACCES, "Permission denied"), (None, "told without a number")])
