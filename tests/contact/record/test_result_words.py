@@ -1,0 +1,130 @@
+"""What a result says beside its table: what never touched, what did not settle, what is stored, tracks and flags."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.record.divergence import Divergence
+from contact.record.energy import EnergyBudget, Stored
+from contact.record.wear import Wear
+from contact.result import Result, _listed
+from contact.scheme.protocol import Notes
+
+STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
+ENERGY = EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0)
+GAP = np.array([[0.5, 0.75], [0.25, 0.125], [0.375, 0.5]])
+CALM = Result(
+    time=np.array([0.0, 0.25, 0.5]), force=np.zeros((3, 2)), gap=GAP, impulse_history=np.zeros((3, 2)),
+    impulse=np.zeros(2), peak_force=np.zeros(2), max_penetration=np.zeros(2), residual=np.zeros(2),
+    contact_steps=np.zeros(2), reversals=np.zeros(2), state_time=np.array([0.25]), state=np.array([[1.0, 2.0, 3.0]]),
+    intervals=((), ()), energy=ENERGY, motions=(), blocks=(("casing", 0, 2), ("blade", 2, 3)), steps=3, dt=0.25,
+    window=0.5, seconds=0.3, scheme="some scheme", source={}, channels=np.zeros((0, 3)),
+)  # fmt: skip
+
+
+def track(tips, volume):
+    none = np.zeros(2)
+    return Wear(
+        angle=none, made=none, cut=none, worn=np.array([1e-6, 3e-6]), map_time=none[:1], map=np.zeros((1, 2)),
+        volume=volume, stated=2.0, dissipated=2.0, bare=0, tips=tips,
+    )  # fmt: skip
+
+
+def test_a_calm_result_says_no_more_than_its_table():
+    lines = repr(CALM).splitlines()
+    assert len(lines) == 6
+    assert lines[4] == "nothing touched: the least gap was 0.125 m, of contact 2, at 0.25 s"
+    assert lines[5].startswith("energy [J]: start 2, end 2")
+    assert len(repr(replace(CALM, intervals=((), ((0.0, 0.25),)))).splitlines()) == 5
+    assert (
+        len(repr(replace(CALM, time=CALM.time[:0], gap=GAP[:0], force=GAP[:0], impulse_history=GAP[:0])).splitlines())
+        == 5
+    )
+
+
+def test_the_least_gap_and_columns_of_a_body():
+    assert CALM.least_gap.tolist() == [0.25, 0.125]
+    assert np.isnan(replace(CALM, gap=GAP[:0]).least_gap).tolist() == [True, True]
+    assert CALM.state_of("casing").tolist() == [[1.0, 2.0]]
+    assert CALM.state_of("blade").tolist() == [[3.0]]
+    with pytest.raises(
+        ct.InputError, match=r"name: found 'blad', expected one of casing, blade \(did you mean blade\?\)"
+    ):
+        CALM.state_of("blad")
+    with pytest.raises(ct.InputError, match="state: found 2 channels of all bodies, expected a record without"):
+        replace(CALM, channels=np.ones((2, 3))).state_of("casing")
+
+
+@pytest.mark.parametrize(("residual", "told"), [(0.75e-8, False), (0.76e-8, True)])
+def test_an_augmented_lagrangian_that_did_not_settle_is_told(residual, told):
+    """Beyond a hundred-millionth of the largest gap."""
+    words = f"did not settle, its law is violated by up to {residual:.1e} m"
+    left = replace(CALM, residual=np.array([0.0, residual]), scheme="Newmark + augmented Lagrangian")
+    assert (words in repr(left)) is told
+    assert words not in repr(replace(left, scheme="Newmark + Lagrange"))
+
+
+def test_what_is_stored_is_told_unless_it_is_every_step():
+    assert "stored" not in repr(CALM)
+    assert "stored: 3 samples, one of every 4 steps (at most 1,000,000 unless" in repr(replace(CALM, every=4))
+    assert "stored: 3 samples, at the steps nearest to the instants; sums" in repr(replace(CALM, every=0))
+
+
+def test_tracks_are_told_one_by_one_where_there_are_more():
+    one = repr(replace(CALM, tracks=(track((0,), 1e-9),)))
+    assert "coating: worn 1 mm^3, at most 3 um" in one
+    assert "track" not in one
+    two = replace(CALM, tracks=(track((0, 2), 1e-9), track((1,), 2e-9)))
+    assert "coating: worn 3 mm^3" in repr(two)
+    assert "\n  track 1 (tips 1, 3): worn 1 mm^3" in repr(two)
+    assert "\n  track 2 (tips 2): worn 2 mm^3" in repr(two)
+    assert [each["contacts"] for each in two.to_dict()["coating"]] == [[1, 3], [2]]
+    assert _listed(tuple(range(8))) == "1, 2, 3, 4, 5, 6, 7, 8"
+    assert _listed(tuple(range(9))) == "1, 2, 3, 4, 5, 6, ..., 9"
+
+
+def test_flags_end_with_why_the_run_ended():
+    end = Divergence(limit="gap", step=3, time=0.5, reached=3.0, allowed=2.0, words="diverged: far")
+    flagged = replace(CALM, notes=Notes(flags=("thin",)), divergence=end)
+    assert (CALM.flags, flagged.flags) == ((), ("thin", "diverged: far"))
+    assert repr(flagged).splitlines()[-2:] == ["FLAG: thin", "FLAG: diverged: far"]
+    assert flagged.to_dict()["flags"] == ["thin", "diverged: far"]
+
+
+def test_the_energy_of_an_impact_is_a_quarter_of_impulse_times_speed():
+    """Of each contact by its closings, at the greatest rate at which its gap ever changed."""
+    hit = replace(CALM, impulse=np.array([8.0, 3.0]), intervals=(((0.0, 0.25), (0.25, 0.5)), ()))
+    assert hit._impact_energy() == 0.25 * max(8.0 / 2.0 * 1.0, 3.0 / 1.0 * 2.5)
+    assert replace(hit, impulse=np.array([80.0, 3.0]))._impact_energy() == 0.25 * 40.0 * 1.0
+    assert replace(hit, time=hit.time[:1], gap=GAP[:1])._impact_energy() == 0.0
+    assert replace(hit, time=hit.time[:2], gap=GAP[:2])._impact_energy() == 0.25 * 3.0 * 2.5
+    for gained, told in (
+        (1.8749e-2, False),
+        (1.88e-2, True),
+        (2.1e-2, True),
+    ):  # a hundredth of 1.875 J, of 0.5 J stored
+        small = replace(STILL, kinetic=0.5)
+        energy = replace(ENERGY, start=small, end=small, contact=gained)
+        assert ("contact added energy" in repr(replace(hit, energy=energy))) is told
+
+
+def test_a_saved_result_has_every_part(tmp_path):
+    end = Divergence(limit="gap", step=3, time=0.5, reached=3.0, allowed=2.0, words="far", growth=1.5)
+    full = replace(
+        CALM, tracks=(track((0, 2), 1e-9), track((1,), 2e-9)), sticking=(((0.25, 0.5),), ()), divergence=end, every=3,
+        intervals=(((0.0, 0.25),), ((0.25, 0.5),)), source={"numpy": "2"},
+        notes=Notes(flags=("thin",), heat=np.ones(1)),
+    )  # fmt: skip
+    again = Result.load(full.save(tmp_path / "full.npz"))
+    assert repr(again) == repr(full)
+    for name in ("sticking", "intervals", "every", "source", "blocks", "steps", "dt", "window", "energy", "scheme"):
+        assert getattr(again, name) == getattr(full, name)
+    assert again.divergence.growth == 1.5
+    assert math.isnan(again.divergence.theory)
+    for one, other in zip(full.tracks, again.tracks, strict=True):
+        assert (one.tips, one.volume, one.worn.tolist()) == (other.tips, other.volume, other.worn.tolist())
+    assert (again.notes.flags, again.notes.heat.tolist(), again.notes.drive.tolist()) == (("thin",), [1.0], [])
+    np.testing.assert_array_equal(again.gap, GAP)
