@@ -139,6 +139,17 @@ def test_a_dome_and_a_blade_have_radians():
     assert blade.twist == pytest.approx((0.0, np.pi / 4), rel=1e-15)
 
 
+def test_only_pieces_of_a_meridian_have_walls_of_their_own():
+    dome = {"kind": "dome", "radius": 0.2, "start_deg": 0.0, "end_deg": 60.0}
+    shell, problems = built(CASING | {"chart": dome})
+    assert (shell.strips, problems) == ((), [])
+    pieces = [{"to": [0.3, 0.1], "thickness": 4e-3}, {"to": [0.3, 0.2]}]
+    meridian = {"kind": "meridian", "start": [0.3, 0.0], "piece": pieces}
+    shell, problems = built(CASING | {"chart": meridian, "mesh": {"order": 3, "around": 9}})
+    assert [(strip.start, strip.end, strip.thickness) for strip in shell.strips] == [(0.0, 0.1, 4e-3)]
+    assert built({key: table for key, table in CASING.items() if key != "shell"} | {"chart": meridian}) == (None, [])
+
+
 @pytest.mark.parametrize(
     ("given", "made"),
     [
