@@ -1,11 +1,8 @@
 """[rig] of a study, key by key: lines, forces, probes, records and the scan are those that its tables name."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import casingfem as cf
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random
 from casingfem.experiment.rig.noise import noisy
@@ -87,7 +84,7 @@ def test_exact_responses_are_those_of_the_rig_and_noise_has_its_own_seed():
     np.testing.assert_array_equal(answers(snr_db=30.0)[0].responses, noisy(exact, 30.0, seed=71).responses)
 
 
-# 2.56 times 110 Hz over 4 Hz are 70 lines, which 128 samples hold: 512 Hz; a tap's highest is its own
+# 2.56 times 110 Hz over 4 Hz are 70 lines, which 128 samples hold: 512 Hz
 @pytest.mark.parametrize(
     ("kind", "force", "block", "window", "overlap"),
     [
@@ -248,5 +245,4 @@ def test_a_rig_that_cannot_be_is_refused_by_key(tmp_path, more, words):
     text = STEEL_PLATE + (ON_PLATE + more if more else ON_PLATE.replace("0.2,", "0.3,"))
     with pytest.raises(StudyError, match=words) as caught:
         run_rig(load_study(written(tmp_path, text)))
-    assert all(line.startswith(f"{Path(tmp_path) / 'study.toml'}: rig") for line in caught.value.problems)
-    assert cf.errors.InputError in type(caught.value).__mro__
+    assert all(line.startswith(f"{tmp_path / 'study.toml'}: rig") for line in caught.value.problems)
