@@ -148,8 +148,9 @@ def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> t
 def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
     """Strips of the pieces of a meridian that have a wall or a material of their own."""
     table = study.chart
-    if not isinstance(table, MeridianTable) or not isinstance(chart, Revolved) or study.shell is None:
+    if not isinstance(table, MeridianTable) or study.shell is None:
         return []
+    assert isinstance(chart, Revolved)
     assert isinstance(chart.profile, PiecewiseMeridian)
     return [
         Strip(

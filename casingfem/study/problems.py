@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import ValidationError
-from pydantic.fields import FieldInfo
 
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.schema import StudyFile
@@ -69,7 +68,7 @@ class Problems(list[str]):
         """Note all problems of a validation; returns the top-level tables that have some."""
         for detail in error.errors():
             self.append(with_code(code_at(detail, data), f"{self.file}: {sentence(detail, data)}"))
-        return {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
+        return {str(detail["loc"][0]) for detail in error.errors()}
 
 
 class Attempt:
@@ -107,12 +106,11 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
     loc, kind, message = resolved(detail["loc"], detail["type"], data), detail["type"], detail["msg"]
     key = written(loc)
     models = models_at([StudyFile], loc[:-1], data)
-    info = next((keys(m)[str(loc[-1])] for m in models if str(loc[-1]) in keys(m)), None)
-    meaning = "" if info is None or info.description is None else info.description
+    meaning = next((keys(m)[str(loc[-1])].description or "" for m in models if str(loc[-1]) in keys(m)), "")
     if kind == "extra_forbidden":
         return f"{key}: found an unknown key, {unknown(str(loc[-1]), models)}"
     if kind == "missing":
-        return f"{key}: found nothing, expected {f'its {meaning}' if meaning else choices(info)}"
+        return f"{key}: found nothing, expected its {meaning}"
     if kind == "union_tag_not_found":
         known = [name for m in models_at([StudyFile], loc, data) for name in kinds(m)]
         return f"{key}.kind: found nothing, expected one of {', '.join(known)}"
@@ -139,7 +137,7 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
 
 def code_at(detail: Any, data: Mapping[str, Any]) -> str:
     """The code of a pydantic error, by its kind or by where it is."""
-    path = [str(part) for part in resolved(detail["loc"], detail["type"], data)] or [""]
+    path = [str(part) for part in resolved(detail["loc"], detail["type"], data)]
     if detail["type"] in KINDS:
         return KINDS[detail["type"]]
     if detail["type"].startswith("union_tag"):
@@ -151,9 +149,3 @@ def shown(value: object) -> str:
     """A value as the file has it, cut short."""
     text = str(value).lower() if isinstance(value, bool) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def choices(info: FieldInfo | None) -> str:
-    """What a missing key may hold, from its type."""
-    options = get_args(info.annotation) if info is not None else ()
-    return "one of " + ", ".join(map(str, options)) if options else "a value"
