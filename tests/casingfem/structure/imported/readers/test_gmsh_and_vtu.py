@@ -1,10 +1,12 @@
 """Drafts of Gmsh's and VTK's files, written out: groups of each kind, numbers, what is cut short."""
 
+import re
+
 import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.read import read_gmsh, read_vtu
+from casingfem.structure.imported.read import read_gmsh, read_mesh, read_vtu
 
 CORNERS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
 MSH_41 = f"""$MeshFormat
@@ -132,3 +134,19 @@ def test_arrays_of_0_and_1_are_groups_of_a_grid_and_it_counts_from_0(tmp_path):
     np.testing.assert_array_equal(draft.points, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 2, 2.5]])
     with pytest.raises(ModelError, match=r"a\.vtu: cannot be read"):
         drafted(read_vtu, VTU.replace('NumberOfPoints="5"', 'NumberOfPoints="6"'), tmp_path / "a.vtu")
+
+
+@pytest.mark.parametrize(("given", "size", "nodes"), [
+    ({}, 1.0, 8), ({"scale": 1e-3}, 1e-3, 8), ({"units": "mm-t-s"}, 1e-3, 8), ({"scale": 1e-3, "join": 1e-6}, 1e-3, 5),
+    ({"join": 1e-6}, 1.0, 5), ({"join": 0.0}, 1.0, 8),
+])  # fmt: skip
+def test_metres_and_nodes_apart_are_what_is_taken_if_nothing_else_is_said(given, size, nodes, tmp_path):
+    """Two tetrahedra with a facet at one place, each with nodes of its own; lengths are scaled before."""
+    text = VTU.replace("0 0 0 1 0 0 0 1 0 0 0 1 2 2 2.5", "0 0 0 2 0 0 0 2 0 0 0 2 2 2 2.5 2 0 0 0 2 0 0 0 2")
+    text = text.replace('NumberOfPoints="5"', 'NumberOfPoints="8"').replace("1 2 3 4 0 1 2", "5 6 7 4 0 1 2")
+    path = tmp_path / "A.VTU"
+    path.write_text(re.sub("<PointData>.*</PointData>", "", text, flags=re.DOTALL))
+    mesh = read_mesh(path, **given)
+    assert len(mesh.used) == nodes
+    np.testing.assert_allclose(np.ptp(mesh.points[mesh.used], axis=0), size * np.array([2.0, 2.0, 2.5]), rtol=1e-14)
+    assert mesh.source == "A.VTU"
