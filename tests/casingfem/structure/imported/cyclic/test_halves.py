@@ -19,9 +19,9 @@ ONTO = np.stack([np.cross([0.0, 1.0, 0.0], AXIS), np.cross(AXIS, np.cross([0.0, 
 ONTO /= np.linalg.norm(ONTO, axis=0)  # axes of a wheel about AXIS
 
 
-def ring(turns, wrap=None, counts=(3, 4)):
+def ring(turns, wrap=None, counts=(3, 4), wound=0.0):
     def place(u):
-        r, theta = 1.0 + u[:, 0], 2.0 * np.pi * turns * u[:, 1]
+        r, theta = 1.0 + u[:, 0], 2.0 * np.pi * turns * u[:, 1] + wound * u[:, 0]
         return flat(np.stack([r * np.cos(theta), r * np.sin(theta)], axis=1))
 
     return grid_mesh("quad", counts, place, wrap=wrap)
@@ -35,6 +35,13 @@ def test_each_pair_of_a_half_is_found_once():
     pairs = paired_faces(ring(0.5), HALF, None, None)
     assert sets(pairs) == [(0, 4), (5, 9), (10, 14), (15, 19)]
     assert not set(pairs.low) & set(pairs.high)
+
+
+@pytest.mark.parametrize("wound", [4.0, -4.0])
+def test_faces_may_wind_around_the_axis(wound):
+    """Cells elsewhere lie on either side of a facet, the one beside it on its own."""
+    pairs = paired_faces(ring(0.5, counts=(24, 9), wound=wound), HALF, None, None)
+    assert sets(pairs) == [(10 * k, 10 * k + 9) for k in range(25)]
 
 
 def test_an_edge_across_the_axis_is_laid_on_itself():
