@@ -77,7 +77,7 @@ def attached(
     rows = tied_rows(motions, held)
     refuse_held(motions, rows, held)
     R = eliminated(rows)
-    warn_floating(mesh, held[held < motions.dofs * len(mesh.points)] // motions.dofs)
+    warn_floating(mesh, held // motions.dofs)  # turns, behind the dofs of nodes, are of no node
     springs = spring_rows(motions)
     k = np.array([spring.stiffness for spring in mesh.attachments.springs])
     K = csc_array(enlarged(K, size) + springs.T @ (springs * k[:, None]))

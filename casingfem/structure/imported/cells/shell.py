@@ -141,7 +141,7 @@ def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArr
     """
     t, E, nu, _ = shell.walls()[:, part, None]
     usual = 5.0 / (6.0 - nu) if shell.wall == "curved" else 5.0 / 6.0
-    factor = (usual if shell.shear_correction is None else shell.shear_correction) + 0.0 * nu
+    factor = np.full_like(nu, usual if shell.shear_correction is None else shell.shear_correction)
     shear = factor * E / (2.0 * (1.0 + nu))
     if shell.plies:
         D = layered_wall(shell.plies, shell.material, E, nu, t, factor)

@@ -8,7 +8,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Vector, axis_frame
 from casingfem.structure.imported.checks import check_groups, spacing
-from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData, find_facets
 
 MATCH = 1e-3  # of the shortest edge: how far apart paired nodes may be
 NEAR = 0.25  # of the shortest edge: nodes that miss each other by less were meant to be paired
@@ -77,12 +77,29 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
         found_pairs(mesh, turn, reach, max(NEAR * edge, reach)) if names is None else named(mesh, turn, names, reach)
     )
     own = pairs.low != pairs.high
-    if len(np.intersect1d(pairs.low[own], pairs.high[own])):
+    both = names is None and turn.angle >= np.pi  # a half turn lays each face on the other
+    if not both and len(np.intersect1d(pairs.low[own], pairs.high[own])):
         raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
     if not own.any():
         raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, found no nodes of faces but those on the axis")
     require_facets(mesh, pairs)
-    return pairs
+    return one_way(mesh, turn, pairs) if both else pairs
+
+
+def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
+    """Each of the pairs that a half turn finds both ways once; refused if it lays cells on cells, not beside them."""
+    partner = partners(mesh, pairs)
+    facets = mesh.boundary
+    turned = partner[mesh.facets[facets[:, 0], facets[:, 1]]]
+    on = (turned >= 0).all(axis=1)
+    middle = mesh.points[turned[on]].mean(axis=1)
+    here, there = (
+        mesh.points[mesh.cells[cells]].mean(axis=1) for cells in (facets[on, 0], find_facets(mesh, turned[on])[:, 0])
+    )
+    if np.sum((turn.places(here) - middle) * (there - middle)) > 0.0:
+        raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
+    once = pairs.low <= pairs.high
+    return Pairs(pairs.low[once], pairs.high[once])
 
 
 def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
@@ -132,10 +149,16 @@ def miss(mesh: MeshData, node: int, partner: int, distance: float) -> str:
     return f"node {mesh.labels[node]} comes to lie {distance:.3g} m from the nearest, {mesh.labels[partner]}"
 
 
-def require_facets(mesh: MeshData, pairs: Pairs) -> None:
-    """Refuse faces whose facets are not laid on facets: other diagonals, other sizes."""
+def partners(mesh: MeshData, pairs: Pairs) -> IntArray:
+    """On which node the turn lays each, (nodes,); -1 where none."""
     partner = np.full(len(mesh.points), -1)
     partner[pairs.low] = pairs.high
+    return partner
+
+
+def require_facets(mesh: MeshData, pairs: Pairs) -> None:
+    """Refuse faces whose facets are not laid on facets: other diagonals, other sizes."""
+    partner = partners(mesh, pairs)
     facets = mesh.facet_nodes(mesh.boundary)
     turned = np.sort(partner[facets[(partner[facets] >= 0).all(axis=1)]], axis=1)
     own = {tuple(row) for row in np.sort(facets, axis=1).tolist()}

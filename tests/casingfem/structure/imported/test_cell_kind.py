@@ -22,6 +22,28 @@ def test_quadrature_has_positive_weights_and_integrates_the_square_of_every_func
     np.testing.assert_allclose(slopes.sum(axis=1), 0.0, atol=1e-13)
 
 
+@pytest.mark.parametrize("name", KINDS)
+def test_fields_of_each_degree_pass_with_their_slopes(name):
+    """Linear ones through corners, quadratic ones too where edges have middles; those of r, s, t by hand."""
+    kind, rng = KINDS[name], np.random.default_rng(6)
+    x = 0.05 + 0.3 * rng.random((kind.dim, 4))
+    values, slopes = shape_functions(name, x)
+    a, B = rng.standard_normal(kind.dim), rng.standard_normal((kind.dim, kind.dim))
+    B = (B + B.T) * bool(kind.middles)
+    at = 0.7 + kind.places @ a + np.einsum("ki,ij,kj->k", kind.places, B, kind.places)
+    np.testing.assert_allclose(at @ values, 0.7 + a @ x + np.einsum("ip,ij,jp->p", x, B, x), rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(np.einsum("dkp,k->dp", slopes, at), a[:, None] + 2.0 * B @ x, rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["wedge15", "pyramid13"])
+def test_slopes_are_derivatives_of_each_function(name):
+    x, h = 0.05 + 0.3 * np.random.default_rng(8).random((3, 4)), 1e-5
+    _, slopes = shape_functions(name, x)
+    for d, step in enumerate(h * np.eye(3)[:, :, None]):
+        ahead, behind = (shape_functions(name, x + sign * step)[0] for sign in (1.0, -1.0))
+        np.testing.assert_allclose(slopes[d], (ahead - behind) / (2.0 * h), atol=1e-8)
+
+
 @pytest.mark.parametrize("kind", [Wedge15(), Pyramid13()])
 def test_masses_of_straight_quadratic_cells_are_exact(kind):
     """Products of two shape functions against nine Gauss points along each side of a cube drawn to the cell."""

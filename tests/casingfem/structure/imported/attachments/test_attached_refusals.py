@@ -79,3 +79,17 @@ def test_each_of_the_six_motions_of_a_node_has_stiffness_or_mass(stiff, heavy, l
     else:
         refuse_loose(at, csc_array(K), csc_array(M), unknowns)
     refuse_loose(at, csc_array((1, 1)), csc_array((1, 1)), np.array([0]))
+
+
+def test_each_node_with_turns_is_looked_at_alone():
+    """A spring between the turns of two nodes leaves them free together, which no one of them tells."""
+    means = tuple(Mean(reference=k, nodes=np.arange(4), weights=np.ones(4), components=(0, 1, 2)) for k in (4, 5))
+    at = motions_of(hung(means=means), 3, None, None)
+    unknowns = np.arange(at.turn(4), at.turn(4) + 6)
+    K = np.eye(6)
+    K[2, 3] = K[3, 2] = -1.0
+    assert at.turn(5) == at.turn(4) + 3
+    refuse_loose(at, csc_array(K), csc_array((6, 6)), unknowns)
+    K[3, 4] = K[4, 3] = -1.0
+    with pytest.raises(ModelError, match="connections: node 16: found a motion with neither stiffness nor mass"):
+        refuse_loose(at, csc_array(K), csc_array((6, 6)), unknowns)
