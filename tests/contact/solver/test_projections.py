@@ -8,17 +8,17 @@ from tests.contact.plain import names
 N = names("solver.unilateral.active_set")
 
 
-@pytest.mark.parametrize("spread", [0.0, 1.0, 2.0])
-def test_contacts_enter_and_leave_until_all_gaps_are_open(spread):
+@pytest.mark.parametrize(("spread", "size"), [(0.0, 4), (1.0, 4), (2.0, 4), (1.0, 8)])
+def test_contacts_enter_and_leave_until_all_gaps_are_open(spread, size):
     """More contacts than directions of motion: what is taken in first has to leave again."""
-    rng, left = np.random.default_rng(6), 0
+    rng, left = np.random.default_rng(102), 0
     for _ in range(8):
-        rows = rng.standard_normal((24, 4))
-        lengths, possible = 10.0 ** rng.uniform(-spread, spread, 24), 3.0 * rng.standard_normal(4)
-        gaps = rng.exponential(0.3, 24) - rows @ possible
+        rows = rng.standard_normal((20, size))
+        lengths, possible = 10.0 ** rng.uniform(-spread, spread, 20), 3.0 * rng.standard_normal(size)
+        gaps = rng.exponential(0.3, 20) - rows @ possible
         A, b = rows * lengths[:, None], gaps * lengths
-        force, w = np.full(24, 7.0), N.active_space(24, 4)
-        status, changes = N.project(A, b, 24, 4, force, w)
+        force, w = np.full(20, 7.0), N.active_space(20, size)
+        status, changes = N.project(A, b, 20, size, force, w)
         assert status == N.SOLVED == 0
         assert force.min() == 0.0
         np.testing.assert_allclose(w.y, A.T @ force, rtol=1e-12, atol=1e-12)
@@ -53,3 +53,35 @@ def test_two_walls_with_room_between_them_hold_and_without_do_not(apart, solved)
     assert status == (N.SOLVED if solved else N.NO_MOTION)
     if solved:
         np.testing.assert_allclose(force, [0.25, 0.0], atol=1e-13)
+
+
+def test_the_first_of_equally_deep_contacts_is_taken_and_round_off_is_not_depth():
+    A, w = np.array([[3.0, 0.0], [0.0, 2.0], [3.0, 0.0]]), N.active_space(3, 2)
+    N.begin(A, 3, 2, np.ones(3), w)
+    assert N.most_violated(A, np.array([-3.0, -2.0, -3.0]), 3, 2, w) == 0
+    assert N.most_violated(A, np.array([-2.0, -2.0, -2.0]), 3, 2, w) == 1
+    w.y[:] = [1.0, 0.0]
+    for depth, found in ((1e-14, -1), (4e-14, 0)):  # of a sum of terms of 6: 4e-15 of it is round-off
+        assert N.most_violated(A, np.array([-3.0 - depth, 0.0, 3.0]), 3, 2, w) == found
+        w.y[0] = -1.0
+        assert N.most_violated(A, np.array([9.0, 0.0, 3.0 - depth]), 3, 2, w) == (2 if found == 0 else -1)
+        w.y[0] = 1.0
+
+
+def test_active_gaps_are_closed_once_more_and_forces_follow_from_the_motion():
+    A, b = np.array([[1.0, 0.5, 0.0], [0.3, -2.0, 1.0], [0.2, 0.1, 4.0]]), np.array([-1.0, -3.0, -3.0])
+    for pulled in (False, True):
+        b[1] = 9.0 if pulled else -3.0
+        w, d = N.active_space(3, 3), np.zeros(3)
+        N.begin(A, 3, 3, np.zeros(3), w)
+        for count, k in enumerate((2, 1)):
+            d[:] = w.J @ A[k]
+            N.enter(w.J, w.R, count, 3, d)
+            w.active[count] = k
+        rows = A[[2, 1]]
+        w.y[:], w.lam[:] = rows.T @ [0.7, 0.3], 5.0
+        N.polish(A, b, 2, 3, w)
+        exact = np.maximum(np.linalg.solve(rows @ rows.T, -b[[2, 1]]), 0.0)
+        assert (exact == 0.0).any() == pulled
+        np.testing.assert_allclose(w.lam, [*exact, 5.0], rtol=1e-12)
+        np.testing.assert_allclose(w.y, rows.T @ exact, rtol=1e-12, atol=1e-14)
