@@ -18,23 +18,39 @@ def lobed(module, *, clearance=2e-4, zeta=0.01, speed=100.0, imperfect=0.05):
     )  # fmt: skip
 
 
-def followed(module, skip, record, split=STEPS, *, mu=0.3, law="forward", **rim):
-    """What a run notes, its sums, where it ends and how many steps it skipped."""
+def prepared(module, skip, *, mu=0.3, law="forward", **rim):
     ct = module("contact")
     scheme = ct.ExactModal(law=law, skip=skip)
-    run = scheme.prepare(lobed(module, **rim), ct.Coulomb(mu=mu) if mu else ct.Unilateral(), dt=H, courant=None)
-    kept = ct.Record(**record)
+    return scheme.prepare(lobed(module, **rim), ct.Coulomb(mu=mu) if mu else ct.Unilateral(), dt=H, courant=None)
+
+
+def told(run, out, samples, states, events):
+    """Where a run ends, what it noted, its sums and how many steps it skipped."""
+    m = run.rim.state.memory
+    ends = [run.rim.state.q, run.rim.state.d, m[:2], m[4:7], m[8:]]
+    seen = [
+        out.time[:samples], out.force[:samples], out.gap[:samples], out.impulse[:samples], out.state_time[:states],
+        out.state[:states], out.event_kind[:events], out.event_time[:events],
+    ]  # fmt: skip
+    return ends, seen, run.sums, run.rim.flight.taken
+
+
+def followed(module, skip, record, split=STEPS, **case):
+    run, kept = prepared(module, skip, **case), module("contact").Record(**record)
     out = module("contact.record.record").samples(kept, STEPS, 1, run.size, kept.steps(dt=H, count=STEPS))
     for first, steps in ((0, split), (split, STEPS - split)):
         assert steps == 0 or run.advance(out, first, steps) == -1
-    m = run.rim.state.memory
-    ends = [run.rim.state.q, run.rim.state.d, m[:2], m[4:7], m[8:]]
-    filled, flight = run.sums.filled, run.rim.flight
-    seen = [
-        out.time[: filled[0]], out.force[: filled[0]], out.gap[: filled[0]], out.impulse[: filled[0]],
-        out.state_time[: filled[1]], out.state[: filled[1]], out.event_kind[: filled[2]], out.event_time[: filled[2]],
-    ]  # fmt: skip
-    return ends, seen, run.sums, flight.taken
+    return told(run, out, *run.sums.filled)
+
+
+def same(one, other):
+    for found, exact in zip([*other[0], *other[1]], [*one[0], *one[1]], strict=True):
+        assert found.shape == exact.shape
+        np.testing.assert_allclose(found, exact, rtol=1e-8, atol=1e-9 * np.abs(exact).max(initial=0.0))
+    for name in ("impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "contact_steps"):
+        np.testing.assert_allclose(getattr(other[2], name), getattr(one[2], name), rtol=1e-8, atol=1e-18)
+    assert one[3].tolist() == [0, 0]
+    assert other[3][1] > 120
 
 
 @pytest.mark.parametrize(
@@ -48,38 +64,35 @@ def followed(module, skip, record, split=STEPS, *, mu=0.3, law="forward", **rim)
 )
 def test_skips_change_nothing_but_round_off(record, split, case):
     with plain() as module:
-        whole = followed(module, False, record, split, **case)
-        ends, seen, sums, taken = followed(module, True, record, split, **case)
-    assert whole[3].tolist() == [0, 0]
-    assert taken[1] > 120
+        whole, skipped = (followed(module, skip, record, split, **case) for skip in (False, True))
     assert (whole[2].contact_steps[0] > 5) == ("clearance" not in case)
-    for found, exact in zip([*ends, *seen], [*whole[0], *whole[1]], strict=True):
-        assert found.shape == exact.shape
-        np.testing.assert_allclose(found, exact, rtol=1e-8, atol=1e-9 * np.abs(exact).max(initial=0.0))
-    for name in ("impulse", "work", "rotation", "friction", "damping", "peak", "penetration", "contact_steps"):
-        exact = getattr(whole[2], name)
-        np.testing.assert_allclose(getattr(sums, name), exact, rtol=1e-8, atol=1e-18)
+    same(whole, skipped)
 
 
 def test_lanes_skip_each_by_itself():
+    cases = {
+        0: (40, {}), 3: (25, {"clearance": 2.1e-4, "speed": -80.0, "law": "averaged"}),
+        4: (60, {"clearance": 7e-4, "speed": 90.0}),
+    }  # fmt: skip
     with plain() as module:
-        ct = module("contact")
-
-        def scene(skip, clearance, speed, law, every):
-            return ct.Scene(
-                what=lobed(module, clearance=clearance, speed=speed), scheme=ct.ExactModal(law=law, skip=skip),
-                law=ct.Coulomb(mu=0.3), dt=H, t_end=STEPS * H, record=ct.Record(every=every, state_every=2 * every),
-            )  # fmt: skip
-
-        cases = [(2e-4, 100.0, "forward", 40), (2.1e-4, -80.0, "averaged", 25), (7e-4, 90.0, "forward", 60)]
-        many = ct.run_many([scene(True, *case) for case in cases])
-        alone = [ct.run(scene(False, *case)) for case in cases]
-    for one, other in zip(alone, many, strict=True):
-        for name in ("time", "state_time", "contact_steps"):
-            np.testing.assert_array_equal(getattr(other, name), getattr(one, name))
-        for name in ("force", "gap", "state", "impulse", "peak_force", "max_penetration"):
-            exact = getattr(one, name)
-            np.testing.assert_allclose(getattr(other, name), exact, rtol=1e-8, atol=1e-9 * np.abs(exact).max())
-        assert other.energy.damping == pytest.approx(one.energy.damping, rel=1e-8)
-        assert abs(other.energy.unaccounted) <= 1e-10 * other.energy.scale
-    assert [result.contact_steps[0] > 5 for result in many] == [True, True, False]
+        lanes_of, record = module("contact.scheme.modal.batch"), module("contact").Record
+        alone, jobs, ended = {}, {}, {}
+        for k, (every, case) in cases.items():
+            kept = {"every": every, "state_every": 2 * every}
+            alone[k] = followed(module, False, kept, **case)
+            jobs[k] = lanes_of.Job(run=prepared(module, True, **case), steps=STEPS, record=record(**kept))
+        many = lanes_of.batch(list(jobs.values()))
+        events = {k: [] for k in jobs}
+        for k, job in jobs.items():
+            many.load(k, job)
+        for _ in range(20):
+            for k, found in many.advance().items():
+                events[k].append(found)
+            for k in set(jobs) - set(ended):
+                if many.lanes.step[k] == STEPS:
+                    out = many.unload(k, jobs[k], events[k])
+                    ended[k] = told(jobs[k].run, out, len(out.time), len(out.state_time), len(out.event_time))
+                    same(alone[k], ended[k])
+            if len(ended) == len(jobs):
+                break
+    assert {k: bool(found[2].contact_steps[0] > 5) for k, found in ended.items()} == {0: True, 3: True, 4: False}
