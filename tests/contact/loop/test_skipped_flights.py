@@ -5,7 +5,7 @@ import pytest
 
 from tests.contact.plain import plain
 
-H, STEPS = 2e-5, 420
+H, STEPS = 2e-5, 340
 SPARSE = {"every": 60, "state_every": 120}
 
 
@@ -58,7 +58,7 @@ def same(one, other):
     [
         (SPARSE, STEPS, {}),
         (SPARSE, 131, {"mu": 0.0, "law": "averaged"}),
-        ({"at": [50 * H, 77 * H, 380 * H]}, STEPS, {"speed": -100.0, "imperfect": 0.0}),
+        ({"at": [50 * H, 77 * H, 310 * H]}, STEPS, {"speed": -100.0, "imperfect": 0.0}),
         ({"every": 60}, STEPS, {"zeta": 0.0, "clearance": 6e-4}),  # it never touches
     ],
 )

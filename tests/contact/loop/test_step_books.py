@@ -9,7 +9,7 @@ import pytest
 from tests.contact.plain import names
 
 N = names("loop.tally", "record.record")
-IMPLICIT = names("loop.beam.implicit")
+IMPLICIT, LIMITS = names("loop.beam.implicit"), names("loop.limits")
 
 
 @pytest.mark.parametrize(
@@ -41,3 +41,14 @@ def test_contact_forces_of_every_node_work_by_the_trapezoid():
             moment += 0.5 * h * (at[i + 1, 0] * push[1] - at[i + 1, 1] * push[0])
     np.testing.assert_allclose(sums.work, works, rtol=1e-13)
     np.testing.assert_allclose(s.ledger, [0.5, moment, 0.0], rtol=1e-13)
+
+
+def test_a_tip_s_farthest_motion_is_kept_whichever_way_it_goes():
+    limits = np.array([2.0, 1.0, 0.0, 0.0])
+    for moved, farthest in ((-0.5, 0.5), (0.25, 0.5), (0.75, 0.75), (-1.0, 1.0), (0.5, 1.0)):
+        LIMITS.tip_motion(limits, moved)
+        assert limits[LIMITS.REACHED + LIMITS.TIP] == farthest
+    assert not LIMITS.outgrown(limits)  # as far as it may
+    LIMITS.tip_motion(limits, -1.25)
+    assert LIMITS.outgrown(limits)
+    assert limits.tolist() == [2.0, 1.0, 0.0, 1.25]
