@@ -113,8 +113,8 @@ def test_small_forces_stick_as_large_ones_do(scale):
 
 
 def test_motion_along_one_line_is_that_of_a_determinant_below_a_millionth_of_a_millionth():
-    lam, slip, last = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.zeros(3)
-    for left, held in ((0.9e-12, 0.5), (1.2e-12, math.hypot(1.0, math.sqrt(1.0 - 1.2e-12)) / 1.2e-12)):
+    lam, slip, last = np.array([1.0, 0.7, -0.3]), np.array([0.0, 1.0, 0.4]), np.zeros(3)
+    for left, held in ((0.9e-12, math.hypot(0.7 - 0.5, -0.3 - 0.2)), (1.2e-12, math.hypot(0.6, 0.6) / 1.2e-12)):
         coupled = np.eye(3)
         coupled[1, 2] = coupled[2, 1] = math.sqrt(1.0 - left)
         assert N.holding(coupled, 0, 3, lam, slip, last) == pytest.approx(held, rel=1e-3)

@@ -1,10 +1,11 @@
-"""Where the path to a set of closed contacts turns back, and residuals of small forces; uncompiled."""
+"""Where the path to a set of closed contacts turns back; forces and residuals of any size; uncompiled."""
 
 import numpy as np
 import pytest
 
 from tests.contact.plain import names
 
+SETS = names("solver.unilateral.complementarity")
 N = names("solver.friction.all_sliding", "solver.friction.newton", "solver.friction.coulomb")
 
 
@@ -35,3 +36,14 @@ def test_a_residual_is_over_the_largest_force_however_small_that_is(size):
     assert found == 0
     assert residual == pytest.approx(4e-13, rel=2e-3)
     assert N.newton(W, np.zeros(2), np.array([0.3]), 2, 1, np.zeros(2), room) == (0, 0.0)
+
+
+@pytest.mark.parametrize("size", [1e-15, 1.0, 1e9])
+def test_forces_without_friction_grow_with_the_gaps_however_small_these_are(size):
+    """The first force closes the second contact, which is open by itself; the third opens."""
+    W = np.array([[1.0, -2.0, 0.5], [-2.0, 5.0, 0.0], [0.5, 0.0, 1.0]])
+    exact = np.array([*np.linalg.solve(W[:2, :2], [1.0, -0.5]), 0.0])
+    law, lam = SETS.LawNumbers(0.0, 0, 0.0, SETS.Several(used=True)), np.zeros(3)
+    g = size * np.array([-1.0, 0.5, -0.1])
+    assert SETS.contact_forces(W, law, g, lam, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
+    np.testing.assert_allclose(lam, size * exact, rtol=1e-12)
