@@ -134,6 +134,7 @@ def test_a_step_of_a_beam_presses_on_its_rim_as_the_law_asks(m, depth, touching)
     assert N.advance_beam(s, w, sums, out, H, 5, 1) == -1
     np.testing.assert_allclose(s.force, force, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(s.gap, np.where(force > 0.0, 0.0, W @ force + gap), rtol=0.0, atol=1e-13)
+    assert not s.gap[s.force > 0.0].any()
     d[1:, :2] += s.rate[1:, :2] * force[:, None] * push
     dq = dq + s.c * (phi.T @ force)
     np.testing.assert_allclose(s.d, d, rtol=0.0, atol=1e-13)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.passage import Event, Motion, _at_rest, _impact, _switched
+from contact.growth.cycles.passage import Event, Motion, _at_rest, _impact, _switched, pressing
 from contact.growth.cycles.switched import Drive, Forcing, Plant
 
 A = np.array([[0, 0, 1.0, 0], [0, 0, 0, 1.0], [-3.0, 0.5, -0.1, 0], [0.5, -7.0, 0, -0.2]])
@@ -171,3 +171,13 @@ def test_contacts_that_press_at_a_state():
     with pytest.raises(ct.NumericsError, match="a rigid contact is closed where the period begins"):
         hard.closed_at(np.array([-0.1 - 2.1e-10, 0.0, 0.0, 0.0]), 0.0)
     assert hard.closed_at(np.array([-0.1 - 1.9e-10, 0.0, 0.0, 0.0]), 0.0) == ()
+
+
+@pytest.mark.parametrize("size", [1e-15, 1.0, 1e9])
+def test_forces_that_press_grow_with_the_gaps_however_small_these_are(size):
+    """The first force closes the second contact, which is open by itself; the third opens."""
+    W = np.array([[1.0, -2.0, 0.5], [-2.0, 5.0, 0.0], [0.5, 0.0, 1.0]])
+    exact = np.array([*np.linalg.solve(W[:2, :2], [1.0, -0.5]), 0.0])
+    lam = pressing(W, size * np.array([-1.0, 0.5, -0.1]))
+    np.testing.assert_allclose(lam, size * exact, rtol=1e-12)
+    assert not pressing(W, size * np.array([0.0, 0.5, 0.1])).any()
