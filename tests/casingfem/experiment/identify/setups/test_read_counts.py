@@ -131,6 +131,14 @@ def test_a_reading_is_taken_without_modes_that_are_no_peaks(monkeypatch):
     assert fits.only == [0.05]
 
 
+def test_what_is_left_without_modes_that_are_no_peaks_costs_what_modes_put_together_do(monkeypatch):
+    """Half a square more than a mode put together leaves, for the same numbers, is not preferred."""
+    for least in (99.5, 100.5):
+        fits = Fits(monkeypatch, [BAD, 100.0, BAD], [least, BAD, BAD])
+        fits.outside[2] = np.array([[100.0, 100.0, 100.0], [90.0, 90.0, 101.0]])
+        assert read(cluster(2), SETUPS, 0.05, 1e-3).squares == min(least, 100.0)
+
+
 def test_where_no_reading_holds_peaks_alone_there_is_none(monkeypatch):
     fits = Fits(monkeypatch, [100.0] * 3, [200.0] * 3)
     for count in (1, 2, 3):
