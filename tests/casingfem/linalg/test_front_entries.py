@@ -9,10 +9,11 @@ from test_element_sum import strips
 from test_multifrontal import grid
 
 from casingfem.linalg import dissection
+from casingfem.linalg import fronts as plans
 from casingfem.linalg.dissection import quotient
 from casingfem.linalg.element_sum import Elements, ElementSum
 from casingfem.linalg.entries import element_graph
-from casingfem.linalg.fronts import Fronts, plan
+from casingfem.linalg.fronts import Fronts, Recent, plan, planned
 
 
 def edges(graph):
@@ -131,3 +132,13 @@ def test_what_children_passed_on_is_given_back_when_their_parent_has_taken_it():
     own = [SimpleNamespace(size=s, rows=range(s[1]), children=c) for s, c in zip(sizes, children, strict=True)]
     assert Fronts((), np.arange(11), tuple(own)).working() == 1 + 25 + 25
     assert Fronts((), np.arange(6), tuple(own[:3])).working() == 9 + 4 + 16 + 12
+
+
+@pytest.mark.parametrize(("room", "kept"), [(0, True), (-1, False)])
+def test_a_plan_that_nobody_holds_is_kept_up_to_a_size_of_its_pattern(monkeypatch, room, kept):
+    A = grid(6, 5)
+    for name in ("last", "small"):
+        monkeypatch.setattr(Recent, name, None)
+    monkeypatch.setattr(plans, "SMALL", len(A.indptr) + len(A.indices) + room)
+    planned(A)
+    assert (Recent.last() is not None) == kept
