@@ -67,9 +67,8 @@ def quotient(A: csc_array) -> tuple[IntArray, Graph]:
     ends = [*np.searchsorted(A.indptr, np.arange(0, A.indptr[-1], CHUNK)).tolist(), n]
     for low, high in pairwise(ends):
         filled = low + np.flatnonzero(degree[low:high])
-        if len(filled):
-            entries = key[A.indices[A.indptr[low] : A.indptr[high]]]
-            sums[filled] = np.add.reduceat(entries, A.indptr[filled] - A.indptr[low])
+        entries = key[A.indices[A.indptr[low] : A.indptr[high]]]
+        sums[filled] = np.add.reduceat(entries, A.indptr[filled] - A.indptr[low])
     _, sample, vertex = np.unique(sums, return_index=True, return_inverse=True)
     size = len(sample)
     tail = np.repeat(np.arange(size), degree[sample])
@@ -153,11 +152,10 @@ def best_cuts(x: FloatArray, part: IntArray, weight: IntArray, tail: IntArray, h
     rank[order] = np.cumsum(new) - 1
     of = part[order][new]
     high, low = rank.copy(), rank.copy()
-    if len(tail):
-        starts = np.flatnonzero(np.diff(tail, prepend=-1))
-        with_edges = tail[starts]
-        high[with_edges] = np.maximum(rank[with_edges], np.maximum.reduceat(rank[head], starts))
-        low[with_edges] = np.minimum(rank[with_edges], np.minimum.reduceat(rank[head], starts))
+    starts = np.flatnonzero(np.diff(tail, prepend=-1))
+    with_edges = tail[starts]
+    high[with_edges] = np.maximum(rank[with_edges], np.maximum.reduceat(rank[head], starts))
+    low[with_edges] = np.minimum(rank[with_edges], np.minimum.reduceat(rank[head], starts))
     total = np.bincount(part, weight, parts)
     cuts = len(of)
     below = np.cumsum(np.bincount(rank, weight, cuts)) - (np.cumsum(total) - total)[of]

@@ -242,10 +242,10 @@ def make_fronts(
     else:
         entries = sparse_entries(A, order, position, weight, starts, ends, rows)
     fronts = []
-    for f, p in enumerate(above.tolist()):
-        split = int(np.searchsorted(rows[f], firsts[p + 1])) if p >= 0 else 0
+    for f, p in enumerate(above.tolist()):  # the last has no rows, and is its own parent here
+        split = int(np.searchsorted(rows[f], firsts[p + 1]))
         head = rows[f][:split] - firsts[p]
-        tail = np.searchsorted(rows[p], rows[f][split:]) if p >= 0 else rows[f]
+        tail = np.searchsorted(rows[p], rows[f][split:])
         fronts.append(
             Front(
                 start=int(firsts[f]),

@@ -202,5 +202,5 @@ def test_what_fronts_cost_by_hand():
 
 
 def test_a_front_is_put_in_order_along_its_longest_side():
-    axes = np.array([[0.0, 1.0, 2.0, 5.0, 5.0, 5.1], [0.0, 0.1, 0.2, 7.0, 8.0, 9.0]])
+    axes = np.array([[0.0, 1.0, 2.0, 50.0, 50.0, 50.1], [0.0, 0.1, 0.2, 7.0, 8.0, 9.0]])
     assert longest(axes, np.array([0, 0, 0, 1, 1, 1]), 2).tolist() == [0.0, 1.0, 2.0, 7.0, 8.0, 9.0]

@@ -4,9 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import f
 
 from casingfem.errors import InputError
-from casingfem.experiment.circle.pair import basis, described, jacobian, linear_part, split_pair
+from casingfem.experiment.circle import pair
+from casingfem.experiment.circle.pair import (
+    basis,
+    described,
+    fitted_poles,
+    jacobian,
+    linear_part,
+    require_two,
+    split_pair,
+)
 from tests.casingfem.experiment.circle.test_circle_scan import SEED, close_pair, scan_of_a_pair
 
 POLES, PARTS = np.array([370.0, 371.0, -6.0, -5.0]), np.array([[1.0, 0.5], [-0.3, 0.8], [1e-6, 2e-6]])
@@ -73,3 +83,29 @@ def test_six_tones_tell_a_pair_and_five_do_not():
     for n in (0, 7, -8):
         with pytest.raises(InputError, match=f"order n = {n}: expected one of the orders fitted, 1 or more"):
             split_pair(seen, n)
+
+
+@pytest.mark.parametrize("squares", [60.0, 2000.0])
+@pytest.mark.parametrize("factor", [0.999, 1.001])
+def test_two_are_told_from_one_where_noise_would_do_it_once_in_a_thousand(monkeypatch, squares, factor):
+    """F of four more unknowns, at one of 27 starts; with a misfit above one its square is the noise."""
+    pole, freedom = POLES[[0, 2]], 28 - 10
+    monkeypatch.setattr(pair, "fitted_poles", lambda tones, data, sigma, members: pole if members == 1 else None)
+    drawn = np.random.default_rng(SEED).standard_normal((2, 7, 2)) * [[[1.0]], [[1j]]]
+    rest = linear_part(TONES, pole, drawn.sum(axis=0), SIGMA)[1]
+    data = drawn.sum(axis=0) * np.sqrt(squares / (rest @ rest)) + basis(TONES, pole, SIGMA) @ PARTS[[0, 2]]
+    gain = f.isf(1e-3 / 27.0, 4, freedom)
+    misfit = np.sqrt((squares - 4.0 * gain) / freedom if squares < 100.0 else squares / (freedom + 4.0 * gain))
+    assert (misfit > 1.0) == (squares > 100.0)
+    if factor < 1.0:
+        require_two(8, TONES, data, SIGMA, factor * misfit)
+    else:
+        said = f"found a misfit of {factor * misfit:.3g} with two and {np.sqrt(squares / 22):.3g} with one"
+        with pytest.raises(InputError, match=said):
+            require_two(8, TONES, data, SIGMA, factor * misfit)
+
+
+def test_one_pole_is_found_within_the_tones_or_beyond():
+    for freq, zeta in ((370.3, 2e-3), (366.0, 8e-3)):
+        data = basis(TONES, np.array([freq, np.log(zeta)]), SIGMA) @ np.array([[1.0, -0.4], [1e-4, 2e-4]])
+        np.testing.assert_allclose(fitted_poles(TONES, data, SIGMA, 1), [freq, np.log(zeta)], rtol=1e-6)

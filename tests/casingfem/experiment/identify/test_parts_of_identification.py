@@ -5,6 +5,7 @@ import pytest
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify import identification
 from casingfem.experiment.identify.band_fits import (
@@ -23,7 +24,7 @@ from casingfem.experiment.identify.identification import (
     circle_notes,
     trusted_sensors,
 )
-from casingfem.experiment.identify.poles.bands import Band
+from casingfem.experiment.identify.poles.bands import Band, line_noise
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from tests.casingfem.experiment.identify.test_found_modes import mode
 
@@ -178,3 +179,82 @@ def test_residues_of_modes_stand_by_sensor_and_reference():
     found = _columns([mode(100.0, residues=one), mode(101.0, residues=10j * one)], (), grid(2, 2))
     assert found["residues"][1, 0].tolist() == [3.0, 30j]
     assert found["residues"].shape == (2, 2, 2)
+
+
+class Steps:
+    """An identification whose bands, modes and sensors that belong are given; what each step was asked for."""
+
+    def __init__(self, monkeypatch, belong=None):
+        self.asked, self.looked, rows = [], [], np.arange(5) if belong is None else np.array(belong)
+        band = Band((20, 75), (10, 75), 2)
+
+        def fitted(data, bands, *options):
+            self.asked.append((data, bands, *options))
+            fit = fit_poles(_window(data, band, []), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
+            return BandFits([band], [fit], ["diagram"], 0.02, 0.1)
+
+        def looked(fits, cores, sensors, signs, circle, keep, *some):
+            self.looked.append((cores, signs.tolist(), circle, keep, *some))
+            no = np.zeros((5, 1))
+            shape = np.ones(5) / np.sqrt(5.0)
+            found = [mode(98.0, n=2, shape=shape, sigma_shape=shape, residues=no, doubt=doubt) for doubt in ("", "why")]
+            return [*found, mode(103.0, n=-1, shape=shape, sigma_shape=shape, residues=no, unresolved=True)], ("left",)
+
+        for name, fake in (("fit_bands", fitted), ("found_modes", looked), ("join", lambda *parts: parts),
+                           ("belonging", lambda *_: rows), ("suspected", lambda *_: ("suspect",))):  # fmt: skip
+            monkeypatch.setattr(identification, name, fake)
+
+    def run(self, **options):
+        rng = np.random.default_rng(2)
+        H = rng.standard_normal((5, len(LINES))) + 1j * rng.standard_normal((5, len(LINES)))
+        H[3] = 3.0 - 4.0j
+        places = {"response_point": range(1, 6), "response_direction": [1, -1, 1, 1, -1], "card": ("about",)}
+        frfs = FrfSet.from_arrays(kind="frf", x=LINES, responses=H, unit="", **places)
+        return H, identification.identify(frfs, **options)
+
+
+ROUND = {k + 1: angle for k, angle in enumerate((0.0, 60.0, 130.0, 200.0, 290.0))}
+
+
+def test_an_identification_hands_on_what_its_options_say(monkeypatch):
+    steps, said = Steps(monkeypatch), []
+    H, found = steps.run(angles=ROUND, n_max=1, order=9, say=said.append, band=(91.0, 110.0))
+    ((data, _, order, picked, say, each),) = steps.asked
+    assert (order, picked, each) == (9, None, map)
+    say("here")
+    assert said == ["here"]
+    np.testing.assert_array_equal(data.freq, LINES[4:81])
+    np.testing.assert_array_equal(data.H, H[:, 4:81])
+    assert data.power == 2
+    np.testing.assert_allclose(np.delete(data.noise, 3), line_noise(np.delete(H[:, 4:81], 3, 0)), rtol=1e-12)
+    assert data.noise[3] == pytest.approx(5e-9, rel=1e-12)  # a billionth of its rms
+    assert data.places.orders == (0, 1)
+    ((cores, signs, circle, keep),) = steps.looked
+    assert (cores, signs, keep) == ([(96.0, 109.75)], [1.0, -1.0, 1.0, 1.0, -1.0], False)
+    assert circle.orders == (0, 1)
+    assert found.diagram == (["diagram"], cores)
+    assert (found.unresolved, found.doubts, found.shift, found.card) == ((2,), ("", "why", ""), 0.02, ("about",))
+    assert 0.0 < found.seconds < 100.0
+    beginnings = ("the responses have no unit", "peaks lie at", "peaks are widened", "suspect", "n = 2 at", "n = 2 at",
+                  "pair at", "left")  # fmt: skip
+    assert len(found.notes) == len(beginnings)
+    assert all(note.startswith(start) for note, start in zip(found.notes, beginnings, strict=True))
+
+
+def test_sensors_that_do_not_belong_are_left_out_of_the_circle(monkeypatch):
+    steps = Steps(monkeypatch, [0, 2, 4])
+    steps.run(angles=ROUND)
+    _, (_, _, circle, keep, belong) = steps.looked
+    assert (circle.orders, keep, belong.tolist()) == (steps.looked[0][2].orders, False, [0, 2, 4])
+    np.testing.assert_allclose(np.degrees(circle.theta), [0.0, 130.0, 290.0])
+
+
+def test_picked_frequencies_keep_all_modes_and_no_angles_make_no_circle(monkeypatch):
+    steps = Steps(monkeypatch)
+    _, found = steps.run(pick=[103.0, 98.0], exponential=2.0)
+    ((data, bands, order, picked, *_),) = steps.asked
+    assert (data.places, order, picked.tolist()) == (None, None, [98.0, 103.0])
+    assert sum(band.peaks for band in bands) == 2
+    assert steps.looked == [(steps.looked[0][0], [1.0, -1.0, 1.0, 1.0, -1.0], None, True)]
+    assert found.notes[0].startswith("damping is without the 1/(tau omega) of an exponential window, tau = 2 s")
+    np.testing.assert_allclose(found.zeta, 0.01 - 0.5 / (2.0 * np.pi * found.freq), rtol=1e-5)
