@@ -8,8 +8,11 @@ import pytest
 from scipy.stats import t
 
 import casingfem as cf
+from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.locate.localisation import locate
+from casingfem.locate.located import Explanation, Found
 from casingfem.locate.misfit import Misfit
+from casingfem.locate.shape_check import unlike
 from casingfem.modal.affine import AffineModel
 from casingfem.modal.harmonics import Rings
 from casingfem.structure.edge.bolts import Bolts
@@ -147,3 +150,25 @@ def test_a_baseline_takes_out_what_manufacture_split(shell, model):
     assert {*answer.best.places} | {place for e in answer.others for place in e.places} == {2, 5}
     assert answer.found[0].value == pytest.approx(0.4, abs=0.02)
     assert np.all(answer.misfit.table.sigma_hz > np.sqrt(2.0) * after.sigma_hz * (1.0 - 1e-3))
+
+
+def test_shapes_are_unlike_by_the_mean_of_one_less_mac(model):
+    """Bolts 2 and 5, half a turn apart, have one table: mode pairs with mode. All of eight shapes and six more."""
+    rows = np.random.default_rng(8).standard_normal((15, 10))
+    true = model.modes(np.array(LOOSE), 10)
+    numbers = {"points": np.zeros((15, 3)), "directions": np.tile([1.0, 0.0, 0.0], (15, 1))}
+    seen = rows @ true.coordinates[:, :8] * np.array([1, -2, 3, -4, 5, -6, 7, -8])
+    shapes = MeasuredShapes.from_arrays(freq_hz=true.freq[:8], values=seen, **numbers)
+
+    def left(place):
+        found = (Found(place=place, angle_deg=0.0, value=0.4, sigma=0.1),)
+        return unlike(model, Explanation(found=found, behind=0.0), rows, shapes, 0.002)
+
+    other = rows @ model.modes(np.roll(LOOSE, 3), 10).coordinates[:, :8]
+    mac = np.sum(seen * other, axis=0) ** 2 / np.sum(seen**2, axis=0) / np.sum(other**2, axis=0)
+    assert left(2) == pytest.approx(0.0, abs=1e-12)
+    assert left(5) == pytest.approx(1.0 - np.mean(mac), rel=1e-6)
+    assert left(5) > 1e-4
+    far = MeasuredShapes.from_arrays(freq_hz=3.0 * true.freq[:8], values=seen, **numbers)
+    with pytest.raises(cf.errors.InputError, match=r"one within 0\.002 of a mode's frequency and like it"):
+        unlike(model, Explanation(found=(), behind=0.0), rows, far, 0.002)
