@@ -46,3 +46,12 @@ def test_a_band_has_all_modes_between_its_ends(casing, lowest, first, last):
 def test_a_band_below_all_modes_is_empty(casing, lowest):
     found = fourier_band(casing, (0.0, 0.9 * lowest.freq[0]))
     assert (len(found), found.sturm_count) == (0, 0)
+
+
+def test_a_band_from_nothing_on_has_the_rigid_motions_of_a_free_casing(frustum):
+    free = frustum(thickness=2e-2, mesh=cf.ShellMesh(order=4, rows=1, around=7), supports={})
+    elastic = fourier_modes(free, 8).freq[6:]
+    found = fourier_band(free, (0.0, 1.05 * elastic[1]))
+    assert found.rigid == 6
+    np.testing.assert_allclose(found.freq[6:8], elastic, rtol=1e-6)
+    assert len(found) == found.sturm_count
