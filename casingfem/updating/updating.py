@@ -229,7 +229,7 @@ def without_outliers(
         step = np.clip(best.x + near, fit.lower, fit.upper) - best.x
         best = fitted(less, fit.table.without(*modes), regularise, max_iterations, begin=(best.x, step))
         best = replace(best, before=fit.before, outliers=aside, plain=fit)
-    return best if seen[-1] else fit
+    return best
 
 
 def contradicting(

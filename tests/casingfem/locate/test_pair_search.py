@@ -41,6 +41,30 @@ def test_a_pair_is_found_though_a_third_place_explains_more_alone():
     assert search(evaluate, BOUNDS, most=3, level=0.01)[0] == [0, 1]
 
 
+def test_the_dozen_pairs_that_promise_most_are_refitted(monkeypatch):
+    """Of fifteen; where r is linear and no bound near, a promise is what least squares leave."""
+    evaluate, wide, asked = between(np.array([-0.6, 0.2, 0.1, -0.3, 0.5, -0.1])), np.full(6, 100.0), []
+
+    def told(evaluate, start, active, bounds):
+        asked.append((np.flatnonzero(start.x).tolist(), list(active)))
+        return fitted(evaluate, start, active, bounds)
+
+    monkeypatch.setitem(best_pair.__globals__, "fitted", told)
+    none = evaluate(np.zeros(6))
+    pair, at = best_pair(evaluate, none, Bounds(lower=-wide, upper=wide))
+    assert asked[:6] == [([], [c]) for c in range(6)]
+    J = none.jacobian
+
+    def left(on):
+        return np.sum((none.values + J[:, on] @ np.linalg.lstsq(J[:, on], -none.values, rcond=None)[0]) ** 2)
+
+    ranked = sorted(([a, b] for a in range(6) for b in range(a + 1, 6)), key=left)
+    assert [active for _, active in asked[6:]] == ranked[:12]
+    assert all(len(start) == 1 and start[0] in active for start, active in asked[6:])
+    assert pair == ranked[0]
+    assert at.chi2 == pytest.approx(left(pair), rel=1e-9)
+
+
 def test_a_fit_stays_within_its_bounds():
     evaluate = between(np.array([-1.4, 0.3, 0.0, 0.0, 0.0, 0.0]))
     at = fitted(evaluate, evaluate(np.zeros(6)), [0, 1], BOUNDS)
