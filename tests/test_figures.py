@@ -178,6 +178,7 @@ def test_a_report_whose_rows_say_fail_ends_with_one():
     assert tables.failures({"rig": 1.0}) == 0
 
 
+@pytest.mark.slow
 def test_the_last_runs_are_listed_whatever_git_knows():
     assert [row["campaign"] for row in campaign.last()] == [one.name for one in CAMPAIGNS]
     assert campaign.since("", ("contact",)) == "never run"

@@ -284,6 +284,7 @@ def test_it_is_read_from_its_file(result, tmp_path):
     assert_same(result, type(result).load(path))
 
 
+@pytest.mark.slow
 def test_print_of_any_value_is_a_line():
     part, casing = solid(), frustum(radius_defect=cf.FourierField.of({8: 0.002}))
     rods = ct.load_scene(DATA / "scenes" / "two_rods.toml")
@@ -422,6 +423,7 @@ def test_arrays_at_any_depth_are_read_only():
     assert not any(array.flags.writeable for array in deep)
 
 
+@pytest.mark.slow
 def test_any_program_reads_the_arrays_by_their_paths_and_each_is_there_once(tmp_path):
     fit = updated()
     arrays = dict(np.load(fit.save(tmp_path / "fit.npz")))

@@ -47,6 +47,7 @@ def test_starting_loads_no_heavy_package(code):
     assert {name for name in modules if name.split(".")[0] == other} <= WRITERS
 
 
+@pytest.mark.slow
 def test_a_name_is_loaded_when_it_is_used_and_what_it_does_not_need_stays_away():
     modules = loaded("import contact; contact.Rod")
     assert "contact.model.bodies.body" in modules
@@ -87,6 +88,7 @@ def test_a_name_that_has_left_the_top_can_be_imported():
     assert read_uff is casingfem.uff.read_uff
 
 
+@pytest.mark.slow
 def test_a_module_loaded_first_does_not_take_the_place_of_a_function_of_its_name():
     loaded("import contact.run, contact.growth.closed_contact, contact.run_many\n"
            "from contact import run, run_many, stability\n"

@@ -44,6 +44,7 @@ def test_kirchhoff_limit_meets_all_twelve_thin_shell_values(table):
     np.testing.assert_allclose(thin.freq, table.computed_love_ritz_hz, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_converged_shear_model_lies_below_thin_shell_theory_by_its_edge_layers(table):
     fine = modes(blade(mesh=ShellMesh(order=8, rows=(0.0, 0.02, 0.5, 0.98, 1.0), around=4)), 12)
     error = fine.freq / table.computed_love_ritz_hz.to_numpy() - 1

@@ -66,6 +66,7 @@ def test_two_dimensional_shell_meets_sampled_rows(reference, h, length, n):
     assert FIXED.order == 8
 
 
+@pytest.mark.slow
 def test_the_table_is_computed_anew(reference):
     table = reference("cyl_shear_diaphragm_exact.csv").iloc[::13]
     np.testing.assert_allclose(anew(table), table.omega_3d, rtol=2e-5)

@@ -89,6 +89,7 @@ def test_shell_approaches_fourier_spectrally_around_the_circle(frustum):
     assert errors[2] < 1e-7
 
 
+@pytest.mark.slow
 def test_all_rows_and_branches_by_harmonics(frustum, table):
     """63 values, n = 0 to 20.
 
@@ -106,6 +107,7 @@ def test_all_rows_and_branches_by_harmonics(frustum, table):
             np.testing.assert_allclose(found[:, 1:], columns["3d"][:, 1:], rtol=1.1e-4)
 
 
+@pytest.mark.slow
 def test_kirchhoff_love_limit(frustum, table):
     """A stiff transverse shear leaves thin-shell theory: within 1.7e-4 of the _kl column, which itself lies up to
     4.8e-3 from 3-D; the rest is the transverse rotary inertia that stays."""

@@ -82,6 +82,7 @@ def test_imperfect_casings_and_unknown_edges_are_refused():
         harmonic_basis(casing(), cf.Rim("rim"), orders=1)
 
 
+@pytest.mark.slow
 def test_participation_is_that_of_the_two_dimensional_reduction():
     """Effective masses by frequency, pair by pair; those of n > 1 are none."""
     shell = casing(mesh=cf.ShellMesh(order=6, rows=1, around=9))

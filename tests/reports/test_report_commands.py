@@ -63,6 +63,7 @@ def test_every_command_named_can_be_run(commands: dict[str, str]) -> None:
     assert missing == {}
 
 
+@pytest.mark.slow
 def test_every_report_mentioned_is_there() -> None:
     mentions = named(MENTION)
     assert len(mentions) > 60

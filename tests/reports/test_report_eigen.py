@@ -94,6 +94,7 @@ def test_closed_form_of_thin_cylinders_is_the_one_of_the_reference_table():
     assert verify_locking.valley(1e-4, 0.5) == 33
 
 
+@pytest.mark.slow
 def test_thin_cylinders_do_not_lock_where_low_orders_do(monkeypatch):
     verdicts = {row["verdict"] for row in verify_locking.rows(quick=True)}
     assert verdicts == {"pass"}

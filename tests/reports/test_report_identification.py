@@ -40,6 +40,7 @@ def test_shifts_that_one_crowded_cluster_hides_are_found_and_no_mode_is_counted_
     assert row["modes sure"] >= 27
 
 
+@pytest.mark.slow
 def test_the_least_uncertainty_of_modes_in_a_hall_grows_as_they_weaken(tmp_path):
     rows = unkind_bounds.main(tmp_path, quick=True)
     least, peak = (np.array([row[name] for row in rows]) for name in ("bound", "peak over noise"))

@@ -124,6 +124,7 @@ def test_modes_is_one_document_and_two_files(study, tmp_path):
     assert table.synthetic
 
 
+@pytest.mark.slow
 def test_modes_of_a_band(study):
     text = study.read_text()
     lowest = json.loads(invoke("modes", study, "--json").stdout)["modes"][0]["freq_hz"]
@@ -208,6 +209,7 @@ def test_reduce_and_rub(study, tmp_path):
     assert sorted(p.name for p in (tmp_path / "out").iterdir() if p.suffix != ".parquet") == files
 
 
+@pytest.mark.slow
 def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
     assert invoke("reduce", study).exit_code == 0
     assert len(cf.ModalBasis.load(tmp_path / "casing.npz")) == 8
@@ -568,6 +570,7 @@ def test_two_mistakes_are_both_reported_a_line_each(study):
     assert [line.split(": ")[1] for line in lines] == ["material.nu", "support.bottom"]
 
 
+@pytest.mark.slow
 def test_what_a_command_needs_and_the_study_lacks(study):
     free = STUDY[: STUDY.index("[support")] + STUDY[STUDY.index("[modes]") :]
     study.write_text(free.replace("count = 6", "count = 8\nelastic_only = true"))
@@ -578,6 +581,7 @@ def test_what_a_command_needs_and_the_study_lacks(study):
     refused(study, "reduce: rim.n_max must lie between 1 and", "reduce")
 
 
+@pytest.mark.slow
 def test_a_table_of_other_frequencies_pairs_nothing(study, tmp_path):
     (tmp_path / "table.csv").write_text("mode,n,freq_hz,sigma_hz\n1,3,9,1\n")
     refused(study, "update: no row of", "update")

@@ -87,6 +87,7 @@ def test_correlate_refuses_a_file_without_shapes(folder, tmp_path):
     assert str(folder / "casing.toml") not in result.stderr  # the study is not at fault
 
 
+@pytest.mark.slow
 def test_correlate_refuses_shapes_that_pair_with_no_mode(folder):
     result = invoke("correlate", folder / "casing.toml", folder / "shapes.uff", "--reach", "1e-9")
     assert result.exit_code == 2, result.exception  # the file has six digits

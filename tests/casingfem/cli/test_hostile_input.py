@@ -84,6 +84,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_it_is_refused_at_once(tmp_path, case):
     command, text, words = CASES[case]

@@ -34,6 +34,7 @@ def test_none_and_nan_are_empty_cells_and_words_with_commas_stay_whole():
     assert table.isna().sum().tolist() == [1, 1, 1, 1]
 
 
+@pytest.mark.slow
 def test_an_update_writes_its_parameters_and_its_pairs(tmp_path):
     (tmp_path / "plate.toml").write_text(STUDY, encoding="utf-8")
     (tmp_path / "plate.csv").write_text("mode,freq_hz,sigma_hz\n1,64.5,0.1\n2,420.0,0.5\n", encoding="utf-8")

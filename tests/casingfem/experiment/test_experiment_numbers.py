@@ -121,6 +121,7 @@ def test_numbers_of_circle_scans(held):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_correlation(frustum, held):
     casing = frustum(
         radius_defect=cf.FourierField.of({3: 1e-3, 14: 3e-4}), mesh=cf.ShellMesh(order=5, rows=1, around=11)

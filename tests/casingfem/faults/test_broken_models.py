@@ -26,6 +26,7 @@ MODELS = broken_models.models()
 
 
 # every third; `python -m reports.robustness.broken` takes all
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS[::3], ids=[model.name for model in MODELS[::3]])
 def test_no_broken_model_computes_in_silence(model):
     happened, messages = broken_models.outcome(model)

@@ -32,6 +32,7 @@ def test_an_error_of_one_item_is_met_by_who_asked(workers):
         list(each(math.sqrt, [1.0, -1.0]))
 
 
+@pytest.mark.slow
 def test_threads_are_as_before_when_all_is_done(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
     monkeypatch.delenv("MKL_NUM_THREADS", raising=False)

@@ -77,6 +77,7 @@ def test_vectors_to_spare_take_less_and_the_others_lose_nothing():
     assert off_sines(shapes)[:32].max() < 1e-9
 
 
+@pytest.mark.slow
 def test_modes_of_a_shell_equal_the_dense_solution(frustum, coarse):
     system = assemble(frustum(mesh=coarse))
     found = solve_modes(system.K, system.mass, 10, shift=-1e3)

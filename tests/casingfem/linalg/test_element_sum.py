@@ -30,6 +30,7 @@ def strips(rows, seed=3):
     return ElementSum.of([Elements(dofs, halves @ halves.swapaxes(1, 2)), springs], size)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rows", [1, 5])
 def test_solutions_and_inertia_are_those_of_the_sum(rows):
     A = strips(rows)

@@ -38,6 +38,7 @@ def grid(*counts):
     return csc_array(A)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize(("size", "density", "shift"), [
     (1, 1.0, 0.0), (2, 1.0, 0.0), (7, 0.5, 0.0), (60, 0.1, 3.0), (500, 0.01, 0.0), (700, 0.003, 3.0),

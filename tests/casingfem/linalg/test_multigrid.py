@@ -38,6 +38,7 @@ def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
     np.testing.assert_allclose(a.vectors.T @ (system.M @ a.vectors), np.eye(len(a.eigenvalues)), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_static_shapes_equal_those_of_a_factor(steel, monkeypatch):
     monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
     system, near_null, _ = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))
@@ -76,6 +77,7 @@ def test_an_iteration_beside_known_modes_finds_the_next_and_refuses_the_same_twi
         multigrid.iterate(pencil, levels, 2, shift, beside=known[:, [0, 0]])
 
 
+@pytest.mark.slow
 def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypatch):
     """The same compliance as with a factor; a thin one is refused as before."""
     part = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))[0].structure
@@ -111,6 +113,7 @@ def test_a_mode_that_it_misses_shows_in_the_count(steel, monkeypatch):
     assert found.sturm_count == len(found.eigenvalues) == 4
 
 
+@pytest.mark.slow
 def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel, monkeypatch):
     def losing(*arguments, **options):
         values, vectors, products = iterate(*arguments, **options)
@@ -128,6 +131,7 @@ def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel,
     np.testing.assert_array_equal(again.eigenvalues, exact.eigenvalues)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free", [False, True])
 def test_a_cycle_is_symmetric_positive_definite_and_near_the_inverse(steel, free, monkeypatch):
     """C = C^T and the eigenvalues of C A: between 0 and about 1, the smaller ones not small, rigid motions included."""

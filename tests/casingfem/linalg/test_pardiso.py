@@ -76,6 +76,7 @@ def pypardiso(request, monkeypatch):
         stand_in(monkeypatch)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("pypardiso")
 def test_it_agrees_with_superlu():
     K, M = with_spectrum(np.arange(1.0, 200.0), sparse_mass=True)

@@ -200,6 +200,7 @@ def test_a_band_of_all_modes_holds_all():
     np.testing.assert_allclose(found.eigenvalues, values, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_many_modes_are_found_in_slices(monkeypatch):
     monkeypatch.setattr(slicing, "MANY", 8)
     values = np.r_[np.arange(1.0, 101.0), np.full(12, 50.0), np.arange(1.0, 30.0) + 1e-12]

@@ -193,6 +193,7 @@ def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left):
     assert [e.places for e in bolts_explained(misfit, [2], misfit.at(x), angles)] == [{3}]
 
 
+@pytest.mark.slow
 def test_without_orientations_equal_bolts_are_seen_alike(casing, model):
     """Of pairs and of one member alone: the axes of a perfect pair, which the solver chose, told bolts apart."""
     table = without_angles(table_of(casing))
@@ -202,6 +203,7 @@ def test_without_orientations_equal_bolts_are_seen_alike(casing, model):
         np.testing.assert_allclose(np.ptp(np.linalg.norm(start.jacobian, axis=0)), 0.0, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_slope_of_a_perfect_pair_without_orientation_is_of_its_length(casing, model):
     """One bolt, loosened a little: lengths of splits and a member alone move as the slope from that side says."""
     table, step = without_angles(table_of(casing)).without(1), -1e-4
@@ -375,6 +377,7 @@ def test_bad_input_is_named(casing, model, options, code):
     assert caught.value.code == code
 
 
+@pytest.mark.slow
 def test_a_table_of_which_no_row_pairs_is_refused(casing, model):
     """It was answered that no bolt is loose."""
     far = FrequencyTable.from_arrays(freq_hz=[110.0, 111.0], sigma_hz=0.1, n=[8, 8], path="far.csv")
@@ -426,6 +429,7 @@ def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_
     assert told == expected
 
 
+@pytest.mark.slow
 def test_a_table_whose_doublets_pair_with_nothing_is_refused(casing, model):
     single = modes(casing, 1, method="shell").freq[0]
     table = FrequencyTable.from_arrays(freq_hz=[11.0, 12.0, single], sigma_hz=0.1, n=[8, 8, 7])

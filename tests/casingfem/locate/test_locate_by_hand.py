@@ -127,6 +127,7 @@ def with_far_row(table):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_row_that_pairs_with_nothing_is_named_and_left_out(shell, model, table, found):
     answer = locate(shell, with_far_row(table), model=(model, ANGLES))
     assert answer.unpaired == (9,)

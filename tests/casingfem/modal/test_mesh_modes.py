@@ -146,6 +146,7 @@ def test_parts_that_hinge_are_doubted(steel):
         mesh_modes(Solid(mesh=mesh, material=steel), 8)
 
 
+@pytest.mark.slow
 def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, monkeypatch):
     def block(size):
         mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
@@ -169,6 +170,7 @@ def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, mo
     assert "5 modes, 492 dofs, not counted" in repr(mesh_modes(thick, 5))
 
 
+@pytest.mark.slow
 def test_without_memory_for_a_factor_thick_solids_go_to_multigrid_and_others_are_refused(steel, monkeypatch):
     def block(size):
         mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})

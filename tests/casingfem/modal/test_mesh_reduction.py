@@ -64,6 +64,7 @@ def corners(structure):
     return tuple(mesh.node_numbers[tip[[0, len(tip) // 2]]].tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 @pytest.mark.parametrize("part", [solid, lambda: solid("tetra10", (5, 2, 1)), strip], ids=["brick", "tetra", "shell"])
 def test_compliance_at_nodes_is_the_static_answer_to_forces_there(part, method):
@@ -135,6 +136,7 @@ def test_a_rim_is_that_of_the_same_casing_on_a_chart():
     assert np.abs(found.out_of_roundness).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_rim_about_another_axis_is_the_same_rim():
     wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
     # x -> y', y -> z', z -> x': then e1 of the x axis is y
@@ -223,6 +225,7 @@ class Doubled:
         return replace(system, structure=self, K=2.0 * system.K)
 
 
+@pytest.mark.slow
 def test_a_structure_of_ones_own_needs_the_protocol_alone():
     one, twice = solid(), Doubled(solid())
     np.testing.assert_allclose(cf.modes(twice, 4).freq, np.sqrt(2.0) * cf.modes(one, 4).freq, rtol=1e-9)

@@ -86,6 +86,7 @@ def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_no
     assert mistuning.restart_error(spoilt) == pytest.approx(1e-3, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_each_block_step_gains_digits(casing, mean):
     drawn = redrawn_shell(casing, 3)
     exact = modes(drawn, COUNT, method="shell").freq
@@ -93,6 +94,7 @@ def test_each_block_step_gains_digits(casing, mean):
     assert errors[0] > 30 * errors[1] > 900 * errors[2]
 
 
+@pytest.mark.slow
 def test_the_inertia_sees_what_a_restart_cannot_reach(frustum, coarse, mean):
     """Cosine members alone, on a casing with a plane of symmetry: the sine members stay out of reach."""
     half = modes(mean_shell(frustum(mesh=coarse)), 40, method="shell")
@@ -163,6 +165,7 @@ def test_only_closed_casings_have_pairs(steel):
         mistune(plate, 2)
 
 
+@pytest.mark.slow
 def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
     rows = [Pair(0, 4, 1, 101.0, 0.02, 3.5), Pair(0, 5, 2, 92.0, 0.03, float("nan")), Pair(1, 4, 1, 99.0, 0.04, 7.5)]
     perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]

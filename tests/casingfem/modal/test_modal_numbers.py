@@ -63,6 +63,7 @@ def turning(part):
     return replace(part, rotation=cf.Rotation.of_blade(PLATE, omega=200.0, hub_radius=0.3, stagger=0.4))
 
 
+@pytest.mark.slow
 def test_numbers_of_modes(held):
     imperfect, even = casing(radius_defect=WAVES), casing()
     found, waves = cf.modes(imperfect, 12, method="shell"), cf.modes(even, 8)

@@ -52,6 +52,7 @@ def test_cos_8_theta_in_the_radius_splits_4_and_8_and_leaves_odd_n_double(split_
     assert set(n[n % 4 != 0]) >= {3, 5, 6, 7, 9, 10, 11, 13, 14, 15}
 
 
+@pytest.mark.slow
 def test_split_falls_with_the_imperfection_at_the_order_of_the_rule(frustum):
     """2 n = k p: n = 4 at first order in cos 8 theta, n = 8 at second."""
     small, large = (modes(frustum(radius_defect=FourierField.of({8: a}), mesh=MEDIUM), 20) for a in (1e-4, 2e-4))
@@ -238,6 +239,7 @@ def test_free_methods_agree(frustum, coarse):
     np.testing.assert_allclose(a, b, rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*shell-thin")
 @pytest.mark.parametrize(("ratio", "counted"), [(1e-3, True), (1e-4, True), (1e-5, False)])
 def test_a_thin_free_ring_by_harmonics_has_an_answer_and_a_word_on_round_off(steel, ratio, counted):
@@ -288,6 +290,7 @@ def test_cantilever_strip_bends_as_a_beam_does(steel):
 # --- counts, methods, errors ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["shell", "fourier"])
 def test_a_count_that_cuts_a_doublet_gives_as_many_modes_and_says_so(frustum, coarse, method):
     whole, cut = (modes(frustum(mesh=coarse), count, method=method) for count in (8, 7))
@@ -298,6 +301,7 @@ def test_a_count_that_cuts_a_doublet_gives_as_many_modes_and_says_so(frustum, co
     assert cut.records()[-1]["doublet"] is None
 
 
+@pytest.mark.slow
 def test_auto_takes_the_fast_path_only_where_nothing_varies(frustum, coarse):
     assert "assemble" not in modes(frustum(mesh=coarse), 4).seconds
     field = FourierField.of({3: 0.001})
@@ -376,6 +380,7 @@ def test_repr_is_the_table(split_modes):
     assert "Sturm count 40" in lines[-1]
 
 
+@pytest.mark.slow
 def test_tube_of_two_materials_scales(steel):
     """Frequencies go with sqrt(E/rho) and with one over the size."""
     tube = Shell(
@@ -421,6 +426,7 @@ def test_the_floor_of_a_harmonic_lies_below_its_lowest_mode(steel):
 # --- bands ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["shell", "fourier"])
 def test_a_band_holds_the_modes_of_the_count_and_no_other(frustum, coarse, method):
     shell = frustum(mesh=coarse)
@@ -507,6 +513,7 @@ def test_pairs_are_split_by_the_mesh_around_not_along(frustum):
     assert finest_shares(held)[0].max() > 0.004
 
 
+@pytest.mark.slow
 def test_pairs_that_the_mesh_itself_splits_are_doubted(frustum):
     """Eighteen elements of order 4 split n = 9 by 3 %; nineteen split no pair below n = 19."""
     thinner = FourierField.of({2: 1e-3})

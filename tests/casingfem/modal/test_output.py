@@ -82,6 +82,7 @@ def test_outputs_survive_the_file_and_the_modes_cut_off(strip, tmp_path):
     assert np.array_equal(again.output_S, few.output_S)
 
 
+@pytest.mark.slow
 def test_a_rotating_blade_brings_its_stiffening(strip):
     rotation = cf.Rotation.of_blade(strip.chart, omega=0.0, hub_radius=0.3)
     basis = cf.reduce(replace(strip, rotation=rotation), cf.Tip(), modes=3)
@@ -94,6 +95,7 @@ def test_a_rotating_blade_brings_its_stiffening(strip):
     np.testing.assert_allclose(turning.freq, found.freq[1], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_axial_channels_of_a_perfect_casing_agree_with_the_shell(frustum):
     rim = cf.Rim("top", n_max=6, axial=True)
     shell = frustum(mesh=cf.ShellMesh(order=6, rows=2, around=9))

@@ -55,6 +55,7 @@ def full_solution(system, rows):
     return system.expand(u)[:, :3].reshape(-1, P.shape[1]), P.T @ u
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rim", "tip"])
 @pytest.mark.parametrize(
     ("method", "count"), [("free", 1), ("free", 7), ("free", 30), ("craig-bampton", 1), ("craig-bampton", 12)]
@@ -77,6 +78,7 @@ def test_recovery_gives_the_full_static_solution(casing, blade, kind, method):
     np.testing.assert_array_equal(made.recovery_points, system.points)
 
 
+@pytest.mark.slow
 def test_free_basis_is_the_shells_modes(casing):
     made = reduce(casing.shell, RIM, modes=12, system=casing, zeta=0.002)
     found = modes(casing.shell, 12, system=casing)
@@ -86,6 +88,7 @@ def test_free_basis_is_the_shells_modes(casing):
     np.testing.assert_array_equal(made.zeta, np.full(12, 0.002))
 
 
+@pytest.mark.slow
 def test_craig_bampton_frequencies_lie_above_the_exact_ones_and_close(casing):
     made = reduce(casing.shell, RIM, modes=60, method="craig-bampton", system=casing)
     exact = modes(casing.shell, 10, system=casing).omega
@@ -96,6 +99,7 @@ def test_craig_bampton_frequencies_lie_above_the_exact_ones_and_close(casing):
     assert np.all(made.S == 0.0)
 
 
+@pytest.mark.slow
 def test_craig_bampton_converges_with_its_fixed_modes(casing):
     exact = modes(casing.shell, 8, system=casing).omega
     errors = [
@@ -119,6 +123,7 @@ def test_modes_are_orthonormal(casing, method):
     np.testing.assert_allclose(gram, np.eye(len(made)), atol=5e-3)
 
 
+@pytest.mark.slow
 def test_residual_compliance_is_symmetric_positive_and_falls_with_modes(casing):
     traces = []
     for count in (1, 10, 40):
@@ -158,11 +163,13 @@ def test_round_trip_and_provenance(casing, tmp_path):
     assert made.channels[:3] == ("radial.cos0", "radial.cos1", "radial.cos2")
 
 
+@pytest.mark.slow
 def test_provenance_tells_two_structures_apart(casing, frustum):
     other = reduce(frustum(mesh=casing.grid.mesh), RIM, modes=2)
     assert other.provenance["matrices"] != reduce(casing.shell, RIM, modes=2).provenance["matrices"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_two_calls_agree_bit_by_bit(casing, method):
     a, b = (reduce(casing.shell, RIM, modes=6, method=method, system=casing) for _ in range(2))
@@ -207,6 +214,7 @@ def test_refuses_a_number_of_modes_there_is_not(casing, method, count):
         reduce(casing.shell, RIM, modes=count, method=method, system=casing)
 
 
+@pytest.mark.slow
 def test_participation_is_the_modal_force_of_gravity_and_gives_a_blades_sag(casing, blade):
     """Phi^T M a against the nodal loads of the same body force; rows (Phi^T M a)/omega^2 against the mesh's statics."""
     a = np.array([1.5, -9.0, 4.0])

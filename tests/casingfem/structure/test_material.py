@@ -16,6 +16,7 @@ def solid_stiffness(E, nu):
     return C
 
 
+@pytest.mark.slow
 @given(st.floats(1e6, 1e12), st.floats(-0.9, 0.45))
 def test_plane_stress_is_the_solid_with_the_normal_stress_condensed_out(E, nu):
     C = solid_stiffness(E, nu)

@@ -272,6 +272,7 @@ def test_perfect_takes_all_variation_away(tmp_path):
     assert perfect(shell).supports["base"].k_face == 1e13
 
 
+@pytest.mark.slow
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
         "material", "chart", "shell", "solid", "taper", "strip", "stiffener", "rotation", "cyclic", "imperfection",
@@ -384,6 +385,7 @@ def test_modes_by_count_or_band():
 BLADE = (STUDIES / "tapered_blade.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_blade_is_read_and_written_in_degrees(tmp_path):
     study = load_study(STUDIES / "tapered_blade.toml")
     chart, taper = study.shell.chart, study.shell.taper

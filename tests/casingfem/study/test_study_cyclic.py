@@ -80,6 +80,7 @@ def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
     np.testing.assert_allclose(body.omega, 2.0 * np.pi * mistuned.freq, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_waves_are_printed_where_they_are_asked_for(write):
     turning = '[rotation]\nspeed_hz = 100.0\naxis = "z"\n[cyclic]\ncoriolis = true\nnodal_diameters = [1]\n'
     said = run("modes", write("[cyclic]\n", turning)).stdout

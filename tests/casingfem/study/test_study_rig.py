@@ -69,6 +69,7 @@ def study(tmp_path):
     return partial(written, tmp_path)
 
 
+@pytest.mark.slow
 def test_exact_responses_carry_the_truth(study):
     test = run_rig(load_study(study(CASING + EXACT)))
     assert len(test.frfs) == 24
@@ -95,6 +96,7 @@ def test_records_give_nearly_the_same_responses(study):
     assert np.median(test.coherence.responses.real) > 0.99
 
 
+@pytest.mark.slow
 def test_a_scan_finds_the_orders_of_the_modes(study):
     test = run_rig(load_study(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23"))))
     largest = [np.abs(V).argmax() for V in test.waves.V]
@@ -212,6 +214,7 @@ blocks = 2
     assert abs(test.frfs.x[np.abs(test.frfs.responses[0]).argmax()] - test.truth.freq_hz[0]) <= 4.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -64,6 +64,7 @@ def study(folder, keys="shape_sigma = 0.01", **other):
     return folder / "study.toml"
 
 
+@pytest.mark.slow
 def test_shapes_of_a_universal_file_go_to_their_rows(folder):
     loaded = load_study(study(folder, "shape_sigma = 0.03\nshape_error = 0.04"))
     shapes = loaded.shapes

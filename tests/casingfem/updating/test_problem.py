@@ -69,6 +69,7 @@ def test_an_imported_part_is_solved_from_nothing_and_counted_as_it_is():
     assert problem.structure(1.1 * x).material.E == pytest.approx(231e9)
 
 
+@pytest.mark.slow
 def test_a_perfect_casing_is_solved_harmonic_by_harmonic_and_another_as_a_whole(frustum):
     mesh = cf.ShellMesh(order=4, rows=1, around=7)
     rows = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(frustum(thickness=2e-2, mesh=mesh), 4).freq, sigma_hz=1.0)

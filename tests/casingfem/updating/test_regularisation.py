@@ -102,6 +102,7 @@ def test_fewer_residuals_than_parameters_leave_directions_unseen():
     np.testing.assert_allclose(found.left**2, 1.0 - square + square / (1.0 + np.sum(scaled**2)), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", ["discrepancy", "l-curve"])
 def test_a_regularised_update_is_stationary_at_the_weight_that_its_rule_chooses_there(rule):
     """J^T r + w^2 D^-2 (x - x0) = 0 for the one held, which its prior does not hold as well; the other is free."""

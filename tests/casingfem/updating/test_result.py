@@ -109,6 +109,7 @@ def test_a_problem_knows_its_start_its_priors_and_what_it_was_made_of():
     assert other.mesh == problem.shell.mesh
 
 
+@pytest.mark.slow
 def test_a_problem_evaluates_a_point_once_and_tells_its_progress():
     told = []
     problem = Problem(blade(), table(rows=3), vary("material.E"), 5, 0.5, lambda *line: told.append(line))

@@ -114,6 +114,7 @@ def test_products_at_the_point_itself_are_the_eigenvalues(casing, solved):
     np.testing.assert_allclose(products.M, np.eye(COUNT), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_perfect_double_has_derivatives_that_split_it(frustum):
     """cos 8 theta splits n = 4 at first order, and no other pair; its sine turns it by 45 degrees / 4."""
     found = modes(frustum(mesh=ShellMesh(order=6, rows=1, around=17)), 24)
@@ -133,6 +134,7 @@ def test_a_perfect_double_has_derivatives_that_split_it(frustum):
     assert split == pytest.approx(abs(cos[first[0], first[0]] - cos[first[1], first[1]]), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("support", [Clamped(), ElasticEdge(k_face=1e12)], ids=["clamped", "elastic"])
 def test_open_panels_have_derivatives_too(steel, support):
     panel = Shell(
@@ -148,6 +150,7 @@ def test_open_panels_have_derivatives_too(steel, support):
         assert np.abs(exact - numeric).max() < 1e-5 * np.abs(numeric).max()
 
 
+@pytest.mark.slow
 def test_edges_held_in_their_own_frame(frustum, coarse):
     shell = frustum(supports={"base": ShearDiaphragm(), "top": Clamped()}, mesh=coarse)
     found = modes(shell, 4, method="shell")

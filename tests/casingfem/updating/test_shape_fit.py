@@ -82,6 +82,7 @@ def test_pictures_frame_every_pair(fit, tmp_path):
     np.testing.assert_allclose(axes[1].images[0].get_array(), shape_fit(fit).after.mac)
 
 
+@pytest.mark.slow
 def test_an_update_without_shapes_has_no_comparison(frustum):
     shell = frustum(mesh=cf.ShellMesh(order=5, rows=1, around=9))
     found = cf.modes(shell, 4)

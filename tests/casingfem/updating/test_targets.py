@@ -142,12 +142,14 @@ def test_open_shells_have_single_residuals(steel):
     np.testing.assert_allclose(slope[:, 0], 1000.0 / (2 * 210e9), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_half_a_doublet_is_a_single(casing):
     found = modes(casing, COUNT)
     residual, _ = evaluate(casing, table_of(found, 12).without(2))
     assert len(residual) == 1 + 5 * 3
 
 
+@pytest.mark.slow
 def test_slopes_of_a_small_casing_equal_differences(frustum):
     """A pair of n = 4 with an angle, turned by all other modes too, and a single row."""
     shell = frustum(

@@ -182,6 +182,7 @@ def test_a_prior_stands_in_for_a_row_left_out():
     assert left.rms > 1e-4
 
 
+@pytest.mark.slow
 def test_parabolas_are_right_to_second_order(fit):
     near = parabolas(fit)
     step = 2.0 * fit.sigma * [1.0, -1.0, 1.0]
@@ -204,6 +205,7 @@ def test_laplace_equals_gauss_newton_where_residuals_are_straight():
     assert sure.to_json()["parameters"][0]["log"] is True
 
 
+@pytest.mark.slow
 def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
     """sum r H: against the derivative of the exact gradient."""
     sure = cf.updating.laplace(fit)
@@ -251,6 +253,7 @@ def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monk
         cf.updating.sample_posterior(fit, steps=50, checks=1)
 
 
+@pytest.mark.slow
 def test_what_a_study_asks_beyond_its_fit_is_refused_with_its_file(fit, monkeypatch):
     study = SimpleNamespace(path="blade.toml")
     monkeypatch.setattr(tasks, "laplace", lambda fit: cf.updating.laplace(fit, bent(fit, 2.0)))
@@ -282,6 +285,7 @@ def test_the_models_own_error_is_what_scatter_noise_does_not_explain():
     assert cf.update(blade(), table(1e-4), vary(*BOUNDS)).model_floor == 0.0
 
 
+@pytest.mark.slow
 def test_a_saturated_fit_names_its_bound():
     stuck = [cf.Parameter(name="material.E", lower=204e9, upper=250e9)]
     fit = cf.update(blade(), table(), stuck)
@@ -292,6 +296,7 @@ def test_a_saturated_fit_names_its_bound():
     assert fit.values[mode - 1] == fit.values.max()
 
 
+@pytest.mark.slow
 def test_a_fit_at_its_upper_bound_says_so_and_that_its_worst_row_is_too_low():
     """E of 196 instead of 200 GPa leaves every frequency below what was measured."""
     stuck = [cf.Parameter(name="material.E", lower=150e9, upper=196e9)]
@@ -362,6 +367,7 @@ def test_a_trade_off_is_the_regularised_least_squares_of_its_linear_problem():
     assert size == pytest.approx(abs(0.7 * d[0]), rel=1e-10)
 
 
+@pytest.mark.slow
 def test_bend_is_how_far_a_residual_leaves_its_tangent_at_one_sigma(fit):
     near = parabolas(fit)
     bend = cf.updating.laplace(fit, near).bend
@@ -371,6 +377,7 @@ def test_bend_is_how_far_a_residual_leaves_its_tangent_at_one_sigma(fit):
         assert bend[k] == pytest.approx(np.abs(gap).max(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_sigma_of_a_prediction_holds_the_row_and_what_the_others_leave_of_the_parameter():
     """f^2 is as E: with E alone each other row knows ln E to twice its relative sigma."""
     rows, sigma = 4, np.array([1e-3, 2e-3, 3e-3, 4e-3])

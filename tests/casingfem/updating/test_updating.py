@@ -205,6 +205,7 @@ def test_a_prior_and_the_data_share_by_their_weights():
     assert fit.prior_only == (False,)
 
 
+@pytest.mark.slow
 def test_a_prior_that_knows_more_than_the_data_is_named():
     vary = [Parameter(name="material.E", lower=150e9, upper=250e9, sigma=1e5)]
     fit = update(blade(), blade_table(), vary)
@@ -213,6 +214,7 @@ def test_a_prior_that_knows_more_than_the_data_is_named():
     assert "known from its prior only" in repr(fit)
 
 
+@pytest.mark.slow
 def test_parameters_that_do_the_same_are_named():
     """E and 1/rho: only their ratio matters."""
     vary = [

@@ -91,6 +91,7 @@ ADDRESSES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", ADDRESSES, ids=lambda make: make.__name__)
 def test_numbers_of_derivatives(make, held):
     part = make()

@@ -154,6 +154,7 @@ def test_a_member_twice(tmp_path, refused):
     assert "found 'omega.npy' 2 times, expected arrays, each once" in refused(path)
 
 
+@pytest.mark.slow
 def test_well_packed_numbers_are_read(tmp_path):
     """Thirty megabytes of zeros pack a thousand times over: no harm."""
     zeros = {"x": np.zeros((4_000_000, 1))}

@@ -10,6 +10,7 @@ SOFT = {"E": 1e9, "yield_stress": 1e3, "hardening": 1e6, "thickness": 1e-3, "wid
 WAVES = [{"p": 2, "cos": 2e-5}, {"p": 5, "sin": 1e-5}]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "machined", "law"),
     [(0.1, 0.0, "averaged"), (0.1, 1.5e-5, "forward"), (0.0, 1.5e-5, "averaged"), (0.4, None, "forward")],

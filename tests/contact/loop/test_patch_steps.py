@@ -39,6 +39,7 @@ def obeys(force, motion, mu):
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("soft", [False, True])
 def test_contacts_of_a_body_obey_the_law_and_take_from_it_what_the_ledger_says(soft, mu):

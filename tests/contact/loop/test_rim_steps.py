@@ -28,6 +28,7 @@ def friction(n, across, along, t, gap, slip, mu):
     raise AssertionError("neither sticks nor slips")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("averaged", "skip"), [(False, True), (True, False)])
 @pytest.mark.parametrize(
     ("mu", "imperfect", "speed"), [(0.0, 0.05, 20.0), (0.3, 0.05, 20.0), (0.9, 0.05, -2e-3), (0.3, 0.0, 20.0)]
@@ -127,6 +128,7 @@ def module_limits():
         return module("contact.model.gaps.limits")
 
 
+@pytest.mark.slow
 def test_lanes_of_unlike_rims_are_as_if_each_ran_alone():
     with plain() as module:
         ct = module("contact")

@@ -78,6 +78,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_tips_obey_the_law_where_they_are_and_their_ledger_is_that_of_the_modes(name):
     axial, d, mu, law, few = CASES[name]

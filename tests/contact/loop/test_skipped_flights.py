@@ -53,6 +53,7 @@ def same(one, other):
     assert other[3][1] > 120
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("record", "split", "case"),
     [
@@ -69,6 +70,7 @@ def test_skips_change_nothing_but_round_off(record, split, case):
     same(whole, skipped)
 
 
+@pytest.mark.slow
 def test_lanes_skip_each_by_itself():
     cases = {
         0: (40, {}), 3: (25, {"clearance": 2.1e-4, "speed": -80.0, "law": "averaged"}),

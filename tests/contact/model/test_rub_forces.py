@@ -146,6 +146,7 @@ def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact(
     assert "gravity and whirl" in repr(ran(pressed, 0.01))
 
 
+@pytest.mark.slow
 def test_a_whirl_that_turns_with_the_speed_pulls_only_once_it_runs_up():
     """At rest until 1 s, then 5 Hz/s: no force before, then -r Omega' across and r Omega^2 along."""
     whirl = ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=2e-3, per_rev=1.0), "casing", turning="blades")

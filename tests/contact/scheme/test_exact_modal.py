@@ -163,6 +163,7 @@ def test_energy_law_keeps_the_energy_to_round_off():
         assert abs(result.energy.unaccounted) <= 1e-10 * 1000.0
 
 
+@pytest.mark.slow
 def test_bouncing_bar_energy_law_ten_periods():
     """B2 (ii), 150 modes, 25 600 steps (480 a second): every published target."""
     period, steps = 16.0 / 3.0, 25_600

@@ -284,6 +284,7 @@ def test_force_makes_mobility():
     np.testing.assert_allclose(over.V, bare.V / (2.0 * np.exp(0.3j)), rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("split", [1.5, 0.75])  # half-power bandwidth 1.48 Hz
 def test_a_close_pair_both_excited_is_told_apart(split):
     rig, circle = ring_rig(split=split, zeta=[0.002, 0.0025, 0.002, 0.002])
@@ -329,6 +330,7 @@ def left_over(seen, pair):
     return left.sum() / (2.0 * seen.sigma[0, 0] ** 2)
 
 
+@pytest.mark.slow
 def test_the_misfit_of_a_pair_is_over_the_equations_that_its_ten_unknowns_leave():
     seen = close_pair(np.random.default_rng(SEED))
     pair = split_pair(seen, 8)
@@ -394,6 +396,7 @@ def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
     return CircleScan(tones=tones, n=orders, V=V, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
 
 
+@pytest.mark.slow
 def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
     pair = split_pair(scan_of_a_pair([370.0, 370.01]), 8)
     np.testing.assert_allclose(pair.freq, [370.0, 370.01], rtol=1e-9)

@@ -66,6 +66,7 @@ def test_the_sigma_of_a_pair_follow_from_the_covariance_of_all_that_is_fitted():
         assert found.angle_sigma_deg[k] == pytest.approx(np.sqrt(slope @ C @ slope), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_misfit_above_one_raises_the_sigma_and_one_below_does_not_lower_them():
     """With the noise said to be a sixteenth of that the misfit is 16 times as large, for the same deviations."""
     seen = close_pair(np.random.default_rng(SEED))
@@ -74,6 +75,7 @@ def test_a_misfit_above_one_raises_the_sigma_and_one_below_does_not_lower_them()
     np.testing.assert_allclose(high.freq_sigma / low.freq_sigma, 16.0 / low.misfit, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_six_tones_tell_a_pair_and_five_do_not():
     seen = scan_of_a_pair([369.0, 371.0])
     assert split_pair(seen, 8).split == pytest.approx(2.0, rel=1e-6)

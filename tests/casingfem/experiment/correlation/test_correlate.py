@@ -230,6 +230,7 @@ def test_comac_is_one_where_shapes_agree_and_enhanced_comac_sees_signs():
         comac(a, b[:, :2])
 
 
+@pytest.mark.slow
 def test_universal_files_give_shapes_at_their_points(tmp_path, found):
     path = write_modes_uff(found, tmp_path / "modes.uff", [0, 1, 4], nodes_set="2411")
     test = MeasuredShapes.from_uff(path)

@@ -27,6 +27,7 @@ def two() -> FrfSet:
     )
 
 
+@pytest.mark.slow
 def test_every_bit_comes_back(two, tmp_path):
     back = read_frfs(write_hdf5(two, tmp_path / "f.h5"))
     assert all(np.array_equal(getattr(back, name), getattr(two, name)) for name in ARRAYS)
@@ -73,6 +74,7 @@ def test_without_h5py_it_is_named(two, tmp_path, monkeypatch):
         assert f"{path}: found an HDF5 file; expected the package h5py: {remedy('test-data')}" in str(caught.value)
 
 
+@pytest.mark.slow
 def test_places_may_be_missing(two, tmp_path):
     path = write_hdf5(two, tmp_path / "f.h5")
     change(path, lambda file: file.pop("reference_point"))

@@ -47,6 +47,7 @@ STARTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
 def test_a_cluster_fitted_from_a_poor_place_finds_the_good_one(window, start):
     c = cluster(window, *start)

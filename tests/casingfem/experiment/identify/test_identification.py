@@ -133,6 +133,7 @@ def test_the_table_carries_sigma_and_says_synthetic():
     np.testing.assert_array_equal(table.sigma_hz, found.sigma_freq)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("angles", "n", "told"),
     [

@@ -129,6 +129,7 @@ def test_hoop_axial_and_turned_sensors_have_their_directions():
     np.testing.assert_allclose(flat.directions, np.tile([0.0, -1.0, 0.0], (COUNT, 1)))
 
 
+@pytest.mark.slow
 def test_sensors_without_place_or_direction_are_named(found):
     bare = cf.identify(responses(), angles=ANGLES)
     with pytest.raises(

@@ -60,6 +60,7 @@ def test_exact_data_give_exact_poles():
     assert fit.converged
 
 
+@pytest.mark.slow
 def test_standard_deviations_are_those_of_repeated_tests():
     found, sigmas = [], []
     for seed in range(120):
@@ -81,6 +82,7 @@ def test_a_start_with_too_few_poles_grows_and_one_with_too_many_shrinks():
         assert fit.window.residues == "real"
 
 
+@pytest.mark.slow
 def test_phases_of_their_own_make_residues_complex():
     shapes = SHAPES * np.exp(1j * np.random.default_rng(5).uniform(-0.6, 0.6, SHAPES.shape))
     fit = select_poles(window(*THREE, shapes, sigma=0.2), np.column_stack(THREE))

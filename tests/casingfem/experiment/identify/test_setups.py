@@ -108,6 +108,7 @@ def test_a_window_that_leaks_does_not_damp():
         np.testing.assert_allclose(found.zeta, [3e-3, 1.3e-3], rtol=0.01)
 
 
+@pytest.mark.slow
 def test_rounded_lines_are_even_and_what_one_channel_hardly_shows_is_not_sure():
     rng = np.random.default_rng(37)
     lines = np.arange(90.0, 130.0, 0.1)

@@ -76,6 +76,7 @@ def test_a_clear_mode_is_sure_and_a_faint_local_one_is_not(tmp_path):
     assert cf.Identified.load(found.save(tmp_path / "found.npz")).doubts == found.doubts
 
 
+@pytest.mark.slow
 def test_a_file_of_before_has_no_doubts(tmp_path):
     found = cf.identify(measured(mode(660.0, 1e-3, COS), 35.0, 7))
     with np.load(found.save(tmp_path / "found.npz")) as archive:

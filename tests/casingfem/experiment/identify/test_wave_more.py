@@ -67,6 +67,7 @@ def test_a_local_mode_is_found_and_no_longer_moves_its_neighbours():
     assert np.abs(off).max() < 3.0
 
 
+@pytest.mark.slow
 def test_nothing_is_found_where_noise_alone_is_left():
     found = wave_modes(SETUPS, known(), SHIFT, cluster(pair(0.3), 0.0, np.arange(2)))
     assert len(found.freq) == 2

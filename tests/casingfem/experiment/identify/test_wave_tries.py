@@ -69,6 +69,7 @@ def test_a_weak_peak_that_lies_in_the_noise_of_a_setup_is_found_again():
     assert np.all(np.abs(np.log(found.freq.mean(axis=1) / FREQ.mean(axis=1))) < 3.0 * found.sigma_freq)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("s", range(3))
 def test_peaks_exchanged_in_a_setup_are_exchanged_back(s):
     whole = problem(0.3)
@@ -99,6 +100,7 @@ def test_modes_are_near_within_a_bandwidth_of_the_wider_and_four_usual_shifts_in
     assert pairs_near(problem(0.3), np.vstack([np.full(3, 6.0), 6.0 + apart]), np.log(zeta)) == pairs
 
 
+@pytest.mark.slow
 def test_what_is_tried_alone_is_as_likely_as_among_all():
     whole = problem(0.3)
     swapped = FREQ.copy()

@@ -43,6 +43,7 @@ def test_static_answer_is_that_of_the_whole_model_however_few_the_modes(casing):
     assert abs(without.receptance([1], [0], [0.0])[0, 0, 0] / at - 1.0) > 0.01
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
     few = cf.modes(casing.shell, 24, method="shell")
     places = [Place(at=(0.25, 0.3)), *circle(0.25, 4)]

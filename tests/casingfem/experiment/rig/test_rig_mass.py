@@ -47,6 +47,7 @@ def test_loaded_modes_are_free_vibrations_of_the_bare_rig_under_the_masses_inert
     np.testing.assert_allclose(heavy.receptance(range(4), range(4), [0.0]), bare.receptance(range(4), range(4), [0.0]))
 
 
+@pytest.mark.slow
 def test_masses_of_sensors_move_the_modes_as_masses_of_the_model_do(bare):
     places = [Place(at=(0.25, a), mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]
     rig = rig_of(bare, places, zeta=0.002)

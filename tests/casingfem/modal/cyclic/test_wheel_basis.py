@@ -37,6 +37,7 @@ def test_directions_at_nodes_are_radius_angle_and_axis(quarter):
     assert names == tuple(f"{number}.{name}" for number in at.nodes for name in ("span", "flap", "chord"))
 
 
+@pytest.mark.slow
 def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
     at = AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
     tuned = cyclic_reduce(quarter, at, modes=1)

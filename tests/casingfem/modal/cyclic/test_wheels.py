@@ -89,6 +89,7 @@ def test_a_band_has_the_modes_of_the_whole_wheel_in_it(disk):
     np.testing.assert_allclose(found.freq, cf.modes(wheel_structure(disk), band=band).freq, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["solid turning", "shell turning"])
 def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
     sector = WHEELS[name]()
@@ -115,6 +116,7 @@ def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
         cyclic_whirl(bladed_disk(N, SMALL))
 
 
+@pytest.mark.slow
 def test_waves_run_the_way_they_run_on_a_ring():
     """A body of revolution, on which `cf.whirl_modes` tells n and sense by its own means."""
     wall = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
@@ -218,6 +220,7 @@ def node_number(structure, place):
     return int(mesh.node_numbers[np.linalg.norm(mesh.points - place, axis=1).argmin()])
 
 
+@pytest.mark.slow
 def test_the_basis_knows_how_the_stiffness_grows_with_speed():
     """Poles, and answers at the tips near the lowest of them, with a basis made at another speed."""
     at, higher = (

@@ -52,6 +52,7 @@ def test_a_patch_across_the_seam_is_whole(frustum):
     assert abs(here - on).max() < 1e-12 * abs(here).max()
 
 
+@pytest.mark.slow
 def test_equal_bolts_split_only_what_their_number_allows(frustum):
     """N divides 2n for n = 4, 8, ... of 8 bolts; every other pair stays double."""
     found = modes(frustum(supports={"base": Bolts(count=8, k=1e8)}, mesh=ShellMesh(order=6, rows=1, around=16)), 20)
@@ -103,6 +104,7 @@ def test_a_mesh_that_does_not_follow_is_doubted_with_an_estimate(frustum):
     frustum(supports={"base": Bolts(count=24, k=2e8)}, mesh=ShellMesh(order=5, rows=1, around=48))  # says nothing
 
 
+@pytest.mark.slow
 def test_the_estimate_is_of_the_right_order(frustum):
     bolts, mesh = Bolts(count=24, k=2e8, k_rot=1e3), ShellMesh(order=5, rows=1, around=30)
     found = modes(bolted(frustum, bolts, mesh), 24)

@@ -136,6 +136,7 @@ def test_a_ring_far_outside_its_casing_hides_no_mode(steel):
         assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1.0)[0][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heavy", ["ring", "masses"])
 def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
     """As if clamped there: its lowest bending mode looks like a turn about the heavy end, but the end stands still."""
@@ -235,6 +236,7 @@ def test_a_stiff_massless_ring_holds_the_edge_round(frustum, steel):
     np.testing.assert_allclose(modes(frustum(supports={"base": block}), 8).freq, clamped, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_bolts_under_a_ring_split_only_what_their_number_allows(frustum):
     ring = Ring(section=BAR, support=Bolts(count=8, k=5e7))
     found = modes(frustum(supports={"base": ring}, mesh=ShellMesh(order=6, rows=1, around=16)), 16)

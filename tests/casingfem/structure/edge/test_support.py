@@ -114,6 +114,7 @@ def test_energy_of_the_springs_in_a_translation(frustum, coarse):
     )
 
 
+@pytest.mark.slow
 def test_stiff_springs_approach_the_clamp_from_below(frustum):
     coarse = ShellMesh(order=5, rows=1, around=7)
     clamped = frequencies(frustum(mesh=coarse), count=4)

@@ -46,6 +46,7 @@ def test_numbers_of_random_fields(held):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 @pytest.mark.parametrize("trouble", ["noise", "stray", "off its axis"])
 def test_numbers_of_surveys(trouble, held):

@@ -87,6 +87,7 @@ def test_sums_merge_on_one_spline_only():
     np.testing.assert_allclose(turned, one.derivatives(Z, 0.3).value, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_spline_of_the_height_passes_complex_steps_of_the_chart(frustum, coarse):
     """The derivative by the casing's height, for which z itself is complex, against central differences."""
     basis = Spline(z_low=0.0, z_high=0.25, intervals=3)

@@ -62,6 +62,7 @@ def test_rings_give_back_the_cone_and_the_defect():
         np.testing.assert_allclose(got, exact, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*survey-eccentric")  # where p = 1 is more than all others together
 @settings(max_examples=15, deadline=None)
 @example(4626, 1)
@@ -304,6 +305,7 @@ def test_repeats_give_the_noise_whatever_the_fit():
     assert SurveyField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
 
 
+@pytest.mark.slow
 def test_modes_beyond_the_surveys_resolution_are_doubted(frustum):
     mesh = ShellMesh(order=6, rows=1, around=13)  # of which no 2n below 26 is a multiple
     theta, z = rings(points=24)  # every 15 degrees: resolves harmonic 11, splits to n = 5

@@ -112,6 +112,7 @@ def test_a_machine_s_origin_may_lie_anywhere(tmp_path, corner):
     assert survey.fit.amplitude(8) == pytest.approx(2e-4, abs=2e-8)
 
 
+@pytest.mark.slow
 def test_stray_points_of_a_scan_are_named():
     """20,000 points: a search for one stray point after the other did not end."""
     rng = np.random.default_rng(11)

@@ -125,6 +125,7 @@ def test_mass_is_the_volume_of_a_tapered_trapezoid(steel):
     assert mass == pytest.approx(7800.0 * 0.01 * span * (1.0 - 0.5 / 3.0), rel=1e-13)
 
 
+@pytest.mark.slow
 def test_mirrored_blades_have_one_spectrum(steel):
     def freq(sign):
         chart = cf.Blade(length=0.2, chord=(0.1, 0.08), camber=(0.5 * sign, 0.2 * sign), twist=(0.0, 0.4 * sign))
@@ -197,6 +198,7 @@ def test_tapered_beams_have_their_known_factors():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("part", "count"), [("fv32", 12), ("limits", 2)])
 def test_exact_rows_pass(part, count):
     rows = getattr(verify_blades, part)()
@@ -211,6 +213,7 @@ def test_the_rhombus_is_its_ritz_solution_and_the_print_is_not():
     assert max(abs(row["error %"]) for row in rows[5:]) > 0.9
 
 
+@pytest.mark.slow
 def test_a_wedge_flaps_as_a_beam_does():
     rows = verify_blades.beams(quick=True)
     assert max(abs(row["error %"]) for row in rows) < 1e-3

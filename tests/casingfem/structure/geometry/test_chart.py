@@ -154,6 +154,7 @@ def lowest_frequencies(chart, steel, supports, mesh):
     return np.sqrt(np.maximum(solve_modes(system.K, system.mass, 8, shift=-1e3).eigenvalues, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("supports", [{"base": Clamped()}, {"base": ShearDiaphragm(), "top": ShearDiaphragm()}])
 def test_a_chart_that_runs_the_other_way_gives_the_same_shell(steel, supports):
     cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=6, rows=1, around=7)
@@ -164,6 +165,7 @@ def test_a_chart_that_runs_the_other_way_gives_the_same_shell(steel, supports):
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-2)
 
 
+@pytest.mark.slow
 def test_a_chart_whose_lines_are_not_orthogonal_gives_the_same_shell(steel):
     cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
     expected = lowest_frequencies(cylinder, steel, {"base": Clamped()}, mesh)
@@ -172,6 +174,7 @@ def test_a_chart_whose_lines_are_not_orthogonal_gives_the_same_shell(steel):
     np.testing.assert_allclose(lowest_frequencies(helical, steel, {"base": Clamped()}, mesh), expected, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_a_diaphragm_on_a_chart_whose_lines_are_not_orthogonal(steel):
     cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
     held = {"base": ShearDiaphragm(), "top": ShearDiaphragm()}

@@ -106,6 +106,7 @@ def test_a_fillet_of_half_the_wall_is_the_shortest():
     assert shell(meridian(fillet=4e-3)).thickness == 8e-3
 
 
+@pytest.mark.slow
 def test_pieces_in_line_are_the_frustum():
     """No corner, no fillet: two pieces of one cone are the frustum's chart."""
     mesh = cf.ShellMesh(order=7, rows=(0.0, 0.4, 1.0), around=21)

@@ -24,6 +24,7 @@ def test_mass_of_a_spherical_band_is_that_of_its_height():
     assert mass == pytest.approx(7800.0 * (0.301**3 - 0.299**3) / 3.0 * 2 * np.pi * height / 0.3, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_meridian_of_great_radius_is_a_cylinder():
     """The arc's bow h^2/(8 R) changes frequencies by its share in the radius."""
     mesh = cf.ShellMesh(order=7, rows=2, around=11)
@@ -46,6 +47,7 @@ def test_bowl_by_harmonics_and_as_a_whole_agree():
     assert by_n.nodal_diameters[:4].tolist() == whole.nodal_diameters[:4].tolist()
 
 
+@pytest.mark.slow
 def test_the_sense_of_the_meridian_does_not_matter():
     down, up = cf.geometry.Arc(radius=0.1, start=0.0, end=-1.2), cf.geometry.Arc(radius=0.1, start=-1.2, end=0.0)
     found = [

@@ -116,6 +116,7 @@ def test_what_stands_beyond_are_the_faces_which_lean_against_the_normal(referenc
     assert max(abs(row["h along the normal instead"]) for row in parts) > 3.0
 
 
+@pytest.mark.slow
 def test_a_mesh_given_by_default_agrees_with_the_fixed_one(reference):
     table = reference("twisted_plate_3d.csv")
     rows = table[(table.a_over_b == 1) & (table.b_over_h == 20) & (table.twist_deg == 30)]

@@ -703,6 +703,7 @@ def test_a_light_beam_with_a_tip_mass_stiffens_as_it_turns(kind):
         np.testing.assert_allclose(sorted(found.southwell), [0.2, 1.2], atol=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*material-units")
 def test_a_tip_mass_at_speed_swings_on_a_tensioned_beam():
     """Without mass of its own it is a spring T/(L - tanh(a L)/a), a = sqrt(T/EI), T = m Omega^2 L; less m Omega^2."""

@@ -159,6 +159,7 @@ def test_what_imported_meshes_cannot_is_refused_in_words(tmp_path):
         load_study(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "mesh"),
     [(SOLID, RING), (SOLID, TETRA), (SOLID.replace("[solid]", "[shell]\nthickness = 0.03"), SKIN)],

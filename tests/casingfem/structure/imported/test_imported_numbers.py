@@ -111,6 +111,7 @@ def test_numbers_of_turning_parts(kind, held):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_attachments(held):
     mesh, (end, middle) = added_nodes(
         grid_mesh("hexahedron20", (2, 1, 1), bent, groups=ENDS), (0.35, 0.0, 0.0), (0.4, 0.01, 0.0)
@@ -167,6 +168,7 @@ def test_numbers_of_ties(kind, held):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["disk", "turning disk", "bent plate"])
 def test_numbers_of_sectors(name, held):
     turning = cf.Rotation(omega=300.0)

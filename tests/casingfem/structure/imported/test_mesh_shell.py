@@ -106,6 +106,7 @@ def test_constant_curvature_needs_no_inner_forces(steel):
     assert np.abs(force[inner]).max() < 1e-9 * np.abs(force[boundary]).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", QUADRATIC)
 @pytest.mark.parametrize("t", [1e-2, 1e-4])
 def test_cantilever_plate_is_that_of_the_chart_shell_and_does_not_lock(kind, t, steel):
@@ -143,6 +144,7 @@ def test_frustum_converges_to_the_chart_shell(counts, steel):
     np.testing.assert_array_equal(found.nodal_diameters, exact.nodal_diameters)
 
 
+@pytest.mark.slow
 def test_elastic_edge_is_that_of_the_chart_shell(steel):
     mesh = grid_mesh("quad9", (8, 8), flat, groups={"root": (0, 0.0)})
     edge = ElasticEdge(k_face=2e11)
@@ -197,6 +199,7 @@ def lofted(pieces, rows, sectors):
     return grid_mesh("quad9", (1, sum(rows)), place, groups={"base": (1, 0.0)})
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*mesh-kink")
 @pytest.mark.parametrize(("wall", "worst"), [("curved", 1e-3), ("linear", 6e-3)])
 def test_a_kink_of_the_mesh_is_a_mitred_wall(wall, worst, steel):
@@ -215,6 +218,7 @@ def test_a_kink_of_the_mesh_is_a_mitred_wall(wall, worst, steel):
     assert 0.25 * worst < error < worst
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
 def test_a_wall_with_a_window_is_that_of_its_solid(steel):
     """A panel of 30 mm with a hole of four cells; without it the first frequency is another."""
@@ -253,6 +257,7 @@ def panel(u):
     return np.stack([0.5 * np.cos(theta), 0.5 * np.sin(theta), 0.4 * u[:, 0]], axis=1)
 
 
+@pytest.mark.slow
 def test_plies_are_those_of_the_chart_shell(steel, carbon):
     plies = (Ply(thickness=1.0), Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),
              Ply(thickness=0.5, angle_deg=-60.0, lamina=carbon))  # fmt: skip

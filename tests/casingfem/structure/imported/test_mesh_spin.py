@@ -44,6 +44,7 @@ def block(rotation, counts=(10, 4, 1)):
     return cf.Solid(mesh=mesh, material=STEEL, supports=CLAMPED, rotation=rotation)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [block, skin])
 def test_a_radial_bar_stretches_as_it_must(make):
     """nu = 0: u(L) = rho Omega^2 (c L^2/2 + L^3/3)/E from an axis a distance c below the root."""
@@ -83,6 +84,7 @@ def test_a_spinning_casing_is_that_of_the_chart():
     assert found.nodal_diameters.tolist() == exact.nodal_diameters.tolist()
 
 
+@pytest.mark.slow
 def test_linear_quadrilaterals_too():
     exact = cf.campbell(chart(AXES["flapping out of it"]), [0.0], count=1).southwell
     found = cf.campbell(skin(AXES["flapping out of it"], (24, 8), "quad"), [0.0], count=1).southwell
@@ -200,6 +202,7 @@ def test_whirl_of_a_blade_has_no_waves():
         cf.whirl_modes(block(None), 2)
 
 
+@pytest.mark.slow
 def test_softening_beyond_the_stiffness_is_refused():
     """Turning about its own span nothing stretches, and the softening wins beyond the first frequency."""
     about_span = cf.Rotation(omega=0.0, axis=(1.0, 0.0, 0.0))

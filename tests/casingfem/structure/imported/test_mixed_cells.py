@@ -129,6 +129,7 @@ def plate(thirds, count):
     return cf.MeshShell(mesh=mesh, thickness=4e-3, material=STEEL, supports={"base": cf.Clamped()})
 
 
+@pytest.mark.slow
 def test_a_cantilevered_plate_of_squares_and_triangles_converges():
     """Towards Kirchhoff's plate: A. Leissa, J. Sound Vib. 31, 1973, 257, table C17, bounds from above by 0.6 %."""
     leissa = np.array([3.4917, 8.5246, 21.429, 27.331, 31.111])

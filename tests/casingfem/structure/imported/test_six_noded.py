@@ -85,6 +85,7 @@ def test_what_tying_changes_has_no_mean_over_the_cell():
     np.testing.assert_allclose(np.einsum("q,eqrd->erd", weights, changed), 0.0, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", [0.04, 1e-3])
 def test_a_plate_of_squares_and_triangles_converges(thickness):
     """Towards nine-noded squares of a finer mesh, thick and thin; the thin one locked would be far off."""
@@ -97,6 +98,7 @@ def test_a_plate_of_squares_and_triangles_converges(thickness):
     assert np.abs(found).max() < 0.4 * np.abs(coarse).max()
 
 
+@pytest.mark.slow
 def test_linear_cells_among_quadratic_ones_are_raised():
     """Their edges take the middles of their neighbours, or free ones: the plate is as good as with all of them."""
     whole, some = plate(6), plate(6, linear=[1, 2, 7])
@@ -105,6 +107,7 @@ def test_linear_cells_among_quadratic_ones_are_raised():
     np.testing.assert_allclose(cf.modes(some, 5).freq, cf.modes(whole, 5).freq, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_frustum_of_triangles_has_the_modes_of_its_chart():
     """Doublets of each harmonic, in order; the mesh is told to be round."""
     material, base = STEEL, {"base": cf.Clamped()}
@@ -122,6 +125,7 @@ def test_a_frustum_of_triangles_has_the_modes_of_its_chart():
     np.testing.assert_allclose(found.freq, exact.freq, rtol=7e-3)
 
 
+@pytest.mark.slow
 def test_triangles_turn_as_squares_do():
     """Prestress and spin of a fast plate: the change of its frequencies is that of nine-noded squares."""
     rotation = cf.Rotation(omega=500.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.2, 0.0))

@@ -45,6 +45,7 @@ def test_faces_that_match_are_as_good_as_joined():
     np.testing.assert_allclose(found, exact, rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_faces_that_do_not_match_are_those_of_calculix():
     """2 x 2 x 2 and 3 x 3 x 3 C3D20, *TIE with ADJUST: *FREQUENCY of CalculiX 2.20, E = 210e9, nu = 0.3, rho = 7800."""
     part = supported(tied(pair("hexahedron20", (2, 2, 2), (3, 3, 3)), [GLUE]), "a.low")

@@ -165,6 +165,7 @@ def test_masses_on_arms_are_their_points():
     np.testing.assert_allclose(np.diagonal(six), body("mass")[2], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_reduced_and_whirling_parts_carry_what_hangs_on_them():
     """A basis of a rotating beam with a tip mass, and its whirl: the same frequencies by the full matrices."""
     mesh = grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.5, 0.03, 0.04],

@@ -48,6 +48,7 @@ def casing(**changes):
     return cf.Shell(**(given | changes))
 
 
+@pytest.mark.slow
 def test_equal_layers_of_the_shells_own_material_are_no_layers():
     whole = cf.modes(casing(), 2).freq
     np.testing.assert_allclose(cf.modes(casing(plies=plies((0, 30, 77), LIKE_STEEL)), 2).freq, whole, rtol=1e-9)

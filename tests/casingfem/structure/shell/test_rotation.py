@@ -75,6 +75,7 @@ def test_quadratic_strains_are_the_second_order_of_the_deformed_surface(chart):
     assert left[0] / left[1] == pytest.approx(8.0, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "chart",
     [cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), cf.Cylinder(radius=0.4, height=0.1)],
@@ -155,6 +156,7 @@ def test_beam_theory_gives_the_published_factors(eta):
     np.testing.assert_allclose(rotating_beam(eta), FACTORS[eta], atol=1.1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stagger", "across"), [(np.pi / 2, True), (0.0, False)], ids=["flap", "lead-lag"])
 def test_strip_follows_the_beam(stagger, across):
     """Out of the plane of rotation the published factors; in it sqrt(factor^2 - eta^2)."""
@@ -164,12 +166,14 @@ def test_strip_follows_the_beam(stagger, across):
         np.testing.assert_allclose(row, exact, rtol=5e-5)
 
 
+@pytest.mark.slow
 def test_hub_radius_stiffens():
     found = strip_factors(strip(np.pi / 2, hub=1.5), [6.0], count=3)[0]
     np.testing.assert_allclose(found, rotating_beam(6.0, hub=1.5), rtol=5e-5)
     assert found[0] > 1.4 * FACTORS[6][0]
 
 
+@pytest.mark.slow
 def test_a_strip_on_its_own_axis_loses_its_stiffness_at_its_frequency():
     """Without tension omega^2 = omega_0^2 - Omega^2: the critical speed, and what is refused beyond it."""
     shell = blade(rotation=None)
@@ -192,6 +196,7 @@ def test_campbell_equals_the_modes_of_each_speed():
     assert data.overlap.min() > 0.98
 
 
+@pytest.mark.slow
 def test_reduced_rotating_blade_answers_a_push_with_its_stiffened_compliance():
     shell = blade()
     basis = cf.reduce(shell, cf.Tip(), modes=4)

@@ -69,6 +69,7 @@ def test_refuses_a_field_that_is_not_finite(frustum):
         frustum(radius_defect=NotFinite(), mesh=ShellMesh())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("again", [copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
 def test_a_shell_and_its_modes_are_copied_and_pickled(frustum, again):
     edge = ElasticEdge(k_face=1e12, k_r=1e8, around={"k_r": PATTERN})
@@ -147,6 +148,7 @@ def test_default_mesh_of_a_plate_follows_its_shape(steel):
     assert (wide.rows, wide.around) == (2, 8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stretches", "order"), [(1, 7), (30, 7), (31, 6), (60, 3), (300, 2)])
 def test_the_order_falls_beyond_thirty_stretches(steel, stretches, order):
     places = np.linspace(0.0, 1.0, stretches + 1).tolist()

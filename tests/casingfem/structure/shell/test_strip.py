@@ -63,6 +63,7 @@ def test_the_shell_agrees_with_its_meridian(frustum, edge):
     np.testing.assert_array_equal(shell.nodal_diameters, meridian.nodal_diameters)
 
 
+@pytest.mark.slow
 def test_strips_all_alike_are_a_uniform_shell(frustum):
     mesh = ShellMesh(order=6, rows=(0.0, 0.4, 1.0), around=9)
     whole = frustum(thickness=4e-3, material=ALUMINIUM, mesh=mesh)

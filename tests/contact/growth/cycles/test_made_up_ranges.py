@@ -12,6 +12,7 @@ from contact.growth.cycles.shooting import orbit
 from tests.contact.growth.cycles.henon import FLIP, course, fixed
 
 
+@pytest.mark.slow
 def test_steps_are_at_most_a_fiftieth_where_nothing_is_said(family):
     branch = ct.growth.cycles.follow(family, (0.2, 0.25), most=8).branches[0]
     along = course(family, 0.2, 0.25)

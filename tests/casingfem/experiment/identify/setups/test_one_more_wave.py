@@ -39,6 +39,7 @@ def test_a_mode_that_nobody_knew_of_is_found_as_the_wave_that_it_is():
     assert more.worth > 1.0
 
 
+@pytest.mark.slow
 def test_no_mode_is_found_beyond_five_times_the_usual_damping():
     whole, read = one_known(problem())
     for usual, found in ((0.02 / 4.5, True), (0.02 / 5.5, False)):
@@ -64,6 +65,7 @@ def test_the_last_mode_is_tried_as_the_likeliest_wave_and_as_a_local_one():
     assert wave.size[1] == local.size[1]
 
 
+@pytest.mark.slow
 def test_a_likelier_reading_is_kept_and_what_else_was_tried_is_told():
     whole = problem()
     swapped = FREQ.copy()

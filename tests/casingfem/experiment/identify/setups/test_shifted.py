@@ -61,6 +61,7 @@ def test_what_set_ups_differ_by_is_the_median_over_the_modes(found):
     assert found[1].sigma_matching.max() < 1e-9  # no two are near
 
 
+@pytest.mark.slow
 def test_a_test_whose_peaks_do_not_shift_stays_one_set_up():
     same = np.repeat(FREQ.mean(axis=1, keepdims=True), 2, axis=1)
     modes, data = window(same)
