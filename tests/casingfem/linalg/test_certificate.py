@@ -118,7 +118,7 @@ def test_the_gap_after_a_count_is_one_wider_than_round_off_if_there_is_one():
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*shell-thin")
-@pytest.mark.parametrize("by", [-1, 0, 1])
+@pytest.mark.parametrize("by", [pytest.param(-1, marks=pytest.mark.campaign), 0, 1])
 def test_a_harmonic_with_a_mode_on_the_end_of_a_band_is_not_counted_where_round_off_reaches_it(
     monkeypatch, frustum, by
 ):  # fmt: skip

@@ -183,7 +183,7 @@ def test_orientations_leave_but_half_a_turn(casing, model):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("left", [0.0, 0.2])
+@pytest.mark.parametrize("left", [0.0, pytest.param(0.2, marks=pytest.mark.campaign)])
 def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left):
     """Opposite a bolt that has lost most lies one with less, or none: stiffness below nothing ended in a traceback."""
     designed, table = loosened(casing, {9: left}), table_of(loosened(casing, {9: left, 3: 0.1}))

@@ -81,6 +81,7 @@ def test_turning_the_field_changes_no_frequency_and_turns_the_shapes(frustum, sp
     assert_turned(modes(frustum(radius_defect=field), 40), split_modes, 0.3, 1e-9)
 
 
+@pytest.mark.campaign
 @pytest.mark.slow
 def test_turning_a_mixed_field_changes_no_frequency(frustum):
     """Five harmonics up to 0.2 %, default mesh; mixed harmonics couple many n through the mesh."""

@@ -38,6 +38,7 @@ def test_shifts_of_a_straight_line_are_found_with_their_sizes(wrong):
         assert one.deviation > 4.0
 
 
+@pytest.mark.campaign
 @pytest.mark.slow
 def test_clean_tables_give_few_alarms():
     """One in a hundred by LEVEL; of 400 lines, fewer than 5 %, whatever the scatter is called."""

@@ -138,7 +138,13 @@ def lcp(W, b):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("law_of", "apart"), [("forward", True), ("averaged", False)])
-@pytest.mark.parametrize(("mu", "speed_hz"), [(0.0, 7.0), (0.25, 7.0), (0.0, 1e-3), (0.5, 1e-3)])
+@pytest.mark.parametrize(
+    ("mu", "speed_hz"),
+    [
+        (0.0, 7.0), pytest.param(0.25, 7.0, marks=pytest.mark.campaign),
+        pytest.param(0.0, 1e-3, marks=pytest.mark.campaign), (0.5, 1e-3),
+    ],
+)  # fmt: skip
 def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz, apart, law_of):
     """Two blades with two tip nodes each on two rim lines, everything coupled with everything.
 

@@ -170,6 +170,7 @@ def test_modal_and_finite_element_rings_give_one_impulse():
     assert impulse(ct.bodies.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
 
 
+@pytest.mark.campaign
 def test_residual_compliance_of_the_ring_yields_with_its_modes():
     """Every node that presses lies on the rim, moved by its modes and by S times all forces."""
     modes = ct.bodies.ring_modes(RING, 4)
@@ -254,6 +255,7 @@ def test_a_beam_that_is_set_spinning_turns_that_way_at_that_speed(scheme):
     assert nodes[..., 2] == pytest.approx(np.repeat(2.0 * result.state_time[:, None], 4, axis=1), abs=1e-6)
 
 
+@pytest.mark.campaign
 def test_a_stiffening_ring_becomes_the_rigid_circle():
     t_end = 1.15 * CIRCLE.first_contact_time
     rigid = impulse(None, t_end)
