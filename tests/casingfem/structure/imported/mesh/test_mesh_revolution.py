@@ -95,6 +95,8 @@ def test_cells_at_the_axis_do_not_count_and_a_plane_has_none_around():
 
     assert elements_around(grid_mesh("quad", (9, 2), disc, wrap=0)) == 9
     assert elements_around(grid_mesh("quad", (9, 1), disc, wrap=0)) == 0
+    cone = grid_mesh("quad", (9, 2), lambda u: np.insert(disc(u)[:, :2], 2, 2.0 + u[:, 1], axis=1), wrap=0)
+    assert elements_around(cone) == 9  # far from the origin, and on the axis all the same
     meridian = grid_mesh("quad", (2, 2), lambda u: np.insert(u + 0.5, 1, 0.0, axis=1))
     assert elements_around(meridian) == 0
 
