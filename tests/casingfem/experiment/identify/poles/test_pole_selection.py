@@ -213,6 +213,15 @@ def test_without_a_search_the_poles_are_those_of_the_start(count, channels):
     assert searched.window.residues == "real"
 
 
+def test_what_a_search_on_combinations_found_is_fitted_to_every_channel_and_line():
+    shape = np.random.default_rng(7).standard_normal(61)
+    seen = window([100.0], [0.01], shape, 0.01, np.linspace(95.0, 105.0, 1001))
+    fit = select_poles(seen, np.array([[100.3, 0.015]]))
+    assert fit.window.Y.shape == seen.Y.shape
+    assert fit.freq == pytest.approx([100.0], abs=1e-3)
+    assert fit.A.shape[-1] == 61
+
+
 def test_complex_residues_must_earn_themselves():
     """They are tried where real ones leave more than the noise, of variance 1."""
     shape = np.array([[1.0, -0.5, 0.8, 0.3, 0.6, 0.2]])
