@@ -158,6 +158,7 @@ def test_every_report_is_a_campaign_or_says_why_not():
     assert COMMANDS - {one.name for one in CAMPAIGNS} == parts | tools
 
 
+@pytest.mark.slow
 def test_campaigns_go_on_after_a_failure_and_are_recorded(tmp_path, capfd):
     chosen = [Campaign("no_such_report", "", ("contact",)), Campaign("tables", "", ("contact",))]
     rows = campaign.main(chosen, tmp_path / "out", tmp_path)

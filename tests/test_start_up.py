@@ -38,6 +38,7 @@ MOVED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", [HELP, "import casingfem", "import contact"], ids=["help", "casingfem", "contact"])
 def test_starting_loads_no_heavy_package(code):
     modules = loaded(code)

@@ -52,6 +52,7 @@ def test_converged_shear_model_lies_below_thin_shell_theory_by_its_edge_layers(t
     assert np.abs(error[:7]).max() < 4.5e-3
 
 
+@pytest.mark.slow
 def test_distance_to_the_measurement_before_updating(table):
     """RMS 2.3 to 2.5 % over seven modes: what updating has to explain."""
     error = modes(blade(), 7).freq / table.measured_AFFDL_hz[:7].to_numpy() - 1

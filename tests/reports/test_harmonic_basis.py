@@ -39,6 +39,7 @@ def test_static_push_is_that_of_the_meridian_problem():
     assert basis.compliance[8 + 5, 8 + 5] == pytest.approx(expected, rel=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orders", [1, 3, 9])
 def test_static_push_does_not_depend_on_the_modes_kept(orders):
     few, many = harmonic_basis(casing(), RIM, orders=orders), harmonic_basis(casing(), RIM, orders=20)

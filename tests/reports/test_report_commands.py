@@ -75,6 +75,7 @@ def test_every_report_mentioned_is_there() -> None:
     assert missing == {}
 
 
+@pytest.mark.slow
 def test_every_file_of_the_reports_mentioned_is_there() -> None:
     files = named(PATH, but="tests/")  # which make some up
     assert "reports/campaigns.csv" in files

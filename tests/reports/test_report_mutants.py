@@ -284,6 +284,7 @@ def test_what_a_run_says_of_a_mutant() -> None:
     assert not verdict([("passed", "a"), ("skipped", "b"), ("left out", "c")], 0, "").killed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("asked", "words"),
     [

@@ -145,6 +145,7 @@ def test_modes_in_words_is_the_table(study):
     assert "6 modes" in result.stdout
 
 
+@pytest.mark.slow
 def test_same_study_twice_gives_the_same_table(study, tmp_path):
     for name in ("a", "b"):
         assert invoke("modes", study, "--out", tmp_path / name).exit_code == 0
@@ -234,6 +235,7 @@ def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
     assert said[-1] == "contact two_rods.toml: 100%"
 
 
+@pytest.mark.slow
 def test_a_waiting_user_is_told_that_the_study_is_read(monkeypatch, study):
     said = []
 
@@ -390,6 +392,7 @@ def test_rub_refuses_rods(tmp_path):
     assert "scene.kind: found 'rods', expected 'rim', 'rub' or 'disk'" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "words"), [("import os; os.abort()", "ended by signal 6"), ("assert False, 'wrong'", "wrong")]
 )
@@ -409,6 +412,7 @@ def test_schema_and_doctor_are_documents():
     assert doctor["versions"]["numpy"] == np.__version__
 
 
+@pytest.mark.slow
 def test_rigid_modes_are_shown_unless_elastic_ones_are_asked_for(study):
     free = STUDY[: STUDY.index("[support")] + STUDY[STUDY.index("[modes]") : STUDY.index("[reduce]")]
     study.write_text(free.replace("count = 6", "count = 8"))
@@ -544,6 +548,7 @@ TABLES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES)
 def test_a_table_that_cannot_be_used_is_refused(study, tmp_path, name):
     text, words = TABLES[name]

@@ -90,6 +90,7 @@ def test_each_track_of_a_coating_has_its_own_picture(monkeypatch):
     assert pictures.coatings(("a", "b")) == {"coating_1.png": b"picture of a", "coating_2.png": b"picture of b"}
 
 
+@pytest.mark.slow
 def test_the_picture_shows_growing_poles_bands_and_the_run():
     pair = ct.gaps.HandPair(
         casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -256,6 +257,7 @@ def test_a_waterfall_follows_a_tone_that_climbs():
     assert "too short a record" in short[1].texts[0].get_text()
 
 
+@pytest.mark.slow
 def test_sweeps_draw_diverged_runs_apart():
     rows = [
         {"status": status, "amplitude_m": amplitude, "contact_fraction": 1.0, "growth_1_s": rate, "dominant_n": 3,

@@ -29,6 +29,7 @@ def path(casing, tmp_path_factory):
     return write_modes_uff(casing, tmp_path_factory.mktemp("uff") / "modes.uff", nodes_set="2411")
 
 
+@pytest.mark.slow
 def test_the_file_holds_the_modes(casing, path):
     found = cf.uff.read_uff(path, strict=True)
     assert np.array_equal(found.nodes.points, drawn_surface(casing).points)

@@ -26,6 +26,7 @@ def test_the_largest_begin_first_and_keep_their_numbers():
     assert list(largest_first(map, abs, [-3, 2, -7], size=abs)) == [(2, 7), (0, 3), (1, 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_of_one_item_is_met_by_who_asked(workers):
     with pytest.raises(ValueError, match="domain"), side_by_side(workers) as each:

@@ -66,6 +66,7 @@ def test_modes_equal_the_dense_solution():
     assert off_sines(found.vectors).max() < 1e-10
 
 
+@pytest.mark.slow
 def test_vectors_to_spare_take_less_and_the_others_lose_nothing():
     pencil = make_pencil(chain(2000), np.ones(2000))
     solve = factorise(pencil.shifted(-1e-6)).solve

@@ -100,6 +100,7 @@ def test_the_dissection_does_not_fill_more_than_dense_leaves_explain(counts):
     assert max(f.pivots for f in fronts.fronts if not f.children) <= LEAF
 
 
+@pytest.mark.slow
 def test_a_casing_is_cut_along_lines_of_elements(frustum):
     """No front sees more nodes beside its own than lie on the free sides of an element; L is as short as SuperLU's.
 
@@ -142,6 +143,7 @@ def test_a_plan_serves_all_matrices_of_its_pattern(monkeypatch):
     assert plans.Recent.last() is None  # too large to be kept for nobody
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", [True, False])
 def test_what_does_not_fit_is_refused_before(monkeypatch, keep):
     A = grid(12, 12, 12)

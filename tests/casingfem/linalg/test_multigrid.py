@@ -91,6 +91,7 @@ def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypat
         reduce(thin, AtNodes((int(thin.mesh.node_numbers[-1]),)), modes=4)
 
 
+@pytest.mark.slow
 def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
     monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
     system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
@@ -100,6 +101,7 @@ def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkey
     np.testing.assert_array_equal(found.eigenvalues, exact.eigenvalues)
 
 
+@pytest.mark.slow
 def test_a_mode_that_it_misses_shows_in_the_count(steel, monkeypatch):
     def losing(*arguments):
         values, vectors, products = iterate(*arguments)

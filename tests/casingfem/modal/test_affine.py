@@ -90,6 +90,7 @@ def test_masses_are_as_in_full_solutions(casing):
     assert np.all(found.freq < model.modes(np.zeros(2), 10).freq)
 
 
+@pytest.mark.slow
 def test_motions_of_a_free_casing_as_a_whole_stay_without_diameters(frustum, coarse):
     system = assemble(frustum(supports={}, mesh=coarse))
     model = affine_model(system, mass_changes(system, "top", np.array([0.3])), 12)

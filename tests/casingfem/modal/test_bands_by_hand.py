@@ -31,6 +31,7 @@ def test_the_lowest_modes_are_the_same_however_many_are_asked_for(casing, lowest
     np.testing.assert_allclose(few.freq, lowest.freq[:count], rtol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [None, 0, 1])
 @pytest.mark.parametrize("last", [2, 3])
 def test_a_band_has_all_modes_between_its_ends(casing, lowest, first, last):

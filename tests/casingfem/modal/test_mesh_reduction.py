@@ -159,6 +159,7 @@ def test_a_solids_rim_is_its_end_face():
     np.testing.assert_allclose(np.diag(found.compliance), np.diag(exact.compliance), rtol=3e-2)
 
 
+@pytest.mark.slow
 def test_an_oval_rim_knows_its_shape():
     wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
 
@@ -272,6 +273,7 @@ BAD = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BAD)
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 def test_interfaces_that_are_not_there_are_named(name):

@@ -104,6 +104,7 @@ def test_the_inertia_sees_what_a_restart_cannot_reach(frustum, coarse, mean):
         restarted_modes(frustum(mesh=coarse, radius_defect=FourierField.of({8: 0.002})), known, COUNT)
 
 
+@pytest.mark.slow
 def test_a_draw_whose_restart_fails_is_solved_from_nothing(casing, mean, monkeypatch):
     def fails(*arguments):
         raise NumericsError("13 modes lie below, 12 were found")

@@ -84,6 +84,7 @@ def test_numbers_of_modes(held):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_a_rim(held):
     casings = {"free": casing(radius_defect=WAVES), "craig-bampton": casing(radius_defect=WAVES)}
     found = {}
@@ -118,6 +119,7 @@ def test_numbers_of_a_blade(name, held):
     held(1e-5, omega=made.omega, compliance=made.compliance, squares=np.sum(made.rows**2, axis=0), S=made.S, **more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [blade, solid])
 def test_numbers_of_a_blade_at_speed(make, held):
     found, waves = cf.campbell(turning(make()), [0.0, 100.0, 300.0], count=3), cf.whirl_modes(turning(make()), 3)
@@ -148,12 +150,14 @@ def test_numbers_of_meetings(held):
     )
 
 
+@pytest.mark.slow
 def test_numbers_of_draws(held):
     random = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
     found = mistune(casing(radius_defect=random), 2, count=6)
     held(1e-5, **{f"{k}": column for k, column in found.columns().items() if np.asarray(column).dtype.kind in "if"})
 
 
+@pytest.mark.slow
 def test_numbers_of_changes(held):
     bolts = cf.Bolts(count=6, k=2e8, k_rot=1e5)
     shell = casing(supports={"base": bolts}, mesh=cf.ShellMesh(order=4, rows=1, around=12))

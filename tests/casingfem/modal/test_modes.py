@@ -90,6 +90,7 @@ def test_turning_a_mixed_field_changes_no_frequency(frustum):
     assert_turned(modes(frustum(radius_defect=field.rotated(-1.7)), 24), still, -1.7, 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("around", [8, 4])
 def test_equal_springs_split_n_only_if_their_number_divides_2n(frustum, around):
     """Springs k(1 + .9 cos N theta), as of N bolts: N = 8 splits 4, 8, 12; N = 4 also 6 and 10."""
@@ -339,6 +340,7 @@ def test_count_below_is_the_number_of_modes(frustum, coarse):
     assert count_below(shell, 0.9 * freq[0]) == 0
 
 
+@pytest.mark.slow
 def test_two_calls_agree_bit_by_bit(frustum, coarse):
     shell = frustum(mesh=coarse, radius_defect=FourierField.of({8: 0.002}))
     a, b = modes(shell, 10), modes(shell, 10)
@@ -416,6 +418,7 @@ def test_the_valley_behind_a_hump_is_as_in_the_whole_shell(steel):
     np.testing.assert_allclose(modes(shell, 3).freq, modes(shell, 3, method="shell").freq, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_the_floor_of_a_harmonic_lies_below_its_lowest_mode(steel):
     for chart, t in ((Cylinder(radius=0.5, height=0.25), 5e-4), (Frustum(r_base=0.5, r_top=0.3, height=1.0), 2e-2)):
         shell = Shell(chart=chart, thickness=t, material=steel)
@@ -480,6 +483,7 @@ def test_a_casing_on_soft_springs_is_supported(frustum, coarse):
     assert found.freq[5] < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*support-incomplete")
 def test_a_casing_that_may_slide_and_turn_has_two_rigid_motions(frustum, coarse):
     found = modes(frustum(supports={"base": ElasticEdge(k_r=1e9), "top": ElasticEdge(k_r=1e9)}, mesh=coarse), 6)

@@ -67,6 +67,7 @@ def test_static_push_equals_the_full_model(casing, blade, kind, method, count):
     assert np.abs(made.compliance - compliance).max() < 1e-10 * np.abs(compliance).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rim", "tip"])
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_recovery_gives_the_full_static_solution(casing, blade, kind, method):
@@ -109,6 +110,7 @@ def test_craig_bampton_converges_with_its_fixed_modes(casing):
     assert errors[1].max() < 0.3 * errors[0].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_modes_are_orthonormal(casing, method):
     made = reduce(casing.shell, RIM, modes=10, method=method, recovery=True, system=casing)
@@ -134,6 +136,7 @@ def test_residual_compliance_is_symmetric_positive_and_falls_with_modes(casing):
     assert traces[0] > traces[1] > traces[2] > 0.0
 
 
+@pytest.mark.slow
 def test_diaphragm_edges_are_reduced_in_their_own_frame(frustum):
     tube, held = Cylinder(radius=0.5, height=0.3), {"base": ShearDiaphragm(), "top": ElasticEdge(k_z=1e9)}
     system = assemble(frustum(chart=tube, supports=held, mesh=ShellMesh(order=6, rows=1, around=7)))
@@ -233,6 +236,7 @@ def test_participation_is_the_modal_force_of_gravity_and_gives_a_blades_sag(casi
             assert np.abs(basis.rows @ (force / basis.omega**2) - exact).max() <= 1e-3 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 def test_effective_masses_are_those_of_a_cantilever_beam(steel):
     """First three flap modes: .6131, .1883 and .0647 of the mass (Blevins 1979, of the thin beam)."""
     strip = Shell(

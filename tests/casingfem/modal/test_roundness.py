@@ -58,6 +58,7 @@ def test_it_grows_with_the_defect_and_turns_with_it():
     np.testing.assert_allclose(at(two, theta), 2.0 * at(one, theta - angle), atol=1e-15)
 
 
+@pytest.mark.slow
 def test_the_basis_carries_the_least_thickness_of_the_rim(tmp_path):
     thinned = replace(CASING, radius_defect=None, thickness_defect=cf.FourierField.of({3: 0.1}))
     assert rim_thickness(thinned, TOP) == pytest.approx(2.7e-3, rel=1e-3)

@@ -94,6 +94,7 @@ def test_a_part_that_turns_the_other_way_has_its_waves_the_other_way(found, make
     assert np.array_equal(other.sense, modes.sense)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rotation", [{"axis": (1.0, 0.0, 0.0)}, {"centre": (0.01, 0.0, 0.0)}])
 def test_a_ring_that_does_not_turn_about_its_own_axis_has_no_waves(rotation):
     modes = cf.whirl_modes(ring(0.01, **rotation), 2)

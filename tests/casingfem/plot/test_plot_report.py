@@ -171,6 +171,7 @@ def test_numbers_have_digits_that_mean_something(page):
         assert words not in page.text
 
 
+@pytest.mark.slow
 def test_values_stand_where_they_are_drawn():
     """The marker's colour is in the picture where the page says that its value is; a value outside is not told."""
     figure = new_figure(4.0, 3.0)

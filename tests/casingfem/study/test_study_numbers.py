@@ -11,6 +11,7 @@ STUDIES = sorted((Path(__file__).parents[3] / "data" / "studies").glob("*.toml")
 STUDIES = [file for file in STUDIES if file.stem != "rig"]  # a chain of studies, which reports.rig reads
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
 def test_numbers_of_studies(file, held):

@@ -242,6 +242,7 @@ def test_what_cannot_be_is_refused_with_its_key(study, text, words):
         run_rig(load_study(study(text)))
 
 
+@pytest.mark.slow
 def test_a_refusal_is_exit_code_2(study):
     result = CliRunner().invoke(main, ["rig", str(study(CASING + SCAN.replace("6.0", "0.3")))])
     assert result.exit_code == 2

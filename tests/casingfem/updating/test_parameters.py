@@ -118,6 +118,7 @@ def test_a_survey_is_varied_through_its_fit(frustum):
     assert get_value(with_value(shell, "radius.p4.cos", 0.003), "radius.p4.cos") == 0.003
 
 
+@pytest.mark.slow
 def test_complex_values_pass(casing):
     for name in PATHS:
         step = with_value(casing, name, PATHS[name] + 1e-30j)

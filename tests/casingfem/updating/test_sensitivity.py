@@ -159,6 +159,7 @@ def test_edges_held_in_their_own_frame(frustum, coarse):
     np.testing.assert_allclose(exact, (plus - minus) / (2e-4 * 3e-3), rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["chart.r_top", "radius.p8.cos", "chart.angle", "radius.p12.cos"])
 def test_held_directions_turn_with_the_surface(frustum, steel, name):
     """A diaphragm on a cone, and a panel whose corners lie on a diaphragm and on clamped or symmetric edges."""

@@ -223,6 +223,7 @@ def test_of_a_match_the_rows_with_shapes_are_kept():
     assert only_seen(match((2, 0), (1, 2)), rows) == match((2, 0), (1, 2))
 
 
+@pytest.mark.slow
 def test_slopes_of_shapes_are_those_of_what_is_left_of_them():
     """Three modes across a plate at six places, of shapes that are none of its own."""
     rng = np.random.default_rng(5)

@@ -45,6 +45,7 @@ def judged(solution, table, vary=()):
     return residual, jacobian(solution.modes, table, matches, rates(solution.modes, solution, vary, table, matches))
 
 
+@pytest.mark.slow
 @given(st.floats(10.0, 1e4), st.floats(0.0, 0.3))
 def test_mean_and_split_give_the_pair_back(f1, split):
     f2 = f1 * (1 + split)

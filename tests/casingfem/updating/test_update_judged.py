@@ -160,6 +160,7 @@ def test_a_left_out_row_is_not_used():
     assert row.deviation < -10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rows", "names", "words"),
     [

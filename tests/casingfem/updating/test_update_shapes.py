@@ -45,6 +45,7 @@ def matched(solution, table):
     return sorted(pair(solution.modes, table).matches, key=lambda match: match.rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [0.0, 0.6])
 def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
     table, shapes = measured(casing(frustum), turn)
@@ -54,6 +55,7 @@ def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
     assert np.abs(values).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_a_shape_is_no_information_in_the_plane_of_its_modes(frustum):
     """All rows belong to pairs, with two directions a shape each; of mode 3 there is none, of mode 8 no row."""
     table, shapes = measured(casing(frustum))

@@ -194,6 +194,7 @@ def test_a_bound_in_the_way_is_met_and_told():
     assert "AT BOUND" in repr(fit)
 
 
+@pytest.mark.slow
 def test_a_prior_and_the_data_share_by_their_weights():
     """Linear in E to first order: the fit lies where both pulls balance."""
     sigma_data = 2 * 200e9 * 1e-3 / np.sqrt(5)
@@ -315,6 +316,7 @@ def test_refuses_fewer_residuals_than_parameters():
         update(blade(), blade_table(rows=2), vary)
 
 
+@pytest.mark.slow
 def test_refuses_a_structure_that_floats(frustum):
     table = FrequencyTable.from_arrays(freq_hz=[8.0, 22.0], sigma_hz=0.1, n=[2, 3])
     with pytest.raises(InputError, match="6 rigid motions"):

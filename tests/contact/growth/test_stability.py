@@ -279,6 +279,7 @@ def test_a_rim_that_turns_is_the_same_wherever_it_starts():
     )
 
 
+@pytest.mark.slow
 def test_ripples_of_a_mesh_do_not_make_a_casing_split():
     """Harmonics of 2e-4 beside a mode's own are left out of its turn, and change the growth by less."""
     perfect = rim()

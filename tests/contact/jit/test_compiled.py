@@ -43,6 +43,7 @@ def test_the_cache_watches_every_module_that_compiles() -> None:
     assert compiling <= set(SOURCES)
 
 
+@pytest.mark.slow
 def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
     taken = {module for source in SOURCES for module in imported(source)} - NOT_COMPILED
     assert {file_of(module) for module in taken} <= set(SOURCES)

@@ -180,6 +180,7 @@ def implicit(beta, gamma, reach):
     return s, IMPLICIT.implicit_work(n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("beta", "gamma"), [(0.25, 0.5), (0.4, 0.62)])
 def test_implicit_steps_of_a_beam_obey_their_equations_and_keep_their_ledger(beta, gamma):
     s, w = implicit(beta, gamma, 0.86)

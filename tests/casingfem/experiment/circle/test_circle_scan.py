@@ -419,6 +419,7 @@ def test_two_members_of_one_frequency_and_damping_are_not_told_apart(freq, ampli
         split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
 
 
+@pytest.mark.slow
 def test_a_split_of_a_fifteenth_of_the_bandwidth_is_told_from_noise():
     pair = split_pair(scan_of_a_pair([369.95, 370.05], seed=5), 8)
     assert pair.split == pytest.approx(0.1, abs=4.0 * pair.split_sigma)

@@ -94,6 +94,7 @@ def test_unpaired_shapes_are_listed(casing, found):
     assert result.records()[5]["mode"] is None
 
 
+@pytest.mark.slow
 def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, found):
     points, out = placed(casing)
     sensors = sensors_of(found, points, out)

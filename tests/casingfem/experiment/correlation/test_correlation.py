@@ -225,6 +225,7 @@ def brute_force(rows, modes, cost, left_out, skipped):
     return best
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.floats(1, 3), min_size=1, max_size=4).map(sorted),

@@ -95,6 +95,7 @@ def test_a_pair_half_a_bandwidth_apart_is_resolved_and_one_far_below_is_said_to_
     assert np.isnan(found.split_bound[:2]).all()
 
 
+@pytest.mark.slow
 def test_a_single_mode_is_not_split():
     rig = ring_rig([(0, 340.0, 0.0, 0.0)], theta=THETA, drives=[0.3, 2.0])
     found = cf.identify(measured(rig, np.arange(320.0, 360.0, 0.1), len(THETA), 2, snr=25.0), angles=ANGLES)
@@ -113,6 +114,7 @@ def test_responses_without_noise_have_no_spurious_modes():
     assert found.deviation < 1e-3
 
 
+@pytest.mark.slow
 def test_noise_alone_has_no_modes():
     rng = np.random.default_rng(SEED)
     H = rng.standard_normal((8, 900)) + 1j * rng.standard_normal((8, 900))
@@ -124,6 +126,7 @@ def test_noise_alone_has_no_modes():
         found.table()
 
 
+@pytest.mark.slow
 def test_the_table_carries_sigma_and_says_synthetic():
     rig = ring_rig([(6, 330.0, 0.004, 11.0)], theta=THETA, drives=[0.3])
     found = cf.identify(measured(rig, np.arange(320.0, 340.0, 0.1), len(THETA), 1), angles=ANGLES)

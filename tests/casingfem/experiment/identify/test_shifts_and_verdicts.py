@@ -88,6 +88,7 @@ def test_a_file_of_before_has_no_doubts(tmp_path):
         cf.Identified.load(tmp_path / "bad.npz")
 
 
+@pytest.mark.slow
 def test_a_peak_narrower_than_the_lines_is_found_and_its_damping_doubted():
     found = cf.identify(measured(mode(665.0, 6e-5, COS), 60.0, 3))
     assert found.freq.round(2).tolist() == [665.0]

@@ -78,6 +78,7 @@ def test_directions_have_their_numbers(casing):
     np.testing.assert_allclose(rig.rows[1], -rig.rows[3], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_normal_of_a_cone_points_into_it(coarse, frustum):
     """Along the axis times around: where it is narrower above, in and down, as height to difference of radii."""
     modes = cf.modes(frustum(mesh=coarse), 8, method="shell")

@@ -48,6 +48,7 @@ def test_sharpened_samples_join_to_the_smooth_force_at_the_highest_frequency():
     assert errors[1] < theta**4 / 80.0 < 0.02 * errors[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
 @pytest.mark.parametrize(
     "excitation", [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25), Impact(peak=10.0, width=4e-3)]
@@ -63,6 +64,7 @@ def test_records_that_die_out_give_the_analytic_responses(quantity, excitation):
     assert np.abs(found.coherence.responses.real - 1.0).max() < 1e-3
 
 
+@pytest.mark.slow
 def test_two_shakers_at_once_are_told_apart():
     forces = [BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)] * 2
     test = record(RIG, forces, drives=[0, 2], sensors=[1], fs=FS, block=8192, blocks=6, seed=SEED)
@@ -185,6 +187,7 @@ def test_coherence_shows_the_noise():
     assert expected.min() < 0.7
 
 
+@pytest.mark.slow
 def test_converters_and_noise_leave_their_mark_and_seeds_decide():
     clean = record(RIG, [Random(rms=1.0, band=(60.0, 700.0))], drives=[0], sensors=[0], fs=FS, block=4096, blocks=8,
                    seed=SEED)  # fmt: skip

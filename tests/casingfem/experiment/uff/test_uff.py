@@ -135,6 +135,7 @@ def test_what_another_program_writes_is_read(tmp_path):
     assert (found.response.node, found.response.direction, found.reference.direction) == (3, -2, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_damage_is_never_silent(name, tmp_path):
     total, _ = uff_mutations.damaged(name, SAMPLES[name], uff_mutations.QUICK, tmp_path)

@@ -48,6 +48,7 @@ def mistuned(disk):
     return cyclic_reduce(disk, TipNodes("tip", 2), modes=3, deviations=DEVIATIONS, blade="blade")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", WHEELS.values(), ids=WHEELS)
 def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
     sector = make()
@@ -107,6 +108,7 @@ def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
         np.testing.assert_allclose(np.sqrt(forward * backward), pair, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
     one, other = (cyclic_whirl(bladed_disk(N, SMALL, TURNING.at(speed)), 2, diameters=[1]) for speed in (900.0, -900.0))
     np.testing.assert_allclose(one.freq, other.freq, rtol=1e-9)
@@ -170,6 +172,7 @@ def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
     assert len(waves) == 3
 
 
+@pytest.mark.slow
 def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
     whole = mistuned_wheel(disk, DEVIATIONS)
     exact = cf.modes(whole, 3 * N).freq
@@ -187,11 +190,13 @@ def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
     np.testing.assert_allclose(found.content.sum(axis=1), 1.0, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_all_blades_alike_scale_nothing_but_the_stiffness_of_a_whole_sector(disk):
     tuned = wheel_modes(cyclic_modes(disk, 3)).freq
     np.testing.assert_allclose(mistuned_modes(disk, [0.05] * N, 3).freq, 1.05 * tuned, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", [TipNodes("tip", 2), None], ids=["pieces", "nodes"])
 def test_the_basis_of_a_wheel_answers_static_pushes_at_every_tip(disk, tuned, at):
     whole = wheel_structure(disk)
@@ -274,6 +279,7 @@ def turning_ring(speed, k):
     return cf.imported.CyclicSector(structure=ring, sectors=8)
 
 
+@pytest.mark.slow
 def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
     """Its way across the axis, seen in the turning frame: w^2 = k/m - Omega^2."""
     own = np.sqrt(2.0 * 1e6 / (7800.0 * 0.05))

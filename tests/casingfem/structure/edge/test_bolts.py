@@ -70,6 +70,7 @@ def test_turning_the_bolts_turns_the_modes(frustum):
     np.testing.assert_allclose(turned.freq, still.freq, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_many_bolts_act_as_an_elastic_edge(frustum):
     """Forty bolts whose patches touch: k per length is count k/(2 pi R), the patches' ripple acts on n >= 20 only."""
     from casingfem.structure.edge.support import ElasticEdge
@@ -214,6 +215,7 @@ def test_bolts_off_an_open_edge_are_refused(steel):
         Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.25)})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["support.base.k", "support.base.k_rot", "support.base.bolts.3.k", "bolts.5.k"])
 def test_derivatives_by_bolt_stiffnesses(frustum, name):
     """Against central differences of single modes: loose bolts part all pairs."""

@@ -51,6 +51,7 @@ def test_the_shell_with_stiffeners_is_its_harmonics(casing):
     assert exact.own.shape[0] == 2 * 5 * exact.shell.mesh.around  # each ring turns about the normal by itself
 
 
+@pytest.mark.slow
 def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
     near = casing(0.25 - 1e-5)
     edge = casing(supports={"base": Clamped(), "top": near.rings["stiffener 1"]})
@@ -60,6 +61,7 @@ def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
         assert abs(first(near, n) / first(bare, n) - 1) > 0.01
 
 
+@pytest.mark.slow
 def test_eccentric_stiffeners_are_those_of_three_dimensional_bricks(casing):
     """Two rings of 12 x 4 mm outside or inside: the finer bricks of `reports.modes.stiffeners`, settled to 0.05 %.
 

@@ -28,6 +28,7 @@ def test_draws_have_the_published_median_and_90th_percentile():
     np.testing.assert_allclose(np.quantile(draws[:, columns], 0.9, axis=0), list(EXAMPLE_HIGH.values()), rtol=0.08)
 
 
+@pytest.mark.slow
 def test_phases_are_uniform():
     field = RandomField.example(**CASING, seed=5)
     waves = [complex(*field.redrawn(k).fit.coefficients(3)) for k in range(800)]

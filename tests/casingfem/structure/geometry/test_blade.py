@@ -176,6 +176,7 @@ def test_a_shell_without_a_taper_has_none_to_vary(frustum):
         get_value(frustum(), "taper.along.1")
 
 
+@pytest.mark.slow
 def test_a_casing_may_taper_along_its_axis(frustum):
     """On the fast path too; a taper around leaves it."""
     casing = frustum(
@@ -189,6 +190,7 @@ def test_a_casing_may_taper_along_its_axis(frustum):
     assert casing.thinnest == pytest.approx(7e-3)
 
 
+@pytest.mark.slow
 def test_tapered_beams_have_their_known_factors():
     """Kirchhoff's sharp wedge 5.315, 15.207, 30.020; a uniform cantilever 3.51602, 22.0345; two ways to one wedge."""
     np.testing.assert_allclose(wedge(0.0, 3), [5.315, 15.207, 30.020], atol=5e-4)
@@ -206,6 +208,7 @@ def test_exact_rows_pass(part, count):
     assert len(rows) == count
 
 
+@pytest.mark.slow
 def test_the_rhombus_is_its_ritz_solution_and_the_print_is_not():
     rows = verify_blades.fv22(quick=True)
     assert [row["verdict"] for row in rows[:5]] == ["pass"] * 5

@@ -103,6 +103,7 @@ def test_an_arm_from_a_node_of_a_shell_brings_its_moment():
     np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
 
 
+@pytest.mark.slow
 def test_reduction_at_a_reference_node_keeps_its_static_compliance():
     mesh, node = beam(0.1)
     mass = PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.0, 0.0, 0.05))
@@ -159,6 +160,7 @@ def test_weight_of_point_masses_bends_the_beam():
     np.testing.assert_allclose(change, -2.0 * 9.81 * L**3 / (3.0 * EI), rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_connections_and_springs_between_nodes_leave_six_rigid_motions_and_know_no_axes():
     """A free part, a mass on a mean of its end, a second mass on a slanted spring; then all of it turned."""
     mesh, node = beam(0.05)

@@ -98,6 +98,7 @@ def flat(kind):
     return supported(mesh, rotation=AROUND)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hexahedron20", "quad9"])
 def test_numbers_of_turning_parts(kind, held):
     system, added = spin_from_rest(flat(kind), "test")

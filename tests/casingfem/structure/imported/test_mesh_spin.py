@@ -192,6 +192,7 @@ def test_waves_of_a_spinning_drum_are_those_of_the_chart(turn):
     assert found.sturm_count >= 6
 
 
+@pytest.mark.slow
 def test_whirl_of_a_blade_has_no_waves():
     part = block(AXES["flapping out of it"].at(400.0), (6, 2, 1))
     found = cf.whirl_modes(part, 3)

@@ -69,6 +69,7 @@ def test_loads_on_a_shells_wall():
     assert abs(radial) == pytest.approx(np.pi, rel=1e-4)  # the mesh's normal points in or out all round
 
 
+@pytest.mark.slow
 def test_a_pipe_under_pressure_grows_by_membrane_theory():
     """Open ends, one held along the axis, the other on soft springs: u_r = p R^2/(E t)."""
     held = shell(base=cf.imported.Fixed(directions=("z",)), end=cf.ElasticEdge(k_face=1e6))

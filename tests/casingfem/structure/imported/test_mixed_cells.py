@@ -182,6 +182,7 @@ def quadratic(counts, *, bend=0.0, left_out=()):
     return build(Draft(points=x, node_numbers=np.arange(1, len(x) + 1), blocks=blocks, node_sets=root), "mixed")
 
 
+@pytest.mark.slow
 def test_constant_strains_are_exact_through_all_quadratic_kinds():
     """As above, with bent edges; a node load and a stress know what the cells are."""
     mesh = quadratic((4, 2, 2), bend=0.05)
@@ -220,6 +221,7 @@ def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
     assert np.abs(found / exact - 1.0).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
     """The pressure on the whole skin adds up to nothing, and its moment of places to the volume."""
     mesh = quadratic((3, 1, 2), bend=0.04)
@@ -262,6 +264,7 @@ def linear(mesh):
     return (mesh.points @ np.random.default_rng(6).normal(size=(3, 3)))[:, :, None]
 
 
+@pytest.mark.slow
 def test_middle_nodes_that_are_left_out_move_as_the_mean_of_their_ends():
     """All of them out: the linear cells themselves, to round-off. Some of them out: constant strains stay exact."""
     bricks = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])

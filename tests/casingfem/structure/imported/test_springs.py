@@ -44,6 +44,7 @@ def on_tip(mesh, node, **items):
     return supported(hung(mesh, means=(Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),), **items))
 
 
+@pytest.mark.slow
 def test_a_node_between_two_springs_makes_one_of_them_in_series(bar):
     """Modes as with k1 k2/(k1 + k2), all counted; under a force the node moves by f/(k2 + k1 kb/(k1 + kb))."""
     mesh, (end, middle) = bar
@@ -67,6 +68,7 @@ def compliance(part, node):
     return np.stack([cf.solve_static(part, [NodeLoad(node=node, force=tuple(e))]).at(node) for e in np.eye(3)], axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*mesh-floating-spring")
 def test_a_slanted_spring_holds_one_direction_and_forces_across_it_are_refused(bar):
     mesh, (end, middle) = bar

@@ -97,6 +97,7 @@ def test_a_linear_motion_passes_a_tie_unchanged():
     np.testing.assert_allclose(system.expand(system.collect(field)), field, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_shells_are_tied_edge_to_edge():
     """A clamped plate of two pieces, three and four cells wide, against one of four."""
 

@@ -184,6 +184,7 @@ def test_reduced_and_whirling_parts_carry_what_hangs_on_them():
     np.testing.assert_allclose(2.0 * np.pi * cf.modal.whirl_modes(part, 4).freq, poles[:4], rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_connections_of_a_part_in_large_rotation_are_taken_at_rest_and_unknown_turns_refused():
     """A mass with inertia on a spring moves no node as it turns: a curve over the speed cannot follow it."""
     mesh = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * 0.1, groups={"root": (0, 0.0)})

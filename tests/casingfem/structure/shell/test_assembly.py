@@ -69,6 +69,7 @@ def test_translations_of_a_free_imperfect_shell_cost_no_energy(frustum, coarse):
     assert np.abs(system.K @ u).max() < 1e-12 * abs(system.K).max()
 
 
+@pytest.mark.slow
 def test_rotations_of_a_free_imperfect_shell_cost_less_the_finer_the_mesh(frustum):
     """X itself is interpolated: the energy of a rotation falls with the order, spectrally."""
     energies = []

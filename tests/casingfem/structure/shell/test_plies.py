@@ -66,6 +66,7 @@ def test_a_casing_by_harmonics_is_the_casing_as_a_whole():
     assert one.nodal_diameters.tolist() == other.nodal_diameters.tolist()
 
 
+@pytest.mark.slow
 def test_layers_are_counted_from_the_inside_out():
     """Under pressure waves a stiff layer far out raises the ring's bending with its radius, 1/R^4 of inextension."""
     inner, outer = (casing(plies=p) for p in (plies((90, 0)), plies((0, 90))))

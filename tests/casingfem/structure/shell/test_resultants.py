@@ -55,6 +55,7 @@ def energy(strain, stretch, b, t, E, nu, shear):
     return total
 
 
+@pytest.mark.slow
 def test_the_curved_wall_has_the_least_energy_of_its_stretches():
     """The 10 x 10 form of strains and stretches by the energy of its unit vectors, s1 and s2 taken out."""
     E, nu, shear, t = 3.0, 0.27, 0.7, 0.3

@@ -186,6 +186,7 @@ def test_a_strip_on_its_own_axis_loses_its_stiffness_at_its_frequency():
             broken(replace(shell, rotation=along.at(1.05 * low)), 1)
 
 
+@pytest.mark.slow
 def test_campbell_equals_the_modes_of_each_speed():
     data = cf.campbell(blade(), [0.0, 400.0, 800.0], count=3)
     fast = cf.modes(blade(), 6)

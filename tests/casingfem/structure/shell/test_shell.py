@@ -119,6 +119,7 @@ def test_thickness_field_is_relative(frustum):
     np.testing.assert_allclose(t, 3e-3 * (1 + 0.1 * np.cos(4 * theta)), rtol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "power"), [("modulus", 0.5), ("density", -0.5)])
 def test_an_even_field_scales_the_material(frustum, coarse, name, power):
     """E (1 + f) and rho (1 + f) with f the same everywhere: omega goes with sqrt(E/rho)."""

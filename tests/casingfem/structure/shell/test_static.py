@@ -80,6 +80,7 @@ def test_loads_superpose_and_work_both_ways():
     assert work[0] == pytest.approx(work[1], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_half_a_structure_on_its_symmetry_plane_is_the_whole():
     whole = cf.Shell(
         chart=cf.Panel(radius=0.5, length=0.6, angle=1.2),
@@ -143,6 +144,7 @@ def test_point_load_on_an_element_that_closes_on_itself():
     assert cf.loads.PointLoad(at=(0.3, 0.0), force=(2.0, 0.0, 0.0)).nodal(tube, grid)[:, 0].sum() == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_a_ring_carries_loads_and_its_weight_is_refused():
     """A ring stiffens the loaded edge of a tube; gravity would miss its mass."""
     parts = {"chart": cf.Cylinder(radius=0.2, height=0.1), "thickness": 2e-3, "material": STEEL, "mesh": ROUND}

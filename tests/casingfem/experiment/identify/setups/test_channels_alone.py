@@ -115,6 +115,7 @@ def test_what_set_ups_differ_by_is_the_median_of_standard_deviations():
     assert scatter([peaks([[100.0]])]) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("leak", [0.0, 0.1])
 def test_channels_are_read_alone_and_leakage_with_them(leak):
     c = cluster(((100.0, 100.4),), leak=leak)

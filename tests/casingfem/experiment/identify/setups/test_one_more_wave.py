@@ -29,6 +29,7 @@ def one_known(whole):
     return few, WaveRead(shapes, fitted(few, shapes, np.log(FREQ[:1]), np.log(ZETA[:1])))
 
 
+@pytest.mark.slow
 def test_a_mode_that_nobody_knew_of_is_found_as_the_wave_that_it_is():
     whole, read = one_known(problem())
     more = one_more(whole, read)

@@ -89,6 +89,7 @@ def cluster(freq=((100.0, 100.2),), zeta=(0.004,), sigma=0.3, sizes=None, common
     return Cluster(modes, data, (97.5, 104.0), sigma**2, 0.01)
 
 
+@pytest.mark.slow
 def test_as_many_modes_are_read_as_the_data_prefer_and_damping_is_common_where_it_is():
     found = read(cluster(common=True), SETUPS, 0.05, 1e-3)
     np.testing.assert_allclose(found.freq, [[100.0, 100.2]], atol=0.01)

@@ -84,6 +84,7 @@ def test_a_mode_moves_to_the_likeliest_valley_but_its_own(monkeypatch, unlikely,
     assert [start[1, 2] for start in found] == ([] if there is None else [there])
 
 
+@pytest.mark.slow
 def test_a_weaker_mode_is_tried_as_the_partner_of_a_stronger_wave():
     whole = problem()
     read = reading(whole)

@@ -70,6 +70,7 @@ def test_the_steady_state_is_sought_from_a_hundredth_on(nonlinear, iterated):
     np.testing.assert_array_equal(linear, np.diag([52.0, 88.0]))
 
 
+@pytest.mark.slow
 def test_the_tangent_of_the_steady_state_on_springs_and_a_clamp():
     """Inner forces, springs and Omega^2 M P (x + u - c) in balance, sought by steps with the stiffness at rest."""
     part = supported(BAR, rotation=ROTATION)
