@@ -10,7 +10,6 @@ from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify import identification
 from casingfem.experiment.identify.band_fits import (
     BandFits,
-    Responses,
     _window,
 )
 from casingfem.experiment.identify.identification import (
@@ -26,20 +25,8 @@ from casingfem.experiment.identify.identification import (
 )
 from casingfem.experiment.identify.poles.bands import Band, line_noise
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
+from tests.casingfem.experiment.identify.test_band_parts import LINES, NOISE, responses
 from tests.casingfem.experiment.identify.test_found_modes import mode
-
-LINES = np.arange(90.0, 112.0, 0.25)
-NOISE = np.array([0.5, 2.0, 1.0])
-
-
-def responses(power=2, along=None):
-    """Two modes in three channels, noise of its own in each, (channels, lines)."""
-    rng = np.random.default_rng(11)
-    freq, zeta = np.array([98.0, 103.0]), np.array([5e-3, 6e-3])
-    each = freq**2 / (freq**2 - LINES[:, None] ** 2 + 2j * zeta * freq * LINES[:, None])
-    H = (1j * LINES[:, None]) ** power * (each @ np.array([[1.0, -0.5, 0.3], [0.2, 0.8, -0.6]]))
-    H = H + NOISE * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
-    return Responses(LINES, H.T, NOISE, power, np.ones(len(LINES)) if along is None else along)
 
 
 def test_small_tests_are_worked_on_by_one_process(monkeypatch):
