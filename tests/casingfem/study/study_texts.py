@@ -67,3 +67,8 @@ def written(folder: Path, text: str) -> Path:
     file = folder / "study.toml"
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def named(problems: list[str]) -> list[str]:
+    """What was wrong in s.toml, without the file's name."""
+    return [problem.removeprefix("s.toml: ") for problem in problems]

@@ -9,6 +9,7 @@ import casingfem as cf
 from casingfem.study.problems import Problems
 from casingfem.study.rotation import axis_vector, build_mesh_rotation, build_rotation, vector
 from casingfem.study.tables.shapes import RotationTable
+from tests.casingfem.study.study_texts import named
 
 FRUSTUM = cf.Frustum(r_base=0.5, r_top=0.4, height=0.25)
 PLATE = cf.Plate(length=0.3, width=0.1)
@@ -17,11 +18,6 @@ PLATE = cf.Plate(length=0.3, width=0.1)
 @pytest.fixture
 def problems():
     return Problems(Path("s.toml"))
-
-
-def named(problems):
-    """What was wrong, without the file's name."""
-    return [problem.removeprefix("s.toml: ") for problem in problems]
 
 
 @pytest.mark.parametrize(

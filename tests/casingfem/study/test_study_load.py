@@ -17,6 +17,7 @@ from casingfem.study.load import load_interface, load_update, source, tables_of,
 from casingfem.study.problems import Problems, StudyError
 from casingfem.study.schema import StudyFile
 from casingfem.study.tables.tasks import ParameterTable, ReduceTable
+from tests.casingfem.study.study_texts import named
 
 FRUSTUM = cf.Frustum(r_base=0.5, r_top=0.4, height=0.25)
 PLATE = cf.Plate(length=0.3, width=0.1)
@@ -26,11 +27,6 @@ SHELL = cf.Shell(chart=FRUSTUM, thickness=3e-3, material=cf.Material(E=210e9, nu
 @pytest.fixture
 def problems():
     return Problems(Path("s.toml"))
-
-
-def named(problems):
-    """What was wrong, without the file's name."""
-    return [problem.removeprefix("s.toml: ") for problem in problems]
 
 
 @pytest.mark.parametrize(
