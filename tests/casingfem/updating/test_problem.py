@@ -1,5 +1,8 @@
 """The least squares of an update: priors below the data, modes counted, rows paired anew."""
 
+from itertools import count
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -88,3 +91,15 @@ def test_an_assembled_shell_is_used_by_its_first_solution_alone():
     assert problem.system is None
     other = Problem(shell, table(rows=3), PRIORS, 5, 0.5, system=system)
     assert other.state(1.01 * other.start).solution.system is not system
+
+
+def test_seconds_of_pairing_are_those_by_frequency_and_those_of_following(monkeypatch):
+    problem = Problem(blade(), table(rows=3), PRIORS, 5, 0.5)
+    clock = SimpleNamespace(perf_counter=count().__next__)  # a second passes between any two looks
+    monkeypatch.setattr("casingfem.updating.problem.time", clock)
+    problem.state(problem.start)
+    assert problem.seconds["pairing"] == 1.0
+    problem.jac(problem.start)  # the point is where modes are followed from now
+    problem.state(problem.start * [1.02, 1.0])
+    assert problem.seconds["pairing"] == 3.0
+    assert problem.seconds["sensitivities"] == 1.0

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.contact.plain import names
+from tests.contact.plain import names, plain
 
 FLIGHT = names("loop.modal.free_flight")
 FLOQUET = names("loop.modal.floquet")
@@ -159,3 +159,15 @@ def test_a_turn_of_a_rim_in_contact_is_drifts_around_kicks_where_it_is(mu):
                 Q, T = at(0, phi), at(1, phi)
                 v = v - kicks[k] * h / (Q[4] - mu * Q[5]) * np.outer(Q[:m] - mu * T[:m], Q[:m] @ q)
     np.testing.assert_allclose([x, w], [q, v], rtol=1e-10)
+
+
+def test_where_no_step_is_skipped_a_rim_is_left_as_it_is(monkeypatch):
+    with plain() as module:
+        rim = module("contact.loop.modal.rim")
+    s = SimpleNamespace(q=np.array([1.0, 2.0]), be=np.ones(2), c=np.ones(2), memory=np.arange(10.0))
+    rows, sums = SimpleNamespace(modes=2, angle=0.3, speed=20.0), SimpleNamespace(damping=np.zeros(1))
+    for steps in (0, -5):
+        monkeypatch.setattr(rim, "skip_free_flight", lambda *given, steps=steps: steps)
+        assert rim.skip_on_rim(s, rows, None, np.zeros(6), np.zeros(2), True, sums, 1e-5, 7, 20) == steps
+    np.testing.assert_array_equal(s.memory, np.arange(10.0))
+    assert sums.damping[0] == 0.0

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.contact.plain import names
+from tests.contact.plain import names, plain
 
 N = names("loop.rub.rows", "loop.rub.body_force", "loop.rub.predict", "loop.rub.ledger")
 RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.alone", "loop.rub.rows")
@@ -221,3 +221,32 @@ def test_a_rim_s_swing_is_noted_and_both_limits_end_a_run():
     assert not LIMITS.outgrown(limits)
     LIMITS.rim_amplitude(limits, reach, q * (2.0 * limits[LIMITS.RIM] / swing))
     assert LIMITS.outgrown(limits)
+
+
+def test_what_is_machined_off_a_coating_follows_waves_and_table_of_the_profile(monkeypatch):
+    with plain() as module:
+        loop = module("contact.loop.rub.abradable")
+    monkeypatch.setattr(loop, "coating_of", lambda coats, j: SimpleNamespace(round=0.0))
+    monkeypatch.setattr(loop, "first_bar", lambda tip, turns: round(100.0 * turns))
+    monkeypatch.setattr(loop, "machined", lambda tip, depth: depth)
+    monkeypatch.setattr(loop, "surface", lambda tip, first, cut: 2.0 * cut)
+    at = np.array([0.0, 2.0, 4.0, 2.0 * math.pi])
+    table = np.stack([at, [0.1, 0.4, -0.2, 0.1], np.zeros(4)], axis=1)
+    given, test = laws(table=table), np.array([0.5, -0.1])
+    s = SimpleNamespace(
+        mu=np.zeros(2), inside=np.array([2, 2]), skin=np.zeros(2), test=test.copy(), motion=np.zeros(4), lam=np.zeros(4)
+    )
+    coats = SimpleNamespace(memory=np.ones((2, 3)), first=np.zeros(2, int), cut=np.zeros(2))
+    rows, w = SimpleNamespace(angle=np.array([0.5, 2.0])), SimpleNamespace(turn=np.zeros((2, 8)))
+    apart = loop.stand(s, given, rows, w, coats, 2, 0.3)
+    exact = [
+        0.3 * math.cos(2 * phi) - 0.2 * math.sin(2 * phi) + 0.1 * math.cos(3 * phi) + 0.4 * math.sin(3 * phi)
+        + N.hermite(table, phi)
+        for phi in (0.2, 1.7)
+    ]  # fmt: skip
+    np.testing.assert_allclose(coats.cut, exact, rtol=1e-13)
+    np.testing.assert_allclose(s.test, test + 2.0 * coats.cut, rtol=1e-13)
+    assert coats.first.tolist() == [3, 27]
+    assert (coats.memory[:, 1] == 0.0).all()
+    assert apart == sum(s.test >= 0.0)
+    assert s.inside.tolist() == [1 if gap >= 0.0 else 2 for gap in s.test]

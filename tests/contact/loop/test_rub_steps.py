@@ -154,3 +154,25 @@ def test_tips_obey_the_law_where_they_are_and_their_ledger_is_that_of_the_modes(
     assert s.counts[2] == sum(now or before for before, now in pairwise(pressed))
     np.testing.assert_allclose(sums.impulse, H * sum(one[2] for one in seen)[normal], rtol=1e-10)
     assert sums.residual.max() <= 1e-13
+
+
+def test_a_step_without_a_solution_is_told(monkeypatch):
+    with plain() as module:
+        ct, record = module("contact"), module("contact.record.record")
+        loop, scheme = module("contact.loop.rub.rub"), ct.ExactModal(law="forward")
+
+        def started():
+            return scheme.prepare(rub(module, axial=False), ct.Coulomb(mu=0.2), dt=H, courant=None)
+
+        def samples():
+            return record.samples(record.Record(every=1), STEPS, 3, 0)
+
+        out, run = samples(), started()
+        assert run.advance(out, 0, STEPS) == -1
+        run, begun = started(), STEPS // 2
+        assert run.advance(samples(), 0, begun) == -1
+        failed = begun + int(np.flatnonzero(out.force[begun:].any(axis=1))[0])
+        monkeypatch.setattr(loop, "solve", lambda *given: False)
+        monkeypatch.setattr(loop, "alone", lambda *given: False)
+        assert run.advance(samples(), begun, STEPS - begun) == failed
+        assert run.steps[0] == failed

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from tests.contact.plain import names
+from tests.contact.plain import names, plain
 
 N = names("solver.friction.all_sliding", "solver.friction.one_contact", "solver.friction.coulomb")
 MU = np.array([0.3, 0.15, 0.2])
@@ -188,3 +188,26 @@ def test_at_the_edge_of_the_cone_a_contact_still_sticks():
     assert N.drag_ratio(1.0, 0.0, 0.0, 1.0, -1.0, 0.5, 0.5) == 0.5
     assert N.drag_ratio(1.0, 0.0, 0.0, 1.0, -1.0, -0.25, 0.5) == -0.25
     assert N.drag_ratio(1.0, 0.0, 0.0, 1.0, -1.0, -0.75, 0.5) == -0.5
+
+
+def test_a_path_that_has_not_ended_by_its_count_is_no_answer(monkeypatch):
+    room = room_of(4, 2)
+    with plain() as module:
+        made = vars(module("contact.solver.friction.all_sliding"))
+    room.vectors[N.GAP, :4] = [-1.0, -1.0, -1.0, -1.0]
+    for rounds, ends in ((0, False), (4, False), (5, True)):  # four contacts close one by one, then it is seen
+        room.whole[N.CLOSED, :4], room.vectors[N.NORMAL, :4] = 0, 0.0
+        monkeypatch.setitem(made, "MOST_CHANGES", rounds - 16)
+        assert N.press(np.eye(4), 4, room) == ends
+    np.testing.assert_array_equal(room.vectors[N.NORMAL, :4], np.ones(4))
+
+
+def test_closed_contacts_that_no_force_keeps_closed_are_told():
+    x, left, room = np.zeros(2), np.zeros(2), room_of(2, 2)
+    room.whole[N.CLOSED, :2] = [1, 0]
+    assert N.with_closed(np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([-1.0, 3.0]), 2, x, left, room)
+    np.testing.assert_allclose([x, left], [[0.5, 0.0], [0.0, 3.25]], atol=1e-15)
+    assert not N.with_closed(np.array([[0.0, 0.5], [0.5, 1.0]]), np.array([-1.0, 3.0]), 2, x, left, room)
+    room.vectors[N.GAP, :2], room.vectors[N.NORMAL, :2] = [0.0, 3.0], [1.0, 0.0]
+    assert not N.press(np.array([[0.0, 0.5], [0.5, 1.0]]), 2, room)
+    assert room.vectors[N.NORMAL, 0] == 0.0  # not a force that happens to stand there
