@@ -28,7 +28,9 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
 from casingfem.structure.shell.assembly import on_free
 from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
+from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.ring_form import support_form
+from casingfem.structure.shell.shell import remade
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import outer_supports
 from contact.io.brief import brief
@@ -65,8 +67,12 @@ def bolt_changes(system: System, edge: str) -> list[Change]:
 
 def mass_changes(system: System, edge: str, angles: FloatArray) -> list[Change]:
     """One kilogram at each of some angles [rad] of an edge."""
-    shells = [replace(system.shell, masses={edge: [EdgeMass(angle=float(a), mass=1.0)]}) for a in angles]
-    return [Change(mass=mass_forms(shell, system.grid)[0]) for shell in shells]
+    if not len(angles):
+        return []
+    bare = remade(ShellParts, system.shell)  # a search asks this thousands of times, of a shell that is checked
+    heavy = replace(bare, masses={edge: [EdgeMass(angle=float(a), mass=1.0) for a in angles]})
+    (form,) = mass_forms(heavy, system.grid)
+    return [Change(mass=EdgeForm(*(part[k : k + 1] for part in form))) for k in range(len(angles))]
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -127,14 +133,17 @@ class AffineModel:
         mu, y = eigh(M, K, subset_by_index=(len(K) - count, len(K) - 1))
         mu, y = mu[::-1], y[:, ::-1] / np.sqrt(mu[::-1])
         freq = np.sqrt(np.maximum(1.0 / mu - self.shift, 0.0)) / (2.0 * np.pi)
-        rings = Rings(self.rings.amplitudes @ y, self.rings.weights)
+        of_basis = self.rings.amplitudes
+        flat = of_basis.reshape(-1, len(K))  # one product of matrices, where each n and ring would have its own
+        rings = Rings((flat @ y).reshape(*of_basis.shape[:-1], count), self.rings.weights)
         n, purity = rings.label()
         n[: self.nominal.rigid] = -1
         pairs = find_doublets(rings, n)
         for pair in pairs:  # perfect ones have no orientation: cosine and sine, as `labelled` has them
             if np.ptp(freq[list(pair)]) <= DOUBLE * freq[pair[1]]:
-                y[:, pair] = y[:, pair] @ align_pair(*(rings.profile(k, n[pair[0]]) for k in pair))
-        rings = Rings(self.rings.amplitudes @ y, self.rings.weights)
+                turn = align_pair(*(rings.profile(k, n[pair[0]]) for k in pair))
+                y[:, pair] = y[:, pair] @ turn
+                rings.amplitudes[..., pair] = rings.amplitudes[..., pair] @ turn
         angle = [orientation(rings.profile(k, n[k]), int(n[k])) if n[k] > 0 else np.nan for k in range(count)]
         return AffineModes(
             freq=freq,
@@ -192,6 +201,7 @@ def affine_model(system: System, changes: Sequence[Change], count: int, nominal:
     motions = np.vstack([fields.reshape(-1, V.shape[1]), system.expand_own(V)])
     stiffness, mass = (products([change[k] for change in changes], motions) for k in (0, 1))
     grid = system.grid
+    rings = ring_content(shell.chart, grid, fields, n_max=int(known.nodal_diameters.max()) + BEYOND)
     K, M = V.T @ (held @ V), V.T @ (system.mass[:, None] * V)
     return AffineModel(
         system=system,
@@ -202,7 +212,7 @@ def affine_model(system: System, changes: Sequence[Change], count: int, nominal:
         shift=shift,
         stiffness=stiffness,
         mass=mass,
-        rings=ring_content(shell.chart, grid, fields, n_max=int(known.nodal_diameters.max()) + BEYOND),
+        rings=Rings(np.ascontiguousarray(rings.amplitudes), rings.weights),
     )
 
 

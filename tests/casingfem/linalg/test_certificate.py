@@ -116,14 +116,20 @@ def test_the_gap_after_a_count_is_one_wider_than_round_off_if_there_is_one():
     assert gap_after(values, 1, noise=0.3) == (1, pytest.approx(1.0005))
 
 
+@pytest.fixture(scope="module")
+def foil(frustum):
+    """So thin that round-off reaches its modes, and its first two."""
+    shell = frustum(thickness=3e-5)
+    return shell, cf.modes(shell, 2)
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*shell-thin")
 @pytest.mark.parametrize("by", [pytest.param(-1, marks=pytest.mark.campaign), 0, 1])
 def test_a_harmonic_with_a_mode_on_the_end_of_a_band_is_not_counted_where_round_off_reaches_it(
-    monkeypatch, frustum, by
+    monkeypatch, foil, by
 ):  # fmt: skip
-    shell = frustum(thickness=3e-5)
-    first = cf.modes(shell, 2)
+    shell, first = foil
     right, n = fourier.inertia_below, first.nodal_diameters[0]
 
     def wrong(meridian, sigma):

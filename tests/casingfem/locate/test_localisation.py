@@ -1,6 +1,7 @@
 """Loose bolts and added masses found from splits: exact recovery, what cannot be told, bad input."""
 
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -68,14 +69,30 @@ def model(casing):
     return search_model(casing, measured(modes(casing, 20, method="shell"), 470.0))
 
 
-def table_of(shell, count=20):
-    return measured(modes(shell, count, method="shell"), 470.0)
+@pytest.fixture(scope="module")
+def table_with(casing):
+    """The table of the casing with some bolts loose; many tests ask for the same."""
+
+    @cache
+    def table(loose):
+        return measured(modes(loosened(casing, dict(loose)), 20, method="shell"), 470.0)
+
+    return lambda loose: table(tuple(loose.items()))
+
+
+@pytest.fixture(scope="module")
+def noisy(casing, model, table_with):
+    """A table off by three times its sigma, and what one loose bolt makes of it."""
+    clean = table_with({3: 0.5})
+    noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
+    table = replace(clean, freq_hz=clean.freq_hz + noise)
+    return table, locate(casing, table, model=model, most=1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [pytest.param({5: 0.3}, marks=pytest.mark.campaign), {2: 0.3, 6: 0.5}])
-def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path):
-    found = locate(casing, table_of(loosened(casing, loose)), model=model)
+def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path, table_with):
+    found = locate(casing, table_with(loose), model=model)
     turned = {(bolt + 5) % 12 + 1 for bolt in loose}
     explanations = (found.best, *found.others)
     assert {frozenset(loose), frozenset(turned)} == {e.places for e in explanations}
@@ -87,10 +104,13 @@ def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [{2: 0.3, 8: 0.7}, {2: 0.5, 8: 0.5}])
-def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose):
+def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose, table_with):
     """The turned explanation has the same bolts, and the other's factor for each; nothing new where both are alike."""
-    found = locate(casing, table_of(loosened(casing, loose)), model=model)
-    told = [{one.place: round(one.value, 2) for one in e.found} for e in (found.best, *found.others)]
+    misfit = Misfit(model=model[0], table=table_with(loose), count=20)
+    x, on = np.zeros(12), [bolt - 1 for bolt in loose]
+    x[on] = np.array(list(loose.values())) - 1.0
+    explained = bolts_explained(misfit, on, misfit.at(x), model[1])
+    told = [{one.place: round(one.value, 2) for one in e.found} for e in explained]
     turned = {2: loose[8], 8: loose[2]}
     assert loose in told
     assert turned in told
@@ -98,19 +118,17 @@ def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose):
 
 
 @pytest.mark.slow
-def test_a_tight_casing_has_no_loose_bolt(casing, model):
-    found = locate(casing, table_of(casing), model=model)
+def test_a_tight_casing_has_no_loose_bolt(casing, model, table_with):
+    found = locate(casing, table_with({}), model=model)
     assert found.found == ()
     np.testing.assert_allclose(found.angles_deg, 30.0 * np.arange(12), atol=1e-12)
     assert "no loose bolts found" in repr(found)
 
 
 @pytest.mark.slow
-def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model, held):
+def test_sigma_scale_and_smallest_are_what_chi_square_says(noisy, held):
     """Frequencies off by three times their sigma: chi^2 rises by scale^2 at one standard deviation, either way."""
-    clean = table_of(loosened(casing, {3: 0.5}))
-    noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
-    found = locate(casing, replace(clean, freq_hz=clean.freq_hz + noise), model=model, most=1)
+    _, found = noisy
     (one,) = found.found
     told = sorted((e.place, e.value, e.sigma) for by in (found.best, *found.others) for e in by.found)
     held(1e-4, chi2=[found.chi2, found.chi2_start, found.scale, found.rows], smallest=found.smallest, told=told)
@@ -128,9 +146,9 @@ def test_sigma_scale_and_smallest_are_what_chi_square_says(casing, model, held):
 
 
 @pytest.mark.slow
-def test_the_misfit_falls_as_its_derivatives_say(casing, model):
+def test_the_misfit_falls_as_its_derivatives_say(casing, model, table_with):
     """With all modes of the basis, from pairs split and turned by two loose bolts."""
-    basis, table = model[0], table_of(loosened(casing, {3: 0.4, 4: 0.7}))
+    basis, table = model[0], table_with({3: 0.4, 4: 0.7})
     misfit = Misfit(model=basis, table=table, count=len(basis.K))
     at, step = np.zeros(12), 1e-4
     at[[1, 5]] = -0.7, -0.5
@@ -143,8 +161,8 @@ def test_the_misfit_falls_as_its_derivatives_say(casing, model):
 
 
 @pytest.mark.slow
-def test_half_a_turn_is_the_same_table_and_is_said(casing, model):
-    here, there = (table_of(loosened(casing, {bolt: 0.3})) for bolt in (3, 9))
+def test_half_a_turn_is_the_same_table_and_is_said(casing, model, table_with):
+    here, there = (table_with({bolt: 0.3}) for bolt in (3, 9))
     np.testing.assert_allclose(here.freq_hz, there.freq_hz, rtol=1e-9)
     found = locate(casing, here, model=model)
     assert abs(found.others[0].behind) < 1e-2
@@ -158,9 +176,9 @@ def without_angles(table):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [{5: 0.3}, {2: 0.3, 5: 0.6}])
-def test_without_orientations_all_turns_and_mirror_images_are_listed(casing, model, loose):
+def test_without_orientations_all_turns_and_mirror_images_are_listed(casing, model, loose, table_with):
     """One bolt or two, three steps apart in either sense: twelve and 24 places; one, with half a turn, was named."""
-    misfit = Misfit(model=model[0], table=without_angles(table_of(loosened(casing, loose))), count=20)
+    misfit = Misfit(model=model[0], table=without_angles(table_with(loose)), count=20)
     x, on = np.zeros(12), [bolt - 1 for bolt in loose]
     x[on] = np.array(list(loose.values())) - 1.0
     explained = bolts_explained(misfit, on, misfit.at(x), model[1])
@@ -176,17 +194,17 @@ def test_without_orientations_all_turns_and_mirror_images_are_listed(casing, mod
 
 
 @pytest.mark.slow
-def test_orientations_leave_but_half_a_turn(casing, model):
-    misfit = Misfit(model=model[0], table=table_of(loosened(casing, {5: 0.3})), count=20)
+def test_orientations_leave_but_half_a_turn(casing, model, table_with):
+    misfit = Misfit(model=model[0], table=table_with({5: 0.3}), count=20)
     x = -0.7 * np.eye(12)[4]
     assert [e.places for e in bolts_explained(misfit, [4], misfit.at(x), model[1])] == [{5}, {11}]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("left", [0.0, pytest.param(0.2, marks=pytest.mark.campaign)])
-def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left):
+def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left, table_with):
     """Opposite a bolt that has lost most lies one with less, or none: stiffness below nothing ended in a traceback."""
-    designed, table = loosened(casing, {9: left}), table_of(loosened(casing, {9: left, 3: 0.1}))
+    designed, table = loosened(casing, {9: left}), table_with({9: left, 3: 0.1})
     model, angles = search_model(designed, table)
     misfit = Misfit(model=model, table=table, count=20)
     x = -0.9 * np.eye(12)[2]
@@ -194,9 +212,9 @@ def test_no_bolt_loses_more_than_it_has_by_a_turn(casing, left):
 
 
 @pytest.mark.slow
-def test_without_orientations_equal_bolts_are_seen_alike(casing, model):
+def test_without_orientations_equal_bolts_are_seen_alike(casing, model, table_with):
     """Of pairs and of one member alone: the axes of a perfect pair, which the solver chose, told bolts apart."""
-    table = without_angles(table_of(casing))
+    table = without_angles(table_with({}))
     for rows in (table, table.without(1)):
         start = Misfit(model=model[0], table=rows, count=20).at(np.zeros(12))
         assert groups_alike(start.jacobian) == (tuple(range(1, 13)),)
@@ -204,9 +222,9 @@ def test_without_orientations_equal_bolts_are_seen_alike(casing, model):
 
 
 @pytest.mark.slow
-def test_the_slope_of_a_perfect_pair_without_orientation_is_of_its_length(casing, model):
+def test_the_slope_of_a_perfect_pair_without_orientation_is_of_its_length(casing, model, table_with):
     """One bolt, loosened a little: lengths of splits and a member alone move as the slope from that side says."""
-    table, step = without_angles(table_of(casing)).without(1), -1e-4
+    table, step = without_angles(table_with({})).without(1), -1e-4
     misfit = Misfit(model=model[0], table=table, count=len(model[0].K))
     start, there = (misfit.at(x) for x in (np.zeros(12), step * np.eye(12)[4]))
     slope = (there.values - start.values) / step
@@ -256,7 +274,7 @@ def test_a_calibrated_model_has_its_baseline(casing, model):
 def test_masses_between_candidates_are_recovered(casing):
     added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
     heavy = replace(casing, masses={"top": added})
-    found = locate(casing, table_of(heavy), among="mass")
+    found = locate(casing, measured(modes(heavy, 20, method="shell"), 470.0), among="mass")
     said = (found.best, *found.others)
     twins = [e for e in said if [round(one.angle_deg) for one in e.found] == [20, 111]]
     assert len(twins) == 1
@@ -402,12 +420,10 @@ def with_far_rows(table):
 
 
 @pytest.mark.slow
-def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model):
+def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model, noisy):
     """Frequencies off by three times their sigma, beside two rows that counted as 100 and 990 of theirs."""
-    clean = table_of(loosened(casing, {3: 0.5}))
-    noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
-    table = replace(clean, freq_hz=clean.freq_hz + noise)
-    found, plain = locate(casing, with_far_rows(table), model=model, most=1), locate(casing, table, model=model, most=1)
+    table, plain = noisy
+    found = locate(casing, with_far_rows(table), model=model, most=1)
     assert (found.unpaired, plain.unpaired) == ((1, 2), ())
     assert "no mode pairs with table modes 1, 2: they took no part" in repr(found).splitlines()
     told, expected = found.to_json(), plain.to_json()
@@ -417,8 +433,8 @@ def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, m
 
 
 @pytest.mark.slow
-def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model):
-    before, now = table_of(casing), table_of(loosened(casing, {3: 0.5}))
+def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model, table_with):
+    before, now = table_with({}), table_with({3: 0.5})
     found, plain = (
         locate(casing, now, baseline=table, model=model, most=1) for table in (with_far_rows(before), before)
     )

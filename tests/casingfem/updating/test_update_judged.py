@@ -97,12 +97,12 @@ def test_the_corner_of_an_ill_posed_problem_lies_between_noise_and_signal():
 
 
 def many_harmonics(values):
-    """A small cylinder with a field of twelve coefficients."""
+    """A small cylinder with a field of eight coefficients."""
     waves = {2 * k + 2: (float(c), float(s)) for k, (c, s) in enumerate(np.reshape(values, (-1, 2)))}
     return cf.Shell(
         chart=cf.Cylinder(radius=0.3, height=0.3), thickness=3e-3, supports={"base": cf.Clamped()},
         material=cf.Material(E=210e9, nu=0.3, rho=7800.0), thickness_defect=cf.FourierField.of(waves),
-        mesh=cf.ShellMesh(order=6, rows=1, around=9),
+        mesh=cf.ShellMesh(order=5, rows=1, around=7),
     )  # fmt: skip
 
 
@@ -110,16 +110,16 @@ def many_harmonics(values):
 @pytest.mark.parametrize("rule", ["discrepancy", pytest.param("l-curve", marks=pytest.mark.campaign)])
 def test_many_harmonics_are_held_as_strongly_as_the_data_ask(rule):
     random = np.random.default_rng(23)
-    true = 0.01 * random.standard_normal(12)
+    true = 0.01 * random.standard_normal(8)
     found = cf.modes(many_harmonics(true), 16)
     rows = 12
     measured = cf.FrequencyTable.from_arrays(
         freq_hz=found.freq[:rows] * (1 + 1e-3 * random.standard_normal(rows)), sigma_hz=1e-3 * found.freq[:rows],
         n=found.nodal_diameters[:rows], angle_deg=found.angle_deg[:rows],
     )  # fmt: skip
-    names = [f"thickness.p{2 * k + 2}.{part}" for k in range(6) for part in ("cos", "sin")]
+    names = [f"thickness.p{2 * k + 2}.{part}" for k in range(4) for part in ("cos", "sin")]
     free = [cf.Parameter(name=name, lower=-0.3, upper=0.3) for name in names]
-    fit = cf.update(many_harmonics(np.zeros(12)), measured, free, regularise=cf.updating.Regularisation(rule=rule))
+    fit = cf.update(many_harmonics(np.zeros(8)), measured, free, regularise=cf.updating.Regularisation(rule=rule))
     assert fit.regularised is not None
     assert fit.regularised.names == tuple(names)
     if fit.regularised.rule == "discrepancy":
@@ -150,7 +150,7 @@ def test_left_out_rows_are_predicted_as_well_as_their_sigma_says(fit):
 @pytest.mark.slow
 def test_a_left_out_row_is_not_used():
     """One frequency wrong by 3 %: the others, and the fit without it, know where it belongs."""
-    clean = table()
+    clean = table(rows=5)
     f = clean.freq_hz.copy()
     f[3] *= 1.03
     wrong = cf.FrequencyTable.from_arrays(freq_hz=f, sigma_hz=clean.sigma_hz)

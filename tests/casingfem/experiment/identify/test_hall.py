@@ -25,9 +25,14 @@ def windowed():
     return troubled_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
 
 
+@pytest.fixture(scope="module")
+def plain(windowed):
+    """What is found of them where nothing is said of the window."""
+    return cf.identify(windowed)
+
+
 @pytest.mark.slow
-def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed):
-    plain = cf.identify(windowed)
+def test_damping_of_an_exponential_window_is_taken_off_where_it_is_known(windowed, plain):
     added = 1.0 / (TAU * 2 * np.pi * 110.0)
     assert plain.zeta[0] == pytest.approx(3e-3 + added, rel=5e-3)
     told = cf.identify(windowed, exponential=TAU)
@@ -65,8 +70,7 @@ def test_a_dead_channel_is_left_out_and_a_missing_unit_is_said(windowed):
 
 
 @pytest.mark.slow
-def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed):
-    whole = cf.identify(windowed)
+def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed, plain):
     H = windowed.responses.copy()
     H[:, :3], H[1, [195, 196, 201, 202]], H[3, 100:200] = np.nan, np.nan, np.nan  # the peak is at line 200
     found = cf.identify(replace(windowed, responses=H))
@@ -76,8 +80,8 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
     )
     assert found.lines[0] == pytest.approx(90.3)
     assert found.sensors.points.tolist() == [1, 2, 3]
-    assert found.freq == pytest.approx(whole.freq, abs=3 * found.sigma_freq[0])
-    assert found.zeta == pytest.approx(whole.zeta, abs=3 * found.sigma_zeta[0])
+    assert found.freq == pytest.approx(plain.freq, abs=3 * found.sigma_freq[0])
+    assert found.zeta == pytest.approx(plain.zeta, abs=3 * found.sigma_zeta[0])
     assert np.isnan(found.fitted[0]).sum() == 4
     H[:, 100:200] = np.nan
     with pytest.raises(cf.errors.InputError, match=r"nan on more than 20 %.* expected a signal"):
@@ -85,7 +89,7 @@ def test_lines_without_a_number_are_left_out_and_a_channel_that_has_few(windowed
 
 
 @pytest.mark.slow
-def test_lines_that_are_not_coherent_weigh_less(windowed):
+def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
     """Every other stretch of 21 lines is noise like the signal, and the coherence says so."""
     rng = np.random.default_rng(59)
     spoilt, clean = (np.arange(X.size) // 21) % 2 == 0, windowed.responses
@@ -93,8 +97,7 @@ def test_lines_that_are_not_coherent_weigh_less(windowed):
     frfs = replace(windowed, responses=clean + spoilt * (noise[0] + 1j * noise[1]))
     told = np.where(spoilt, 0.5, 0.9999) * np.ones((4, 1))
     gamma2 = replace(frfs, kind="spectrum", responses=told, unit="")
-    truth = cf.identify(windowed)
-    errors = [abs(cf.identify(frfs, coherence=each).zeta[0] / truth.zeta[0] - 1.0) for each in (None, gamma2)]
+    errors = [abs(cf.identify(frfs, coherence=each).zeta[0] / plain.zeta[0] - 1.0) for each in (None, gamma2)]
     assert errors[1] < 0.5 * errors[0]
     with pytest.raises(cf.errors.InputError, match="the lines of the responses"):
         cf.identify(frfs, coherence=replace(gamma2, x=X + 0.05))
