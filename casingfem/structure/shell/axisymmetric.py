@@ -174,6 +174,6 @@ def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, inertia: FloatArr
         K[:, part] = K[:, part] @ turn[turned]
     free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
     mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
-    change = change.toarray()
-    K = change.T @ K[np.ix_(free, free)] @ change
-    return Meridian(n, wall, edges, K=K, mass=mass, free=free, z=z, turn=turn, change=change, own=own)
+    # it differs from the identity at a few nodes alone: two dense products took as long as all else here
+    K = np.ascontiguousarray(change.T @ K[np.ix_(free, free)] @ change)
+    return Meridian(n, wall, edges, K=K, mass=mass, free=free, z=z, turn=turn, change=change.toarray(), own=own)

@@ -19,7 +19,7 @@ def invoke(*arguments):
 @pytest.mark.slow
 def test_cycles_gives_points_folds_and_files(tmp_path):
     asked = "\n[basins]\nat = 0.23\nstarts = 3\nseed = 9\nsettle = 150\n"
-    file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26") + asked)
+    file = written(tmp_path, TEXT.replace("to_hz = 0.2", "to_hz = 0.26") + "longest_step = 0.06\n" + asked)
     result = invoke("cycles", file, "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0
     document = json.loads(result.stdout)

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 
 def test_between_the_folds_some_starts_stay_small_and_others_touch():
     family = mass_on_stop(100.0).over("freq_hz", freq_hz=0.2)
-    found = ct.growth.cycles.follow(family, (0.15, 0.26)).branches[0]
+    found = ct.growth.cycles.follow(family, (0.15, 0.26), longest=0.1).branches[0]
     value = 0.23
     at = found.value
     met = [found.points[k] for k in np.flatnonzero((at[:-1] - value) * (at[1:] - value) <= 0.0)]
@@ -43,7 +43,7 @@ def test_a_ball_beyond_its_flip_bounces_high_and_low_in_turn():
 def test_what_does_not_close_is_not_called_periodic():
     """The rod before a stiff obstacle where its large orbit is left: runs stay near it, and are quasi-periodic."""
     family = rod(4.0).over("freq_hz", freq_hz=10e3)
-    found = ct.growth.cycles.follow(family, (10.2e3, 10.35e3)).branches[0]
+    found = ct.growth.cycles.follow(family, (10.2e3, 10.35e3), longest=0.2).branches[0]
     large = found.points[-1]
     assert not large.stable
     reached = ct.growth.cycles.basins(family, 10.35e3, 3.0 * np.array(large.x), starts=3, seed=2, settle=200)

@@ -29,7 +29,7 @@ def crossings(branch, value):
 def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
     """E1, r = .4: Vadcard, Batailly, Thouverez, J. Sound Vib. 531 (2022) 116950."""
     family = rod(0.4).over("freq_hz", freq_hz=10e3)
-    found = ct.growth.cycles.follow(family, (9500.0, 10600.0)).branches[0]
+    found = ct.growth.cycles.follow(family, (9500.0, 10600.0), longest=0.06).branches[0]
     for omega, amplitude in ((60179.5, 1.0199e-4), (62708.1, 2.7032e-4), (63354.7, 3.3620e-4), (64594.8, 4.9436e-4)):
         near = crossings(found, omega / TURN)[0]
         orbit = ct.growth.cycles.orbit(family, omega / TURN, guess=near.x)
@@ -45,7 +45,7 @@ def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
 
 def test_the_rod_on_a_stiff_obstacle_is_not_kept_over_a_stretch_that_runs_leave():
     family = rod(4.0).over("freq_hz", freq_hz=10e3)
-    found = ct.growth.cycles.follow(family, (9500.0, 11300.0)).branches[0]
+    found = ct.growth.cycles.follow(family, (9500.0, 11300.0), longest=0.04).branches[0]
     for omega, amplitude in ((61817.6, 2.0560e-4), (62718.4, 2.1736e-4), (63325.7, 2.2768e-4), (65774.4, 2.9874e-4),
                              (68397.7, 3.8436e-4)):  # fmt: skip
         near = crossings(found, omega / TURN)[0]
@@ -74,7 +74,7 @@ def test_the_rod_on_a_stiff_obstacle_is_not_kept_over_a_stretch_that_runs_leave(
 )
 def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
     family = mass_on_stop(stiffness).over("freq_hz", freq_hz=0.2)
-    found = ct.growth.cycles.follow(family, (0.15, 0.26)).branches[0]
+    found = ct.growth.cycles.follow(family, (0.15, 0.26), longest=0.06).branches[0]
     for omega, amplitude in zip((1.07511, 1.19425, 1.31283, 1.42899, 1.50085), expected, strict=True):
         near = crossings(found, omega / TURN)[0]
         orbit = ct.growth.cycles.orbit(family, omega / TURN, guess=near.x)
@@ -102,7 +102,7 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
     monkeypatch.setattr(checkpoint, "SHARE", 0.0)
     said = []
     family = mass_on_stop().over("freq_hz", freq_hz=0.15)
-    found = ct.growth.cycles.follow(family, (0.13, 0.16), progress=lambda *told: said.append(told))
+    found = ct.growth.cycles.follow(family, (0.13, 0.16), longest=0.05, progress=lambda *told: said.append(told))
     first, second = found.branches[:2]
     assert "graz" in first.end
     assert first.points[-1].closings == (0,)
@@ -116,10 +116,14 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ct.growth.cycles.follow(family, (0.13, 0.16), checkpoint=file, progress=stopped)
+        ct.growth.cycles.follow(family, (0.13, 0.16), longest=0.05, checkpoint=file, progress=stopped)
     monkeypatch.undo()
     other = ct.growth.cycles.follow(
-        family, (0.13, 0.16), checkpoint=file, progress=lambda number, _value, orbits: again.append((number, orbits))
+        family,
+        (0.13, 0.16),
+        longest=0.05,
+        checkpoint=file,
+        progress=lambda number, _value, orbits: again.append((number, orbits)),
     )
     assert other.table() == found.table()
     rows, points = found.table(), [point for branch in found.branches for point in branch.points]

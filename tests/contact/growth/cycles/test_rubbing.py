@@ -213,6 +213,8 @@ out_of_roundness = [{p = 2, cos = 2e-5}]
 [speed]
 from_hz = 22.0
 to_hz = 24.0
+[continuation]
+longest_step = 0.1
 """
 
 
@@ -317,6 +319,8 @@ amplitude = 2e-6
 [speed]
 from_hz = 22.0
 to_hz = 24.0
+[continuation]
+longest_step = 0.1
 """
 
 
