@@ -174,7 +174,8 @@ def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
     source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
     files = result_files(found, {"source": source, "doublets": found.summary()})
     draws, summary = (
-        pd.read_csv(io.StringIO(files[name]), comment="#") for name in ("mistune.csv", "mistune_summary.csv")
+        pd.read_csv(io.StringIO(files[name]), comment="#", float_precision="round_trip")
+        for name in ("mistune.csv", "mistune_summary.csv")
     )
     assert list(draws) == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
     np.testing.assert_array_equal(draws, np.array(rows, dtype=float))
