@@ -1,4 +1,4 @@
-"""The same work on many items: in turn, or in processes of their own."""
+"""The same work on many items: in turn, or in processes of their own; how many cores there are for it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,11 @@ from contact.io.workers import worker_pool
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 A = TypeVar("A")
 B = TypeVar("B")
+
+
+def usable_cores() -> int:
+    """Cores that the scheduler gives this process, maybe not all; where it does not say, those of the machine."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Each(Protocol):
