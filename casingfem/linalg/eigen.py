@@ -8,27 +8,12 @@ import numpy as np
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
-from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct, Factor, factorise
-from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
+from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
+from casingfem.linalg.memory import require_affordable
 from casingfem.linalg.pencil import Mass, Pencil, make_pencil
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
-
-__all__ = [
-    "START_SEED",
-    "Band",
-    "CountError",
-    "EigenResult",
-    "NumericsError",
-    "factorise",
-    "gap_after",
-    "solve",
-    "solve_band",
-    "solve_modes",
-    "sturm_count",
-]
-
 
 Band: TypeAlias = tuple[float, float]
 
@@ -135,8 +120,7 @@ def solve_modes(
     pencil = make_pencil(K, mass)
     size = pencil.modes
     if not 1 <= count <= size:
-        asked = f"count must lie between 1 and {size}, found {count}"
-        raise CountError(sentence("modes-count", asked))
+        raise CountError(sentence("modes-count", f"count must lie between 1 and {size}, found {count}"))
     require_affordable(count, size)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
         try:
@@ -225,10 +209,4 @@ def result(
     factor: Factor | None = None,
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
-    return EigenResult(
-        eigenvalues=values,
-        vectors=vectors * pencil.scale[:, None],
-        sturm_count=certified,
-        products=products,
-        factor=factor,
-    )
+    return EigenResult(values, vectors * pencil.scale[:, None], certified, products, factor)

@@ -27,7 +27,6 @@ class Entries(Protocol):
 
         Of the first and the last at least the lower triangle.
         """
-        ...
 
 
 class SparseEntries(NamedTuple):

@@ -13,9 +13,9 @@ import numpy as np
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
-from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
+from casingfem.linalg.memory import require_affordable
 from casingfem.linalg.pencil import Pencil
 
 CLEAR = 1e-7  # eigenvalues closer than this, relative, are not parted

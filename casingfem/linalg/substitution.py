@@ -56,15 +56,12 @@ class Step(Protocol):
     @property
     def entries(self) -> int:
         """Numbers kept."""
-        ...
 
     def forward(self, x: Array) -> None:
         """Eliminate the pivots."""
-        ...
 
     def back(self, x: Array) -> None:
         """Find the pivots from the rows."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from typing import overload
 import numpy as np
 
 from casingfem.errors import ModelError, warn
-from casingfem.linalg.cost import require_affordable
+from casingfem.linalg.memory import require_affordable
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes

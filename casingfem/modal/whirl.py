@@ -16,8 +16,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
 
 from casingfem.errors import ModelError, NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
-from casingfem.linalg.eigen import START_SEED, gap_after
+from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
+from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.harmonics import Rings, ring_content
 from casingfem.modal.mesh_modes import projected
