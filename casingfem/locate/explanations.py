@@ -10,8 +10,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.locate.located import Explanation, Found
 from casingfem.locate.mass_places import Masses, refined
 from casingfem.locate.misfit import Misfit, Point
-from casingfem.locate.sparse_fit import Bounds, bounded_step, fitted
-from casingfem.locate.sparse_search import scale2, threshold
+from casingfem.locate.sparse_search import Bounds, bounded_step, fitted, scale2, threshold
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.shell import Shell
