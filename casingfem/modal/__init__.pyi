@@ -1,9 +1,8 @@
 from .basis import ModalBasis
 from .campbell import Campbell
 from .cyclic.mistuned import MistunedModes, mistuned_modes
-from .cyclic.modes import CyclicModes, cyclic_modes
+from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
-from .cyclic.wheel import wheel_modes
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes

@@ -5,15 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import warn
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.linalg.certificate import round_off
 from casingfem.linalg.eigen import Band, EigenResult, solve
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
-from casingfem.modal.stable import require_stable
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped_parts
@@ -190,3 +191,16 @@ def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> Float
     values, vectors = np.linalg.eigh(table.T @ (weight[:, None] * table))
     kept = values > 1e-8 * values[-1]  # on a cone r and z are one coordinate
     return np.asarray(table @ vectors[:, kept] / np.sqrt(values[kept]))
+
+
+def require_stable(K: Symmetric, found: EigenResult, where: str = "") -> None:
+    """Refuse a turning structure whose lowest omega^2 lies below zero by more than round-off in K(Omega) moves it.
+
+    Raises
+    ------
+    ModelError
+        `rotation-unstable`.
+    """
+    lowest = found.eigenvalues[:1]  # none in a band without modes
+    if np.any(lowest < -round_off(K, found.vectors[:, :1])):
+        raise ModelError("rotation-unstable", f"modes: found omega^2 = {lowest[0]:.4g} rad^2/s^2{where}")

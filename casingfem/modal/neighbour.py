@@ -24,9 +24,7 @@ from casingfem.linalg.krylov import NOISE, independent, project_out
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
-from casingfem.modal.modes import warn_of_surveys
-from casingfem.modal.resolution import checked_resolution
-from casingfem.modal.ritz import RitzModes, ritz_modes
+from casingfem.modal.modes import RitzModes, checked_resolution, ritz_modes, warn_of_surveys
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell

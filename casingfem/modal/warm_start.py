@@ -18,7 +18,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
-from casingfem.modal.ritz import ritz_modes
+from casingfem.modal.modes import ritz_modes
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
 

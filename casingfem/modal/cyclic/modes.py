@@ -1,4 +1,4 @@
-"""Modes of a wheel by nodal diameter, from one sector."""
+"""Modes of a wheel by nodal diameter, from one sector; on the mesh of the whole wheel for pictures and tests."""
 
 import time
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import Band, EigenResult, solve
-from casingfem.modal.mesh_modes import SHIFT
-from casingfem.modal.mode_set import RIGID
-from casingfem.modal.stable import require_stable
+from casingfem.modal.mesh_modes import SHIFT, MeshModes, require_stable
+from casingfem.modal.mode_set import RIGID, ranks
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
+from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_structure
 
 ACROSS = 9  # frequencies on a line of the table
 
@@ -163,3 +163,32 @@ def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
     flat = shapes[:, :3].reshape(3 * len(shapes), -1)
     peak = flat[np.abs(flat).argmax(axis=0), np.arange(shapes.shape[2])]
     return np.asarray(shapes * (np.conj(peak) / np.abs(peak)))
+
+
+def wheel_modes(found: CyclicModes) -> MeshModes:
+    """The modes of all sectors, ascending, pairs as cos and sin.
+
+    Of `count` modes of each diameter the wheel's list is complete up to the least of their highest frequencies.
+    """
+    whole = wheel_structure(found.sector)
+    c, s = wheel_fields(found.sector, found.fields, found.nodal_diameters, whole.mesh)
+    double = np.array([found.sector.count(n) == 2 for n in found.nodal_diameters.tolist()], dtype=bool)
+    freq = np.concatenate([found.freq, found.freq[double]])
+    order = np.argsort(freq, kind="stable")
+    n = np.concatenate([found.nodal_diameters, found.nodal_diameters[double]])[order]
+    place = np.argsort(order)
+    pairs = sorted((int(place[k]), int(place[len(found) + i])) for i, k in enumerate(np.flatnonzero(double)))
+    return MeshModes(
+        structure=whole,
+        freq=frozen(freq[order]),
+        fields=frozen(np.concatenate([c, s[:, :, double]], axis=2)[:, :, order]),
+        nodal_diameters=frozen(n),
+        purity=frozen(np.ones(len(n))),
+        meridional=frozen(ranks(n, pairs)),
+        doublets=tuple(pairs),
+        angle_deg=frozen(np.full(len(n), np.nan)),
+        rigid=int(np.count_nonzero(found.rigid) + np.count_nonzero(found.rigid & double)),
+        sturm_count=None,
+        dofs=found.unknowns,
+        seconds=found.seconds,
+    )

@@ -7,9 +7,8 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.interface import mesh_rows
-from casingfem.modal.interface.chart_rows import interface_rows, rim_lines, tip_directions
+from casingfem.modal.interface.chart_rows import interface_rows, rim_lines, rim_shape, rim_thickness, tip_directions
 from casingfem.modal.interface.kinds import AtNodes, Interface, Rim
-from casingfem.modal.interface.roundness import rim_shape, rim_thickness
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
