@@ -1,6 +1,6 @@
 """What a search for loose bolts or added masses found: places with uncertainty, and what else it may be."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -96,17 +96,14 @@ class Localisation(Reported):
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a place of each explanation, the best one (1) first."""
         return [
-            {"explanation": k, "chi2_behind": e.behind, **{name: getattr(f, name) for name in Found.__slots__}}
+            {"explanation": k, "chi2_behind": e.behind, **asdict(f)}
             for k, e in enumerate((self.best, *self.others), 1)
             for f in e.found
         ]
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
-        explained = [
-            {"behind": e.behind, "found": [{k: getattr(f, k) for k in Found.__slots__} for f in e.found]}
-            for e in (self.best, *self.others)
-        ]
+        explained = [{"behind": e.behind, "found": [asdict(f) for f in e.found]} for e in (self.best, *self.others)]
         return {
             "among": self.among,
             "angles_deg": self.angles_deg.tolist(),
