@@ -145,7 +145,7 @@ def revolved(
         own[:, k] = revolve_own(grid, shell, mode.turns, mode.n, sine=mode.sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
-    return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds, own=own)
+    return labelled(shell, grid, freq, fields, own, count=count, sturm=counted, dofs=dofs, seconds=seconds)
 
 
 def harmonic_floor(shell: Shell, n: int) -> float:

@@ -166,14 +166,11 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
     if isinstance(casing, ModeSet):
         upper = {high: low for low, high in casing.doublets}
         partner = {low: high for high, low in upper.items()}
-        kept = [k for k in range(casing.rigid, len(casing)) if casing.nodal_diameters[k] >= 1 and k not in upper]
+        labels = list(zip(casing.nodal_diameters.tolist(), casing.meridional.tolist(), strict=True))
         found = [
-            (
-                int(casing.nodal_diameters[k]),
-                int(casing.meridional[k]),
-                float(casing.freq[[k, partner.get(k, k)]].mean()),
-            )
-            for k in kept
+            (n, m, float(casing.freq[[k, partner.get(k, k)]].mean()))
+            for k, (n, m) in enumerate(labels)
+            if k >= casing.rigid and n >= 1 and k not in upper
         ]
     else:
         found = [(n, m + 1, float(f)) for n, freq in casing.items() if n >= 1 for m, f in enumerate(sorted(freq))]

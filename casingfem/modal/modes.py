@@ -130,24 +130,14 @@ def modes(
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
     found = solve(system.stiffness, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
-    if shell.rotation is not None:
-        require_stable(system.stiffness, found)
     if shell.rotation is None:
         ritz = ritz_modes(system, found.vectors)
     else:  # prestress is assembled, and no sum of squares
+        require_stable(system.stiffness, found)
         ritz = RitzModes(found.freq, system.expand(found.vectors), system.expand_own(found.vectors))
-    solved = time.perf_counter()
-    named = labelled(
-        shell,
-        system.grid,
-        ritz.freq,
-        ritz.fields,
-        count=wanted if isinstance(wanted, int) else len(found.eigenvalues),
-        sturm=found.sturm_count,
-        dofs=system.size,
-        own=ritz.own,
-        seconds={"assemble": assembled - started, "solve": solved - assembled},
-    )
+    seconds = {"assemble": assembled - started, "solve": time.perf_counter() - assembled}
+    kept = wanted if isinstance(wanted, int) else len(found.eigenvalues)
+    named = labelled(shell, system.grid, *ritz, count=kept, sturm=found.sturm_count, dofs=system.size, seconds=seconds)
     warn_of_surveys(named)
     return checked_resolution(named)
 

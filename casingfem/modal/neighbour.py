@@ -109,7 +109,7 @@ def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
     shown = None if found.sturm_count is None else gap_after(found.eigenvalues, count, abs(shift))[0]
     guard = ritz_modes(system, found.vectors)
     seconds = {"assemble": assembled, "solve": time.perf_counter() - started - assembled}
-    lowest = replace(named(shell, system, guard, count, seconds), sturm_count=shown)
+    lowest = labelled(shell, system.grid, *guard, count=count, sturm=shown, dofs=system.size, seconds=seconds)
     warn_of_surveys(lowest)
     return Solution(checked_resolution(lowest), guard, system, pencil, OldFactor(found.factor, pencil.scale), 0)
 
@@ -133,7 +133,8 @@ def solved_near(shell: Shell, known: Solution, count: int) -> Solution:
     ritz = ritz_modes(system, pencil.scale[:, None] * vectors)
     spent = time.perf_counter() - started - assembled - seconds.get("factor", 0.0)
     seconds |= {"assemble": assembled, "solve": spent}
-    return Solution(named(shell, system, ritz, count, seconds), ritz, system, pencil, old, blocks)
+    lowest = labelled(shell, system.grid, *ritz, count=count, sturm=None, dofs=system.size, seconds=seconds)
+    return Solution(lowest, ritz, system, pencil, old, blocks)
 
 
 def davidson(
@@ -209,18 +210,3 @@ def counted(solution: Solution) -> Solution | None:
     if solution.pencil.count_below(sigma) != below:
         return None
     return replace(solution, modes=replace(found, sturm_count=below))
-
-
-def named(shell: Shell, system: System, found: RitzModes, count: int, seconds: dict[str, float]) -> Modes:
-    """The first `count` modes with their labels."""
-    return labelled(
-        shell,
-        system.grid,
-        found.freq,
-        found.fields,
-        count=count,
-        sturm=None,
-        dofs=system.size,
-        own=found.own,
-        seconds=seconds,
-    )

@@ -16,9 +16,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import Pencil, make_pencil
-from casingfem.modal.fourier import SHIFT
-from casingfem.modal.mode_set import Modes, frequency_scale, labelled
+from casingfem.modal.mode_set import Modes, labelled
 from casingfem.modal.modes import ritz_modes
+from casingfem.modal.neighbour import shift_of
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
 
@@ -57,25 +57,14 @@ def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEP
     assembled = time.perf_counter()
     pencil = make_pencil(system.stiffness, system.mass)
     start = system.collect(known.fields, known.own) / pencil.scale[:, None]
-    shift = -((SHIFT * frequency_scale(shell)) ** 2)
-    values, vectors = krylov_modes(pencil, start, shift, steps)
+    values, vectors = krylov_modes(pencil, start, shift_of(shell), steps)
     below, sigma = gap_after(values[: count + EXTRA], count)
     certified = pencil.count_below(sigma)
     if certified != below:
         raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
     ritz = ritz_modes(system, pencil.scale[:, None] * vectors[:, :below])
-    solved = time.perf_counter()
-    return labelled(
-        shell,
-        system.grid,
-        ritz.freq,
-        ritz.fields,
-        count=count,
-        sturm=certified,
-        dofs=system.size,
-        own=ritz.own,
-        seconds={"assemble": assembled - started, "solve": solved - assembled},
-    )
+    seconds = {"assemble": assembled - started, "solve": time.perf_counter() - assembled}
+    return labelled(shell, system.grid, *ritz, count=count, sturm=certified, dofs=system.size, seconds=seconds)
 
 
 def krylov_modes(pencil: Pencil, start: FloatArray, shift: float, steps: int) -> tuple[FloatArray, FloatArray]:

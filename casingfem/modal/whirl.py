@@ -15,7 +15,7 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
 
 from casingfem.errors import ModelError, NumericsError
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.krylov import START_SEED
@@ -25,7 +25,7 @@ from casingfem.modal.mesh_modes import projected
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
-from casingfem.structure.imported.revolution import elements_around, round_about_z
+from casingfem.structure.imported.revolution import round_about_z
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -112,7 +112,7 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
         return mesh_whirl(shell, count)
     if shell.rotation is None:
         raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
-    from_rest = assemble(at_rest(shell))
+    from_rest = assemble(replace(shell, rotation=None))
     added = spin(from_rest, shell.rotation)
     omega = shell.rotation.omega
     K = csc_array(from_rest.K + added.stiffness(omega))
@@ -120,7 +120,9 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     A, G = csc_array(root @ K @ root), csc_array(omega * (root @ added.G @ root))
     values, vectors, certified = gyroscopic_modes(A, G, count, scale=frequency_scale(shell))
     fields = expand_complex(from_rest, root @ vectors)[:, :, :count]
-    return whirl_of(shell, values[:count], fields, wave_labels(shell, from_rest, fields), certified)
+    n, sense = wave_labels(shell, from_rest, fields)
+    freq = values[:count] / (2.0 * np.pi)
+    return WhirlModes(shell=shell, freq=freq, fields=fields, nodal_diameters=n, sense=sense, sturm_count=certified)
 
 
 def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
@@ -136,29 +138,10 @@ def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
     about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))
     n, sense = np.full(fields.shape[2], -1), np.zeros(fields.shape[2], dtype=np.int64)
     if about_z and round_about_z(structure.mesh):
-        n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
-        waves = [projected(structure, part, n_max) for part in (fields.conj(), fields)]
+        waves = [projected(structure, part) for part in (fields.conj(), fields)]
         n, sense = wave_sense(waves, float(np.sign(rotation.omega * rotation.direction[2])))
-    return whirl_of(structure, values[:count], fields, (n, sense), certified)
-
-
-def whirl_of(
-    structure: Shell | MeshStructure,
-    omega: FloatArray,
-    fields: Array,
-    labels: tuple[IntArray, IntArray],
-    certified: int,
-) -> WhirlModes:
-    """The modes by angular frequency [rad/s], shapes and labels (n, sense)."""
-    return WhirlModes(
-        shell=structure, freq=frozen(omega / (2.0 * np.pi)), fields=frozen(fields), nodal_diameters=labels[0],
-        sense=labels[1], sturm_count=certified,
-    )  # fmt: skip
-
-
-def at_rest(shell: Shell) -> Shell:
-    """The shell without its rotation, on the same mesh."""
-    return replace(shell, rotation=None)
+    freq = values[:count] / (2.0 * np.pi)
+    return WhirlModes(shell=structure, freq=freq, fields=fields, nodal_diameters=n, sense=sense, sturm_count=certified)
 
 
 def gyroscopic_modes(
@@ -215,8 +198,7 @@ def wave_labels(shell: Shell, system: System, fields: Array) -> tuple[IntArray, 
     modes = fields.shape[2]
     if not shell.chart.periodic or shell.rotation is None:
         return np.full(modes, -1), np.zeros(modes, dtype=np.int64)
-    n_max = max(2, system.grid.mesh.order * system.grid.mesh.around // 3)
-    waves = [ring_content(shell.chart, system.grid, part, n_max) for part in (fields.conj(), fields)]
+    waves = [ring_content(shell.chart, system.grid, part) for part in (fields.conj(), fields)]
     return wave_sense(waves, float(np.sign(shell.rotation.omega * shell.rotation.direction[2])))
 
 

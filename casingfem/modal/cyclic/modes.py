@@ -120,16 +120,15 @@ def cyclic_modes(
     system = assemble_cyclic(sector)
     assembled = time.perf_counter()
     found = {n: solved(system, n, wanted) for n in chosen}
-    freq, n_of = [found[n].freq for n in chosen], [np.full(len(found[n].eigenvalues), n) for n in chosen]
-    count = max((len(part) for part in freq), default=0) if not isinstance(wanted, int) else wanted
-    kept = [slice(min(count, len(part))) for part in freq]
-    values = np.concatenate([part[cut] for part, cut in zip(freq, kept, strict=True)])
-    fields = [wheel_shapes(system, n, found[n].vectors[:, cut]) for n, cut in zip(chosen, kept, strict=True)]
+    count = wanted if isinstance(wanted, int) else None
+    freq = [found[n].freq[:count] for n in chosen]
+    fields = [wheel_shapes(system, n, found[n].vectors[:, :count]) for n in chosen]
+    values = np.concatenate(freq)
     return CyclicModes(
         sector=sector,
         freq=frozen(values),
-        nodal_diameters=frozen(np.concatenate([n[cut] for n, cut in zip(n_of, kept, strict=True)])),
-        rank=frozen(np.concatenate([np.arange(1, 1 + len(part[cut])) for part, cut in zip(freq, kept, strict=True)])),
+        nodal_diameters=frozen(np.repeat(chosen, [len(part) for part in freq])),
+        rank=frozen(np.concatenate([np.arange(1, 1 + len(part)) for part in freq])),
         fields=frozen(np.concatenate(fields, axis=2)),
         rigid=frozen(2.0 * np.pi * values < RIGID * system.frequency_scale),
         sturm_counts={n: found[n].sturm_count for n in chosen},

@@ -10,6 +10,7 @@ from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNod
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.shell.parts import ShellGeometry
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
 
@@ -73,22 +74,19 @@ def line_transforms(system: System, rim: Rim) -> list[Array]:
     return found
 
 
-def rim_places(shell: Shell, rim: Rim) -> tuple[float, ...]:
-    """The first parameter of the chart on each line of a rim."""
-    if rim.lines:
-        return rim.lines
-    held, side = shell.chart.edges[rim.edge]
-    return (shell.chart.bounds[held][side],)
+def rim_geometry(shell: Shell, rim: Rim, count: int) -> list[ShellGeometry]:
+    """The wall on each line of a rim, at `count` angles evenly around."""
+    places, theta = rim.lines, 2.0 * np.pi * np.arange(count) / count
+    if not places:
+        held, side = shell.chart.edges[rim.edge]
+        places = (shell.chart.bounds[held][side],)
+    return [shell.geometry(np.full(count, place), theta) for place in places]
 
 
 def rim_lines(system: System, rim: Rim) -> FloatArray:
     """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
-    theta = 2.0 * np.pi * np.arange(64) / 64
-    found = []
-    for place in rim_places(system.shell, rim):
-        x = system.shell.geometry(np.full(64, place), theta).surface.x
-        found.append([float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())])
-    return np.array(found)
+    on_lines = [on.surface.x for on in rim_geometry(system.shell, rim, LEAST)]
+    return np.array([[float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())] for x in on_lines])
 
 
 def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
@@ -157,11 +155,9 @@ def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
     """
     N = rim.n_max
     count = max(LEAST, 4 * N)
-    theta = 2.0 * np.pi * np.arange(count) / count
     found = []
-    for place in rim_places(shell, rim):
-        x = shell.geometry(np.full(count, place), theta).surface.x
-        radius = np.hypot(x[0], x[1])
+    for on in rim_geometry(shell, rim, count):
+        radius = np.hypot(*on.surface.x[:2])
         waves = 2.0 * np.fft.rfft(radius - radius.mean())[: N + 1] / count
         waves[np.abs(waves) < ROUND_OFF * radius.mean()] = 0.0
         waves[0] = 0.0
@@ -171,9 +167,7 @@ def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
 
 def rim_thickness(shell: Shell, rim: Rim) -> float:
     """Least thickness of the wall on a rim's lines [m]: linear theory carries deflections of part of it."""
-    theta = 2.0 * np.pi * np.arange(LEAST) / LEAST
-    places = rim_places(shell, rim)
-    return float(min(shell.geometry(np.full(LEAST, place), theta).thickness.min() for place in places))
+    return float(min(on.thickness.min() for on in rim_geometry(shell, rim, LEAST)))
 
 
 def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str, float]]:

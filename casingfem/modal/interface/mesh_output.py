@@ -49,7 +49,23 @@ class NodeMean:
 
     def row(self, system: MeshSystem) -> FloatArray:
         """Row over the nodal fields, (nodes, dofs)."""
-        return mean_row(system, self.name, self.node, self.component, stress=self.stress)
+        place, solid = node_place(system, self.name, self.node), system.structure
+        if not isinstance(solid, Solid):
+            found = f"a {type(solid).__name__}, expected a Solid: strains at nodes are those of solids"
+            raise ModelError("output-place", f"output {self.name!r}: found {found}")
+        if self.component not in COMPONENTS:
+            raise ModelError("output-direction", f"output {self.name!r}: found component {self.component!r}")
+        mesh = solid.mesh
+        cells, local = np.nonzero(mesh.cells == place)
+        cells, first = np.unique(cells, return_index=True)
+        row = np.zeros((len(system.points), system.dofs))
+        for kind, rows, slots in native(mesh.kind, mesh.cells[cells]):
+            nodes = mesh.cells[cells[rows]][:, slots]
+            at = local[first[rows]] if kind == mesh.kind else (nodes == place).argmax(axis=1)
+            D = elasticity(solid.constants()[:, cells[rows]]) if self.stress else None
+            table = strains_at(mesh.points, kind, nodes, at, D)[:, COMPONENTS.index(self.component)]
+            np.add.at(row[:, :3], nodes, table.reshape(len(nodes), -1, 3) / len(cells))
+        return row
 
 
 class NodeStrain(NodeMean):
@@ -82,28 +98,6 @@ def node_place(system: MeshSystem, name: str, node: int) -> int:
         return int(node_places(system, (node,))[0])
     except ModelError as error:
         raise ModelError("output-place", f"output {name!r}: found node {node}, which no cell has") from error
-
-
-def mean_row(system: MeshSystem, name: str, node: int, component: str, *, stress: bool) -> FloatArray:
-    """Row of a strain or stress at a node: the mean of what each of its cells has there."""
-    place = node_place(system, name, node)
-    solid = system.structure
-    if not isinstance(solid, Solid):
-        found = f"a {type(solid).__name__}, expected a Solid: strains at nodes are those of solids"
-        raise ModelError("output-place", f"output {name!r}: found {found}")
-    if component not in COMPONENTS:
-        raise ModelError("output-direction", f"output {name!r}: found component {component!r}")
-    mesh = solid.mesh
-    cells, local = np.nonzero(mesh.cells == place)
-    cells, first = np.unique(cells, return_index=True)
-    row = np.zeros((len(system.points), system.dofs))
-    for kind, rows, slots in native(mesh.kind, mesh.cells[cells]):
-        nodes = mesh.cells[cells[rows]][:, slots]
-        at = local[first[rows]] if kind == mesh.kind else (nodes == place).argmax(axis=1)
-        D = elasticity(solid.constants()[:, cells[rows]]) if stress else None
-        table = strains_at(mesh.points, kind, nodes, at, D)[:, COMPONENTS.index(component)]
-        np.add.at(row[:, :3], nodes, table.reshape(len(nodes), -1, 3) / len(cells))
-    return row
 
 
 def strains_at(points: FloatArray, kind: str, nodes: IntArray, local: IntArray, D: FloatArray | None) -> FloatArray:

@@ -12,8 +12,6 @@ from casingfem.modal.interface.kinds import AtNodes, Interface, Rim
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
 
-NONE = np.zeros((0, 0))
-
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class View:
@@ -37,7 +35,7 @@ class View:
     channels: tuple[str, ...]
     axes: FloatArray
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    out_of_roundness: FloatArray = field(default_factory=lambda: NONE)
+    out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     radius: float = 0.0
     thickness: float = 0.0
     facts: dict[str, Any] = field(default_factory=dict)
