@@ -7,12 +7,19 @@ import numpy as np
 
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct, Factor, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
 from casingfem.linalg.memory import require_affordable
-from casingfem.linalg.pencil import Mass, Pencil, make_pencil
+from casingfem.linalg.pencil import (
+    Mass,
+    Pencil,
+    clear_of_eigenvalues,
+    make_pencil,
+    most_round_off,
+    round_off,
+    warn_of_count,
+)
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
 
 Band: TypeAlias = tuple[float, float]

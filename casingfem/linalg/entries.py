@@ -155,40 +155,24 @@ def sparse_entries(
     local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
     degree = np.diff(A.indptr)
     found = []
-    for f, below in enumerate(rows):
+    for f, below in enumerate(rows):  # found for the first unknown of each vertex, the others follow
         own = slice(ends[f], ends[f + 1])
         start, end = int(starts[ends[f]]), int(starts[ends[f + 1]])
-        local[start:end] = np.arange(end - start)
-        local[below] = end - start + np.arange(len(below))
-        size = end - start, len(below)
-        found.append(entries_of(A, order[start:end], position, local, degree, weight[own], starts[own], size))
+        k, m, unknowns = end - start, len(below), order[start:end]
+        local[start:end], local[below] = np.arange(k), k + np.arange(m)
+        first = unknowns[starts[own] - start] if k else unknowns
+        entries = degree[first]
+        inside = spans(np.zeros_like(entries), entries)
+        row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
+        kept = row >= np.repeat(starts[own], entries)  # the lower triangle, and vertices' own blocks
+        inside, row = inside[kept], local[row[kept]]
+        last = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
+        here = row < k
+        place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
+        number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
+        each = np.repeat(np.diff(last, prepend=0), weight[own])  # entries of each unknown
+        of = spans(np.repeat(np.append(0, last)[:-1], weight[own]), each)
+        column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
+        at, on, stride = (x.astype(number)[of] for x in (inside, place, step))
+        found.append(SparseEntries(at + begin, on + stride * column))
     return found
-
-
-def entries_of(
-    A: csc_array,
-    unknowns: IntArray,
-    position: Array,
-    local: Array,
-    degree: IntArray,
-    weight: IntArray,
-    starts: IntArray,
-    size: tuple[int, int],
-) -> SparseEntries:
-    """Of one front: found for the first unknown of each of its vertices, the others follow."""
-    k, m = size
-    first = unknowns[starts - starts[0]] if k else unknowns
-    entries = degree[first]
-    inside = spans(np.zeros_like(entries), entries)
-    row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
-    kept = row >= np.repeat(starts, entries)  # the lower triangle, and vertices' own blocks
-    inside, row = inside[kept], local[row[kept]]
-    ends = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
-    here = row < k
-    place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
-    number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
-    each = np.repeat(np.diff(ends, prepend=0), weight)  # entries of each unknown
-    of = spans(np.repeat(np.append(0, ends)[:-1], weight), each)
-    column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
-    at, own, stride = (x.astype(number)[of] for x in (inside, place, step))
-    return SparseEntries(at + begin, own + stride * column)

@@ -70,9 +70,8 @@ elements or a larger machine; thick solids go without a factor, `mesh_modes(soli
 [modes-memory]
     """
     if needed > SPARED * free:
-        found = (
-            f"the factor of {unknowns} unknowns takes {1e-9 * needed:.2g} GB, {1e-9 * max(free, 0.0):.2g} GB are free"
-        )
+        takes, left = f"{1e-9 * needed:.2g} GB", f"{1e-9 * max(free, 0.0):.2g} GB"
+        found = f"the factor of {unknowns} unknowns takes {takes}, {left} are free"
         raise MemoryNeedError(sentence("modes-memory", found))
 
 

@@ -31,14 +31,7 @@ ACCEPTED = 1e-5  # residual over eigenvalue, of rigid motions over ten shifts; i
 
 
 def multigrid_modes(
-    K: csc_array,
-    mass: Mass,
-    near_null: FloatArray,
-    count: int,
-    shift: float,
-    extra: int = 4,
-    *,
-    counted: bool = True,
+    K: csc_array, mass: Mass, near_null: FloatArray, count: int, shift: float, extra: int = 4, *, counted: bool = True
 ) -> EigenResult:
     """Lowest `count` modes by LOBPCG and multigrid, complete by a Sturm count or a search, or else by `solve_modes`.
 
@@ -171,7 +164,6 @@ def iterate(
     residuals = pencil.residuals(values, vectors, TOLERANCE / ACCEPTED * abs(shift))[:needed]
     if not np.all(residuals <= ACCEPTED):
         done = int(np.count_nonzero(residuals <= ACCEPTED))
-        raise ConvergenceError(
-            f"{done} of {len(residuals)} modes converged, the largest residual is {residuals.max():.1e}"
-        )
+        found = f"{done} of {len(residuals)} modes converged, the largest residual is {residuals.max():.1e}"
+        raise ConvergenceError(found)
     return values, vectors, wanted * len(history)

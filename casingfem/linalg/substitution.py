@@ -53,10 +53,6 @@ def kernels(A: Any) -> Kernels:
 class Step(Protocol):
     """A part of L D L^H: its way forward and back through right-hand sides x (n, columns), in place."""
 
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-
     def forward(self, x: Array) -> None:
         """Eliminate the pivots."""
 
@@ -95,11 +91,6 @@ class OneFront:
     pivots: slice
     rows: IntArray
     block: Block
-
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-        return self.block.L.size + self.block.below.size
 
     def forward(self, x: Array) -> None:
         """Eliminate the pivots."""
@@ -140,11 +131,6 @@ class AlikeFronts:
     cuts: tuple[slice, ...]
     L: Array
     below: Array
-
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-        return self.L.size + self.below.size
 
     @cached_property
     def sums(self) -> tuple[IntArray, csc_array]:

@@ -9,7 +9,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, eigvalsh_trid
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
+from casingfem.linalg.pencil import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.slicing import CLEAR
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled

@@ -7,7 +7,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.linalg.certificate import round_off
+from casingfem.linalg.pencil import round_off
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct
