@@ -129,9 +129,8 @@ class ModalBasis(Reported):
     def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a mode: number, frequency, damping, and the participation where it is known."""
         names = [f"participation_{k}" for k in range(1, 1 + len(self.participation))]
-        rows = zip(
-            self.freq.tolist(), self.zeta.tolist(), self.participation.T.tolist() or [()] * len(self), strict=True
-        )
+        shares = self.participation.T.tolist() or [()] * len(self)
+        rows = zip(self.freq.tolist(), self.zeta.tolist(), shares, strict=True)
         return [
             {"mode": k, "freq_hz": freq, "zeta": zeta, **dict(zip(names, parts, strict=False))}
             for k, (freq, zeta, parts) in enumerate(rows, 1)

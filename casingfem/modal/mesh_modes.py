@@ -7,12 +7,12 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.linalg.pencil import round_off
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
+from casingfem.linalg.pencil import round_off
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
 from casingfem.structure.geometry.rigid_body import rigid_motions
@@ -87,11 +87,7 @@ def mesh_modes(
         rigid=min(rigid, kept),
         sturm_count=found.sturm_count,
         dofs=system.size,
-        seconds={
-            "assemble": assembled - started,
-            "solve": solved - assembled,
-            "label": time.perf_counter() - solved,
-        },
+        seconds={"assemble": assembled - started, "solve": solved - assembled, "label": time.perf_counter() - solved},
     )
 
 

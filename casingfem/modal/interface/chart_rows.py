@@ -37,9 +37,8 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
         raise ModelError("interface-edge", f"a Rim needs a closed casing with an edge {rim.edge!r}")
     around = grid.mesh.order * grid.mesh.around
     if not 0 < rim.n_max <= around // 3:
-        raise ModelError(
-            "interface-harmonics", f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
-        )
+        found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
+        raise ModelError("interface-harmonics", found)
     theta = grid.nodes[1]
     c, s, one, none = np.cos(theta), np.sin(theta), np.ones_like(theta), np.zeros_like(theta)
     unit = np.array([[c, s, none], [-s, c, none], [none, none, one]])[: len(rim.directions)]

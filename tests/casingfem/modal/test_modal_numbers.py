@@ -14,7 +14,7 @@ from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.modal.interface.output import Displacement, Strain
 from casingfem.modal.mistuning import mistune
 from casingfem.modal.modes import count_below, finest_shares
-from casingfem.modal.warm_start import restarted_modes
+from casingfem.modal.neighbour import restarted_modes
 from casingfem.structure.field.random import RandomField
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.shell.assembly import assemble

@@ -21,11 +21,11 @@ from casingfem.modal.neighbour import (
     counted,
     davidson,
     factored,
+    krylov_modes,
     shift_of,
     solved,
     solved_near,
 )
-from casingfem.modal.warm_start import krylov_modes
 
 RNG = np.random.default_rng(21)
 SIZE, WIDTH, COUNT = 60, 8, 4
