@@ -204,16 +204,11 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     vectors = np.hstack([part.vectors for part in parts])
     products = sum(part.products for part in parts)
     counted = len(values) if all(part.counted for part in parts) else None
-    return result(pencil, values, vectors, counted, products)
+    return result(pencil, values, vectors, counted, products, None)
 
 
 def result(
-    pencil: Pencil,
-    values: FloatArray,
-    vectors: Array,
-    certified: int | None,
-    products: int,
-    factor: Factor | None = None,
+    pencil: Pencil, values: FloatArray, vectors: Array, certified: int | None, products: int, factor: Factor | None
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
     return EigenResult(values, vectors * pencil.scale[:, None], certified, products, factor)

@@ -5,7 +5,7 @@ one, are pivots or rows there. The matrix of an element that has a front to itse
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
@@ -19,18 +19,8 @@ Places: TypeAlias = slice | IntArray
 Parts: TypeAlias = tuple[Array, Array, Array]
 
 
-class Entries(Protocol):
-    """A front's share of matrices of one pattern."""
-
-    def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
-
-        Of the first and the last at least the lower triangle.
-        """
-
-
 class SparseEntries(NamedTuple):
-    """Entries number `source` of A's data are entries number `place` of the front's columns.
+    """A front's share of sparse matrices: entries number `source` of A's data, number `place` of the front's columns.
 
     Those of the pivots (k, k) come first, one column after the other, then those of the rows (m, k).
     """
@@ -39,7 +29,10 @@ class SparseEntries(NamedTuple):
     place: IntArray
 
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a matrix in columns."""
+        """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
+
+        Of the first and the last at least the lower triangle.
+        """
         assert not isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         columns = np.zeros(k * (k + m), dtype=A.data.dtype)
@@ -60,12 +53,12 @@ class Piece(NamedTuple):
 
 
 class ElementEntries(NamedTuple):
-    """The elements that belong to a front."""
+    """A front's share of sums of elements: those that belong to it."""
 
     pieces: tuple[Piece, ...]
 
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a sum of elements."""
+        """The front of a sum of elements, its parts as those of `SparseEntries`."""
         assert isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
@@ -78,6 +71,9 @@ class ElementEntries(NamedTuple):
             accumulate(K_rr, p.to_rows, p.to_rows, of_rows[:, p.rows], beside, beside, number == 0)
         K_pp[np.arange(k), np.arange(k)] += A.diagonal[pivots]
         return K_pp.T, K_pr.T, K_rr.T
+
+
+Entries: TypeAlias = SparseEntries | ElementEntries
 
 
 def accumulate(

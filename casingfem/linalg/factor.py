@@ -9,7 +9,7 @@ module alone imports.
 
 import weakref
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from scipy.sparse import csc_array, csr_matrix, triu
@@ -22,23 +22,13 @@ from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.fronts import planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory, require_memory
-from casingfem.linalg.multifrontal import SINGULAR, factored
+from casingfem.linalg.multifrontal import SINGULAR, MultifrontalFactor, factored
 
 Direct: TypeAlias = Literal["multifrontal", "superlu", "pardiso"]
 
 BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
 SYMMETRIC_INDEFINITE = -2  # Pardiso's matrix type: L D L^T with Bunch-Kaufman pivots
 NEGATIVE, ZERO_PIVOTS = 23, 14  # where its output parameters stand, counted from one
-
-
-class Factor(Protocol):
-    """A factored symmetric matrix A."""
-
-    def solve(self, rhs: Array) -> Array:
-        """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
-
-    def negative(self) -> int:
-        """Number of negative eigenvalues of A; NumericsError where the pivots do not tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,6 +75,9 @@ class PardisoFactor:
     def negative(self) -> int:
         """Number of negative eigenvalues of A."""
         return int(self.solver.get_iparm(NEGATIVE))
+
+
+Factor: TypeAlias = MultifrontalFactor | SuperLUFactor | PardisoFactor
 
 
 def canonical(A: csc_array) -> csc_array:

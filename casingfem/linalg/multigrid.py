@@ -63,7 +63,7 @@ def multigrid_modes(
     except NumericsError as error:
         warn("modes-lobpcg", f"LOBPCG with multigrid: {error}")
         return solve_modes(K, mass, count, shift, extra)
-    return result(pencil, values[:below], vectors[:, :below], certified, products)
+    return result(pencil, values[:below], vectors[:, :below], certified, products, None)
 
 
 def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> FloatArray:

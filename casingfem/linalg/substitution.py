@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.linalg import blas, lapack
@@ -48,16 +48,6 @@ COMPLEX = Kernels(
 def kernels(A: Any) -> Kernels:
     """Those for the numbers of an array."""
     return COMPLEX if np.iscomplexobj(A) else REAL
-
-
-class Step(Protocol):
-    """A part of L D L^H: its way forward and back through right-hand sides x (n, columns), in place."""
-
-    def forward(self, x: Array) -> None:
-        """Eliminate the pivots."""
-
-    def back(self, x: Array) -> None:
-        """Find the pivots from the rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,6 +151,9 @@ class AlikeFronts:
                 own[:, cut] -= np.matmul(self.L[:, cut.stop :, cut].swapaxes(1, 2), own[:, cut.stop :])
             own[:, cut] = np.matmul(self.L[:, cut, cut].swapaxes(1, 2), own[:, cut])
         x[self.pivots] = own.conj()
+
+
+Step: TypeAlias = OneFront | AlikeFronts  # their ways through right-hand sides x (n, columns) are in place
 
 
 class Stack:

@@ -16,7 +16,6 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import outer_supports
 
-TWO_PI = 2.0 * np.pi
 LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
 PROMISING = 2.0  # images of what was found that come so near by a linear step are refitted
 SAME = 0.01  # of a bolt's stiffness
