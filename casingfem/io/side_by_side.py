@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
-from contact.io.workers import worker_pool
-
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 A = TypeVar("A")
 B = TypeVar("B")
@@ -36,6 +34,8 @@ def side_by_side(workers: int) -> Iterator[Each]:
     if workers < 2:
         yield map
         return
+    from contact.io.workers import worker_pool  # loaded with the first processes, not by every command
+
     with one_thread(), worker_pool(workers) as pool:
         yield pool.map
 
