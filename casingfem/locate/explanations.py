@@ -136,11 +136,8 @@ def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -
         ]
         return Explanation(found=tuple(found), behind=float((at.point.chi2 - best.point.chi2) / s2))
 
-    listed = [
-        explanation(refined(misfit, edge, best.angles + np.pi * np.array(choice), best.masses))
-        for choice in half_turns(len(best.masses))
-        if any(choice)
-    ]
+    turned = [best.angles + np.pi * np.array(choice) for choice in half_turns(len(best.masses))[1:]]
+    listed = [explanation(refined(misfit, edge, angles, best.masses)) for angles in turned]
     return (explanation(best), *likely(listed))
 
 

@@ -95,11 +95,8 @@ class Localisation(Reported):
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a place of each explanation, the best one (1) first."""
-        return [
-            {"explanation": k, "chi2_behind": e.behind, **asdict(f)}
-            for k, e in enumerate((self.best, *self.others), 1)
-            for f in e.found
-        ]
+        numbered = enumerate((self.best, *self.others), 1)
+        return [{"explanation": k, "chi2_behind": e.behind, **asdict(f)} for k, e in numbered for f in e.found]
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
