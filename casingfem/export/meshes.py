@@ -71,17 +71,10 @@ def drawn_surface(modes: Modes) -> Drawn:
     outward = dot(normals, shell.chart.directions(*grid.nodes)[0])
     flip = float(outward.sum()) < 0.0
     cells = quads(grid)[:, ::-1] if flip else quads(grid)
-    count = len(geometry.surface.x.T)
-    return Drawn(
-        points=np.real(geometry.surface.x.T),
-        cells=cells,
-        kind=QUAD,
-        sides=np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2),
-        rows=np.arange(count),
-        labels=np.arange(1, count + 1),
-        normals=np.real(-normals.T if flip else normals.T),
-        thickness=np.real(geometry.thickness),
-    )
+    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+    points, pointing = np.real(geometry.surface.x.T), np.real(-normals.T if flip else normals.T)
+    rows = np.arange(len(points))
+    return Drawn(points, cells, QUAD, sides, rows, rows + 1, pointing, np.real(geometry.thickness))
 
 
 def mode_files(

@@ -6,8 +6,7 @@ from .cyclic.reduction import cyclic_reduce
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
-from .interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
-from .interface.output import Displacement, Strain
+from .interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from .matrices import basis_matrices, structure_matrices
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes

@@ -24,11 +24,8 @@ Turning = Literal["casing", "blade"]
 Branch = Literal["sum", "backward", "forward"]
 BRANCHES: tuple[Branch, ...] = ("sum", "backward", "forward")
 CONDITION = {"sum": "f_c + f_b = n f", "backward": "f_b = f_c - n f", "forward": "f_b = f_c + n f"}
-EFFECT = {
-    "sum": "flutter, even without friction",
-    "backward": "resonance; flutter if mu > tan(lean)",
-    "forward": "resonance; flutter if mu > tan(lean)",
-}
+RESONANCE = "resonance; flutter if mu > tan(lean)"
+EFFECT = {"sum": "flutter, even without friction", "backward": RESONANCE, "forward": RESONANCE}
 WAVES = {
     "casing": {"sum": "backward, carried along", "backward": "backward", "forward": "forward"},
     "blade": {"sum": "forward, overtaken", "backward": "forward", "forward": "backward"},

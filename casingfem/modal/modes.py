@@ -138,7 +138,6 @@ def modes(
     seconds = {"assemble": assembled - started, "solve": time.perf_counter() - assembled}
     kept = wanted if isinstance(wanted, int) else len(found.eigenvalues)
     named = labelled(shell, system.grid, *ritz, count=kept, sturm=found.sturm_count, dofs=system.size, seconds=seconds)
-    warn_of_surveys(named)
     return checked_resolution(named)
 
 
@@ -149,7 +148,7 @@ def warn_of_surveys(found: Modes) -> None:
         resolved = getattr(field, "n_resolved", None)
         if resolved is not None and 2 * n > resolved:
             message = f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}"
-            warn("field-resolution", message, stacklevel=4)
+            warn("field-resolution", message, stacklevel=5)
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
@@ -214,17 +213,16 @@ def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
     if len(poor):
         which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
         mesh, share = modes.grid.mesh, worst[poor].max()
-        warn(
-            "mesh-coarse",
-            f"{which}: up to {share:.1%} of the shape in the finest polynomials of {len(mesh.breaks) - 1} x "
-            f"{mesh.around} elements of order {mesh.order}"
-            + ("; the mesh itself splits pairs whose 2n it divides" if split[poor].any() else ""),
-            stacklevel=5,
-        )
+        elements = f"{len(mesh.breaks) - 1} x {mesh.around} elements of order {mesh.order}"
+        more = "; the mesh itself splits pairs whose 2n it divides" if split[poor].any() else ""
+        found = f"{which}: up to {share:.1%} of the shape in the finest polynomials of {elements}{more}"
+        warn("mesh-coarse", found, stacklevel=5)
 
 
 def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
-    """The same modes, with a warning where they show a coarse mesh, or supports that leave motions free."""
+    """The same modes, with a warning where they show a coarse mesh or survey, or supports that leave motions free."""
+    if around:
+        warn_of_surveys(modes)
     warn_of_coarse_mesh(modes, around=around)
     held = ", ".join(edge for edge, holding in outer_supports(modes.shell).items() if holding is not None)
     if modes.rigid and held:

@@ -30,7 +30,7 @@ from casingfem.linalg.krylov import NOISE, independent, project_out
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
-from casingfem.modal.modes import RitzModes, checked_resolution, ritz_modes, warn_of_surveys
+from casingfem.modal.modes import RitzModes, checked_resolution, ritz_modes
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
@@ -118,7 +118,6 @@ def solved(shell: Shell, count: int, system: System | None = None) -> Solution:
     guard = ritz_modes(system, found.vectors)
     seconds = {"assemble": assembled, "solve": time.perf_counter() - started - assembled}
     lowest = labelled(shell, system.grid, *guard, count=count, sturm=shown, dofs=system.size, seconds=seconds)
-    warn_of_surveys(lowest)
     return Solution(checked_resolution(lowest), guard, system, pencil, OldFactor(found.factor, pencil.scale), 0)
 
 

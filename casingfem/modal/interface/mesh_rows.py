@@ -50,10 +50,8 @@ def facets_of(system: MeshSystem, name: str) -> Facets:
     if not len(facets):
         raise ModelError("mesh-group-no-facets", f"{mesh.source}: interface {name!r}")
     nodes = mesh.facet_nodes(facets)
-    parts = [
-        part_of(mesh, kind, nodes[rows], slots, facets[rows])
-        for kind, rows, slots in native(mesh.cell_kind.facet, nodes)
-    ]
+    kinds = native(mesh.cell_kind.facet, nodes)
+    parts = [part_of(mesh, kind, nodes[rows], slots, facets[rows]) for kind, rows, slots in kinds]
     return parts[0] if len(parts) == 1 else Facets(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -73,13 +71,8 @@ def part_of(mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets:
     q = len(values)
     whole = np.zeros((q, nodes.shape[1]))
     whole[:, slots] = values
-    return Facets(
-        x=on.x.reshape(-1, 3),
-        weight=np.abs(on.measure).ravel(),
-        outward=outward.reshape(-1, 3),
-        nodes=np.repeat(nodes, q, axis=0),
-        values=np.tile(whole, (len(nodes), 1)),
-    )
+    at_points = on.x.reshape(-1, 3), np.abs(on.measure).ravel(), outward.reshape(-1, 3)
+    return Facets(*at_points, np.repeat(nodes, q, axis=0), np.tile(whole, (len(nodes), 1)))
 
 
 def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
