@@ -210,12 +210,6 @@ def frames(count: int, most: int = FRAMES) -> IntArray:
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
 
 
-def factor_of(points: FloatArray, largest: float) -> float:
-    """What makes the largest displacement [m] a part EXAGGERATION of the body's diagonal; 1 where nothing moves."""
-    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    return EXAGGERATION * diagonal / largest if largest > 0.0 else 1.0
-
-
 def motion_files(
     name: str, points: FloatArray, cells: Array, time: Sequence[float] | FloatArray, displacement: FloatArray
 ) -> dict[str, bytes]:
@@ -230,14 +224,16 @@ def motion_files(
     time, displacement
         Instants [s], (times,), and displacements there [m], (times, nodes, 3).
 
-    The points are moved by the displacement times a factor, which the files carry as `exaggeration`; `displacement` at
-    the points is the true one.
+    The points are moved by the displacement times a factor, which the files carry as `exaggeration`: it makes the
+    largest one a part EXAGGERATION of the body's diagonal. `displacement` at the points is the true one.
 
     >>> files = motion_files("rod", np.eye(3), np.array([[5, 0, 1, 2]]), [0.0, 0.5], np.zeros((2, 3, 3)))
     >>> list(files)
     ['rod_0000.vtu', 'rod_0001.vtu', 'rod.pvd']
     """
-    factor = factor_of(points, float(np.linalg.norm(displacement, axis=2).max(initial=0.0)))
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    largest = float(np.linalg.norm(displacement, axis=2).max(initial=0.0))
+    factor = EXAGGERATION * diagonal / largest if largest > 0.0 else 1.0
     kind, corners = int(cells[0, 0]), np.asarray(cells[:, 1:], dtype=np.int64)
     files = {}
     for k, moved in enumerate(displacement):

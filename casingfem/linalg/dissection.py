@@ -181,9 +181,8 @@ def dissect(graph: Graph, axes: FloatArray, leaf: int = LEAF) -> tuple[IntArray,
         weight, parts = graph.weight[vertex], len(places)
         along = [best_cuts(x, part, weight, tail, head, parts) for x in axes[:, vertex]]
         best = np.argmin([cuts.cost for cuts in along], axis=0)
-        cost, last, above = (
-            np.choose(best, [getattr(cuts, name) for cuts in along]) for name in ("cost", "last", "above")
-        )
+        each = ([getattr(cuts, name) for cuts in along] for name in ("cost", "last", "above"))
+        cost, last, above = (np.choose(best, values) for values in each)
         total = np.bincount(part, weight, parts)
         split = (total > leaf) & (cost < 0.5 * total)
         upper = np.choose(best[part], [cuts.rank for cuts in along]) > last[part]

@@ -75,7 +75,7 @@ elements or a larger machine; thick solids go without a factor, `mesh_modes(soli
         raise MemoryNeedError(sentence("modes-memory", found))
 
 
-def require_affordable(modes: float, unknowns: int, what: str = "modes") -> None:
+def require_affordable(modes: float, unknowns: int) -> None:
     """Refuse more modes at once than an hour's work gives.
 
     Raises
@@ -92,5 +92,5 @@ most 12500 at once, or band after band: ask for at least 1 and far fewer than th
     most = max(MOST / unknowns, MODES)
     if not modes <= most:
         cost = f"hours of work and {8e-9 * modes * unknowns:.2g} GB of shapes"
-        found = f"{what}: some {modes:.3g} of {unknowns} unknowns, {cost}"
+        found = f"modes: some {modes:.3g} of {unknowns} unknowns, {cost}"
         raise ModelError("modes-count", f"{found}, expected at most {most:.0f} at once, or band after band")

@@ -103,19 +103,28 @@ class Hierarchy:
 
 
 def make_hierarchy(A: csr_array, near_null: FloatArray) -> Hierarchy:
-    """Levels of smoothed aggregation for A, symmetric positive definite, with near_null (n, k) in its coarse spaces."""
+    """Levels of smoothed aggregation for A with near_null (n, k) in its coarse spaces.
+
+    Raises
+    ------
+    ConvergenceError
+        If A is not positive definite.
+    """
     from pyamg import smoothed_aggregation_solver
 
     nodal = A.shape[0] % 3 == 0
     matrix = bsr_matrix(A, blocksize=(3, 3)) if nodal else csr_matrix(A)
     matrix.indices, matrix.indptr = matrix.indices.astype(np.int32), matrix.indptr.astype(np.int32)
     strength, smooth = ("symmetric", {"theta": 0.0}), "energy" if nodal else "jacobi"
-    solver = smoothed_aggregation_solver(
-        matrix, B=near_null, symmetry="symmetric", strength=strength, smooth=smooth, max_coarse=COARSEST
-    )
-    *fine, last = solver.levels
-    levels = tuple(make_level(csr_array(level.A), csr_array(level.P)) for level in fine)
-    return Hierarchy(levels, cho_factor(last.A.toarray()))
+    try:
+        solver = smoothed_aggregation_solver(
+            matrix, B=near_null, symmetry="symmetric", strength=strength, smooth=smooth, max_coarse=COARSEST
+        )
+        *fine, last = solver.levels
+        levels = tuple(make_level(csr_array(level.A), csr_array(level.P)) for level in fine)
+        return Hierarchy(levels, cho_factor(last.A.toarray()))
+    except np.linalg.LinAlgError as error:
+        raise ConvergenceError(f"the coarsest matrix is not positive definite: {error}") from error
 
 
 def make_level(A: csr_array, P: csr_array) -> Level:
@@ -172,10 +181,7 @@ def static_by_cycles(K: csc_array, near_null: FloatArray, loads: FloatArray) -> 
         If a residual stays above `BALANCED` of its load.
     """
     A = csr_array(K)
-    try:
-        levels = make_hierarchy(A, near_null)
-    except np.linalg.LinAlgError as error:
-        raise ConvergenceError(f"the coarsest matrix is not positive definite: {error}") from error
+    levels = make_hierarchy(A, near_null)
     allowed = BALANCED * np.linalg.norm(loads, axis=0)
     found, residual = np.zeros_like(loads), loads.copy()
     way = levels.cycle(residual)
@@ -220,10 +226,7 @@ def search(pencil: Pencil, levels: Hierarchy, found: FloatArray, sigma: float, s
 
 def make_levels(pencil: Pencil, near_null: FloatArray, shift: float) -> Hierarchy:
     """The multigrid levels of the shifted pencil, whose unknowns are scaled by the mass."""
-    try:
-        return make_hierarchy(csr_array(pencil.shifted(shift)), near_null / pencil.scale[:, None])
-    except np.linalg.LinAlgError as error:
-        raise ConvergenceError(f"the coarsest matrix is not positive definite: {error}") from error
+    return make_hierarchy(csr_array(pencil.shifted(shift)), near_null / pencil.scale[:, None])
 
 
 def iterate(

@@ -140,9 +140,8 @@ def make_pencil(K: Symmetric, mass: Mass) -> Pencil:
     if not isinstance(mass, np.ndarray) and not isinstance(K, ElementSum):
         bare = (diagonal == 0.0) & (np.real(K.diagonal()) > 0.0)
     if not np.all((diagonal > 0.0) | bare):
-        raise NumericsError(
-            "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
-        )
+        found = "the mass has a diagonal that is not positive: a density, a thickness or an element is wrong"
+        raise NumericsError(found)
     M = None if isinstance(mass, np.ndarray) else mass
     if isinstance(K, ElementSum):
         assert M is None

@@ -137,7 +137,8 @@ class Localisation(Reported):
         for other in self.others:
             places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
-        axes = [opposite_alike(e) for e in (self.best, *self.others)]
+        explained = (self.best, *self.others)
+        axes = [tuple(sorted(round(f.angle_deg % 180.0, 3) for f in e.found)) for e in explained]  # but for half turns
         if self.among == "bolts" and len(set(axes)) > 1:
             lines.append(
                 f"{len(self.others) + 1} explanations, and nothing in the table to choose: orientations of more pairs "
@@ -162,11 +163,6 @@ class Localisation(Reported):
         line = f"a single change is seen from {seen.min():.2g} to {seen.max():.2g} {unit}"
         places = ", ".join(str(k + 1) for k in np.flatnonzero(blind))
         return f"{line}, at places {places} not at all" if places else line
-
-
-def opposite_alike(explanation: Explanation) -> tuple[float, ...]:
-    """The angles [deg] of an explanation but for half turns."""
-    return tuple(sorted(round(one.angle_deg % 180.0, 3) for one in explanation.found))
 
 
 def described(among: str, one: Found) -> str:

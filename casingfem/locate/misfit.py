@@ -92,9 +92,8 @@ class Misfit:
         G = self.model.derivatives(found)
         turned = [match for match in matches if has_angle(match, self.table)]
         aimless = set(found.doublets) - {match.modes for match in turned}
-        at = Rates(
-            G=widest(found, sorted(aimless), G), turning={match.modes: turning(found, match, G) for match in turned}
-        )
+        turns = {match.modes: turning(found, match, G) for match in turned}
+        at = Rates(G=widest(found, sorted(aimless), G), turning=turns)
         table = with_model_error(self.table, self.model_error)
         residuals = values(found, table, matches)
         slopes = jacobian(found, table, matches, at)

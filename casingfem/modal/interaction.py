@@ -10,7 +10,7 @@ much.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -56,6 +56,9 @@ class DiskFrequencies:
     def of(self, n: int) -> tuple[float, ...]:
         """Frequencies [Hz] that n diameters of the casing can meet."""
         return tuple(self.freq.get(self.folded(n), ()))
+
+
+Blade: TypeAlias = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,15 +110,14 @@ class Interactions(Reported):
         lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
         if self.pairs and all(n * high < freq for n, _, freq in self.pairs):
             n, _, freq = max(self.pairs, key=lambda pair: pair[0] * high / pair[2])
-            lines.append(
-                f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz, and so for every n here: f_c + f_b = n f cannot be met"
-            )
+            below = f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz"
+            lines.append(f"{below}, and so for every n here: f_c + f_b = n f cannot be met")
         return "\n".join(lines)
 
 
 def interactions(
     casing: ModeSet | Mapping[int, Sequence[float]],
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
+    blade: Blade,
     *,
     speed_hz: tuple[float, float],
     turning: Turning = "blade",
@@ -176,9 +178,7 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
     return tuple(found)
 
 
-def blade_over_speed(
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies, n: int, low: float, high: float
-) -> tuple[FloatArray, FloatArray]:
+def blade_over_speed(blade: Blade, n: int, low: float, high: float) -> tuple[FloatArray, FloatArray]:
     """Speeds [Hz] (k,) and the blade's frequencies at them [Hz] (k, modes), for a casing pair of n diameters."""
     if isinstance(blade, Campbell):
         inside = (blade.speed_hz > low) & (blade.speed_hz < high)
@@ -194,11 +194,7 @@ def blade_over_speed(
 
 
 def _meetings(
-    pair: tuple[int, int, float],
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
-    low: float,
-    high: float,
-    waves: Mapping[str, str],
+    pair: tuple[int, int, float], blade: Blade, low: float, high: float, waves: Mapping[str, str]
 ) -> Iterator[Meeting]:
     """Coincidences of one casing pair: zeros of n f - (f_c + f_b), n f - (f_c - f_b) and n f - (f_b - f_c)."""
     n, m, f_c = pair

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import guarded, restarted_modes
@@ -110,8 +110,7 @@ class Mistuning(Reported):
     def of(cls, rows: Iterable[Pair], perfect: Sequence[Pair]) -> "Mistuning":
         """From the rows of all draws, and those of the mean shell."""
         columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 6
-        named = zip(("draw", "n", "m", "freq", "split", "angle_deg"), columns, strict=True)
-        arrays = {name: frozen(column) for name, column in named}
+        arrays = dict(zip(("draw", "n", "m", "freq", "split", "angle_deg"), columns, strict=True))
         return cls(**arrays, perfect={(pair.n, pair.m): pair.freq_hz for pair in perfect})
 
     @property

@@ -112,9 +112,8 @@ class ModeSet(Reported):
             angle = "-" if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
             if row["rigid"]:
                 n, split, angle, purity = "-", "rigid", "-", "-"
-            lines.append(
-                f"{row['mode']:>4} {row['freq_hz']:>11.3f} {n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
-            )
+            cells = f"{n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
+            lines.append(f"{row['mode']:>4} {row['freq_hz']:>11.3f} {cells}")
         counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
         lines.append(f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s")
         return "\n".join(lines)

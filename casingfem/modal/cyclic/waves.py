@@ -7,6 +7,7 @@ them the static answer at the channels is exact, and that of a mistuned wheel ri
 A pair z of 0 < n < N/2 has two real amplitudes: u_j = sqrt(2/N) Re(z e^(i n alpha j) (c - i s)) in sector j.
 """
 
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,9 +83,7 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
     sector = system.sector
     P = np.zeros((system.system.size, 0)) if loads is None else loads
     held = np.unique(blade.nonzero()[0]) if blade is not None else np.zeros(0, dtype=np.int64)
-    parts: dict[str, list[Array]] = {
-        name: [] for name in ("n", "omega", "modes", "partner", "sign", "places", "shapes")
-    }
+    parts = defaultdict[str, list[Array]](list)
     blocks, first = [], 0
     for n in sector.diameters:
         omega, Z, modes = waves_of(system, n, count, P)

@@ -90,13 +90,12 @@ def rim_lines(system: System, rim: Rim) -> FloatArray:
 
 def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (2, 5 nodes) of a blade tip: span and flap, averaged over the edge's length."""
-    grid, (span, flap, _) = system.grid, tip_directions(system, tip)
+    grid, directions = system.grid, tip_directions(system, tip)
     edge = grid.edges[tip.edge]
     weights = edge.arc(system.shell.geometry(*grid.nodes[:, edge.nodes]).surface)
     weights = weights / weights.sum()
     rows = np.zeros((2, grid.nodes.shape[1], DOFS))
-    rows[0, edge.nodes, :3] = weights[:, None] * span
-    rows[1, edge.nodes, :3] = weights[:, None] * flap
+    rows[:, edge.nodes, :3] = weights[:, None] * directions[:2, None]
     return rows.reshape(2, -1), ("span", "flap")
 
 

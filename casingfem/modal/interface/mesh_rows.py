@@ -158,9 +158,8 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
     e1, e2, a = axes
     c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
     units = [c * e1 + s * e2, c * e2 - s * e1, np.broadcast_to(a, (len(theta), 3))][: len(rim.directions)]
-    rows = np.stack(
-        [np.stack([facets.sums(waves * unit[:, k], count) for k in range(3)], axis=-1) for unit in units]
-    ).reshape(-1, count, 3)
+    sums = np.array([[facets.sums(waves * unit[:, k], count) for k in range(3)] for unit in units])
+    rows = np.moveaxis(sums, 1, -1).reshape(-1, count, 3)
     mean = float(np.average(radius, weights=facets.weight))
     shape = (waves * facets.weight) @ (radius - mean)
     shape[0] = 0.0
