@@ -9,8 +9,8 @@ from .locate.located import Localisation
 from .modal.basis import ModalBasis
 from .modal.campbell import campbell
 from .modal.interaction import interactions
+from .modal.interface.chart_rows import out_of_roundness
 from .modal.interface.kinds import Rim, Tip, TipNodes
-from .modal.interface.roundness import out_of_roundness
 from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
 from .modal.reduction import reduce

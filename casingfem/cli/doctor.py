@@ -12,7 +12,7 @@ import click
 
 from casingfem.cli.running import deliver, options
 from casingfem.extras import EXTRAS, remedy
-from casingfem.io.cores import usable_cores
+from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import json_text
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem", "numba", "pydantic", "pandas", "matplotlib", "jinja2")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.running import ProgressMessage, deliver, options, source_of
-from casingfem.io.cores import usable_cores
+from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:

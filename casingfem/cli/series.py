@@ -17,7 +17,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
 
     Raises InputError where no body's basis has a recovery, and where no states were stored.
     """
-    from casingfem.export.motion import frames, motion_files, point_files
+    from casingfem.export.meshes import frames, motion_files, point_files
     from contact.base.errors import InputError
     from contact.model.gaps.one_tip import rub_of
     from contact.recovery import at_points, rub_forces

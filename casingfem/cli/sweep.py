@@ -7,7 +7,7 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
-from casingfem.io.cores import usable_cores
+from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from casingfem.cli.mode_files import modes_csv, shapes, universal
 from casingfem.cli.model_warnings import collected
 from casingfem.cli.running import ProgressMessage, deliver
 from casingfem.modal.cyclic.mistuned import mistuned_modes
-from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
 from casingfem.modal.cyclic.reduction import OF_A_DIAMETER
-from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import cyclic_whirl
 from casingfem.study import MeshStudy
 from casingfem.study.cyclic import Wheel

@@ -1,4 +1,4 @@
-"""Mode shapes as files for ParaView: a VTU for each mode, and a PVD series of deformed surfaces that plays.
+"""Mode shapes and motions in time as files for ParaView: VTU, and PVD series of deformed surfaces that play.
 
 Every spectral element of order p is drawn as p x p four-noded quadrilaterals on its own nodes, so nodal values are the
 model's own. The arrays are binary: base64 of a zlib stream, as VTK's XML formats have it.
@@ -20,6 +20,8 @@ from casingfem.structure.mesh.shell_mesh import QUAD, quads
 
 EXAGGERATION = 0.05  # largest displacement drawn, as a part of the structure's diagonal
 PHASES = 16  # pictures in one period
+FRAMES = 100  # pictures of a run, about
+VERTEX = 1  # VTK's number of a point as a cell
 
 NAMES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="LittleEndian" header_type="UInt64"{}>\n'
@@ -69,17 +71,10 @@ def drawn_surface(modes: Modes) -> Drawn:
     outward = dot(normals, shell.chart.directions(*grid.nodes)[0])
     flip = float(outward.sum()) < 0.0
     cells = quads(grid)[:, ::-1] if flip else quads(grid)
-    count = len(geometry.surface.x.T)
-    return Drawn(
-        points=np.real(geometry.surface.x.T),
-        cells=cells,
-        kind=QUAD,
-        sides=np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2),
-        rows=np.arange(count),
-        labels=np.arange(1, count + 1),
-        normals=np.real(-normals.T if flip else normals.T),
-        thickness=np.real(geometry.thickness),
-    )
+    sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
+    points, pointing = np.real(geometry.surface.x.T), np.real(-normals.T if flip else normals.T)
+    rows = np.arange(len(points))
+    return Drawn(points, cells, QUAD, sides, rows, rows + 1, pointing, np.real(geometry.thickness))
 
 
 def mode_files(
@@ -115,15 +110,20 @@ def mode_files(
         raise ValueError(f"phases must be an even number of at least 4, found {phases}")
     if not (np.isfinite(exaggeration) and exaggeration > 0.0):
         raise ValueError(f"exaggeration must be positive, found {exaggeration!r}")
-    chosen = range(len(modes)) if which is None else which
-    for mode in chosen:
-        if not 0 <= mode < len(modes):
-            raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
-    surface = drawn(modes)
+    chosen, surface = chosen_modes(modes, which), drawn(modes)
     files: dict[str, bytes] = {}
     for mode in chosen:
         files |= one_mode(modes, mode, surface, phases, exaggeration)
     return files
+
+
+def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Sequence[int]:
+    """Indices into the modes, all of them if left out; ValueError for one that is not there."""
+    chosen = range(len(modes)) if which is None else which
+    for mode in chosen:
+        if not 0 <= mode < len(modes):
+            raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
+    return chosen
 
 
 def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, exaggeration: float) -> dict[str, bytes]:
@@ -140,8 +140,8 @@ def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, e
         small = {key: values.astype(np.float32) for key, values in point_data(surface, part * shape).items()}
         files[f"{name}_phase_{k:02d}.vtu"] = vtu(moved, surface.cells, small, facts, surface.kind)
     there_and_back = [min(k, phases - k) for k in range(phases)]
-    series = [(k / phases, f"{name}_phase_{file:02d}.vtu") for k, file in enumerate(there_and_back)]
-    return files | {f"{name}.pvd": pvd(series)}
+    pictures = [(k / phases, f"{name}_phase_{file:02d}.vtu") for k, file in enumerate(there_and_back)]
+    return files | {f"{name}.pvd": pvd(pictures)}
 
 
 def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
@@ -199,3 +199,64 @@ def pvd(series: Sequence[tuple[float, str]]) -> bytes:
     """
     lines = [f'<DataSet timestep="{float(time)!r}" part="0" file="{file}"/>\n' for time, file in series]
     return (HEAD.format("Collection", "") + "<Collection>\n" + "".join(lines) + "</Collection>\n</VTKFile>\n").encode()
+
+
+def frames(count: int, most: int = FRAMES) -> IntArray:
+    """At most so many of `count` instants, evenly, the first and the last among them.
+
+    >>> frames(3).tolist(), frames(1000, 4).tolist()
+    ([0, 1, 2], [0, 333, 666, 999])
+    """
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
+
+
+def motion_files(
+    name: str, points: FloatArray, cells: Array, time: Sequence[float] | FloatArray, displacement: FloatArray
+) -> dict[str, bytes]:
+    """File name -> content: `name.pvd`, which plays over time, and a `name_k.vtu` for each of its instants.
+
+    Parameters
+    ----------
+    points
+        At rest [m], (nodes, 3).
+    cells
+        VTK's number of the kind of each, and its nodes, (cells, 1 + nodes of a cell).
+    time, displacement
+        Instants [s], (times,), and displacements there [m], (times, nodes, 3).
+
+    The points are moved by the displacement times a factor, which the files carry as `exaggeration`: it makes the
+    largest one a part EXAGGERATION of the body's diagonal. `displacement` at the points is the true one.
+
+    >>> files = motion_files("rod", np.eye(3), np.array([[5, 0, 1, 2]]), [0.0, 0.5], np.zeros((2, 3, 3)))
+    >>> list(files)
+    ['rod_0000.vtu', 'rod_0001.vtu', 'rod.pvd']
+    """
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    largest = float(np.linalg.norm(displacement, axis=2).max(initial=0.0))
+    factor = EXAGGERATION * diagonal / largest if largest > 0.0 else 1.0
+    kind, corners = int(cells[0, 0]), np.asarray(cells[:, 1:], dtype=np.int64)
+    files = {}
+    for k, moved in enumerate(displacement):
+        of_whole = {"time_s": np.array([float(time[k])]), "exaggeration": np.array([factor])}
+        at_points = {"displacement": moved.astype(np.float32)}
+        place = (points + factor * moved).astype(np.float32)
+        files[f"{name}_{k:04d}.vtu"] = vtu(place, corners, at_points, of_whole, kind)
+    return files | series(name, time)
+
+
+def point_files(
+    name: str, time: Sequence[float] | FloatArray, places: FloatArray, data: Mapping[str, Array]
+) -> dict[str, bytes]:
+    """The same of single points (times, points, 3) [m] with data (times, points) at them, `displacement` zero."""
+    cells = np.arange(places.shape[1])[:, None]
+    files = {}
+    for k, at in enumerate(places):
+        here = {key: np.asarray(values[k], dtype=np.float32) for key, values in data.items()}
+        here = {"displacement": np.zeros_like(at, dtype=np.float32), **here}
+        files[f"{name}_{k:04d}.vtu"] = vtu(at, cells, here, {"time_s": np.array([float(time[k])])}, VERTEX)
+    return files | series(name, time)
+
+
+def series(name: str, time: Sequence[float] | FloatArray) -> dict[str, bytes]:
+    """The collection of the files of a motion by time."""
+    return {f"{name}.pvd": pvd([(float(t), f"{name}_{k:04d}.vtu") for k, t in enumerate(time)])}

@@ -10,7 +10,7 @@ import numpy as np
 from casingfem.experiment.uff.nodes import Nodes, TraceLine, Units
 from casingfem.experiment.uff.set_55 import NORMAL_MODE, Shape
 from casingfem.experiment.uff.write import write_uff
-from casingfem.export.meshes import Drawn, drawn
+from casingfem.export.meshes import Drawn, chosen_modes, drawn
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 
@@ -41,11 +41,7 @@ def write_modes_uff(
     ValueError
         A mode that is not there.
     """
-    chosen = range(len(modes)) if which is None else which
-    for mode in chosen:
-        if not 0 <= mode < len(modes):
-            raise ValueError(f"mode {mode + 1} is not among the {len(modes)} modes")
-    surface = drawn(modes)
+    chosen, surface = chosen_modes(modes, which), drawn(modes)
     none = np.zeros(len(surface.points), np.int64)
     return write_uff(
         path,

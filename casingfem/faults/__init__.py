@@ -2,12 +2,23 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import NamedTuple
 
 from casingfem.faults.edges import EDGES
-from casingfem.faults.fault import Fault
 from casingfem.faults.meshes import MESHES
 from casingfem.faults.results import RESULTS
 from casingfem.faults.surfaces import SURFACES
 
 PARTS = (SURFACES, EDGES, MESHES, RESULTS)
-CATALOGUE: Mapping[str, Fault] = MappingProxyType(dict(sorted((code, part[code]) for part in PARTS for code in part)))
+
+
+class Fault(NamedTuple):
+    """Why a model is refused or doubted, and what helps."""
+
+    cause: str
+    remedy: str
+
+
+CATALOGUE: Mapping[str, Fault] = MappingProxyType(
+    dict(sorted((code, Fault(*part[code])) for part in PARTS for code in part))
+)

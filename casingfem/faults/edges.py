@@ -1,141 +1,112 @@
 """Faults of what stands on an edge or turns: supports, bolts, rings, masses, loads, rotation."""
 
-from casingfem.faults.fault import Fault
-
 EDGES = {
-    "bolt-count": Fault(
-        "there is no such number of bolts",
-        "give the number of bolts, 1 to 1000",
-    ),
-    "bolt-mesh": Fault(
+    "bolt-count": ("there is no such number of bolts", "give the number of bolts, 1 to 1000"),
+    "bolt-mesh": (
         "elements around that do not follow the bolts see some bolts stiffer than others and split perfect pairs",
         "leave mesh.around out, or make it a multiple of the number of bolts",
     ),
-    "bolt-number": Fault(
-        "a loose bolt is named that does not exist",
-        "number the bolts from 1 to their count",
-    ),
-    "bolt-off-edge": Fault(
+    "bolt-number": ("a loose bolt is named that does not exist", "number the bolts from 1 to their count"),
+    "bolt-off-edge": (
         "a bolt, with the patch it acts on, does not lie on the edge",
         "change first_angle, spacing or width, or take fewer bolts",
     ),
-    "bolt-overlap": Fault(
+    "bolt-overlap": (
         "neighbouring bolts act on the same part of the edge",
         "give a smaller width, or a larger spacing",
     ),
-    "bolt-stiffness": Fault(
+    "bolt-stiffness": (
         "a bolt without stiffness, or with an impossible one, holds nothing",
         "give k in N/m, one number or [k_r, k_theta, k_z], and factors of 0 or more",
     ),
-    "load-edge": Fault(
-        "a load names an edge that the chart does not have",
-        "name one of the chart's edges",
-    ),
-    "load-none": Fault(
-        "a static solution without loads is zero",
-        "give at least one load",
-    ),
-    "load-idle": Fault(
+    "load-edge": ("a load names an edge that the chart does not have", "name one of the chart's edges"),
+    "load-none": ("a static solution without loads is zero", "give at least one load"),
+    "load-idle": (
         "a force pushes a node that nothing holds in that direction: neither stiffness nor mass",
         "put a spring or a mass there, or leave the direction out",
     ),
-    "load-place": Fault(
+    "load-place": (
         "a point load lies off the surface",
         "give the two parameters of the chart, as its `bounds` have them",
     ),
-    "load-ring": Fault(
+    "load-ring": (
         "the weight of rings and point masses is not modelled",
         "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
     ),
-    "mass-edge": Fault(
-        "masses stand on the edges of the shell",
-        "name an edge of the chart and give EdgeMass values",
-    ),
-    "mass-value": Fault(
-        "a mass that is negative or not finite, or at no angle",
-        "give the mass in kg and the angle in rad",
-    ),
-    "ring-edge": Fault(
+    "mass-edge": ("masses stand on the edges of the shell", "name an edge of the chart and give EdgeMass values"),
+    "mass-value": ("a mass that is negative or not finite, or at no angle", "give the mass in kg and the angle in rad"),
+    "ring-edge": (
         "a ring's section is placed by radius and axis, and its ends are free",
         "put the ring on an edge that runs around (base, top, root or tip) and ends on no held one",
     ),
-    "ring-offset": Fault(
+    "ring-offset": (
         "the place of a ring's section or foot is no pair of lengths",
         "give (radial, axial) in metres, or leave it out",
     ),
-    "ring-section": Fault(
+    "ring-section": (
         "a ring's section has a size that is not positive and finite",
         "give width and depth, or a diameter, in metres",
     ),
-    "ring-support": Fault(
+    "ring-support": (
         "what holds a ring must be springs: a held ring is a held edge",
         "give the ring an elastic support, bolts or none; to clamp it, clamp the edge",
     ),
-    "rotation-axis": Fault(
-        "an axis of rotation without direction or place",
-        "give two vectors of three finite numbers",
-    ),
-    "rotation-blade": Fault(
+    "rotation-axis": ("an axis of rotation without direction or place", "give two vectors of three finite numbers"),
+    "rotation-blade": (
         "hub radius and stagger place a blade on its hub",
         "give a hub radius of 0 or more, on an open chart",
     ),
-    "rotation-large": Fault(
+    "rotation-large": (
         "the centrifugal force bends or untwists the shell so much that linear statics no longer describe it",
         "lower the speed, or align the part with its radius; frequencies of such a state need nonlinear statics",
     ),
-    "rotation-none": Fault(
-        "the structure does not rotate",
-        "give it a Rotation: replace(structure, rotation=...)",
-    ),
-    "rotation-ring": Fault(
+    "rotation-none": ("the structure does not rotate", "give it a Rotation: replace(structure, rotation=...)"),
+    "rotation-ring": (
         "the centrifugal force of rings and point masses on an edge is not modelled",
         "take them off, or make a ring a thick Strip of the shell",
     ),
-    "rotation-speed": Fault(
-        "the speed of rotation is not finite",
-        "give it in rad/s, 2 pi times turns a second",
-    ),
-    "rotation-unstable": Fault(
+    "rotation-speed": ("the speed of rotation is not finite", "give it in rad/s, 2 pi times turns a second"),
+    "rotation-unstable": (
         "spin softening exceeds the stiffness: at this speed the shell leaves its shape",
         "lower the speed, stiffen the support, or see that the hub radius and the axis are meant",
     ),
-    "rotation-update": Fault(
+    "rotation-update": (
         "tests of rotating parts are not fitted: the derivatives leave the centrifugal stiffening out",
         "fit the part at rest, then give it its rotation",
     ),
-    "springs-negative": Fault(
+    "springs-negative": (
         "the pattern of an elastic edge falls below -1 somewhere: a spring would push",
         "reduce the harmonics of its pattern until their sum stays above -1",
     ),
-    "static-loose": Fault(
+    "static-loose": (
         "a rigid motion is not held, or the shell is so soft that round-off hides its stiffness",
         "hold every motion that the loads drive; where they balance, a soft elastic edge is enough",
     ),
-    "support-edge": Fault(
+    "support-edge": (
         "a support names an edge the chart does not have",
         "casings have base and top, panels and blades root, tip, left and right",
     ),
-    "support-incomplete": Fault(
+    "support-incomplete": (
         "the supports leave motions of the whole body free",
         "hold or spring the missing directions, unless the motion is meant",
     ),
-    "support-kind": Fault(
+    "support-kind": (
         "this is no support of a shell's edge",
         "use Clamped(), ShearDiaphragm(), ElasticEdge(...), Bolts(...)",
     ),
-    "support-no-springs": Fault(
+    "support-no-springs": (
         "an elastic support without any spring holds nothing",
         "give at least one of k_r, k_theta, k_z, k_rot, k_face, or leave the support out",
     ),
-    "support-soft": Fault(
+    "support-soft": (
         "the springs are so soft that the structure floats",
         "give k_r, k_theta, k_z in N/m per m and k_face in N/m^3 (a stiff embedding has some 1e13)",
     ),
-    "support-springs": Fault(
+    "support-springs": (
         "a spring stiffness is negative or not finite, or no spring has this name",
         "give k_r, k_theta, k_z [N/m per m], k_rot [N m/rad per m], k_face [N/m^3] from 0",
     ),
-    "symmetry-slanted": Fault(
+    "symmetry-slanted": (
         "an edge of symmetry lies in a plane that the surface meets at a right angle; a cone's rim has none",
         "model the whole body, or choose the support that is meant: clamped or shear-diaphragm",
     ),

@@ -1,173 +1,141 @@
 """Faults of what is asked of a model, and of what it is compared with: modes, reduction, sensors, study and files."""
 
-from casingfem.faults.fault import Fault
-
 RESULTS = {
-    "expansion-modes": Fault(
+    "expansion-modes": (
         "shapes at the sensors do not determine so many modes",
         "use fewer modes, modes that the sensors tell apart, or more sensors",
     ),
-    "interaction-blade": Fault(
+    "interaction-blade": (
         "a blade or bladed disk has no positive frequencies, or nodal diameters that its blades cannot carry",
         "give frequencies in Hz; a disk of N blades has nodal diameters 0 to N/2",
     ),
-    "interaction-casing": Fault(
+    "interaction-casing": (
         "a casing has no elastic pair with nodal diameters",
         "take modes of a closed casing, or give frequencies by n >= 1",
     ),
-    "interaction-speed": Fault(
+    "interaction-speed": (
         "there is no such range of speeds, or nothing that turns",
         'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
     ),
-    "interface-edge": Fault(
+    "interface-edge": (
         "the interface is not an edge that contact can see",
         "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip); of an imported part a "
         "group of facets that closes around the axis (Rim) or ends the blade (Tip)",
     ),
-    "interface-harmonics": Fault(
+    "interface-harmonics": (
         "the rim's harmonics exceed what the mesh resolves",
         "reduce n_max, or ask for more elements around",
     ),
-    "interface-held": Fault(
-        "the edge that contact should push is held",
-        "name a free edge, or an elastic one",
-    ),
-    "interface-lines": Fault(
+    "interface-held": ("the edge that contact should push is held", "name a free edge, or an elastic one"),
+    "interface-lines": (
         "a rim's lines lie off the casing, or cannot be had in this reduction",
         "give places of the chart's first parameter within its bounds; leave lines out for the edge itself",
     ),
-    "interface-nodes": Fault(
+    "interface-nodes": (
         "a blade's tip is cut into no pieces, or into too many; or contact names nodes that are not there",
         "take 1 to 100 pieces, of an imported part no more than its mesh resolves; name nodes of its file, each once",
     ),
-    "law-stations": Fault(
+    "law-stations": (
         "a law from root to tip is neither a number nor a list of them",
         "give one number, or 2 to 8 finite values at equally spaced stations, the root's first",
     ),
-    "locate-among": Fault(
-        "there are two kinds of places to look among",
-        "look among bolts or mass",
-    ),
-    "locate-baseline": Fault(
+    "locate-among": ("there are two kinds of places to look among", "look among bolts or mass"),
+    "locate-baseline": (
         "the table measured before has nothing to set against the model",
         "give the table of the same casing, with n, or leave the baseline out",
     ),
-    "locate-bolts": Fault(
+    "locate-bolts": (
         "loose bolts are looked for on the one edge that has bolts",
         "give one edge bolts, under a ring or not",
     ),
-    "locate-edge": Fault(
+    "locate-edge": (
         "masses and bolts are looked for on an edge that runs around a closed casing",
         "name the edge, base or top, of a closed casing",
     ),
-    "locate-unlabelled": Fault(
+    "locate-unlabelled": (
         "places are told by the splits of pairs, which need their nodal diameters",
         "give n for the rows of the table, and angle_deg where it was measured",
     ),
-    "modes-band": Fault(
+    "modes-band": (
         "a band of frequencies is no band, or a count stands beside it",
         "give band = (from, to) in Hz, 0 <= from < to, or a count, not both",
     ),
-    "modes-count": Fault(
+    "modes-count": (
         "no such number of modes can be computed",
         "ask for at least 1 and far fewer than the mesh has unknowns",
     ),
-    "modes-lobpcg": Fault(
+    "modes-lobpcg": (
         "LOBPCG with multigrid did not find the modes, as on thin walls; shift-invert was used instead",
         "none is needed; `mesh_modes(solid, count, multigrid=False)` saves the attempt",
     ),
-    "modes-memory": Fault(
+    "modes-memory": (
         "a factorisation needs more memory than is free",
         "take fewer elements or a larger machine; thick solids go without a factor, "
         "`mesh_modes(solid, count, multigrid=True)`",
     ),
-    "modes-method": Fault(
+    "modes-method": (
         "this method does not apply",
         "leave method out; harmonics need a casing on which nothing varies around",
     ),
-    "modes-rigid": Fault(
+    "modes-rigid": (
         "on a mesh this coarse a thin free body bends before it turns as a whole: the rotations are not resolved",
         "leave the mesh out, or raise mesh.order or mesh.around",
     ),
-    "modes-round-off": Fault(
+    "modes-round-off": (
         "round-off of the stiffness outweighs what parts these eigenvalues: no count tells whether a mode is missing, "
         "and the frequencies may be wrong",
         "check units and proportions; a rod or a wire needs a beam; end the count or the band in a wider gap",
     ),
-    "output-direction": Fault(
+    "output-direction": (
         "an output asks for a direction or component that there is none of",
         "x, y, z, normal, radial, tangential for a displacement; 11, 22, 12 and a side of -1 to 1 for a strain",
     ),
-    "output-name": Fault(
-        "two outputs have the same name",
-        "give each its own",
-    ),
-    "output-place": Fault(
+    "output-name": ("two outputs have the same name", "give each its own"),
+    "output-place": (
         "an output lies off the surface, or at a place that structures of this kind do not have",
         "give parameters within the chart's bounds; of imported parts a NodeDisplacement, of solids a NodeStress too",
     ),
-    "reduce-damping": Fault(
+    "reduce-damping": (
         "the damping ratio is not one of a vibrating mode",
         "give zeta from 0 to below 1 (half a per cent as 0.005)",
     ),
-    "reduce-method": Fault(
-        "there is no such method of reduction",
-        "use free or craig-bampton",
-    ),
-    "reduce-rigid": Fault(
-        "a body that can move as a whole has no static compliance",
-        "support it before reducing",
-    ),
-    "sensor-far": Fault(
+    "reduce-method": ("there is no such method of reduction", "use free or craig-bampton"),
+    "reduce-rigid": ("a body that can move as a whole has no static compliance", "support it before reducing"),
+    "sensor-far": (
         "a sensor does not stand on the wall of this model",
         "check the points' unit (metres), origin and axes; the axis of a casing is z",
     ),
-    "sensor-twice": Fault(
+    "sensor-twice": (
         "two channels measure the same motion, so that the mass at them is not defined",
         "leave repeated channels out, or reduce the mass by SEREP",
     ),
-    "study-file": Fault(
-        "the file cannot be read",
-        "give the path of a text file in UTF-8",
-    ),
-    "study-key": Fault(
-        "a key is unknown, or stands beside one that excludes it",
-        "`casingfem schema` lists all keys",
-    ),
-    "study-missing": Fault(
-        "a key or table that the study needs is not there",
-        "add it; `casingfem schema` lists all keys",
-    ),
-    "study-toml": Fault(
-        "the file is not TOML",
-        "correct the line named; text stands in quotes, each table once",
-    ),
-    "study-value": Fault(
-        "a value has the wrong type or lies out of range",
-        "give what is expected there, in SI units",
-    ),
-    "table-columns": Fault(
+    "study-file": ("the file cannot be read", "give the path of a text file in UTF-8"),
+    "study-key": ("a key is unknown, or stands beside one that excludes it", "`casingfem schema` lists all keys"),
+    "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
+    "study-toml": ("the file is not TOML", "correct the line named; text stands in quotes, each table once"),
+    "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
+    "table-columns": (
         "a frequency table has columns that nobody uses",
         "nothing need be done: they are kept; a number that should count has one of the names mode, n, freq_hz, "
         "sigma_hz, angle_deg, zeta",
     ),
-    "uff-gap": Fault(
+    "uff-gap": (
         "sets of nodes and elements hold no count, and here a few of their numbers are left out",
         "compare with the program that wrote the file: were lines lost?",
     ),
-    "uff-local": Fault(
+    "uff-local": (
         "the coordinates of nodes refer to coordinate systems of the file that are not read",
         "export the geometry in global coordinates, or see that these systems are the global one",
     ),
-    "uff-shapes": Fault(
+    "uff-shapes": (
         "sets of shapes hold no count, and the shapes of one file have values at different nodes",
         "compare with the program that wrote the file: were lines lost?",
     ),
-    "uff-unknown": Fault(
+    "uff-unknown": (
         "the file has a set of a number that this reader does not know; it is skipped",
         "look whether the number is the one meant",
     ),
-    "update-angles": Fault(
+    "update-angles": (
         "the angles of pairs are not fitted on an imported part: its frequencies, means and splits are",
         "nothing needs doing; model the part as a cf.Shell to fit its angles too",
     ),

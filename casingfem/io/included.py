@@ -1,4 +1,9 @@
-"""Mesh files that include others, by Abaqus' *INCLUDE or Nastran's INCLUDE: all their lines, each with its place."""
+"""Lines of mesh files and of those that they include, by Abaqus' *INCLUDE or Nastran's INCLUDE, each with its place.
+
+The last line of a file that does not end it is whole, a number cut short, or not to be told: editors leave such lines,
+and so does a copy that was cut off. A cut number cannot be told from a whole one by itself, but a line that nobody
+reads, a field that is full or followed by a blank, and a number written as wide as the one above it can.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +12,7 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TypeAlias
 
-from casingfem.errors import ModelError
-from casingfem.io.last_line import check_last_line
+from casingfem.errors import ModelError, warn
 
 NumberedLine: TypeAlias = tuple[str, str]  # its place, "3" or "3 of parts.inp", and the line
 
@@ -16,6 +20,11 @@ ABAQUS = re.compile(r"\s*\*INCLUDE\s*,\s*INPUT\s*=\s*[\"']?([^\"']+?)[\"']?\s*",
 NASTRAN = re.compile(r"\s*INCLUDE\s+[\"']?([^\"']+?)[\"']?\s*", re.IGNORECASE)
 INCLUDES = {".inp": ABAQUS} | dict.fromkeys((".bdf", ".nas", ".dat", ".pch", ".dmig"), NASTRAN)
 DEEPEST = 20
+
+ENDS = ("*END", "**", "ENDDATA", "$", "*INCLUDE", "INCLUDE")  # last lines that hold no number
+LAST_COLUMN = 72  # of a line of Nastran's columns
+DECIMAL = re.compile(r"[+-]?\d*\.\d*")
+NUMBER = re.compile(r"[+-]?\d*\.?\d*([EDed]?[+-]\d+|[EDed]\d+)?")
 
 
 def read_lines(path: Path, read: Collection[str] | None = None) -> list[NumberedLine]:
@@ -27,7 +36,7 @@ def read_lines(path: Path, read: Collection[str] | None = None) -> list[Numbered
     ------
     ModelError
         Where an included file is not there or includes itself, or the last line of a file is not ended and may be a
-        part of one (`last_line.py`).
+        part of one (`check_last_line`).
     """
     return [line for _, lines in _files(path, path, (), read) for line in lines]
 
@@ -70,3 +79,82 @@ def _found(name: str, path: Path, main: Path) -> Path | None:
     """The file of a name, beside the file that includes it or beside the first."""
     places = (folder / written for folder in (path.parent, main.parent) for written in (name, name.replace("\\", "/")))
     return next((place for place in places if place.is_file()), None)
+
+
+def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str] | None) -> None:
+    r"""Refuse a last line without an end where a part of it may be missing, warn where digits alone may be.
+
+    Parameters
+    ----------
+    text, name
+        Of the file.
+    abaqus
+        Keywords and commas, instead of Nastran's cards and fields.
+    read
+        Keywords or names of cards that are read; all if None.
+
+    Raises
+    ------
+    ModelError
+        `mesh-file`.
+
+    Warns
+    -----
+    ModelWarning
+        `mesh-last-line` where the last decimal number may have lost digits.
+
+    >>> check_last_line("GRID,1,,0.5,1.\nMAT1,1,2.", "a.bdf", abaqus=False, read={"GRID"})
+    >>> check_last_line("*NODE\n1, 0.5, 1.0\n2, 0.5, 2.0", "a.inp", abaqus=True, read=None)
+    """
+    if not text or text[-1] in "\r\n":
+        return
+    lines = text.splitlines()
+    last = lines[-1]
+    head = owner(lines, abaqus)
+    if not last.strip() or last.strip().upper().startswith(ENDS) or head == "ENDDATA":
+        return
+    if read is not None and head and head not in read:
+        return
+    found, above = fields(last, abaqus), fields(lines[-2], abaqus) if len(lines) > 1 else []
+    number = found[-1].strip() if found else ""
+    if not abaqus and "," not in last and len(last.expandtabs(8)) >= LAST_COLUMN:
+        return
+    alike = len(found) == len(above) and (abaqus or found[0] == above[0])
+    if alike and number and NUMBER.fullmatch(number):
+        if full(last, abaqus) or len(found[-1].rstrip()) == len(above[-1].rstrip()):
+            return
+        if DECIMAL.fullmatch(number):
+            warn("mesh-last-line", f"{name}: found the last line, {last.strip()[-40:]!r}, without an end", stacklevel=6)
+            return
+    raise ModelError("mesh-file", f"{name}: the last line, {last.strip()[-40:]!r}, has no end: cut short?")
+
+
+def owner(lines: list[str], abaqus: bool) -> str:
+    """Keyword or name of the card that the last line belongs to; "" where it is not known, or may be cut itself."""
+    for line in reversed(lines):
+        if abaqus and line.lstrip()[:1] == "*" and line.lstrip()[:2] != "**":
+            head = " ".join(line.strip()[1:].partition(",")[0].upper().split())
+            return head if line is not lines[-1] or "," in line else ""
+        if not abaqus and line[:1].isalpha():
+            if any(before.strip().upper().startswith("ENDDATA") for before in lines[:-1]):
+                return "ENDDATA"
+            head = (line.partition(",")[0] if "," in line else line[:8]).strip().rstrip("*").upper()
+            return head if line is not lines[-1] or len(line) > len(head) + 1 else ""
+    return ""
+
+
+def fields(line: str, abaqus: bool) -> list[str]:
+    """Fields between commas, or in Nastran's columns, those that are empty at the end left out."""
+    if abaqus or "," in line:
+        return line.rstrip(", \t").split(",")
+    line = line.expandtabs(8)
+    width = 16 if "*" in line[:8] else 8
+    return [line[:8].strip(), *(line[k : k + width] for k in range(8, len(line.rstrip()), width))]
+
+
+def full(line: str, abaqus: bool) -> bool:
+    """Whether the last number is followed by something, or fills its columns."""
+    if line[-1] in " \t,":
+        return True
+    width = 16 if "*" in line[:8] else 8
+    return not abaqus and "," not in line and (len(line.expandtabs(8)) - 8) % width == 0

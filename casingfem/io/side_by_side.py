@@ -1,4 +1,4 @@
-"""The same work on many items: in turn, or in processes of their own."""
+"""The same work on many items: in turn, or in processes of their own; how many cores there are for it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
-from contact.io.workers import worker_pool
-
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 A = TypeVar("A")
 B = TypeVar("B")
+
+
+def usable_cores() -> int:
+    """Cores that the scheduler gives this process, maybe not all; where it does not say, those of the machine."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Each(Protocol):
@@ -31,6 +34,8 @@ def side_by_side(workers: int) -> Iterator[Each]:
     if workers < 2:
         yield map
         return
+    from contact.io.workers import worker_pool  # loaded with the first processes, not by every command
+
     with one_thread(), worker_pool(workers) as pool:
         yield pool.map
 

@@ -57,10 +57,7 @@ class StrictCsv:
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
         """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
-        values = np.empty(len(self.lines))
-        for row, text in enumerate(self.cells[column]):
-            values[row] = self._number(row, column, text, blank)
-        return values
+        return np.array([self._number(row, column, text, blank) for row, text in enumerate(self.cells[column])], float)
 
     def _number(self, row: int, column: str, text: str, blank: float | None) -> float:
         if not text:

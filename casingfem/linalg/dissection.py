@@ -99,9 +99,8 @@ def coordinates(graph: Graph) -> FloatArray:
     """Coordinates of the vertices, (axes, vertices): principal axes of distances to far vertices, and the component."""
     if graph.size == 1:
         return np.zeros((1, 1))
-    pieces, piece = connected_components(
-        csr_array((np.ones(len(graph.head)), graph.head, graph.first), shape=(graph.size, graph.size)), directed=False
-    )
+    links = csr_array((np.ones(len(graph.head)), graph.head, graph.first), shape=(graph.size, graph.size))
+    pieces, piece = connected_components(links, directed=False)
     ends = np.cumsum(np.bincount(piece, minlength=pieces)) - 1
 
     def farthest(away: IntArray) -> IntArray:
@@ -117,9 +116,8 @@ def coordinates(graph: Graph) -> FloatArray:
         source = farthest(nearest)
     X = np.array(found, dtype=float).T
     count = np.maximum(np.diff(graph.first), 1)[:, None]
-    mean = csr_array((np.ones(len(graph.head)), graph.head, graph.first), shape=(graph.size, graph.size))
     for _ in range(SMOOTHINGS):
-        X = 0.5 * (X + (mean @ X) / count)
+        X = 0.5 * (X + (links @ X) / count)
     X -= X.mean(axis=0)
     _, turn = np.linalg.eigh(X.T @ X)
     axes = (X @ turn[:, ::-1][:, :AXES]).T
@@ -183,9 +181,8 @@ def dissect(graph: Graph, axes: FloatArray, leaf: int = LEAF) -> tuple[IntArray,
         weight, parts = graph.weight[vertex], len(places)
         along = [best_cuts(x, part, weight, tail, head, parts) for x in axes[:, vertex]]
         best = np.argmin([cuts.cost for cuts in along], axis=0)
-        cost, last, above = (
-            np.choose(best, [getattr(cuts, name) for cuts in along]) for name in ("cost", "last", "above")
-        )
+        each = ([getattr(cuts, name) for cuts in along] for name in ("cost", "last", "above"))
+        cost, last, above = (np.choose(best, values) for values in each)
         total = np.bincount(part, weight, parts)
         split = (total > leaf) & (cost < 0.5 * total)
         upper = np.choose(best[part], [cuts.rank for cuts in along]) > last[part]

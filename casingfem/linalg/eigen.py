@@ -7,28 +7,20 @@ import numpy as np
 
 from casingfem.errors import NumericsError, sentence
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off, warn_of_count
-from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct, Factor, factorise
-from casingfem.linalg.krylov import BLOCKS, START_SEED, ConvergenceError, nearest
-from casingfem.linalg.pencil import Mass, Pencil, make_pencil
+from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
+from casingfem.linalg.memory import require_affordable
+from casingfem.linalg.pencil import (
+    Mass,
+    Pencil,
+    clear_of_eigenvalues,
+    make_pencil,
+    most_round_off,
+    round_off,
+    warn_of_count,
+)
 from casingfem.linalg.slicing import CLEAR, CLEARER, slices
-
-__all__ = [
-    "START_SEED",
-    "Band",
-    "CountError",
-    "EigenResult",
-    "NumericsError",
-    "factorise",
-    "gap_after",
-    "solve",
-    "solve_band",
-    "solve_modes",
-    "sturm_count",
-]
-
 
 Band: TypeAlias = tuple[float, float]
 
@@ -135,8 +127,7 @@ def solve_modes(
     pencil = make_pencil(K, mass)
     size = pencil.modes
     if not 1 <= count <= size:
-        asked = f"count must lie between 1 and {size}, found {count}"
-        raise CountError(sentence("modes-count", asked))
+        raise CountError(sentence("modes-count", f"count must lie between 1 and {size}, found {count}"))
     require_affordable(count, size)
     for step in (1.0, 1e2, 1e4):  # a shift too close to rigid motions drowns the elastic modes in their round-off
         try:
@@ -213,22 +204,11 @@ def solve_band(K: Symmetric, mass: Mass, band: Band, shift: float, direct: Direc
     vectors = np.hstack([part.vectors for part in parts])
     products = sum(part.products for part in parts)
     counted = len(values) if all(part.counted for part in parts) else None
-    return result(pencil, values, vectors, counted, products)
+    return result(pencil, values, vectors, counted, products, None)
 
 
 def result(
-    pencil: Pencil,
-    values: FloatArray,
-    vectors: Array,
-    certified: int | None,
-    products: int,
-    factor: Factor | None = None,
+    pencil: Pencil, values: FloatArray, vectors: Array, certified: int | None, products: int, factor: Factor | None
 ) -> EigenResult:
     """Certified pairs of the scaled pencil as modes of K and M."""
-    return EigenResult(
-        eigenvalues=values,
-        vectors=vectors * pencil.scale[:, None],
-        sturm_count=certified,
-        products=products,
-        factor=factor,
-    )
+    return EigenResult(values, vectors * pencil.scale[:, None], certified, products, factor)

@@ -5,7 +5,7 @@ one, are pivots or rows there. The matrix of an element that has a front to itse
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
@@ -19,19 +19,8 @@ Places: TypeAlias = slice | IntArray
 Parts: TypeAlias = tuple[Array, Array, Array]
 
 
-class Entries(Protocol):
-    """A front's share of matrices of one pattern."""
-
-    def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
-
-        Of the first and the last at least the lower triangle.
-        """
-        ...
-
-
 class SparseEntries(NamedTuple):
-    """Entries number `source` of A's data are entries number `place` of the front's columns.
+    """A front's share of sparse matrices: entries number `source` of A's data, number `place` of the front's columns.
 
     Those of the pivots (k, k) come first, one column after the other, then those of the rows (m, k).
     """
@@ -40,7 +29,10 @@ class SparseEntries(NamedTuple):
     place: IntArray
 
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a matrix in columns."""
+        """The front of a matrix on unknowns `pivots` (k,) and `rows` (m,): (k, k), (m, k), (m, m), by columns.
+
+        Of the first and the last at least the lower triangle.
+        """
         assert not isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         columns = np.zeros(k * (k + m), dtype=A.data.dtype)
@@ -61,12 +53,12 @@ class Piece(NamedTuple):
 
 
 class ElementEntries(NamedTuple):
-    """The elements that belong to a front."""
+    """A front's share of sums of elements: those that belong to it."""
 
     pieces: tuple[Piece, ...]
 
     def parts(self, A: Symmetric, pivots: IntArray, rows: IntArray) -> Parts:
-        """The front of a sum of elements."""
+        """The front of a sum of elements, its parts as those of `SparseEntries`."""
         assert isinstance(A, ElementSum)
         k, m = len(pivots), len(rows)
         K_pp, K_pr, K_rr = np.zeros((k, k)), np.zeros((k, m)), np.zeros((m, m))
@@ -79,6 +71,9 @@ class ElementEntries(NamedTuple):
             accumulate(K_rr, p.to_rows, p.to_rows, of_rows[:, p.rows], beside, beside, number == 0)
         K_pp[np.arange(k), np.arange(k)] += A.diagonal[pivots]
         return K_pp.T, K_pr.T, K_rr.T
+
+
+Entries: TypeAlias = SparseEntries | ElementEntries
 
 
 def accumulate(
@@ -156,40 +151,24 @@ def sparse_entries(
     local = np.zeros(len(order), dtype=np.int32)  # places of unknowns in the front at hand
     degree = np.diff(A.indptr)
     found = []
-    for f, below in enumerate(rows):
+    for f, below in enumerate(rows):  # found for the first unknown of each vertex, the others follow
         own = slice(ends[f], ends[f + 1])
         start, end = int(starts[ends[f]]), int(starts[ends[f + 1]])
-        local[start:end] = np.arange(end - start)
-        local[below] = end - start + np.arange(len(below))
-        size = end - start, len(below)
-        found.append(entries_of(A, order[start:end], position, local, degree, weight[own], starts[own], size))
+        k, m, unknowns = end - start, len(below), order[start:end]
+        local[start:end], local[below] = np.arange(k), k + np.arange(m)
+        first = unknowns[starts[own] - start] if k else unknowns
+        entries = degree[first]
+        inside = spans(np.zeros_like(entries), entries)
+        row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
+        kept = row >= np.repeat(starts[own], entries)  # the lower triangle, and vertices' own blocks
+        inside, row = inside[kept], local[row[kept]]
+        last = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
+        here = row < k
+        place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
+        number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
+        each = np.repeat(np.diff(last, prepend=0), weight[own])  # entries of each unknown
+        of = spans(np.repeat(np.append(0, last)[:-1], weight[own]), each)
+        column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
+        at, on, stride = (x.astype(number)[of] for x in (inside, place, step))
+        found.append(SparseEntries(at + begin, on + stride * column))
     return found
-
-
-def entries_of(
-    A: csc_array,
-    unknowns: IntArray,
-    position: Array,
-    local: Array,
-    degree: IntArray,
-    weight: IntArray,
-    starts: IntArray,
-    size: tuple[int, int],
-) -> SparseEntries:
-    """Of one front: found for the first unknown of each of its vertices, the others follow."""
-    k, m = size
-    first = unknowns[starts - starts[0]] if k else unknowns
-    entries = degree[first]
-    inside = spans(np.zeros_like(entries), entries)
-    row = position[A.indices[inside + np.repeat(A.indptr[first], entries)]]
-    kept = row >= np.repeat(starts, entries)  # the lower triangle, and vertices' own blocks
-    inside, row = inside[kept], local[row[kept]]
-    ends = np.append(0, np.cumsum(kept))[np.cumsum(entries)]
-    here = row < k
-    place, step = np.where(here, row, k * k + row - k), np.where(here, k, m)
-    number = np.int32 if max(len(A.indices), k * (k + m)) < 2**31 else np.int64
-    each = np.repeat(np.diff(ends, prepend=0), weight)  # entries of each unknown
-    of = spans(np.repeat(np.append(0, ends)[:-1], weight), each)
-    column, begin = (np.repeat(x.astype(number), each) for x in (np.arange(k), A.indptr[unknowns]))
-    at, own, stride = (x.astype(number)[of] for x in (inside, place, step))
-    return SparseEntries(at + begin, own + stride * column)

@@ -3,17 +3,16 @@
 "multifrontal" is the package's own: L D L^H by dense fronts (`multifrontal`) along a nested dissection; how much memory
 it takes is known and checked before. "superlu" comes with scipy: minimum degree on A^T + A, symmetric mode and diagonal
 pivots are some 30 times faster here than its default. Because pivots stay on the diagonal, the signs of U's diagonal
-are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T, if the extra `direct` is
-installed.
+are the inertia of A (Sylvester). "pardiso" is MKL's LDL^T, if the extra `direct` is installed: pypardiso, which this
+module alone imports.
 """
 
-from collections.abc import Callable, Mapping
+import weakref
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Literal, Protocol, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_matrix, triu
 from scipy.sparse.linalg import SuperLU, splu
 
 from casingfem.errors import ModelError, NumericsError, sentence
@@ -23,24 +22,13 @@ from casingfem.linalg.element_sum import ElementSum
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.fronts import planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory, require_memory
-from casingfem.linalg.multifrontal import SINGULAR, factored
-from casingfem.linalg.pardiso import PardisoFactor
+from casingfem.linalg.multifrontal import SINGULAR, MultifrontalFactor, factored
 
 Direct: TypeAlias = Literal["multifrontal", "superlu", "pardiso"]
 
 BALANCE = 1e-3  # relative error of u K u = u f beyond which K is singular; 1e-5 is round-off at t/L 3e-4
-
-
-class Factor(Protocol):
-    """A factored symmetric matrix A."""
-
-    def solve(self, rhs: Array) -> Array:
-        """A^-1 rhs, for one vector (n,) or several columns (n, k)."""
-        ...
-
-    def negative(self) -> int:
-        """Number of negative eigenvalues of A; NumericsError where the pivots do not tell."""
-        ...
+SYMMETRIC_INDEFINITE = -2  # Pardiso's matrix type: L D L^T with Bunch-Kaufman pivots
+NEGATIVE, ZERO_PIVOTS = 23, 14  # where its output parameters stand, counted from one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +48,38 @@ class SuperLUFactor:
         return int(np.count_nonzero(np.real(self.lu.U.diagonal()) < 0.0))
 
 
+class PardisoFactor:
+    """L D L^T of a symmetric matrix; the inertia is Pardiso's own count of negative eigenvalues of D."""
+
+    def __init__(self, A: csc_array) -> None:
+        try:
+            from pypardiso import PyPardisoSolver
+            from pypardiso.pardiso_wrapper import PyPardisoError
+        except ImportError as error:
+            raise NumericsError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
+        self.upper = csr_matrix(triu(A, format="csr"))
+        self.upper.sort_indices()
+        self.solver = PyPardisoSolver(mtype=SYMMETRIC_INDEFINITE)
+        weakref.finalize(self, self.solver.free_memory, everything=True)
+        try:
+            self.solver.factorize(self.upper)
+        except (PyPardisoError, ValueError) as error:
+            raise NumericsError(f"Pardiso could not factorise the matrix: {error}") from error
+        if self.solver.get_iparm(ZERO_PIVOTS):
+            raise NumericsError(SINGULAR)
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """A^-1 rhs."""
+        return np.asarray(self.solver.solve(self.upper, rhs))
+
+    def negative(self) -> int:
+        """Number of negative eigenvalues of A."""
+        return int(self.solver.get_iparm(NEGATIVE))
+
+
+Factor: TypeAlias = MultifrontalFactor | SuperLUFactor | PardisoFactor
+
+
 def canonical(A: csc_array) -> csc_array:
     """The matrix with its entries in order and each once; itself where they are."""
     if not A.has_canonical_format:
@@ -68,7 +88,7 @@ def canonical(A: csc_array) -> csc_array:
     return A
 
 
-def multifrontal(A: Symmetric, keep: bool = True) -> Factor:
+def multifrontal(A: Symmetric, keep: bool) -> Factor:
     """Factorise by dense fronts, or count negative eigenvalues alone."""
     A = A if isinstance(A, ElementSum) else canonical(A)  # as plans expect it
     try:
@@ -81,7 +101,7 @@ def multifrontal(A: Symmetric, keep: bool = True) -> Factor:
         raise MemoryNeedError(sentence("modes-memory", f"found no memory to factor {A.shape[0]} unknowns")) from error
 
 
-def superlu(A: csc_array, keep: bool = True) -> Factor:
+def superlu(A: csc_array) -> Factor:
     """Factorise by SuperLU."""
     try:
         lu = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
@@ -90,20 +110,6 @@ def superlu(A: csc_array, keep: bool = True) -> Factor:
     except MemoryError as error:
         raise MemoryNeedError(sentence("modes-memory", f"found no memory to factor {A.shape[0]} unknowns")) from error
     return SuperLUFactor(lu)
-
-
-def pardiso(A: csc_array, keep: bool = True) -> Factor:
-    """Factorise by pypardiso, an optional package."""
-    try:
-        factor: Factor = PardisoFactor(A)
-    except ImportError as error:
-        raise NumericsError(f'direct = "pardiso" needs the package pypardiso: {remedy("direct")}') from error
-    return factor
-
-
-SOLVERS: Mapping[str, Callable[[csc_array, bool], Factor]] = MappingProxyType(
-    {"multifrontal": multifrontal, "superlu": superlu, "pardiso": pardiso}
-)
 
 
 def factorise(A: Symmetric, direct: Direct = "multifrontal", *, keep: bool = True) -> Factor:
@@ -120,11 +126,12 @@ def factorise(A: Symmetric, direct: Direct = "multifrontal", *, keep: bool = Tru
     >>> factor.solve(np.ones(2)).tolist(), factor.negative()
     ([0.5, -0.25], 1)
     """
-    if direct not in SOLVERS:
-        raise NumericsError(f"direct must be one of {', '.join(SOLVERS)}, found {direct!r}")
+    if direct not in get_args(Direct):
+        raise NumericsError(f"direct must be one of {', '.join(get_args(Direct))}, found {direct!r}")
     if direct == "multifrontal":
         return multifrontal(A if isinstance(A, ElementSum) else csc_array(A), keep)
-    return SOLVERS[direct](A.tocsc() if isinstance(A, ElementSum) else csc_array(A), keep)
+    A = A.tocsc() if isinstance(A, ElementSum) else csc_array(A)
+    return superlu(A) if direct == "superlu" else PardisoFactor(A)
 
 
 def solve_held(K: Symmetric, f: FloatArray) -> FloatArray:

@@ -17,15 +17,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.dissection import coordinates, dissect, quotient, spans
 from casingfem.linalg.element_sum import ElementSum
-from casingfem.linalg.entries import (
-    Entries,
-    Places,
-    Symmetric,
-    compact,
-    element_entries,
-    element_graph,
-    sparse_entries,
-)
+from casingfem.linalg.entries import Entries, Places, Symmetric, compact, element_entries, element_graph, sparse_entries
 
 Runs: TypeAlias = tuple[tuple[slice, slice], ...]
 
@@ -246,18 +238,6 @@ def make_fronts(
         split = int(np.searchsorted(rows[f], firsts[p + 1]))
         head = rows[f][:split] - firsts[p]
         tail = np.searchsorted(rows[p], rows[f][split:])
-        fronts.append(
-            Front(
-                start=int(firsts[f]),
-                pivots=int(firsts[f + 1] - firsts[f]),
-                rows=rows[f],
-                own=entries[f],
-                children=tuple(children[f]),
-                split=split,
-                head=compact(head),
-                tail=compact(tail),
-                head_runs=runs(head),
-                tail_runs=runs(tail),
-            )
-        )
+        own = int(firsts[f]), int(firsts[f + 1] - firsts[f]), rows[f], entries[f], tuple(children[f])
+        fronts.append(Front(*own, split, compact(head), compact(tail), runs(head), runs(tail)))
     return tuple(fronts)

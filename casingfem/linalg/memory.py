@@ -1,16 +1,18 @@
-"""Is there memory for it? What a factorisation takes is known from its plan, before it is taken."""
+"""Is it within reach? Memory of a factorisation, known from its plan, and hours are said before they are spent."""
 
 import mmap
 from pathlib import Path
 
 import numpy as np
 
-from casingfem.errors import NumericsError, sentence
+from casingfem.errors import ModelError, NumericsError, sentence
 
 SPARED = 0.9  # of what is free may be taken
 INFO = Path("/proc/meminfo")
 STATUS = Path("/proc/self/statm")
 GROUP = Path("/sys/fs/cgroup")
+MOST = 2e8  # modes times unknowns: an hour or so, 1.6 GB of shapes
+MODES = 1000.0  # asked for at once: below, whatever the unknowns, nobody is stopped
 
 
 class MemoryNeedError(NumericsError, MemoryError):
@@ -68,7 +70,27 @@ elements or a larger machine; thick solids go without a factor, `mesh_modes(soli
 [modes-memory]
     """
     if needed > SPARED * free:
-        found = (
-            f"the factor of {unknowns} unknowns takes {1e-9 * needed:.2g} GB, {1e-9 * max(free, 0.0):.2g} GB are free"
-        )
+        takes, left = f"{1e-9 * needed:.2g} GB", f"{1e-9 * max(free, 0.0):.2g} GB"
+        found = f"the factor of {unknowns} unknowns takes {takes}, {left} are free"
         raise MemoryNeedError(sentence("modes-memory", found))
+
+
+def require_affordable(modes: float, unknowns: int) -> None:
+    """Refuse more modes at once than an hour's work gives.
+
+    Raises
+    ------
+    ModelError
+        `modes-count`, with the number of modes, of unknowns, and what they would cost.
+
+    >>> require_affordable(1e5, 16_000)
+    Traceback (most recent call last):
+        ...
+    casingfem.errors.ModelError: modes: some 1e+05 of 16000 unknowns, hours of work and 13 GB of shapes, expected at \
+most 12500 at once, or band after band: ask for at least 1 and far fewer than the mesh has unknowns [modes-count]
+    """
+    most = max(MOST / unknowns, MODES)
+    if not modes <= most:
+        cost = f"hours of work and {8e-9 * modes * unknowns:.2g} GB of shapes"
+        found = f"modes: some {modes:.3g} of {unknowns} unknowns, {cost}"
+        raise ModelError("modes-count", f"{found}, expected at most {most:.0f} at once, or band after band")

@@ -12,11 +12,10 @@ import numpy as np
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
-from casingfem.linalg.cost import require_affordable
 from casingfem.linalg.factor import Direct, factorise
 from casingfem.linalg.krylov import BLOCKS, ConvergenceError, RitzPairs, nearest
-from casingfem.linalg.pencil import Pencil
+from casingfem.linalg.memory import require_affordable
+from casingfem.linalg.pencil import Pencil, clear_of_eigenvalues, round_off, warn_of_count
 
 CLEAR = 1e-7  # eigenvalues closer than this, relative, are not parted
 CLEARER = (CLEAR, 1e-5, 1e-3)  # the same, try by try: on a miss, a gap that no round-off bridges

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.linalg import blas, lapack
@@ -50,23 +50,6 @@ def kernels(A: Any) -> Kernels:
     return COMPLEX if np.iscomplexobj(A) else REAL
 
 
-class Step(Protocol):
-    """A part of L D L^H: its way forward and back through right-hand sides x (n, columns), in place."""
-
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-        ...
-
-    def forward(self, x: Array) -> None:
-        """Eliminate the pivots."""
-        ...
-
-    def back(self, x: Array) -> None:
-        """Find the pivots from the rows."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Indefinite:
     """D^-1 of Bunch-Kaufman, tridiagonal, `beside` its lower entries; the order of its pivots; L is unit triangular."""
@@ -98,11 +81,6 @@ class OneFront:
     pivots: slice
     rows: IntArray
     block: Block
-
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-        return self.block.L.size + self.block.below.size
 
     def forward(self, x: Array) -> None:
         """Eliminate the pivots."""
@@ -144,11 +122,6 @@ class AlikeFronts:
     L: Array
     below: Array
 
-    @property
-    def entries(self) -> int:
-        """Numbers kept."""
-        return self.L.size + self.below.size
-
     @cached_property
     def sums(self) -> tuple[IntArray, csc_array]:
         """The rows that any of the fronts has, and what adds up all fronts' shares of them."""
@@ -178,6 +151,9 @@ class AlikeFronts:
                 own[:, cut] -= np.matmul(self.L[:, cut.stop :, cut].swapaxes(1, 2), own[:, cut.stop :])
             own[:, cut] = np.matmul(self.L[:, cut, cut].swapaxes(1, 2), own[:, cut])
         x[self.pivots] = own.conj()
+
+
+Step: TypeAlias = OneFront | AlikeFronts  # their ways through right-hand sides x (n, columns) are in place
 
 
 class Stack:

@@ -10,14 +10,12 @@ from casingfem.io.arrays import FloatArray
 from casingfem.locate.located import Explanation, Found
 from casingfem.locate.mass_places import Masses, refined
 from casingfem.locate.misfit import Misfit, Point
-from casingfem.locate.sparse_fit import Bounds, bounded_step, fitted
-from casingfem.locate.sparse_search import scale2, threshold
+from casingfem.locate.sparse_search import Bounds, bounded_step, fitted, scale2, threshold
 from casingfem.modal.affine import AffineModel
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import outer_supports
 
-TWO_PI = 2.0 * np.pi
 LIKELY = 9.0  # alternatives whose chi^2/s^2 is within this of the best are listed: 3 sigma
 PROMISING = 2.0  # images of what was found that come so near by a linear step are refitted
 SAME = 0.01  # of a bolt's stiffness
@@ -138,11 +136,8 @@ def masses_explained(misfit: Misfit, edge: str, best: Masses, candidates: int) -
         ]
         return Explanation(found=tuple(found), behind=float((at.point.chi2 - best.point.chi2) / s2))
 
-    listed = [
-        explanation(refined(misfit, edge, best.angles + np.pi * np.array(choice), best.masses))
-        for choice in half_turns(len(best.masses))
-        if any(choice)
-    ]
+    turned = [best.angles + np.pi * np.array(choice) for choice in half_turns(len(best.masses))[1:]]
+    listed = [explanation(refined(misfit, edge, angles, best.masses)) for angles in turned]
     return (explanation(best), *likely(listed))
 
 

@@ -27,9 +27,8 @@ from casingfem.locate.explanations import (
 )
 from casingfem.locate.located import Localisation
 from casingfem.locate.mass_places import refined, search_masses
-from casingfem.locate.misfit import Misfit
+from casingfem.locate.misfit import Misfit, half_split, widened
 from casingfem.locate.sparse_search import scale2, search
-from casingfem.locate.unknown_coupling import half_split, widened
 from casingfem.modal.affine import AffineModel, affine_model, bolt_changes, mass_changes
 from casingfem.modal.modes import count_below
 from casingfem.structure.edge.bolts import Bolts

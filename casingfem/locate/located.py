@@ -1,6 +1,6 @@
 """What a search for loose bolts or added masses found: places with uncertainty, and what else it may be."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -95,18 +95,12 @@ class Localisation(Reported):
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a place of each explanation, the best one (1) first."""
-        return [
-            {"explanation": k, "chi2_behind": e.behind, **{name: getattr(f, name) for name in Found.__slots__}}
-            for k, e in enumerate((self.best, *self.others), 1)
-            for f in e.found
-        ]
+        numbered = enumerate((self.best, *self.others), 1)
+        return [{"explanation": k, "chi2_behind": e.behind, **asdict(f)} for k, e in numbered for f in e.found]
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
-        explained = [
-            {"behind": e.behind, "found": [{k: getattr(f, k) for k in Found.__slots__} for f in e.found]}
-            for e in (self.best, *self.others)
-        ]
+        explained = [{"behind": e.behind, "found": [asdict(f) for f in e.found]} for e in (self.best, *self.others)]
         return {
             "among": self.among,
             "angles_deg": self.angles_deg.tolist(),
@@ -143,7 +137,8 @@ class Localisation(Reported):
         for other in self.others:
             places = ", ".join(described(self.among, place) for place in other.found)
             lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
-        axes = [opposite_alike(e) for e in (self.best, *self.others)]
+        explained = (self.best, *self.others)
+        axes = [tuple(sorted(round(f.angle_deg % 180.0, 3) for f in e.found)) for e in explained]  # but for half turns
         if self.among == "bolts" and len(set(axes)) > 1:
             lines.append(
                 f"{len(self.others) + 1} explanations, and nothing in the table to choose: orientations of more pairs "
@@ -168,11 +163,6 @@ class Localisation(Reported):
         line = f"a single change is seen from {seen.min():.2g} to {seen.max():.2g} {unit}"
         places = ", ".join(str(k + 1) for k in np.flatnonzero(blind))
         return f"{line}, at places {places} not at all" if places else line
-
-
-def opposite_alike(explanation: Explanation) -> tuple[float, ...]:
-    """The angles [deg] of an explanation but for half turns."""
-    return tuple(sorted(round(one.angle_deg % 180.0, 3) for one in explanation.found))
 
 
 def described(among: str, one: Found) -> str:

@@ -11,8 +11,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit, Point
-from casingfem.locate.sparse_fit import Bounds, gains
-from casingfem.locate.sparse_search import TRIED, keep_searching, significant
+from casingfem.locate.sparse_search import TRIED, Bounds, gains, keep_searching, significant
 from casingfem.modal.affine import AffineModel, mass_changes
 
 STEP = 1e-4  # rad, of the difference that gives dM/dtheta

@@ -3,23 +3,97 @@
 Each round offers every candidate one more bounded Gauss-Newton step beside those already taken (orthogonal matching
 pursuit: Pati, Rezaiifar and Krishnaprasad, Asilomar 1993), refits the best few on the full model, and keeps the best
 if its gain is significant: F = (chi^2 before - chi^2 after)/s^2 above the quantile of F(1, dof) at level/candidates,
-s^2 = max(1, chi^2/dof). Two changes are sought among all pairs (`pair_search.py`); of more, each one taken is tried
+s^2 = max(1, chi^2/dof). Two changes are sought among all pairs (`best_pair`); of more, each one taken is tried
 against all others, since the first choice was made on a linear model of changes that move modes by tens of per cent.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import lsq_linear
 from scipy.special import chdtri, stdtrit
 
+from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Point
-from casingfem.locate.pair_search import best_pair
-from casingfem.locate.sparse_fit import Bounds, Evaluate, fitted, gains
 
+ROUNDS = 8  # Gauss-Newton steps of a fit
+SETTLED = 2e-3  # of the range of a change: a smaller step ends a fit
+HALVINGS = 4
 TRIED, WIDELY = 4, 8  # candidates refitted on the full model in each round, and where noise explains nothing
 PLAUSIBLE = 0.05  # residuals that noise leaves more often than this need no further explanation
 UNLIKELY = 1e-3  # residuals that noise leaves less often than this
 PATIENCE = 1  # further steps tried after one without significance
+REFITTED = 12  # pairs
+
+Evaluate = Callable[[FloatArray], Point]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Bounds:
+    """Least and largest value of every change, (changes,) each."""
+
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def span(self) -> FloatArray:
+        """How far a change can go."""
+        return self.upper - self.lower
+
+
+def fitted(evaluate: Evaluate, start: Point, active: Sequence[int], bounds: Bounds) -> Point:
+    """Bounded Gauss-Newton over the active changes, all others at zero; each step is halved until it gains."""
+    on = list(active)
+    x = np.zeros(len(start.x))
+    x[on] = start.x[on]
+    best = start if np.array_equal(x, start.x) else evaluate(x)
+    for _ in range(ROUNDS if on else 0):
+        low, high = bounds.lower[on] - best.x[on], bounds.upper[on] - best.x[on]
+        step = bounded_step(best, on, low, high)
+        if step is None:
+            break
+        for half in range(HALVINGS):
+            x = best.x.copy()
+            x[on] += 0.5**half * step
+            there = evaluate(x)
+            if there.chi2 < best.chi2:
+                break
+        else:
+            break
+        moved = np.abs(there.x[on] - best.x[on]) / bounds.span[on]
+        best = there
+        if moved.max() < SETTLED:
+            break
+    return best
+
+
+def bounded_step(at: Point, on: list[int], low: FloatArray, high: FloatArray) -> FloatArray | None:
+    """The least-squares step of some changes within their bounds; None where the data do not see them."""
+    A = at.jacobian[:, on]
+    norms = np.linalg.norm(A, axis=0)
+    if not len(at.values) or not np.any(norms):
+        return None
+    unit = np.where(norms > 0.0, norms, 1.0)
+    width = np.maximum(high - low, 1e-300)
+    found = lsq_linear(A / unit, -at.values, (unit * low - 1e-12 * unit * width, unit * high + 1e-12 * unit * width))
+    return np.asarray(np.clip(found.x / unit, low, high))
+
+
+def gains(at: Point, active: Sequence[int], bounds: Bounds) -> FloatArray:
+    """What each change promises, (changes,): the linear fall of chi^2 by it, those active left free."""
+    on = list(active)
+    J, r = at.jacobian, at.values
+    if on and len(r):
+        Q, _ = np.linalg.qr(J[:, on])
+        J, r = J - Q @ (Q.T @ J), r - Q @ (Q.T @ r)
+    square, slope = np.sum(J**2, axis=0), J.T @ r
+    seen = square > 1e-12 * max(float(np.sum(at.jacobian**2, axis=0).max(initial=0.0)), 1e-300)
+    step = np.where(seen, -slope / np.where(seen, square, 1.0), 0.0)
+    step = np.clip(step, bounds.lower - at.x, bounds.upper - at.x)
+    promised = -(2.0 * step * slope + step**2 * square)
+    promised[on] = -np.inf
+    return np.where(seen, promised, -np.inf)
 
 
 def scale2(point: Point, free: int) -> float:
@@ -121,3 +195,24 @@ def pruned(evaluate: Evaluate, at: Point, active: list[int], bounds: Bounds, lev
         if not significant(without, at, len(active), level, len(bounds.lower)):
             active, at = others, without
     return active, at
+
+
+def best_pair(evaluate: Evaluate, none: Point, bounds: Bounds) -> tuple[list[int], Point]:
+    """The two changes with the least chi^2 and the fit with them, from the casing with none; two candidates or more.
+
+    Matching pursuit takes the change that explains most alone; of two equal faults that is often a third place between
+    them, and exchanging one of two wrong places for another may not help. All pairs are few (276 of 24): each change is
+    first fitted alone, on the full model; from there every other promises a linear fall of chi^2 with the first left
+    free. Of the two orders of a pair the better promise counts, and the dozen pairs with the lowest are refitted.
+    """
+    count = len(bounds.lower)
+    alone = [fitted(evaluate, none, [c], bounds) for c in range(count)]
+    left = np.array([at.chi2 - np.maximum(gains(at, [c], bounds), 0.0) for c, at in enumerate(alone)])
+    first, second = np.triu_indices(count, 1)
+    promised = np.minimum(left[first, second], left[second, first])
+    fits = []
+    for k in np.argsort(promised, kind="stable")[:REFITTED]:
+        pair = [int(first[k]), int(second[k])]
+        start = alone[pair[0]] if left[pair[0], pair[1]] <= left[pair[1], pair[0]] else alone[pair[1]]
+        fits.append((pair, fitted(evaluate, start, pair, bounds)))
+    return min(fits, key=lambda fit: fit[1].chi2)

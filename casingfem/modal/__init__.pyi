@@ -1,14 +1,12 @@
 from .basis import ModalBasis
 from .campbell import Campbell
 from .cyclic.mistuned import MistunedModes, mistuned_modes
-from .cyclic.modes import CyclicModes, cyclic_modes
+from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
-from .cyclic.wheel import wheel_modes
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
-from .interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
-from .interface.output import Displacement, Strain
+from .interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from .matrices import basis_matrices, structure_matrices
 from .mistuning import Mistuning, mistune
 from .modes import MeshModes, Modes

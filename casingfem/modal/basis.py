@@ -23,9 +23,9 @@ from contact.io.reported import Reported
 
 FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
-OPTIONAL = (
-    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows", "output_S", "K_omega",
-    "participation", "out_of_roundness",
+ARRAYS = (
+    "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows",
+    "output_S", "K_omega", "participation", "out_of_roundness",
 )  # fmt: skip
 
 
@@ -129,9 +129,8 @@ class ModalBasis(Reported):
     def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a mode: number, frequency, damping, and the participation where it is known."""
         names = [f"participation_{k}" for k in range(1, 1 + len(self.participation))]
-        rows = zip(
-            self.freq.tolist(), self.zeta.tolist(), self.participation.T.tolist() or [()] * len(self), strict=True
-        )
+        shares = self.participation.T.tolist() or [()] * len(self)
+        rows = zip(self.freq.tolist(), self.zeta.tolist(), shares, strict=True)
         return [
             {"mode": k, "freq_hz": freq, "zeta": zeta, **dict(zip(names, parts, strict=False))}
             for k, (freq, zeta, parts) in enumerate(rows, 1)
@@ -166,23 +165,17 @@ class ModalBasis(Reported):
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
             raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
-        extra = {name: data[name] for name in OPTIONAL if name in data}
+        values: dict[str, Any] = {name: data[name] for name in ARRAYS if name in data}
         try:
+            values |= {name: float(data.get(name, 0.0)) for name in ("radius", "thickness", "spin")}
             return cls(
-                omega=data["omega"],
-                zeta=data["zeta"],
                 channels=tuple(str(name) for name in data["channels"]),
-                rows=data["rows"],
-                S=data["S"],
                 kind=str(data["kind"]),
                 n_max=whole(data, "n_max"),
                 sectors=whole(data, "sectors"),
-                radius=float(data.get("radius", 0.0)),
-                thickness=float(data.get("thickness", 0.0)),
                 outputs=tuple(str(name) for name in data.get("outputs", ())),
-                spin=float(data.get("spin", 0.0)),
                 provenance=json.loads(str(data.get("provenance", "{}"))),
-                **extra,
+                **values,
             )
         except (TypeError, ValueError, RecursionError) as error:
             raise InputError(f"{path}: {error}") from error

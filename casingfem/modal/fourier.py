@@ -9,8 +9,8 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh, eigvalsh_trid
 
 from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.certificate import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after
+from casingfem.linalg.pencil import clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.slicing import CLEAR
 from casingfem.modal.mode_set import Modes, frequency_scale, labelled
 from casingfem.structure.edge.ring import Ring
@@ -59,8 +59,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     found: list[Found] = []
     limit = np.inf
     while len(found) < count or harmonic_floor(shell, len(meridians)) <= limit:
-        n = len(meridians)
-        meridian = harmonic_matrices(shell, n)
+        meridian = harmonic_matrices(shell, len(meridians))
         meridians.append(meridian)
         values, vectors = lowest(meridian, count + 1, shift)
         found += members(meridian, values, vectors)
@@ -101,8 +100,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
     found: list[Found] = []
     counted = True
     while harmonic_floor(shell, len(meridians)) <= high:
-        n = len(meridians)
-        meridian = harmonic_matrices(shell, n)
+        meridian = harmonic_matrices(shell, len(meridians))
         meridians.append(meridian)
         start, end = (inertia_below(meridian, sigma) for sigma in (low, high))
         values, vectors = lowest(meridian, end + 1, shift)  # the next above the band too: it may reach the end
@@ -114,7 +112,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
             warn_of_count(reached[-1], values, noise)
         counted = counted and not reached
         if not reached and np.count_nonzero(inside) != end - start:
-            raise NumericsError(f"n = {n}: {end - start} modes lie in the band, {inside.sum()} were found")
+            raise NumericsError(f"n = {meridian.n}: {end - start} modes lie in the band, {inside.sum()} were found")
         found += members(meridian, values[inside], vectors[:, inside])
     found.sort(key=lambda item: item[:3])
     return revolved(shell, meridians, found, len(found), len(found) if counted else None, started)
@@ -145,7 +143,7 @@ def revolved(
         own[:, k] = revolve_own(grid, shell, mode.turns, mode.n, sine=mode.sine)
     dofs = sum(len(m.free) for m in meridians)
     seconds = {"solve": time.perf_counter() - started}
-    return labelled(shell, grid, freq, fields, count=count, sturm=counted, dofs=dofs, seconds=seconds, own=own)
+    return labelled(shell, grid, freq, fields, own, count=count, sturm=counted, dofs=dofs, seconds=seconds)
 
 
 def harmonic_floor(shell: Shell, n: int) -> float:

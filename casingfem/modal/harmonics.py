@@ -52,8 +52,9 @@ class Rings:
         return (self.amplitudes[n, :, :, mode] * np.sqrt(self.weights)[:, None]).T.ravel()
 
 
-def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int) -> Rings:
-    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max nodal diameters."""
+def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = None) -> Rings:
+    """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max nodal diameters, by default what nodes carry."""
+    n_max = n_max or max(2, grid.mesh.order * grid.mesh.around // 3)
     rings, transform = ring_transform(chart, grid, n_max)
     theta = grid.nodes[1]
     c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]

@@ -10,7 +10,7 @@ much.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -24,11 +24,8 @@ Turning = Literal["casing", "blade"]
 Branch = Literal["sum", "backward", "forward"]
 BRANCHES: tuple[Branch, ...] = ("sum", "backward", "forward")
 CONDITION = {"sum": "f_c + f_b = n f", "backward": "f_b = f_c - n f", "forward": "f_b = f_c + n f"}
-EFFECT = {
-    "sum": "flutter, even without friction",
-    "backward": "resonance; flutter if mu > tan(lean)",
-    "forward": "resonance; flutter if mu > tan(lean)",
-}
+RESONANCE = "resonance; flutter if mu > tan(lean)"
+EFFECT = {"sum": "flutter, even without friction", "backward": RESONANCE, "forward": RESONANCE}
 WAVES = {
     "casing": {"sum": "backward, carried along", "backward": "backward", "forward": "forward"},
     "blade": {"sum": "forward, overtaken", "backward": "forward", "forward": "backward"},
@@ -59,6 +56,9 @@ class DiskFrequencies:
     def of(self, n: int) -> tuple[float, ...]:
         """Frequencies [Hz] that n diameters of the casing can meet."""
         return tuple(self.freq.get(self.folded(n), ()))
+
+
+Blade: TypeAlias = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,15 +110,14 @@ class Interactions(Reported):
         lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
         if self.pairs and all(n * high < freq for n, _, freq in self.pairs):
             n, _, freq = max(self.pairs, key=lambda pair: pair[0] * high / pair[2])
-            lines.append(
-                f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz, and so for every n here: f_c + f_b = n f cannot be met"
-            )
+            below = f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz"
+            lines.append(f"{below}, and so for every n here: f_c + f_b = n f cannot be met")
         return "\n".join(lines)
 
 
 def interactions(
     casing: ModeSet | Mapping[int, Sequence[float]],
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
+    blade: Blade,
     *,
     speed_hz: tuple[float, float],
     turning: Turning = "blade",
@@ -166,14 +165,11 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
     if isinstance(casing, ModeSet):
         upper = {high: low for low, high in casing.doublets}
         partner = {low: high for high, low in upper.items()}
-        kept = [k for k in range(casing.rigid, len(casing)) if casing.nodal_diameters[k] >= 1 and k not in upper]
+        labels = list(zip(casing.nodal_diameters.tolist(), casing.meridional.tolist(), strict=True))
         found = [
-            (
-                int(casing.nodal_diameters[k]),
-                int(casing.meridional[k]),
-                float(casing.freq[[k, partner.get(k, k)]].mean()),
-            )
-            for k in kept
+            (n, m, float(casing.freq[[k, partner.get(k, k)]].mean()))
+            for k, (n, m) in enumerate(labels)
+            if k >= casing.rigid and n >= 1 and k not in upper
         ]
     else:
         found = [(n, m + 1, float(f)) for n, freq in casing.items() if n >= 1 for m, f in enumerate(sorted(freq))]
@@ -182,9 +178,7 @@ def casing_pairs(casing: ModeSet | Mapping[int, Sequence[float]]) -> tuple[tuple
     return tuple(found)
 
 
-def blade_over_speed(
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies, n: int, low: float, high: float
-) -> tuple[FloatArray, FloatArray]:
+def blade_over_speed(blade: Blade, n: int, low: float, high: float) -> tuple[FloatArray, FloatArray]:
     """Speeds [Hz] (k,) and the blade's frequencies at them [Hz] (k, modes), for a casing pair of n diameters."""
     if isinstance(blade, Campbell):
         inside = (blade.speed_hz > low) & (blade.speed_hz < high)
@@ -200,11 +194,7 @@ def blade_over_speed(
 
 
 def _meetings(
-    pair: tuple[int, int, float],
-    blade: Sequence[float] | FloatArray | Campbell | DiskFrequencies,
-    low: float,
-    high: float,
-    waves: Mapping[str, str],
+    pair: tuple[int, int, float], blade: Blade, low: float, high: float, waves: Mapping[str, str]
 ) -> Iterator[Meeting]:
     """Coincidences of one casing pair: zeros of n f - (f_c + f_b), n f - (f_c - f_b) and n f - (f_b - f_c)."""
     n, m, f_c = pair

@@ -83,9 +83,8 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
             raise ModelError("matrix-size", f"basis: found {k} channels that {m} modes do not move independently")
         T = np.hstack([pinv(basis.rows), null_space(basis.rows)])
         K, M, C = T.T @ (stiff[:, None] * T), T.T @ T, T.T @ (damp[:, None] * T)
-    return MatrixSet(
-        K=csc_array(K), M=csc_array(M), C=csc_array(C) if damp.any() else None, dofs=channel_dofs(basis, len(K) - k)
-    )
+    dofs = channel_dofs(basis, len(K) - k)
+    return MatrixSet(K=csc_array(K), M=csc_array(M), C=csc_array(C) if damp.any() else None, dofs=dofs)
 
 
 def channel_dofs(basis: ModalBasis, scalars: int) -> IntArray:

@@ -5,15 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from casingfem.errors import warn
+from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.eigen import Band, EigenResult, solve
+from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Direct
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
+from casingfem.linalg.pencil import round_off
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
-from casingfem.modal.stable import require_stable
 from casingfem.structure.geometry.rigid_body import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped_parts
@@ -77,9 +78,8 @@ def mesh_modes(
     check_rigid(system, freq)
     rigid = min(system.rigid, len(freq)) if isinstance(wanted, int) or wanted[0] == 0.0 else 0
     fields = system.expand(found.vectors)
-    n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
-    is_round = round_about_z(structure.mesh)
-    labels = make_labels(projected(structure, fields, n_max) if is_round else None, freq, fields, rigid)
+    rings = projected(structure, fields) if round_about_z(structure.mesh) else None
+    labels = make_labels(rings, freq, fields, rigid)
     kept = min(wanted, len(freq)) if isinstance(wanted, int) else len(freq)
     return MeshModes(
         structure=structure,
@@ -87,12 +87,7 @@ def mesh_modes(
         rigid=min(rigid, kept),
         sturm_count=found.sturm_count,
         dofs=system.size,
-        rings=None if labels.rings is None else labels.rings.first(kept),
-        seconds={
-            "assemble": assembled - started,
-            "solve": solved - assembled,
-            "label": time.perf_counter() - solved,
-        },
+        seconds={"assemble": assembled - started, "solve": solved - assembled, "label": time.perf_counter() - solved},
     )
 
 
@@ -139,26 +134,21 @@ def check_rigid(system: MeshSystem, freq: FloatArray) -> None:
         warn("mesh-mechanism", found, stacklevel=5)
 
 
-def projected(structure: MeshStructure, fields: Array, n_max: int) -> Rings:
+def projected(structure: MeshStructure, fields: Array, n_max: int | None = None) -> Rings:
     """Mass-weighted Fourier content of nodal fields: u = Re sum_nj c_nj P_j(r, z) e^(i n theta).
 
     P_j are polynomials in r and z, orthonormal over the mass; each stands in the place of a ring of nodes, so labels,
-    partners and angles are found as on a shell.
+    partners and angles are found as on a shell. n runs as far as a third of the nodes around, if nothing is said.
     """
     mesh = structure.mesh
+    n_max = n_max or max(2, elements_around(mesh) * (1 + bool(mesh.cell_kind.middles)) // 3)
     density, parts = structure.density(), list(mapped_parts(mesh, 2 if mesh.kind.startswith("tetra") else 3))
     weight = np.concatenate([(on.measure * density[rows, None]).ravel() for rows, _, on in parts])
     x = np.concatenate([on.x.reshape(-1, 3) for _, _, on in parts])
     c, s = (x[:, i] / np.maximum(np.linalg.norm(x[:, :2], axis=1), np.finfo(float).tiny) for i in (0, 1))
     shapes = meridional_shapes(np.linalg.norm(x[:, :2], axis=1), x[:, 2], weight) * weight[:, None]
-    moved = np.concatenate(
-        [
-            np.einsum("kq,ekcm->eqcm", on.values, fields[nodes, :3], optimize=True).reshape(
-                on.x.size // 3, 3, fields.shape[2]
-            )
-            for _, nodes, on in parts
-        ]
-    )
+    at = [np.einsum("kq,ekcm->eqcm", on.values, fields[nodes, :3], optimize=True) for _, nodes, on in parts]
+    moved = np.concatenate([part.reshape(part.shape[0] * part.shape[1], *part.shape[2:]) for part in at])
     u, v = moved[:, 0], moved[:, 1]
     moved = np.stack([u * c[:, None] + v * s[:, None], v * c[:, None] - u * s[:, None], moved[:, 2]], axis=1)
     flat = moved.reshape(len(x), 3 * fields.shape[2])
@@ -190,3 +180,16 @@ def meridional_shapes(r: FloatArray, z: FloatArray, weight: FloatArray) -> Float
     values, vectors = np.linalg.eigh(table.T @ (weight[:, None] * table))
     kept = values > 1e-8 * values[-1]  # on a cone r and z are one coordinate
     return np.asarray(table @ vectors[:, kept] / np.sqrt(values[kept]))
+
+
+def require_stable(K: Symmetric, found: EigenResult, where: str = "") -> None:
+    """Refuse a turning structure whose lowest omega^2 lies below zero by more than round-off in K(Omega) moves it.
+
+    Raises
+    ------
+    ModelError
+        `rotation-unstable`.
+    """
+    lowest = found.eigenvalues[:1]  # none in a band without modes
+    if np.any(lowest < -round_off(K, found.vectors[:, :1])):
+        raise ModelError("rotation-unstable", f"modes: found omega^2 = {lowest[0]:.4g} rad^2/s^2{where}")

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
-from casingfem.modal.warm_start import guarded, restarted_modes
+from casingfem.modal.neighbour import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.shell.shell import Shell, require_shell
 from contact.io.notebook import notebook_progress
@@ -40,9 +40,8 @@ def redrawn_shell(shell: Shell, draw: int) -> Shell:
     """
     random = {quantity: field for quantity, field in shell.defects.items() if is_random(field)}
     if not random:
-        raise ValueError(
-            "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
-        )
+        found = "nothing of this shell is random: give it a RandomField, in study.toml [[imperfection]] random"
+        raise ValueError(found)
     fields: dict[str, Any] = {f"{quantity}_defect": redrawn(field, draw) for quantity, field in random.items()}
     return replace(shell, **fields)
 
@@ -111,8 +110,7 @@ class Mistuning(Reported):
     def of(cls, rows: Iterable[Pair], perfect: Sequence[Pair]) -> "Mistuning":
         """From the rows of all draws, and those of the mean shell."""
         columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 6
-        named = zip(("draw", "n", "m", "freq", "split", "angle_deg"), columns, strict=True)
-        arrays = {name: frozen(column) for name, column in named}
+        arrays = dict(zip(("draw", "n", "m", "freq", "split", "angle_deg"), columns, strict=True))
         return cls(**arrays, perfect={(pair.n, pair.m): pair.freq_hz for pair in perfect})
 
     @property

@@ -87,23 +87,20 @@ class ModeSet(Reported):
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg."""
         splits = self.splits
-        rows: list[dict[str, object]] = []
-        for k, freq in enumerate(self.freq):
-            pair = self.doublet_of(k)
-            rows.append(
-                {
-                    "mode": k + 1,
-                    "freq_hz": float(freq),
-                    "n": int(self.nodal_diameters[k]) if self.nodal_diameters[k] >= 0 else None,
-                    "n_purity": _number(self.purity[k]),
-                    "m": int(self.meridional[k]),
-                    "doublet": pair + 1 if pair >= 0 else None,
-                    "split_rel": float(splits[pair]) if pair >= 0 else None,
-                    "angle_deg": _number(self.angle_deg[k]),
-                    "rigid": k < self.rigid,
-                }
-            )
-        return rows
+        return [
+            {
+                "mode": k + 1,
+                "freq_hz": float(self.freq[k]),
+                "n": int(self.nodal_diameters[k]) if self.nodal_diameters[k] >= 0 else None,
+                "n_purity": _number(self.purity[k]),
+                "m": int(self.meridional[k]),
+                "doublet": pair + 1 if pair >= 0 else None,
+                "split_rel": float(splits[pair]) if pair >= 0 else None,
+                "angle_deg": _number(self.angle_deg[k]),
+                "rigid": k < self.rigid,
+            }
+            for k, pair in enumerate(map(self.doublet_of, range(len(self))))
+        ]
 
     def __repr__(self) -> str:
         """Table: mode, frequency, n, purity, m, split, orientation."""
@@ -115,9 +112,8 @@ class ModeSet(Reported):
             angle = "-" if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
             if row["rigid"]:
                 n, split, angle, purity = "-", "rigid", "-", "-"
-            lines.append(
-                f"{row['mode']:>4} {row['freq_hz']:>11.3f} {n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
-            )
+            cells = f"{n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
+            lines.append(f"{row['mode']:>4} {row['freq_hz']:>11.3f} {cells}")
         counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
         lines.append(f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s")
         return "\n".join(lines)
@@ -195,20 +191,17 @@ def labelled(
     grid: Grid,
     freq: FloatArray,
     fields: FloatArray,
+    own: FloatArray,
     *,
     count: int,
     sturm: int | None,
     dofs: int,
     seconds: dict[str, float],
-    own: FloatArray,
 ) -> Modes:
     """Label modes computed up to a clear gap, align perfect pairs, and keep the first `count`."""
     started = time.perf_counter()
     rigid = rigid_modes(shell, grid, fields, own)
-    rings: Rings | None = None
-    if shell.chart.periodic:
-        nodes_around = grid.mesh.order * grid.mesh.around
-        rings = ring_content(shell.chart, grid, fields, n_max=max(2, nodes_around // 3))
+    rings = ring_content(shell.chart, grid, fields) if shell.chart.periodic else None
     beside = np.zeros((len(own), *fields.shape[1:]))  # turned and signed together with the nodes' motions
     beside[:, 3] = own
     labels = make_labels(rings, freq, np.concatenate([fields, beside]), rigid)
@@ -223,7 +216,6 @@ def labelled(
         rigid=min(rigid, kept),
         sturm_count=sturm,
         dofs=dofs,
-        rings=None if labels.rings is None else labels.rings.first(kept),
         seconds=seconds | {"label": time.perf_counter() - started},
     )
 
@@ -238,6 +230,7 @@ def first_modes(freq: FloatArray, labels: Labels, kept: int) -> dict[str, Any]:
         "meridional": frozen(ranks(labels.n, labels.pairs)[:kept]),
         "doublets": tuple(pair for pair in labels.pairs if max(pair) < kept),
         "angle_deg": frozen(np.degrees(labels.angle[:kept])),
+        "rings": None if labels.rings is None else labels.rings.first(kept),
     }
 
 

@@ -1,32 +1,41 @@
-"""Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`."""
+"""Modes of a structure: `modes(shell, count)` or `modes(shell, band=(f0, f1))`, and whether the mesh carries them.
+
+A shape is expanded in Legendre polynomials of each element; where it is resolved the coefficients fall off. On frusta,
+cylinders and plates from order 2 to 8, every mesh whose frequencies were more than 2.5 % off had a share above FINEST.
+"""
 
 import time
-from typing import overload
+from typing import NamedTuple, overload
 
 import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import eigh
 
 from casingfem.errors import ModelError, warn
-from casingfem.linalg.cost import require_affordable
+from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.linalg.eigen import Band, solve, sturm_count
 from casingfem.linalg.factor import Direct
+from casingfem.linalg.memory import require_affordable
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
-from casingfem.modal.mesh_modes import MeshModes, mesh_modes
+from casingfem.modal.mesh_modes import MeshModes, mesh_modes, require_stable
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
-from casingfem.modal.resolution import checked_resolution
-from casingfem.modal.ritz import RitzModes, ritz_modes
-from casingfem.modal.stable import require_stable
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
+from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.shell.energies import modal_products, point_fields
 from casingfem.structure.shell.extent import extent
 from casingfem.structure.shell.plausible import warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from casingfem.structure.shell.variation import outer_supports
 
 __all__ = ["MeshModes", "ModeSet", "Modes", "count_below", "modes"]
 
 COUNT = 40
 HIGHEST = 1e15  # Hz: beyond, its square leaves the range of what is counted
+FINEST = 0.015  # share of the finest polynomials in a shape beyond which it is not resolved
+SPLITTING = 0.0015  # where it splits pairs: share 0.0016 split n = 9 by 0.2 %, 0.007 by 3 %, 0.0003 by 0.006 %
 
 
 @overload
@@ -121,25 +130,14 @@ def modes(
     system = system if isinstance(system, System) else assemble(shell)
     assembled = time.perf_counter()
     found = solve(system.stiffness, system.mass, wanted, shift=-((SHIFT * frequency_scale(shell)) ** 2), direct=direct)
-    if shell.rotation is not None:
-        require_stable(system.stiffness, found)
     if shell.rotation is None:
         ritz = ritz_modes(system, found.vectors)
     else:  # prestress is assembled, and no sum of squares
+        require_stable(system.stiffness, found)
         ritz = RitzModes(found.freq, system.expand(found.vectors), system.expand_own(found.vectors))
-    solved = time.perf_counter()
-    named = labelled(
-        shell,
-        system.grid,
-        ritz.freq,
-        ritz.fields,
-        count=wanted if isinstance(wanted, int) else len(found.eigenvalues),
-        sturm=found.sturm_count,
-        dofs=system.size,
-        own=ritz.own,
-        seconds={"assemble": assembled - started, "solve": solved - assembled},
-    )
-    warn_of_surveys(named)
+    seconds = {"assemble": assembled - started, "solve": time.perf_counter() - assembled}
+    kept = wanted if isinstance(wanted, int) else len(found.eigenvalues)
+    named = labelled(shell, system.grid, *ritz, count=kept, sturm=found.sturm_count, dofs=system.size, seconds=seconds)
     return checked_resolution(named)
 
 
@@ -150,7 +148,7 @@ def warn_of_surveys(found: Modes) -> None:
         resolved = getattr(field, "n_resolved", None)
         if resolved is not None and 2 * n > resolved:
             message = f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}"
-            warn("field-resolution", message, stacklevel=4)
+            warn("field-resolution", message, stacklevel=5)
 
 
 def count_or_band(count: int | None, band: Band | None) -> int | Band:
@@ -183,3 +181,72 @@ def count_below(structure: Shell | MeshStructure, freq: float, system: System | 
         return sturm_count(shell.stiffness, shell.mass, place)
     mesh = structure.assembled()
     return sturm_count(mesh.K, mesh.M, place)
+
+
+def finest_shares(modes: Modes) -> FloatArray:
+    """Amplitude in the highest polynomials over the whole, along both parameters, (2, modes)."""
+    order = modes.grid.mesh.order
+    i, j = ElementQuadLobatto(order).pairs.T
+    to_legendre = np.linalg.inv(legendre.legvander(2.0 * lobatto(order)[0] - 1.0, order))
+    u = modes.fields[modes.grid.elements][:, :, :3]
+    lattice = np.empty((order + 1, order + 1, u.shape[0], 3, u.shape[3]))
+    lattice[i, j] = np.moveaxis(u, 1, 0)
+    coefficients = np.einsum("ai,bj,ijeck->abeck", to_legendre, to_legendre, lattice, optimize=True)
+    norms = 1.0 / (2.0 * np.arange(order + 1) + 1.0)  # mean squares of Legendre polynomials
+    energy = np.einsum("abeck,a,b->abk", coefficients**2, norms, norms, optimize=True)
+    finest = np.stack([energy[-1].sum(axis=0), energy[:, -1].sum(axis=0)])
+    return np.asarray(np.sqrt(finest / energy.sum(axis=(0, 1))))
+
+
+def split_by_mesh(modes: Modes) -> BoolArray:
+    """Modes of a closed casing whose pairs equal elements split: their number divides 2n, (modes,)."""
+    n = np.asarray(modes.nodal_diameters)
+    return np.asarray((n > 0) & (2 * n % modes.grid.mesh.around == 0) & modes.shell.chart.periodic)
+
+
+def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:
+    """Warn of shapes the mesh does not carry; `around` False looks along the meridian only."""
+    shares = finest_shares(modes)
+    worst = shares.max(axis=0) if around else shares[0]
+    split = split_by_mesh(modes) & around
+    poor = np.flatnonzero((worst > FINEST) | (split & (shares[1] > SPLITTING)))
+    if len(poor):
+        which = f"mode {poor[0] + 1}" if len(poor) == 1 else f"{len(poor)} modes from mode {poor[0] + 1} on"
+        mesh, share = modes.grid.mesh, worst[poor].max()
+        elements = f"{len(mesh.breaks) - 1} x {mesh.around} elements of order {mesh.order}"
+        more = "; the mesh itself splits pairs whose 2n it divides" if split[poor].any() else ""
+        found = f"{which}: up to {share:.1%} of the shape in the finest polynomials of {elements}{more}"
+        warn("mesh-coarse", found, stacklevel=5)
+
+
+def checked_resolution(modes: Modes, *, around: bool = True) -> Modes:
+    """The same modes, with a warning where they show a coarse mesh or survey, or supports that leave motions free."""
+    if around:
+        warn_of_surveys(modes)
+    warn_of_coarse_mesh(modes, around=around)
+    held = ", ".join(edge for edge, holding in outer_supports(modes.shell).items() if holding is not None)
+    if modes.rigid and held:
+        warn("support-incomplete", f"{modes.rigid} rigid motions beside supports at {held}", stacklevel=4)
+    return modes
+
+
+class RitzModes(NamedTuple):
+    """Frequencies [Hz] ascending, nodal fields (nodes, 5, modes) and the rings' own motions (own, modes)."""
+
+    freq: FloatArray
+    fields: FloatArray
+    own: FloatArray
+
+
+def ritz_modes(system: System, vectors: FloatArray) -> RitzModes:
+    """Rayleigh-Ritz of modes (free, modes) on their strain and kinetic energies.
+
+    (Phi^T K Phi) y = omega^2 (Phi^T M Phi) y with both products summed over points, not from the assembled matrices:
+    frequencies to round-off of themselves, and close pairs turned apart. Costs about a tenth of an assembly.
+    """
+    fields, own = system.expand(vectors), system.expand_own(vectors)
+    if not vectors.shape[1]:
+        return RitzModes(np.zeros(0), fields, own)
+    products = modal_products(system.shell, point_fields(system.shell, system.grid, fields, own))
+    values, turn = eigh(products.K, products.M)
+    return RitzModes(np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi), fields @ turn, own @ turn)

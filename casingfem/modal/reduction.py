@@ -18,9 +18,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
-from casingfem.linalg.eigen import START_SEED
 from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.factor import Factor, factorise
+from casingfem.linalg.krylov import START_SEED
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import static_by_cycles
 from casingfem.modal.basis import ModalBasis

@@ -7,7 +7,7 @@ eigenvalues as there are frequencies between 0 and omega: the count that certifi
 of Linear Systems, 2011).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,17 +15,17 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs
 
 from casingfem.errors import ModelError, NumericsError
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
-from casingfem.linalg.eigen import START_SEED, gap_after
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.eigen import gap_after
 from casingfem.linalg.factor import factorise
+from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.harmonics import Rings, ring_content
 from casingfem.modal.mesh_modes import projected
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
-from casingfem.structure.imported.revolution import elements_around, round_about_z
-from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.imported.revolution import round_about_z
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from contact.io.reported import Reported
@@ -107,57 +107,24 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     >>> low.nodal_diameters.tolist(), low.sense.tolist()
     ([7, 7], [1, -1])
     """
-    if not isinstance(shell, Shell):
-        return mesh_whirl(shell, count)
-    if shell.rotation is None:
+    if isinstance(shell, Shell) and shell.rotation is None:
         raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
-    from_rest = assemble(at_rest(shell))
-    added = spin(from_rest, shell.rotation)
-    omega = shell.rotation.omega
-    K = csc_array(from_rest.K + added.stiffness(omega))
-    root = diags_array(1.0 / np.sqrt(from_rest.mass))
-    A, G = csc_array(root @ K @ root), csc_array(omega * (root @ added.G @ root))
-    values, vectors, certified = gyroscopic_modes(A, G, count, scale=frequency_scale(shell))
-    fields = expand_complex(from_rest, root @ vectors)[:, :, :count]
-    return whirl_of(shell, values[:count], fields, wave_labels(shell, from_rest, fields), certified)
-
-
-def mesh_whirl(structure: MeshStructure, count: int) -> WhirlModes:
-    """The modes of a rotating imported part, Coriolis forces included."""
-    system, added = spin_from_rest(structure, "whirl_modes")
-    assert isinstance(system, MeshSystem)
-    rotation: Rotation | None = getattr(structure, "rotation", None)
+    system, added = spin_from_rest(shell, "whirl_modes")
+    rotation: Rotation | None = getattr(shell, "rotation", None)
     assert rotation is not None  # or spin_from_rest would have refused it
     K = csc_array(system.K + added.stiffness(rotation.omega))
-    G = csc_array(rotation.omega * added.G)
-    values, vectors, certified = gyroscopic_modes(K, G, count, scale=system.frequency_scale, mass=system.M)
+    if isinstance(system, System):
+        root = diags_array(1.0 / np.sqrt(system.mass))
+        A, G = csc_array(root @ K @ root), csc_array(rotation.omega * (root @ added.G @ root))
+        values, vectors, certified = gyroscopic_modes(A, G, count, scale=frequency_scale(system.shell))
+        vectors = root @ vectors
+    else:
+        G = csc_array(rotation.omega * added.G)
+        values, vectors, certified = gyroscopic_modes(K, G, count, scale=system.frequency_scale, mass=system.M)
     fields = expand_complex(system, vectors)[:, :, :count]
-    about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))
-    n, sense = np.full(fields.shape[2], -1), np.zeros(fields.shape[2], dtype=np.int64)
-    if about_z and round_about_z(structure.mesh):
-        n_max = max(2, elements_around(structure.mesh) * (1 + bool(structure.mesh.cell_kind.middles)) // 3)
-        waves = [projected(structure, part, n_max) for part in (fields.conj(), fields)]
-        n, sense = wave_sense(waves, float(np.sign(rotation.omega * rotation.direction[2])))
-    return whirl_of(structure, values[:count], fields, (n, sense), certified)
-
-
-def whirl_of(
-    structure: Shell | MeshStructure,
-    omega: FloatArray,
-    fields: Array,
-    labels: tuple[IntArray, IntArray],
-    certified: int,
-) -> WhirlModes:
-    """The modes by angular frequency [rad/s], shapes and labels (n, sense)."""
-    return WhirlModes(
-        shell=structure, freq=frozen(omega / (2.0 * np.pi)), fields=frozen(fields), nodal_diameters=labels[0],
-        sense=labels[1], sturm_count=certified,
-    )  # fmt: skip
-
-
-def at_rest(shell: Shell) -> Shell:
-    """The shell without its rotation, on the same mesh."""
-    return replace(shell, rotation=None)
+    n, sense = wave_labels(system, rotation, fields)
+    freq = values[:count] / (2.0 * np.pi)
+    return WhirlModes(shell=shell, freq=freq, fields=fields, nodal_diameters=n, sense=sense, sturm_count=certified)
 
 
 def gyroscopic_modes(
@@ -206,17 +173,20 @@ def expand_complex(system: System | MeshSystem, vectors: Array) -> Array:
     return np.asarray(fields / flat[np.abs(flat).argmax(axis=0), np.arange(fields.shape[2])])
 
 
-def wave_labels(shell: Shell, system: System, fields: Array) -> tuple[IntArray, IntArray]:
-    """Nodal diameters and sense of the waves on a closed casing, each (modes,).
+def wave_labels(system: System | MeshSystem, rotation: Rotation, fields: Array) -> tuple[IntArray, IntArray]:
+    """Nodal diameters and sense of the waves on a closed casing that turns about z, each (modes,).
 
     e^(i n theta) e^(i omega t) runs towards smaller theta, e^(-i n theta) e^(i omega t) towards larger.
     """
-    modes = fields.shape[2]
-    if not shell.chart.periodic or shell.rotation is None:
-        return np.full(modes, -1), np.zeros(modes, dtype=np.int64)
-    n_max = max(2, system.grid.mesh.order * system.grid.mesh.around // 3)
-    waves = [ring_content(shell.chart, system.grid, part, n_max) for part in (fields.conj(), fields)]
-    return wave_sense(waves, float(np.sign(shell.rotation.omega * shell.rotation.direction[2])))
+    both = (fields.conj(), fields)
+    about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))
+    if isinstance(system, System) and system.shell.chart.periodic:
+        waves = [ring_content(system.shell.chart, system.grid, part) for part in both]
+    elif isinstance(system, MeshSystem) and about_z and round_about_z(system.structure.mesh):
+        waves = [projected(system.structure, part) for part in both]
+    else:
+        return np.full(fields.shape[2], -1), np.zeros(fields.shape[2], dtype=np.int64)
+    return wave_sense(waves, float(np.sign(rotation.omega * rotation.direction[2])))
 
 
 def wave_sense(waves: list[Rings], turning: float) -> tuple[IntArray, IntArray]:

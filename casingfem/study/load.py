@@ -14,7 +14,7 @@ from casingfem.errors import with_code
 from casingfem.experiment.correlation.shape_files import read_shapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.included import included_files
-from casingfem.linalg.eigen import START_SEED
+from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.imported.shell import MeshShell

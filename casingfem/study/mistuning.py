@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from casingfem.io.cores import usable_cores
-from casingfem.io.side_by_side import one_thread
+from casingfem.io.side_by_side import one_thread, usable_cores
 from casingfem.modal.mistuning import (
     Mistuning,
     Pair,

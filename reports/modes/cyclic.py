@@ -20,9 +20,8 @@ from scipy.sparse import csc_array
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import factorise
 from casingfem.modal.cyclic.mistuned import mistuned_modes
-from casingfem.modal.cyclic.modes import CyclicModes, cyclic_modes
+from casingfem.modal.cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from casingfem.modal.cyclic.reduction import cyclic_reduce
-from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import CyclicWhirl, cyclic_whirl
 from casingfem.modal.interface.kinds import TipNodes
 from casingfem.modal.interface.view import view

@@ -20,7 +20,7 @@ from casingfem.modal.fourier import SHIFT
 from casingfem.modal.mistuning import mean_modes, redrawn_shell
 from casingfem.modal.mode_set import Modes, frequency_scale
 from casingfem.modal.modes import modes
-from casingfem.modal.warm_start import restarted_modes
+from casingfem.modal.neighbour import restarted_modes
 from casingfem.structure.field.random import RandomField
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.interface.mesh_output import NodeStress
+from casingfem.modal.interface.output import NodeStress
 from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.attachments.glue import Gluing, tied

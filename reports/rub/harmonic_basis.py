@@ -12,8 +12,8 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.fourier import SHIFT, lowest
+from casingfem.modal.interface.chart_rows import rim_thickness
 from casingfem.modal.interface.kinds import Rim
-from casingfem.modal.interface.roundness import rim_thickness
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices

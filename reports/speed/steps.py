@@ -14,7 +14,8 @@ from time import process_time
 import numpy as np
 
 import contact as ct
-from casingfem.linalg.eigen import factorise, solve_modes, sturm_count
+from casingfem.linalg.eigen import solve_modes, sturm_count
+from casingfem.linalg.factor import factorise
 from casingfem.modal.harmonics import ring_content
 from casingfem.modal.interface.kinds import Rim, Tip
 from casingfem.modal.modes import modes

@@ -28,7 +28,7 @@ from casingfem.locate.explanations import factors_of, groups_alike, loosening
 from casingfem.locate.localisation import locate, search_model
 from casingfem.locate.located import Explanation, Localisation
 from casingfem.locate.misfit import Misfit
-from casingfem.locate.sparse_fit import fitted
+from casingfem.locate.sparse_search import fitted
 from casingfem.modal.affine import AffineModel, affine_model, bolt_changes
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes

@@ -23,8 +23,7 @@ from casingfem.experiment.rig.files import rig_angles
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.rig.troubles import TroubledTruth, Troubles, troubled_frfs
 from casingfem.io.arrays import BoolArray, FloatArray
-from casingfem.io.cores import usable_cores
-from casingfem.io.side_by_side import side_by_side
+from casingfem.io.side_by_side import side_by_side, usable_cores
 from reports.tables import Row, command_line, show, write
 
 SEEDS = range(601, 641)

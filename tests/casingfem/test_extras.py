@@ -16,7 +16,7 @@ from casingfem import extras
 from casingfem.cli import main
 from casingfem.errors import NumericsError
 from casingfem.extras import EXTRAS, remedy
-from casingfem.linalg.factor import pardiso
+from casingfem.linalg.factor import PardisoFactor
 
 ROOT = Path(__file__).parents[2]
 
@@ -65,5 +65,5 @@ def test_doctor_says_which_are_there_and_what_installs_the_others(monkeypatch):
 def test_a_missing_solver_is_named_with_what_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
     with pytest.raises(NumericsError) as refused:
-        pardiso(csc_array(np.eye(2)))
+        PardisoFactor(csc_array(np.eye(2)))
     assert str(refused.value).endswith(remedy("direct"))

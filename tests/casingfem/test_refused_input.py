@@ -16,8 +16,7 @@ from casingfem.experiment.rig.record import record
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.troubles import Troubles
 from casingfem.experiment.uff.write import write_uff
-from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain
-from casingfem.modal.interface.output import Displacement, Strain
+from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, Strain
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.imported.grid import grid_mesh

@@ -30,8 +30,7 @@ from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
-from casingfem.io.cores import usable_cores
-from casingfem.io.side_by_side import side_by_side
+from casingfem.io.side_by_side import side_by_side, usable_cores
 from contact.io.workers import forks
 
 MOST_OFF = 0.5  # share of the sensors that labels may do without

@@ -1,4 +1,4 @@
-"""Modes of a wheel by nodal diameter, from one sector."""
+"""Modes of a wheel by nodal diameter, from one sector; on the mesh of the whole wheel for pictures and tests."""
 
 import time
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import Band, EigenResult, solve
-from casingfem.modal.mesh_modes import SHIFT
-from casingfem.modal.mode_set import RIGID
-from casingfem.modal.stable import require_stable
+from casingfem.modal.mesh_modes import SHIFT, MeshModes, require_stable
+from casingfem.modal.mode_set import RIGID, ranks
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
+from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_structure
 
 ACROSS = 9  # frequencies on a line of the table
 
@@ -120,16 +120,15 @@ def cyclic_modes(
     system = assemble_cyclic(sector)
     assembled = time.perf_counter()
     found = {n: solved(system, n, wanted) for n in chosen}
-    freq, n_of = [found[n].freq for n in chosen], [np.full(len(found[n].eigenvalues), n) for n in chosen]
-    count = max((len(part) for part in freq), default=0) if not isinstance(wanted, int) else wanted
-    kept = [slice(min(count, len(part))) for part in freq]
-    values = np.concatenate([part[cut] for part, cut in zip(freq, kept, strict=True)])
-    fields = [wheel_shapes(system, n, found[n].vectors[:, cut]) for n, cut in zip(chosen, kept, strict=True)]
+    count = wanted if isinstance(wanted, int) else None
+    freq = [found[n].freq[:count] for n in chosen]
+    fields = [wheel_shapes(system, n, found[n].vectors[:, :count]) for n in chosen]
+    values = np.concatenate(freq)
     return CyclicModes(
         sector=sector,
         freq=frozen(values),
-        nodal_diameters=frozen(np.concatenate([n[cut] for n, cut in zip(n_of, kept, strict=True)])),
-        rank=frozen(np.concatenate([np.arange(1, 1 + len(part[cut])) for part, cut in zip(freq, kept, strict=True)])),
+        nodal_diameters=frozen(np.repeat(chosen, [len(part) for part in freq])),
+        rank=frozen(np.concatenate([np.arange(1, 1 + len(part)) for part in freq])),
         fields=frozen(np.concatenate(fields, axis=2)),
         rigid=frozen(2.0 * np.pi * values < RIGID * system.frequency_scale),
         sturm_counts={n: found[n].sturm_count for n in chosen},
@@ -163,3 +162,32 @@ def wheel_shapes(system: CyclicSystem, n: int, vectors: Array) -> Array:
     flat = shapes[:, :3].reshape(3 * len(shapes), -1)
     peak = flat[np.abs(flat).argmax(axis=0), np.arange(shapes.shape[2])]
     return np.asarray(shapes * (np.conj(peak) / np.abs(peak)))
+
+
+def wheel_modes(found: CyclicModes) -> MeshModes:
+    """The modes of all sectors, ascending, pairs as cos and sin.
+
+    Of `count` modes of each diameter the wheel's list is complete up to the least of their highest frequencies.
+    """
+    whole = wheel_structure(found.sector)
+    c, s = wheel_fields(found.sector, found.fields, found.nodal_diameters, whole.mesh)
+    double = np.array([found.sector.count(n) == 2 for n in found.nodal_diameters.tolist()], dtype=bool)
+    freq = np.concatenate([found.freq, found.freq[double]])
+    order = np.argsort(freq, kind="stable")
+    n = np.concatenate([found.nodal_diameters, found.nodal_diameters[double]])[order]
+    place = np.argsort(order)
+    pairs = sorted((int(place[k]), int(place[len(found) + i])) for i, k in enumerate(np.flatnonzero(double)))
+    return MeshModes(
+        structure=whole,
+        freq=frozen(freq[order]),
+        fields=frozen(np.concatenate([c, s[:, :, double]], axis=2)[:, :, order]),
+        nodal_diameters=frozen(n),
+        purity=frozen(np.ones(len(n))),
+        meridional=frozen(ranks(n, pairs)),
+        doublets=tuple(pairs),
+        angle_deg=frozen(np.full(len(n), np.nan)),
+        rigid=int(np.count_nonzero(found.rigid) + np.count_nonzero(found.rigid & double)),
+        sturm_count=None,
+        dofs=found.unknowns,
+        seconds=found.seconds,
+    )

@@ -51,9 +51,8 @@ def cyclic_reduce(
         As of `reduce` and `mistuned_modes`; `interface-edge` for a rim.
     """
     if isinstance(interface, Rim):
-        raise ModelError(
-            "interface-edge", "a wheel is seen at its tips: found a Rim, expected Tip, TipNodes or AtNodes"
-        )
+        found = "a wheel is seen at its tips: found a Rim, expected Tip, TipNodes or AtNodes"
+        raise ModelError("interface-edge", found)
     if not 0.0 <= zeta < 1.0:
         raise ModelError("reduce-damping", f"zeta must lie in [0, 1), found {zeta!r}")
     if not any(sector.structure.supports.values()):
@@ -99,9 +98,8 @@ def cylindrical(
     e1, e2, a = axis_frame(sector.axis)
     across = sector.turn.across(system.points[node_places(system, at.nodes)])
     if not np.all(np.abs(across) > 1e-9 * system.structure.mesh.size):
-        raise ModelError(
-            "interface-nodes", f"at: found node {at.nodes[int(np.abs(across).argmin())]} on the wheel's axis"
-        )
+        number = at.nodes[int(np.abs(across).argmin())]
+        raise ModelError("interface-nodes", f"at: found node {number} on the wheel's axis")
     c, s = (across / np.abs(across)).real[:, None], (across / np.abs(across)).imag[:, None]
     units = np.stack([c * e1 + s * e2, c * e2 - s * e1, np.broadcast_to(a, (len(across), 3))], axis=1)
     turned = np.einsum("fkc,kdc->fkd", P.reshape(len(P), -1, 3), units).reshape(len(P), -1)

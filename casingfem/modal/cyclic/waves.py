@@ -7,9 +7,11 @@ them the static answer at the channels is exact, and that of a mistuned wheel ri
 A pair z of 0 < n < N/2 has two real amplitudes: u_j = sqrt(2/N) Re(z e^(i n alpha j) (c - i s)) in sector j.
 """
 
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.sparse import csc_array
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -81,9 +83,7 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
     sector = system.sector
     P = np.zeros((system.system.size, 0)) if loads is None else loads
     held = np.unique(blade.nonzero()[0]) if blade is not None else np.zeros(0, dtype=np.int64)
-    parts: dict[str, list[Array]] = {
-        name: [] for name in ("n", "omega", "modes", "partner", "sign", "places", "shapes")
-    }
+    parts = defaultdict[str, list[Array]](list)
     blocks, first = [], 0
     for n in sector.diameters:
         omega, Z, modes = waves_of(system, n, count, P)
@@ -103,12 +103,7 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
     joined = {name: np.concatenate(part, axis=-1) for name, part in parts.items()}
     shapes = joined.pop("shapes")
     energy = np.zeros((0, 0)) if blade is None else shapes.T @ (blade[held][:, held] @ shapes)
-    added = np.zeros((0, 0))
-    if blocks:
-        added, at = np.zeros((first, first)), 0
-        for block in blocks:
-            added[at : at + len(block), at : at + len(block)] = 0.5 * (block + block.T)
-            at += len(block)
+    added = block_diag(*(0.5 * (block + block.T) for block in blocks)) if blocks else np.zeros((0, 0))
     return Waves(sectors=sector.sectors, blade=energy, added=added, **joined)
 
 

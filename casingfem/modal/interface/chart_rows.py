@@ -1,4 +1,4 @@
-"""Interfaces of a shell on a chart: rows over its nodal fields."""
+"""Interfaces of a shell on a chart: rows over its nodal fields, and the out-of-roundness and thickness of a rim."""
 
 from itertools import pairwise
 
@@ -10,8 +10,12 @@ from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNod
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.rings import ring_transform
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellGeometry
+from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
+
+LEAST = 64  # angles at which the radius is read
+ROUND_OFF = 1e-14  # of the radius
 
 
 def interface_rows(system: System, interface: Interface) -> tuple[FloatArray, tuple[str, ...]]:
@@ -33,9 +37,8 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
         raise ModelError("interface-edge", f"a Rim needs a closed casing with an edge {rim.edge!r}")
     around = grid.mesh.order * grid.mesh.around
     if not 0 < rim.n_max <= around // 3:
-        raise ModelError(
-            "interface-harmonics", f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
-        )
+        found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
+        raise ModelError("interface-harmonics", found)
     theta = grid.nodes[1]
     c, s, one, none = np.cos(theta), np.sin(theta), np.ones_like(theta), np.zeros_like(theta)
     unit = np.array([[c, s, none], [-s, c, none], [none, none, one]])[: len(rim.directions)]
@@ -70,33 +73,29 @@ def line_transforms(system: System, rim: Rim) -> list[Array]:
     return found
 
 
-def rim_places(shell: Shell, rim: Rim) -> tuple[float, ...]:
-    """The first parameter of the chart on each line of a rim."""
-    if rim.lines:
-        return rim.lines
-    held, side = shell.chart.edges[rim.edge]
-    return (shell.chart.bounds[held][side],)
+def rim_geometry(shell: Shell, rim: Rim, count: int) -> list[ShellGeometry]:
+    """The wall on each line of a rim, at `count` angles evenly around."""
+    places, theta = rim.lines, 2.0 * np.pi * np.arange(count) / count
+    if not places:
+        held, side = shell.chart.edges[rim.edge]
+        places = (shell.chart.bounds[held][side],)
+    return [shell.geometry(np.full(count, place), theta) for place in places]
 
 
 def rim_lines(system: System, rim: Rim) -> FloatArray:
     """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
-    theta = 2.0 * np.pi * np.arange(64) / 64
-    found = []
-    for place in rim_places(system.shell, rim):
-        x = system.shell.geometry(np.full(64, place), theta).surface.x
-        found.append([float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())])
-    return np.array(found)
+    on_lines = [on.surface.x for on in rim_geometry(system.shell, rim, LEAST)]
+    return np.array([[float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())] for x in on_lines])
 
 
 def tip_rows(system: System, tip: Tip) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (2, 5 nodes) of a blade tip: span and flap, averaged over the edge's length."""
-    grid, (span, flap, _) = system.grid, tip_directions(system, tip)
+    grid, directions = system.grid, tip_directions(system, tip)
     edge = grid.edges[tip.edge]
     weights = edge.arc(system.shell.geometry(*grid.nodes[:, edge.nodes]).surface)
     weights = weights / weights.sum()
     rows = np.zeros((2, grid.nodes.shape[1], DOFS))
-    rows[0, edge.nodes, :3] = weights[:, None] * span
-    rows[1, edge.nodes, :3] = weights[:, None] * flap
+    rows[:, edge.nodes, :3] = weights[:, None] * directions[:2, None]
     return rows.reshape(2, -1), ("span", "flap")
 
 
@@ -145,3 +144,63 @@ def node_rows(system: System, tip: TipNodes) -> tuple[FloatArray, tuple[str, ...
         np.add.at(mean, nodes, (weights / weights.sum())[:, None] * values)
         rows[k, :, :, :3] = directions[:, None, :] * mean[None, :, None]
     return rows.reshape(3 * tip.count, -1), tip.channels
+
+
+def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
+    """Deviation of each line's radius from its mean [m], d(theta) = sum_n c_n cos n theta + s_n sin n theta.
+
+    Columns as the channels of a rim: cos0 .. cosN, sin1 .. sinN, N = `rim.n_max`; (lines, 2 N + 1). Round-off is zero.
+    """
+    N = rim.n_max
+    count = max(LEAST, 4 * N)
+    found = []
+    for on in rim_geometry(shell, rim, count):
+        radius = np.hypot(*on.surface.x[:2])
+        waves = 2.0 * np.fft.rfft(radius - radius.mean())[: N + 1] / count
+        waves[np.abs(waves) < ROUND_OFF * radius.mean()] = 0.0
+        waves[0] = 0.0
+        found.append(np.concatenate([waves.real, -waves.imag[1:]]))
+    return np.array(found)
+
+
+def rim_thickness(shell: Shell, rim: Rim) -> float:
+    """Least thickness of the wall on a rim's lines [m]: linear theory carries deflections of part of it."""
+    return float(min(on.thickness.min() for on in rim_geometry(shell, rim, LEAST)))
+
+
+def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str, float]]:
+    """The rim's deviation from a circle as contact takes it: terms {p, cos, sin} [m], p from 1 to n_max.
+
+    Positive where the radius is larger. `cf.reduce` stores the same in the basis, where a scene with
+    `out_of_roundness = "basis"` finds it.
+
+    Parameters
+    ----------
+    casing
+        A shell whose radius field comes from a survey, harmonics, or a draw.
+    rim
+        Edge or lines, and the highest harmonic `n_max`.
+    line
+        Which of the rim's lines.
+
+    Raises
+    ------
+    ModelError
+        If the rim has no such line.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.2), thickness=3e-3, material=steel,
+    ...                   supports={"base": cf.Clamped()}, radius_defect=cf.FourierField.of({3: 1e-3}))
+    >>> terms = cf.out_of_roundness(casing, cf.Rim("top", n_max=4))
+    >>> [(term["p"], round(term["cos"], 9)) for term in terms]
+    [(3, 0.0005)]
+    """
+    require_shell(casing, "out_of_roundness")
+    shapes = rim_shape(casing, rim)
+    if not 0 <= line < len(shapes):
+        raise ModelError("interface-lines", f"line must lie between 0 and {len(shapes) - 1} here, found {line!r}")
+    c, N = shapes[line], rim.n_max
+    return [{"p": p, "cos": float(c[p]), "sin": float(c[N + p])} for p in range(1, N + 1) if c[p] or c[N + p]]

@@ -50,10 +50,8 @@ def facets_of(system: MeshSystem, name: str) -> Facets:
     if not len(facets):
         raise ModelError("mesh-group-no-facets", f"{mesh.source}: interface {name!r}")
     nodes = mesh.facet_nodes(facets)
-    parts = [
-        part_of(mesh, kind, nodes[rows], slots, facets[rows])
-        for kind, rows, slots in native(mesh.cell_kind.facet, nodes)
-    ]
+    kinds = native(mesh.cell_kind.facet, nodes)
+    parts = [part_of(mesh, kind, nodes[rows], slots, facets[rows]) for kind, rows, slots in kinds]
     return parts[0] if len(parts) == 1 else Facets(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -73,13 +71,8 @@ def part_of(mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets:
     q = len(values)
     whole = np.zeros((q, nodes.shape[1]))
     whole[:, slots] = values
-    return Facets(
-        x=on.x.reshape(-1, 3),
-        weight=np.abs(on.measure).ravel(),
-        outward=outward.reshape(-1, 3),
-        nodes=np.repeat(nodes, q, axis=0),
-        values=np.tile(whole, (len(nodes), 1)),
-    )
+    at_points = on.x.reshape(-1, 3), np.abs(on.measure).ravel(), outward.reshape(-1, 3)
+    return Facets(*at_points, np.repeat(nodes, q, axis=0), np.tile(whole, (len(nodes), 1)))
 
 
 def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
@@ -165,9 +158,8 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
     e1, e2, a = axes
     c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
     units = [c * e1 + s * e2, c * e2 - s * e1, np.broadcast_to(a, (len(theta), 3))][: len(rim.directions)]
-    rows = np.stack(
-        [np.stack([facets.sums(waves * unit[:, k], count) for k in range(3)], axis=-1) for unit in units]
-    ).reshape(-1, count, 3)
+    sums = np.array([[facets.sums(waves * unit[:, k], count) for k in range(3)] for unit in units])
+    rows = np.moveaxis(sums, 1, -1).reshape(-1, count, 3)
     mean = float(np.average(radius, weights=facets.weight))
     shape = (waves * facets.weight) @ (radius - mean)
     shape[0] = 0.0

@@ -7,13 +7,10 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.interface import mesh_rows
-from casingfem.modal.interface.chart_rows import interface_rows, rim_lines, tip_directions
+from casingfem.modal.interface.chart_rows import interface_rows, rim_lines, rim_shape, rim_thickness, tip_directions
 from casingfem.modal.interface.kinds import AtNodes, Interface, Rim
-from casingfem.modal.interface.roundness import rim_shape, rim_thickness
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
-
-NONE = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -38,7 +35,7 @@ class View:
     channels: tuple[str, ...]
     axes: FloatArray
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-    out_of_roundness: FloatArray = field(default_factory=lambda: NONE)
+    out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     radius: float = 0.0
     thickness: float = 0.0
     facts: dict[str, Any] = field(default_factory=dict)

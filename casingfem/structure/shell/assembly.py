@@ -18,8 +18,8 @@ from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_arra
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.linalg.entries import Symmetric
+from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto

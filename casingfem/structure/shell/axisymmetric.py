@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.diagonal_mass import diagonalised
+from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell.assembly import edge_rotation

@@ -4,8 +4,7 @@ from typing import Annotated, Literal, Self, TypedDict
 
 from pydantic import Field, model_validator
 
-from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
-from casingfem.modal.interface.output import Displacement, Output, Strain
+from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Output, Strain
 from casingfem.structure.imported.cells.solid import COMPONENTS
 from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector
 

@@ -4,7 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
-from casingfem.export.motion import frames, motion_files, point_files
+from casingfem.export.meshes import frames, motion_files, point_files
 from contact.io.outfiles import write_files
 
 BOX = np.array([3.0, 4.0, 12.0]) * [

@@ -16,7 +16,7 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.errors import ModelError, ModelWarning, code_of, warn
 from casingfem.faults import CATALOGUE, PARTS
-from casingfem.modal.resolution import FINEST, finest_shares
+from casingfem.modal.modes import FINEST, finest_shares
 from casingfem.study import StudyError, load_study
 from reports.robustness.broken import table as broken_models
 from reports.robustness.broken.files import STUDY

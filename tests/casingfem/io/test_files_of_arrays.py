@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
-from casingfem.io.cores import usable_cores
 from casingfem.io.npz import read_npz
-from casingfem.io.side_by_side import one_thread, side_by_side
+from casingfem.io.side_by_side import one_thread, side_by_side, usable_cores
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.io.last_line import check_last_line, fields, full, owner
+from casingfem.io.included import check_last_line, fields, full, owner
 
 NODES = "*NODE\n1, 0.25, 1.50\n"
 GRIDS = "GRID    1               0.5     1.0     2.0\n"

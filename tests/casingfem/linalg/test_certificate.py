@@ -6,9 +6,8 @@ from scipy.sparse import block_diag, csc_array
 
 import casingfem as cf
 from casingfem.errors import ModelWarning, NumericsError
-from casingfem.linalg.certificate import UNIT, clear_of_eigenvalues, round_off, warn_of_count
 from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
-from casingfem.linalg.pencil import Pencil, make_pencil
+from casingfem.linalg.pencil import UNIT, Pencil, clear_of_eigenvalues, make_pencil, round_off, warn_of_count
 from casingfem.modal import fourier
 
 SOFT = np.arange(1.0, 21.0)

@@ -6,8 +6,15 @@ from scipy.linalg import cho_factor, eigvalsh
 from scipy.sparse import csc_array, csr_array
 
 from casingfem.linalg.krylov import ConvergenceError
-from casingfem.linalg.multigrid import count_that_fits, search, static_by_cycles
-from casingfem.linalg.multigrid_cycle import Hierarchy, Level, make_hierarchy, make_level
+from casingfem.linalg.multigrid import (
+    Hierarchy,
+    Level,
+    count_that_fits,
+    make_hierarchy,
+    make_level,
+    search,
+    static_by_cycles,
+)
 from casingfem.linalg.pencil import make_pencil
 
 RNG = np.random.default_rng(17)

@@ -11,8 +11,8 @@ from scipy.sparse import csc_array, diags_array
 
 from casingfem.errors import ModelError, NumericsError
 from casingfem.linalg import eigen, krylov
-from casingfem.linalg.eigen import factorise, gap_after, solve, solve_modes, sturm_count
-from casingfem.linalg.factor import solve_held
+from casingfem.linalg.eigen import gap_after, solve, solve_modes, sturm_count
+from casingfem.linalg.factor import factorise, solve_held
 from casingfem.linalg.krylov import ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import make_pencil
 from casingfem.structure.shell.assembly import assemble

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from casingfem.errors import NumericsError
-from casingfem.linalg.certificate import most_round_off, round_off
 from casingfem.linalg.element_sum import Elements, ElementSum
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.fronts import plan, planned
-from casingfem.linalg.pencil import make_pencil
+from casingfem.linalg.pencil import make_pencil, most_round_off, round_off
 
 CELLS, ORDER = 14, 4
 

@@ -50,7 +50,7 @@ def test_a_front_by_itself_goes_forward_and_back_by_its_l(complex_, turned, rows
         beside = numbers(rng, complex_, 3)
         D = Indefinite(order, rng.uniform(1.0, 2.0, 4), beside)
     step = OneFront(slice(1, 5), np.array(rows, dtype=int), Block(np.asfortranarray(L), below, D))
-    assert step.entries == 16 + 4 * len(rows)
+    assert step.block.L.size + step.block.below.size == 16 + 4 * len(rows)
     lower = np.tril(L, -1) + np.eye(4) if turned else np.tril(L)
     x = np.ascontiguousarray(numbers(rng, complex_, 12, 2))
     forth, back = x.copy(), x.copy()
@@ -85,7 +85,7 @@ def test_fronts_of_one_shape_go_the_ways_of_each_by_itself(complex_, k, cuts, m)
     step = stack.step()
     assert [cut.stop for cut in step.cuts] == cuts
     assert [cut.start for cut in step.cuts] == [0, *cuts[:-1]]
-    assert step.entries == 2 * k * (k + m)
+    assert step.L.size + step.below.size == 2 * k * (k + m)
     single = [OneFront(slice(start, start + k), rows, block) for start, rows, block in fronts]
     x = np.ascontiguousarray(numbers(rng, complex_, 2 * k + 7, 2))
     for way in ("forward", "back"):

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import csc_array, eye_array
 
 from casingfem.errors import ModelWarning
-from casingfem.linalg import factor, multigrid, multigrid_cycle
+from casingfem.linalg import factor, multigrid
 from casingfem.linalg.eigen import solve_modes
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.krylov import ConvergenceError
@@ -29,7 +29,7 @@ def block(steel, counts, size, *, free=False):
 @pytest.mark.parametrize("free", [False, True])
 @pytest.mark.slow
 def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
-    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    monkeypatch.setattr(multigrid, "COARSEST", 20)
     system, near_null, shift = block(steel, (4, 4, 3), (1.0, 0.8, 0.6), free=free)
     a = multigrid_modes(system.K, system.M, near_null, 9, shift)
     b = solve_modes(system.K, system.M, 9, shift)
@@ -40,7 +40,7 @@ def test_a_thick_block_equals_shift_invert(steel, free, monkeypatch):
 
 @pytest.mark.slow
 def test_static_shapes_equal_those_of_a_factor(steel, monkeypatch):
-    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    monkeypatch.setattr(multigrid, "COARSEST", 20)
     system, near_null, _ = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))
     loads = np.eye(system.size)[:, [10, 200, 301]] * [1.0, 1e6, 0.0]  # one of them none at all
     exact = factorise(system.K).solve(loads)
@@ -137,7 +137,7 @@ def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel,
 @pytest.mark.parametrize("free", [False, True])
 def test_a_cycle_is_symmetric_positive_definite_and_near_the_inverse(steel, free, monkeypatch):
     """C = C^T and the eigenvalues of C A: between 0 and about 1, the smaller ones not small, rigid motions included."""
-    monkeypatch.setattr(multigrid_cycle, "COARSEST", 20)
+    monkeypatch.setattr(multigrid, "COARSEST", 20)
     system, near_null, shift = block(steel, (4, 3, 3), (1.0, 0.8, 0.6), free=free)
     pencil = make_pencil(system.K, system.M)
     levels = multigrid.make_levels(pencil, near_null, shift)

@@ -8,13 +8,19 @@ from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
-from casingfem.linalg.certificate import clear_of_eigenvalues, most_round_off, round_off
-from casingfem.linalg.cost import require_affordable
-from casingfem.linalg.diagonal_mass import diagonalised
 from casingfem.linalg.eigen import EigenResult, gap_after, gaps, solve, solve_band, sturm_count
 from casingfem.linalg.element_sum import Elements, ElementSum, absolute
-from casingfem.linalg.memory import MemoryNeedError, require_memory
-from casingfem.linalg.pencil import make_pencil, places_in, scaled, widened
+from casingfem.linalg.memory import MemoryNeedError, require_affordable, require_memory
+from casingfem.linalg.pencil import (
+    clear_of_eigenvalues,
+    diagonalised,
+    make_pencil,
+    most_round_off,
+    places_in,
+    round_off,
+    scaled,
+    widened,
+)
 
 RNG = np.random.default_rng(31)
 SIZE = 9

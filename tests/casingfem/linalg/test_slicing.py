@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError, NumericsError
-from casingfem.linalg import cost, slicing
+from casingfem.linalg import memory, slicing
 from casingfem.linalg.eigen import solve_band, solve_modes
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.krylov import ConvergenceError, nearest
@@ -147,8 +147,8 @@ def test_a_mode_near_the_joint_of_two_slices_is_found_once(monkeypatch):
 
 
 def test_too_many_modes_of_a_band_are_refused_and_those_below_it_are_not_counted(monkeypatch):
-    monkeypatch.setattr(cost, "MOST", 1.0)
-    monkeypatch.setattr(cost, "MODES", 3.0)
+    monkeypatch.setattr(memory, "MOST", 1.0)
+    monkeypatch.setattr(memory, "MODES", 3.0)
     K, M = with_spectrum(np.arange(1.0, 40.0))
     assert solve_band(K, M, (9.5, 12.5), shift=-0.01).sturm_count == 3
     with pytest.raises(ModelError, match=r"some 4 of 39 unknowns, .* expected at most 3 at once"):

@@ -19,8 +19,7 @@ from casingfem.locate.explanations import (
     visible,
 )
 from casingfem.locate.misfit import Point
-from casingfem.locate.sparse_fit import Bounds, bounded_step, fitted
-from casingfem.locate.sparse_search import best_addition, keep_searching
+from casingfem.locate.sparse_search import Bounds, best_addition, bounded_step, fitted, keep_searching
 
 RNG = np.random.default_rng(43)
 

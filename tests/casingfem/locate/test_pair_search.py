@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.locate.misfit import Point
-from casingfem.locate.pair_search import best_pair
-from casingfem.locate.sparse_fit import Bounds, fitted
-from casingfem.locate.sparse_search import best_addition, search
-from casingfem.locate.unknown_coupling import half_split, mixing, widened
+from casingfem.locate.misfit import Point, half_split, mixing, widened
+from casingfem.locate.sparse_search import Bounds, best_addition, best_pair, fitted, search
 from casingfem.modal.harmonics import Rings
 
 BOUNDS = Bounds(lower=-np.ones(6), upper=np.zeros(6))

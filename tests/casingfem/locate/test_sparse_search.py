@@ -7,10 +7,12 @@ import pytest
 from scipy.stats import f
 
 from casingfem.locate.misfit import Point
-from casingfem.locate.sparse_fit import Bounds, fitted, gains
 from casingfem.locate.sparse_search import (
+    Bounds,
     best_addition,
     exchanged,
+    fitted,
+    gains,
     pruned,
     scale2,
     search,

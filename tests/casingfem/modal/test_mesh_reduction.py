@@ -10,7 +10,7 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.linalg.factor import factorise
 from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
-from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
+from casingfem.modal.interface.output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.interface.view import view
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.loads import NodeLoad

@@ -20,7 +20,7 @@ from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
 from casingfem.modal.modes import modes
-from casingfem.modal.warm_start import guarded, restarted_modes
+from casingfem.modal.neighbour import guarded, restarted_modes
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.study import load_study

@@ -13,9 +13,8 @@ from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
 from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.modal.interface.output import Displacement, Strain
 from casingfem.modal.mistuning import mistune
-from casingfem.modal.modes import count_below
-from casingfem.modal.resolution import finest_shares
-from casingfem.modal.warm_start import restarted_modes
+from casingfem.modal.modes import count_below, finest_shares
+from casingfem.modal.neighbour import restarted_modes
 from casingfem.structure.field.random import RandomField
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.shell.assembly import assemble

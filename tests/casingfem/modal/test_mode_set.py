@@ -16,7 +16,7 @@ from casingfem.modal.mode_set import (
     ranks,
     turned,
 )
-from casingfem.modal.resolution import finest_shares, split_by_mesh
+from casingfem.modal.modes import finest_shares, split_by_mesh
 from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 

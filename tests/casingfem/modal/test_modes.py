@@ -11,8 +11,7 @@ from casingfem.errors import ModelWarning, NumericsError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.harmonics import ring_content
 from casingfem.modal.mode_set import frequency_scale
-from casingfem.modal.modes import count_below, modes
-from casingfem.modal.resolution import finest_shares
+from casingfem.modal.modes import count_below, finest_shares, modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate

@@ -11,6 +11,7 @@ import casingfem as cf
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.adjoint import AdjointSpace, adjoint_space
+from casingfem.modal.modes import RitzModes
 from casingfem.modal.neighbour import (
     FAR,
     GUARD,
@@ -20,12 +21,11 @@ from casingfem.modal.neighbour import (
     counted,
     davidson,
     factored,
+    krylov_modes,
     shift_of,
     solved,
     solved_near,
 )
-from casingfem.modal.ritz import RitzModes
-from casingfem.modal.warm_start import krylov_modes
 
 RNG = np.random.default_rng(21)
 SIZE, WIDTH, COUNT = 60, 8, 4

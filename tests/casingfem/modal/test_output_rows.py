@@ -10,10 +10,9 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.affine import independent, products
 from casingfem.modal.basis import ModalBasis
+from casingfem.modal.interface.chart_rows import out_of_roundness, rim_shape, rim_thickness
 from casingfem.modal.interface.kinds import Rim
-from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
-from casingfem.modal.interface.output import Displacement, Strain, output_rows
-from casingfem.modal.interface.roundness import out_of_roundness, rim_shape, rim_thickness
+from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain, output_rows
 from casingfem.modal.interface.view import load_columns
 from casingfem.modal.matrices import basis_matrices, channel_dofs, of_system
 from casingfem.structure.field.fourier import FourierField

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.linalg.eigen import factorise
+from casingfem.linalg.factor import factorise
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface.chart_rows import rim_rows, tip_directions, tip_rows
 from casingfem.modal.interface.kinds import Rim, Tip

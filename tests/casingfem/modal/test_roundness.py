@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.modal.interface.roundness import rim_shape, rim_thickness
+from casingfem.modal.interface.chart_rows import rim_shape, rim_thickness
 from contact.scene.load import load_scene
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)

@@ -5,7 +5,7 @@ import pytest
 
 from casingfem.errors import ModelError
 from casingfem.linalg.eigen import EigenResult
-from casingfem.modal.stable import require_stable
+from casingfem.modal.mesh_modes import require_stable
 
 
 def test_round_off_of_a_rigid_motion_is_no_instability():

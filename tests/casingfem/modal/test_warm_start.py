@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import NumericsError
-from casingfem.modal.warm_start import guarded, restarted_modes
+from casingfem.modal.neighbour import guarded, restarted_modes
 
 
 def plate(nu=0.3, order=4):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import casingfem as cf
-from casingfem.linalg.eigen import START_SEED
+from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.support import Fixed

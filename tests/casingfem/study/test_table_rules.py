@@ -3,8 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
-from casingfem.modal.interface.output import Displacement, Strain
+from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from casingfem.study.tables.cyclic import CyclicTable
 from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable

@@ -11,10 +11,9 @@ import contact as ct
 from casingfem.errors import ModelError, NumericsError
 from casingfem.linalg.factor import factorise
 from casingfem.modal.cyclic.mistuned import mistuned_modes, mixed
-from casingfem.modal.cyclic.modes import cyclic_modes
+from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
 from casingfem.modal.cyclic.reduction import cyclic_reduce
 from casingfem.modal.cyclic.waves import Waves
-from casingfem.modal.cyclic.wheel import wheel_modes
 from casingfem.modal.cyclic.whirl import cyclic_whirl
 from casingfem.modal.interface.kinds import AtNodes, Rim, TipNodes
 from casingfem.structure.imported.cyclic.wheel import wheel_structure

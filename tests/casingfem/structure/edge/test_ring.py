@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from casingfem.errors import ModelError
-from casingfem.linalg.diagonal_mass import diagonalised
+from casingfem.linalg.pencil import diagonalised
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.modes import modes

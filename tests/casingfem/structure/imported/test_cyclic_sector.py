@@ -8,8 +8,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError
-from casingfem.modal.cyclic.modes import cyclic_modes
-from casingfem.modal.cyclic.wheel import wheel_modes
+from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
 from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure

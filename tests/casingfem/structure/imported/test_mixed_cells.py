@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.interface.mesh_output import mean_row
+from casingfem.modal.interface.output import NodeStress
 from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import FacetPressure, nodal_loads
@@ -110,7 +110,7 @@ def test_a_mixed_bar_is_stressed_alike_everywhere():
     pulled = np.zeros((len(mesh.points), 3))
     pulled[:, 0] = 1e-3 * mesh.points[:, 0]
     for node in range(0, len(mesh.points), 5):
-        row = mean_row(system, "stress", int(mesh.node_numbers[node]), "xx", stress=True)
+        row = NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xx").row(system)
         assert np.sum(row * pulled) == pytest.approx(210e6, rel=1e-6)
 
 
@@ -202,7 +202,7 @@ def test_constant_strains_are_exact_through_all_quadratic_kinds():
     assert volume == pytest.approx(0.02, rel=1e-12)
     stress = 2.0 * mu * eps + lam * np.trace(eps) * np.eye(3)
     for node in range(0, len(mesh.points), 9):
-        row = mean_row(system, "stress", int(mesh.node_numbers[node]), "xy", stress=True)
+        row = NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xy").row(system)
         assert np.sum(row * field) == pytest.approx(stress[0, 1], rel=1e-4)
     weight = cf.loads.Gravity(acceleration=(0.0, 0.0, -9.81))
     assert nodal_loads(solid, weight)[:, 2].sum() == pytest.approx(-9.81 * 7800.0 * volume, rel=1e-12)

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
-from casingfem.linalg.eigen import factorise, sturm_count
+from casingfem.linalg.eigen import sturm_count
+from casingfem.linalg.factor import factorise
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
