@@ -167,21 +167,25 @@ def test_only_closed_casings_have_pairs(steel):
 
 
 @pytest.mark.slow
+def table_of(text):
+    """Names of the columns and numbers to the last digit (pandas' reader rounds in some versions)."""
+    head, *rows = (line.split(",") for line in text.splitlines() if not line.startswith("#"))
+    return head, np.array([[float(x or "nan") for x in row] for row in rows])
+
+
 def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
     rows = [Pair(0, 4, 1, 101.0, 0.02, 3.5), Pair(0, 5, 2, 92.0, 0.03, float("nan")), Pair(1, 4, 1, 99.0, 0.04, 7.5)]
     perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
     found = Mistuning.of(rows, perfect)
     source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
     files = result_files(found, {"source": source, "doublets": found.summary()})
-    draws, summary = (
-        pd.read_csv(io.StringIO(files[name]), comment="#", float_precision="round_trip")
-        for name in ("mistune.csv", "mistune_summary.csv")
-    )
-    assert list(draws) == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
-    np.testing.assert_array_equal(draws, np.array(rows, dtype=float))
-    assert list(summary) == list(found.summary()[0])
+    draws, summary = (table_of(files[name]) for name in ("mistune.csv", "mistune_summary.csv"))
+    assert draws[0] == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
+    np.testing.assert_array_equal(draws[1], np.array(rows, dtype=float))
+    assert summary[0] == list(found.summary()[0])
     np.testing.assert_array_equal(
-        summary, np.array([[np.nan if x is None else x for x in row.values()] for row in found.summary()], dtype=float)
+        summary[1],
+        np.array([[np.nan if x is None else x for x in row.values()] for row in found.summary()], dtype=float),
     )
     run = MistuneRun(found=found, errors={0: 3e-9, 50: 2e-8, 100: 4e-10}, from_nothing=(7, 9), resumed=5)
     assert words(run).splitlines()[1:] == [
