@@ -1,6 +1,5 @@
 """Random mistuning: restarts equal solutions from nothing, draws do not depend on each other, runs go on."""
 
-import io
 import json
 import os
 import signal
@@ -10,7 +9,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from click.testing import CliRunner
 
