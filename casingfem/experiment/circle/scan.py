@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
-from casingfem.experiment.circle.fit import fit_lines
-from casingfem.experiment.circle.lines import require_clear
+from casingfem.experiment.circle.lines import fit_lines, require_clear
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.reported import Reported

@@ -19,8 +19,7 @@ from scipy.signal import lfilter, resample_poly
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Excitation
-from casingfem.experiment.rig.noise import Converter, noise
-from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Quantity, Rig
+from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Converter, Quantity, Rig, noise
 from casingfem.io.arrays import FloatArray, frozen
 
 FINER = 8

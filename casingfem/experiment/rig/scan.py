@@ -20,8 +20,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord, turning
-from casingfem.experiment.rig.noise import noise
-from casingfem.experiment.rig.rig import SYNTHETIC, Rig, resonances
+from casingfem.experiment.rig.rig import SYNTHETIC, Rig, noise, resonances
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 EVEN = 1e-9  # rad: how evenly a circle's probes stand

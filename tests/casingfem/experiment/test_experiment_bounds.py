@@ -14,9 +14,8 @@ from casingfem.experiment.identify.identification import _picked
 from casingfem.experiment.identify.usable import LEAST_LINES, usable
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.rig import Converter, Rig, noise
 from casingfem.experiment.rig.scan import Turning
 from casingfem.experiment.rig.troubles import Troubles
 
