@@ -9,12 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
-from casingfem.experiment.correlation.expansion import Expansion, expand
-from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.expansion import Expansion, cross_orthogonality, expand, guyan_mass, serep_mass
+from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
 from casingfem.experiment.correlation.matches import Match, Pairing, listed
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray

@@ -14,18 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.ema_poles import lscf_poles
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.poles.pole_selection import select_poles
 from casingfem.experiment.identify.poles.pole_window import Window, floor_of
 from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
-from casingfem.experiment.identify.poles.stabilisation import Stabilisation, stabilise
+from casingfem.experiment.identify.poles.stabilisation import Stabilisation, lscf_poles, stabilise
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import shifted
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted, shifted
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 from casingfem.io.side_by_side import Each, largest_first
 

@@ -20,10 +20,17 @@ from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs, sensor_grid
 from casingfem.experiment.identify.band_fits import BandFits, Responses, core_of, fit_bands
-from casingfem.experiment.identify.exponential_window import window_note, window_time, without_window
-from casingfem.experiment.identify.found_modes import FoundMode, found_modes
+from casingfem.experiment.identify.found_modes import (
+    FoundMode,
+    found_modes,
+    notes_of,
+    paired,
+    settled,
+    window_note,
+    window_time,
+    without_window,
+)
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
 from casingfem.experiment.identify.setups.around import Places

@@ -5,11 +5,11 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.circle.record import ScanRecord, from_tacho
-from casingfem.experiment.correlation.comac import paired
+from casingfem.experiment.correlation.mac import paired
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import form_of
-from casingfem.experiment.identify.exponential_window import window_time
+from casingfem.experiment.identify.found_modes import window_time
 from casingfem.experiment.identify.identification import _picked
 from casingfem.experiment.identify.usable import LEAST_LINES, usable
 from casingfem.experiment.rig.estimate import estimate

@@ -16,11 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.setups.places import best_beside
-from casingfem.experiment.identify.setups.wave_fit import fitted, solved
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead, pairs_near, rms, sized
+from casingfem.experiment.identify.setups.wave_fit import WaveRead, fitted, pairs_near, rms, sized, solved
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
-from casingfem.experiment.identify.setups.wave_odds import unlikely_kinds, unlikely_local
-from casingfem.experiment.identify.setups.wave_residues import eliminated
+from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_kinds, unlikely_local
 from casingfem.io.arrays import FloatArray
 
 WIDER = 1.0, 3.0  # times the usual damping, that a further mode is tried with

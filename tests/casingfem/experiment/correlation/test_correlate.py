@@ -7,11 +7,16 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.comac import comac, ecomac
 from casingfem.experiment.correlation.correlate import correlate
-from casingfem.experiment.correlation.expansion import expand, well_conditioned
+from casingfem.experiment.correlation.expansion import (
+    cross_orthogonality,
+    expand,
+    guyan_mass,
+    serep_mass,
+    well_conditioned,
+)
+from casingfem.experiment.correlation.mac import comac, ecomac
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
-from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.read import read_uff

@@ -7,10 +7,9 @@ import pytest
 from scipy.linalg import sqrtm, subspace_angles
 
 from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.correlate import alike, partners, plane_of, seen_mac, seen_nco
 from casingfem.experiment.correlation.expansion import expand, well_conditioned
-from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
 from casingfem.experiment.correlation.sensors import refuse_far

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.correlation.correlate import seen_mac, seen_nco
+from casingfem.experiment.correlation.expansion import cross_orthogonality
 from casingfem.experiment.correlation.mac import mac
-from casingfem.experiment.correlation.orthogonality import cross_orthogonality
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])

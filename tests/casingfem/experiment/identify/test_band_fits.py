@@ -10,7 +10,7 @@ from casingfem.experiment.identify.band_fits import Responses, _modes, _of_band,
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 
 LINES = np.arange(90.0, 112.0, 0.05)
 BAND = Band((0, len(LINES)), (0, len(LINES)), 2)

@@ -21,7 +21,7 @@ from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 
 LINES = np.arange(90.0, 112.0, 0.25)
 NOISE = np.array([0.5, 2.0, 1.0])
