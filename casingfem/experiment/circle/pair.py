@@ -183,9 +183,5 @@ def jacobian(tones: FloatArray, poles: FloatArray, parts: FloatArray, sigma: Flo
         change = real((basis(tones, poles + step, sigma) - basis(tones, poles - step, sigma)) @ parts) / (2.0 * step[k])
         columns.append(change.ravel())
     A = real(basis(tones, poles, sigma))
-    for part in range(2):
-        for k in range(3):
-            column = np.zeros((len(A), 2))
-            column[:, part] = A[:, k]
-            columns.append(column.ravel())
+    columns += [np.multiply.outer(A[:, k], part).ravel() for part in np.eye(2) for k in range(3)]
     return np.stack(columns, axis=1)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.correlation.expansion import Expansion, cross_orthogonality, expand, guyan_mass, serep_mass
+from casingfem.experiment.correlation.expansion import Expansion, expand, guyan_mass, serep_mass
 from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
 from casingfem.experiment.correlation.matches import Match, Pairing, listed
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
@@ -87,16 +87,11 @@ class Correlation(Reported):
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
+        at = self.sensors
+        columns = at.labels.astype(int), at.directions.round(6), at.distance, self.comac, self.ecomac
         channels = [
-            {"sensor": int(label), "direction": direction, "distance_m": far, "comac": c, "ecomac": e}
-            for label, direction, far, c, e in zip(
-                self.sensors.labels.tolist(),
-                self.sensors.directions.round(6).tolist(),
-                self.sensors.distance.tolist(),
-                self.comac.tolist(),
-                self.ecomac.tolist(),
-                strict=True,
-            )
+            dict(zip(("sensor", "direction", "distance_m", "comac", "ecomac"), channel, strict=True))
+            for channel in zip(*(column.tolist() for column in columns), strict=True)
         ]
         return {
             "shapes": self.records(),
@@ -108,11 +103,10 @@ class Correlation(Reported):
 
     def __repr__(self) -> str:
         """Table: measured, computed, MAC, subspace MAC, NCO; then sensors and expansion."""
-        head = (
+        lines = [
             f"{'row':>4} {'measured':>10} {'mode':>5} {'n':>3} {'computed':>10} {'error %':>8} "
             f"{'MAC':>6} {'plane':>6} {'NCO':>6} {'left out':>8}"
-        )
-        lines = [head]
+        ]
         for r in self.records():
             left = f"{r['left_out_error']:8.3f}"
             if r["mode"] is None:
@@ -200,7 +194,7 @@ def correlate(
         pairing=pairing,
         mac=likeness,
         alike=np.array([alike(match, modes, shapes, computed) for match in pairing.matches]),
-        nco=seen_nco(shapes, computed, reduced),
+        nco=seen_mac(shapes, computed, reduced),
         mass_by=mass,
         comac=comac(first, second),
         ecomac=ecomac(first, second),
@@ -208,21 +202,19 @@ def correlate(
     )
 
 
-def seen_mac(measured: FloatArray, computed: FloatArray) -> FloatArray:
-    """MAC (measured, modes); 0 for modes that the sensors do not see."""
-    lengths = np.linalg.norm(computed, axis=0)
-    seen = lengths > 1e-9 * lengths.max()
-    found = np.zeros((measured.shape[1], computed.shape[1]))
-    found[:, seen] = mac(measured, computed[:, seen])
-    return found
+def seen_mac(measured: FloatArray, computed: FloatArray, mass: FloatArray | None = None) -> FloatArray:
+    """MAC (measured, modes); 0 for modes that the sensors do not see.
 
+    With the mass reduced to the sensors, (channels, channels), it is the normalised cross-orthogonality
 
-def seen_nco(measured: FloatArray, computed: FloatArray, mass: FloatArray) -> FloatArray:
-    """NCO (measured, modes); 0 for modes that have no mass at the sensors, as those that SEREP left out."""
-    seen = np.einsum("ci,cd,di->i", computed, mass, computed)
-    inside = seen > 1e-9 * seen.max()
+        NCO_ij = |a_i^T M_s b_j|^2/((a_i^T M_s a_i) (b_j^T M_s b_j)),
+
+    0 for modes that have no mass there, as those that SEREP left out.
+    """
+    size = np.linalg.norm(computed, axis=0) if mass is None else np.einsum("ci,cd,di->i", computed, mass, computed)
+    seen = size > 1e-9 * size.max()
     found = np.zeros((measured.shape[1], computed.shape[1]))
-    found[:, inside] = cross_orthogonality(measured, computed[:, inside], mass)
+    found[:, seen] = mac(measured, computed[:, seen], mass)
     return found
 
 

@@ -15,7 +15,6 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from casingfem.errors import ModelError
-from casingfem.experiment.correlation.mac import mac
 from casingfem.experiment.correlation.sensors import Sensors
 from casingfem.io.arrays import FloatArray, IntArray, freeze
 from casingfem.linalg.factor import factorise
@@ -177,16 +176,3 @@ def serep_mass(at_sensors: FloatArray) -> FloatArray:
     """
     inverse = np.linalg.pinv(at_sensors)
     return np.asarray(inverse.T @ inverse)
-
-
-def cross_orthogonality(measured: FloatArray, computed: FloatArray, mass: FloatArray) -> FloatArray:
-    """Normalised cross-orthogonality of every measured with every computed shape at the channels.
-
-    NCO_ij = |a_i^T M_s b_j|^2/((a_i^T M_s a_i) (b_j^T M_s b_j)), (measured, computed)
-
-    Raises
-    ------
-    ValueError
-        Shapes of different channels, or without mass.
-    """
-    return mac(measured, computed, mass)

@@ -19,7 +19,7 @@ from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.uff.read import UniversalFile, read_uff
 from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
 AXES = np.eye(3)
@@ -74,8 +74,7 @@ class MeasuredShapes:
         for name in ("sigma", "n"):
             values = getattr(self, name)
             object.__setattr__(self, name, np.broadcast_to(values, self.freq_hz.shape) if values.ndim == 0 else values)
-        for name in ("freq_hz", "values", "points", "directions", "labels", "sigma", "n"):
-            object.__setattr__(self, name, frozen(np.array(getattr(self, name))))
+        freeze(self, "freq_hz", "values", "points", "directions", "labels", "sigma", "n")
         channels, modes = len(self.labels), len(self.freq_hz)
         if self.sigma.shape != (modes,) or self.n.shape != (modes,) or np.any(self.sigma <= 0.0):
             found = f"sigma {self.sigma.tolist()} and n {self.n.tolist()}"
@@ -284,5 +283,5 @@ def unit_vectors(sensors: SensorGrid, path: str) -> FloatArray:
         raise InputError(path, found=found, expected=expected)
     theta = np.where(np.isnan(sensors.theta), 0.0, sensors.theta)
     c, s, zero = np.cos(theta), np.sin(theta), np.zeros(len(theta))
-    frames = np.stack([np.stack([c, s, zero]), np.stack([-s, c, zero]), np.tile(AXES[2][:, None], len(theta))])
+    frames = np.array([[c, s, zero], [-s, c, zero], [zero, zero, zero + 1.0]])
     return np.asarray(np.sign(codes)[:, None] * frames[np.abs(codes) - 1, :, np.arange(len(codes))])

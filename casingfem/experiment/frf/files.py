@@ -38,15 +38,12 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
         An unknown ending; what the readers refuse.
     """
     ending = Path(path).suffix.lower()
-    if ending in UNIVERSAL:
-        return FrfSet.from_uff(path)
-    if ending == ".npz":
-        return FrfSet.load(path)
     if ending in HDF5:
         return read_hdf5(path)
-    if ending == ".csv":
-        return FrfSet.from_csv(path)
-    raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
+    readers = {**dict.fromkeys(UNIVERSAL, FrfSet.from_uff), ".npz": FrfSet.load, ".csv": FrfSet.from_csv}
+    if ending not in readers:
+        raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
+    return readers[ending](path)
 
 
 def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:

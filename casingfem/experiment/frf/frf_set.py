@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 from casingfem.io.npz import read_npz
 from casingfem.io.strict_csv import StrictCsv, read
 from contact.io.npz import ArrayKind, write_npz
@@ -73,21 +73,15 @@ class FrfSet:
             if name == "responses" and self.kind == "time" and np.iscomplexobj(self.responses):
                 raise InputError(self.path, found="a complex time record", expected="real values")
             given = np.asarray(getattr(self, name))
-            if (
-                name in PLACES
-                and given.dtype.kind not in "iu"
-                and not (
-                    given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given.astype(np.float64)) < 1e15))
-                )
+            fits = name not in PLACES or given.dtype.kind in "iu"
+            if not fits and not (
+                given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given.astype(np.float64)) < 1e15))
             ):
                 raise InputError(self.path, found=f"{name} that are not whole numbers", expected="those of points")
-            array = np.array(given, forms.get(name, np.int64))
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, frozen(np.asarray(given, forms.get(name, np.int64))))
         self._check()
 
     def _check(self) -> None:
-        """Refuse what does not belong together."""
         _kind(self.kind, self.path)
         channels = self.responses.shape[:1]
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
@@ -105,7 +99,6 @@ class FrfSet:
             raise InputError(self.path, found=found, expected="an abscissa that ascends")
 
     def _spoilt(self, spoilt: BoolArray) -> str:
-        """Which numbers are none."""
         if not spoilt.any():
             return "nan or infinity in the abscissa"
         lines = np.flatnonzero(spoilt.any(axis=0))

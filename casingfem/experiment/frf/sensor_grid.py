@@ -40,7 +40,6 @@ class SensorGrid:
         freeze(self, "points", "directions", "theta", "references", "channels", "places")
 
     def __len__(self) -> int:
-        """Return the number of sensors."""
         return len(self.points)
 
 

@@ -16,9 +16,8 @@ import numpy as np
 
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.poles.pole_selection import select_poles
+from casingfem.experiment.identify.poles.pole_selection import alike_lines, noise_at, select_poles
 from casingfem.experiment.identify.poles.pole_window import Window, floor_of
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
 from casingfem.experiment.identify.poles.stabilisation import Stabilisation, lscf_poles, stabilise
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves

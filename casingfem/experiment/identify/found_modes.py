@@ -16,8 +16,7 @@ from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.identify.poles.pole_fit import PoleFit
-from casingfem.experiment.identify.poles.pole_selection import hidden_split
-from casingfem.experiment.identify.poles.pole_worth import cut_off
+from casingfem.experiment.identify.poles.pole_selection import cut_off, hidden_split
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.io.arrays import Array, FloatArray, IntArray
 

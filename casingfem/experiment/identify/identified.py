@@ -98,7 +98,6 @@ class Identified(Reported):
                 object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __len__(self) -> int:
-        """Return the number of modes."""
         return len(self.freq)
 
     @property

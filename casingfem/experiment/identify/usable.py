@@ -102,7 +102,6 @@ def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSe
 
 
 def _channels(which: BoolArray) -> str:
-    """Channels by their number, in words."""
     return "channel " + ", ".join(str(k + 1) for k in np.flatnonzero(which))
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
@@ -20,7 +21,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Excitation
 from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Converter, Quantity, Rig, noise
-from casingfem.io.arrays import FloatArray, frozen
+from casingfem.io.arrays import FloatArray, freeze
 
 FINER = 8
 BAND = 2.56  # samples a second over the highest frequency, at least, as analysers have it
@@ -58,8 +59,7 @@ class Record:
     card: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        for name in ("force", "response"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "force", "response")
 
     @property
     def time(self) -> FloatArray:
@@ -68,24 +68,14 @@ class Record:
 
     def functions(self) -> tuple[FrfSet, FrfSet]:
         """Responses and forces as sets of time records, for files."""
-        sets = []
-        for values, at, unit in (
-            (self.response, self.sensors, UNITS[self.quantity].removesuffix("/N").strip("()")),
-            (self.force, self.drives, "N"),
-        ):
-            probes = [self.rig.probes[k] for k in at]
-            sets.append(
-                FrfSet.from_arrays(
-                    kind="time",
-                    x=self.time,
-                    responses=values,
-                    unit=unit,
-                    response_point=[p.node for p in probes],
-                    response_direction=[p.direction for p in probes],
-                    card=self.card,
-                )
-            )
-        return sets[0], sets[1]
+
+        def records(values: FloatArray, at: tuple[int, ...], unit: str) -> FrfSet:
+            point, direction = np.array([self.rig.probes[k][:2] for k in at]).T
+            places: dict[str, Any] = {"response_point": point, "response_direction": direction}
+            return FrfSet.from_arrays(kind="time", x=self.time, responses=values, unit=unit, card=self.card, **places)
+
+        unit = UNITS[self.quantity].removesuffix("/N").strip("()")
+        return records(self.response, self.sensors, unit), records(self.force, self.drives, "N")
 
     def __repr__(self) -> str:
         seconds = self.force.shape[1] / self.fs

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
-from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.io.arrays import Array, FloatArray, frozen
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
@@ -110,7 +110,6 @@ class Rig:
         return cls(omega=np.asarray(omega, np.float64), zeta=damping, rows=values, S=rest, probes=named)
 
     def __len__(self) -> int:
-        """Return the number of modes."""
         return len(self.omega)
 
     @property
@@ -169,13 +168,8 @@ class Rig:
 
     def places(self, sensors: Sequence[int], drives: Sequence[int]) -> dict[str, Any]:
         """Places of channels, sensors to each drive in turn, by their names in an `FrfSet`."""
-        pairs = [(self.probes[r], self.probes[s]) for s in drives for r in sensors]
-        return {
-            "response_point": [r.node for r, _ in pairs],
-            "response_direction": [r.direction for r, _ in pairs],
-            "reference_point": [s.node for _, s in pairs],
-            "reference_direction": [s.direction for _, s in pairs],
-        }
+        ends = [(*self.probes[r][:2], *self.probes[s][:2]) for s in drives for r in sensors]
+        return dict(zip(PLACES, np.array(ends).T, strict=True))
 
     def __repr__(self) -> str:
         low, high = self.freq[[0, -1]].tolist()

@@ -142,10 +142,7 @@ def read_function(raw: RawSet) -> Function:
         Anything that is not exactly as the format and the function's own header say.
     """
     head, layout, start = _head(raw)
-    if raw.binary is not None:
-        x, values = from_bytes(raw, layout)
-    else:
-        x, values = from_text(raw, layout)
+    x, values = (from_text if raw.binary is None else from_bytes)(raw, layout)
     if layout.even:
         x = start + head["step"] * np.arange(layout.points, dtype=np.float64)
     elif np.any(np.diff(x) <= 0.0):

@@ -48,9 +48,8 @@ def write_uff(
     """
     parts: list[bytes] = []
     if header:
-        parts.append(
-            _text_set("151", [*(_fitted(line, 80).rstrip() for line in header), *[""] * HEADER_LINES][:HEADER_LINES])
-        )
+        text = [*(_fitted(line, 80).rstrip() for line in header), *[""] * HEADER_LINES]
+        parts.append(_text_set("151", text[:HEADER_LINES]))
     if units is not None:
         parts.append(_text_set("164", _units(units)))
     if nodes is not None:
@@ -100,11 +99,7 @@ def _doubles(values: ArrayLike) -> list[str]:
 def _units(units: Units) -> list[str]:
     factors = "".join(f"{value:25.16E}" for value in (units.length, units.force, units.temperature))
     name = _fitted(units.name, 20)
-    return [
-        f"{_whole(units.code)}{name}".rstrip(),
-        factors,
-        f"{units.temperature_offset:25.16E}",
-    ]
+    return [f"{_whole(units.code)}{name}".rstrip(), factors, f"{units.temperature_offset:25.16E}"]
 
 
 def _nodes(nodes: Nodes, number: str, length: float) -> list[str]:

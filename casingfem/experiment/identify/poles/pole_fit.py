@@ -91,7 +91,6 @@ class _Data(NamedTuple):
 
     @classmethod
     def of(cls, window: Window) -> _Data:
-        """Of a window."""
         return cls(window, window.as_columns(window.as_complex), window.as_columns(window.polynomials()))
 
 

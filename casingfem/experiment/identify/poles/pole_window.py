@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.io.arrays import Array, BoolArray, FloatArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, freeze
 
 TERMS = 4  # polynomials
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
@@ -47,8 +47,7 @@ class Window:
     leak: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("freq", "Y", "weight", "along"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "freq", "Y", "weight", "along")
 
     @property
     def columns(self) -> int:

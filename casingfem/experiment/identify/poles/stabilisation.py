@@ -18,7 +18,7 @@ import numpy as np
 
 from casingfem.errors import MissingExtraError
 from casingfem.extras import remedy
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 
 SAME_FREQ, SAME_ZETA, SAME_SHAPE = 0.3, 0.3, 0.9  # of a half-power bandwidth; relative; MAC
 OFTEN = 0.4  # of the orders in the upper half
@@ -85,8 +85,7 @@ class Stabilisation:
     stable: BoolArray
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "order", "stable"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "freq", "zeta", "order", "stable")
 
     def __repr__(self) -> str:
         return f"Stabilisation({len(self.freq)} poles, {int(self.stable.sum())} stable)"
@@ -95,17 +94,13 @@ class Stabilisation:
 def join(parts: list[Stabilisation], cores: list[tuple[float, float]]) -> Stabilisation:
     """One diagram of several bands, each with its poles in [from, to) Hz."""
     kept = [(part.freq >= low) & (part.freq < high) for part, (low, high) in zip(parts, cores, strict=True)]
-    names = ("freq", "zeta", "order", "stable")
-    arrays = {
-        name: np.concatenate([np.zeros(0), *(getattr(part, name)[k] for part, k in zip(parts, kept, strict=True))])
-        for name in names
+    arrays: dict[str, Array] = {
+        name: np.concatenate(
+            [np.zeros(0, kind), *(getattr(part, name)[k] for part, k in zip(parts, kept, strict=True))]
+        )
+        for name, kind in (("freq", float), ("zeta", float), ("order", np.int64), ("stable", bool))
     }
-    return Stabilisation(
-        freq=arrays["freq"],
-        zeta=arrays["zeta"],
-        order=arrays["order"].astype(np.int64),
-        stable=arrays["stable"].astype(bool),
-    )
+    return Stabilisation(**arrays)
 
 
 def residues(poles: Array, freq: FloatArray, H: Array) -> Array:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from casingfem.experiment.identify.setups.clusters import clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import MOST_LINES, TOGETHER, Shifted
 from casingfem.experiment.identify.setups.wave_model import belonging, waves_of
-from casingfem.experiment.identify.setups.wave_search import wave_modes
+from casingfem.experiment.identify.setups.wave_search import WaveModes, wave_modes
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.io.side_by_side import Each, largest_first
 
@@ -52,20 +53,15 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
         part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
     ]
     own = np.split(found.worth[order], np.cumsum([len(c.modes.zeta) for c in near])[:-1])
+    whole_of: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in WaveModes._fields
+    }
     return found._replace(
-        modes=Modes(
-            np.concatenate([part.freq for part in parts]),
-            np.concatenate([part.zeta for part in parts]),
-            np.concatenate(residues),
-        ),
-        variance=np.concatenate([part.variance for part in parts]),
+        modes=Modes(whole_of["freq"], whole_of["zeta"], np.concatenate(residues)),
         belongs=belonging(waves),
-        mean_freq=np.concatenate([part.mean_freq for part in parts]),
-        sigma_mean=np.concatenate([part.sigma_freq for part in parts]),
-        rival=np.concatenate([part.rival for part in parts]),
-        sigma_zeta=np.concatenate([part.sigma_zeta for part in parts]),
-        sigma_matching=np.concatenate([part.sigma_matching for part in parts]),
+        sigma_mean=whole_of["sigma_freq"],
         worth=np.concatenate([np.r_[old, part.worth] for old, part in zip(own, parts, strict=True)]),
+        **{name: whole_of[name] for name in ("variance", "mean_freq", "rival", "sigma_zeta", "sigma_matching")},
     )
 
 

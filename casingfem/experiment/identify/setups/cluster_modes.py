@@ -16,10 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.identify.setups.around import Around
-from casingfem.experiment.identify.setups.clusters import TOGETHER, Cluster
+from casingfem.experiment.identify.setups.clusters import TOGETHER, Cluster, best_beside, places
 from casingfem.experiment.identify.setups.grouping import matched
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, Setups, apart, linked, squares_at
-from casingfem.experiment.identify.setups.places import best_beside, places
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.io.side_by_side import Each
 

@@ -159,7 +159,6 @@ class _At(NamedTuple):
         return _At(*fields)
 
     def some(self, which: IntArray | BoolArray) -> _At:
-        """Some of the set-ups."""
         return _At(*(field[which] for field in self))
 
 

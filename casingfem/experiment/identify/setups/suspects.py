@@ -51,7 +51,6 @@ def suspect_sensors(
 def _suspects(
     shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None
 ) -> tuple[tuple[tuple[int, ...], str], ...]:
-    """Sensors, and what is said of them."""
     if len(theta) < LEAST[0] or shapes.shape[1] < LEAST[1]:
         return ()
     said, misfit = most_say(shapes, most, theta, trusted)

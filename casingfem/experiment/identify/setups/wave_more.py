@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.setups.places import best_beside
+from casingfem.experiment.identify.setups.clusters import best_beside
 from casingfem.experiment.identify.setups.wave_fit import WaveRead, fitted, pairs_near, rms, sized, solved
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
 from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_kinds, unlikely_local

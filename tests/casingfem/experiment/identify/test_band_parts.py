@@ -19,7 +19,7 @@ from casingfem.experiment.identify.band_fits import (
 )
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
+from casingfem.experiment.identify.poles.pole_selection import alike_lines, noise_at
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.shifted import Shifted
 
