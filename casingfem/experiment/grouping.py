@@ -1,7 +1,5 @@
 """Which rows of a frequency table are the two members of one doublet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 

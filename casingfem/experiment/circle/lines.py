@@ -1,7 +1,5 @@
 """The lines of a circle scan: where they stand, whether a record tells them apart, their fit and the noise beside."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 

@@ -12,8 +12,6 @@ One resonance has four unknowns less, and a double of equal damping is one. Two 
 squares by more than noise would, by an F test: what noise adds to a double looks like a member too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import combinations, product
 

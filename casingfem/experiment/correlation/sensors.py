@@ -1,7 +1,5 @@
 """Where on a shell its sensors stand: the nearest points of the surface, and the model's shapes there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 In HDF5 the arrays of `FrfSet` are data sets, kind, unit and card attributes of the file.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Channels of a set put in order: sensors by references, angles of the sensors, what was measured."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ again, those without peaks too, from what was found, after the responses of mode
 off: what its polynomials have to follow is then small.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -4,8 +4,6 @@ A response that was multiplied by exp(-t/tau) before its transform, by an expone
 -1/tau: measured is p - 1/tau, so that the damping ratio is too high by 1/(tau omega), nearly. Residues stay.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

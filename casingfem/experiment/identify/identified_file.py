@@ -1,7 +1,5 @@
 """The file of identified modes: an npz of plain arrays, the sensors' and the diagram's under names with a dot."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import fields

@@ -5,8 +5,6 @@ are the shape and the references' share; a second singular value above the noise
 modes of the same frequency.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

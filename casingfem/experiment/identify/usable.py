@@ -1,7 +1,5 @@
 """What of a set of responses can be used: lines of the band, sensors with a signal, the form, what each line weighs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A pole may lower the sum of squares and yet be no mode: it follows what the mode
 a mode has beyond that; one that fails two limits by far is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -6,8 +6,6 @@
 where it is on a single force. A Hann window lets a line leak as 1/k^3 over k lines, a rectangular one as 1/k.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, get_args
 

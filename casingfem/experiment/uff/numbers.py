@@ -4,8 +4,6 @@ Columns are fixed (Fortran formats), so a character too many or too few shifts w
 rules: integers end in the last column of their field; reals do, or all end one column earlier with as many digits.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace

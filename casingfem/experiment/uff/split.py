@@ -6,8 +6,6 @@ sets in two where a header holds a node number -1; here a mark is a whole line, 
 header is text unless another mark or the end of the file follows it.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from itertools import pairwise

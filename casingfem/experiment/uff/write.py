@@ -4,8 +4,6 @@ Text sets keep the digits of their format: six in sets 15, 55 and 58 of singles,
 and 58b.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A frequency axis cut at the valleys between its peaks, so that each fit has few modes."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

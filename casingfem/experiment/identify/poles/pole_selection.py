@@ -8,8 +8,6 @@ the bandwidth of a high one. A pole whose damping nobody can tell is none, but f
 to earn itself by its skirts, which a single wrong line has not.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

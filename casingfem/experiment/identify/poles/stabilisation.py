@@ -9,8 +9,6 @@ because the band fills a small arc of the unit circle. Here the band is moved do
 the circle, noise gives poles of negative damping, and structure poles of positive damping.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -10,8 +10,6 @@ the best linear one: what is left of n_c has the variance 1/(R^-1)_cc. K is the 
 has missed of a peak, or of modes outside, keeps its poles.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

@@ -3,8 +3,6 @@
 The Bayesian information criterion weighs the readings; of a cluster that is not yet understood the vote is limited.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial

@@ -6,8 +6,6 @@ the others are, with one more mode where most is left, and without the one that 
 is kept.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial

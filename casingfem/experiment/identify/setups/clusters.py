@@ -1,7 +1,5 @@
 """Modes near each other, alone in a window of their own: one's shifted peaks may be read as several of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple

@@ -5,8 +5,6 @@ and a channel may take one member of a pair for the other: so what counts is in 
 those that could tell them apart. Channels are put together by average linkage.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

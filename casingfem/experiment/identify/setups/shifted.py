@@ -5,8 +5,6 @@ channels, s C n + 2 n numbers; m modes with own frequencies in S set-ups, (s C +
 not, so the evidence of all clusters, those of one pole too, is summed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

@@ -4,8 +4,6 @@ A mode of n nodal diameters is a cos(n theta) + b sin(n theta) along the circle.
 its shape is impure; where it is off in the same way in all modes, it is the channel.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import combinations
 

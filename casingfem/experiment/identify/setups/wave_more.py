@@ -8,8 +8,6 @@ fewer, and the likelihood of `wave_fit.py` holds what residues cost: left are th
 the last term for any set of channels that see it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

@@ -11,8 +11,6 @@ or two modes. The equations of the other modes' waves are solved once; what is l
 of the modes in question, is small. Kinds that channels are off by the same have the same H.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ only noise. So they are put where they may be, with each number of nodal diamete
 modes near them on the lines about: what is tried there costs a tenth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
