@@ -115,9 +115,7 @@ class Circle:
 
 def harmonic(theta: FloatArray, n: int) -> FloatArray:
     """Columns cos n theta, sin n theta (sensors, 2); one column of ones for n = 0."""
-    if n == 0:
-        return np.ones((len(theta), 1))
-    return np.column_stack([np.cos(n * theta), np.sin(n * theta)])
+    return np.column_stack([np.cos(n * theta), np.sin(n * theta)]) if n else np.ones((len(theta), 1))
 
 
 def antinode(parts: FloatArray, covariance: FloatArray, n: int) -> tuple[float, float]:

@@ -25,7 +25,6 @@ PLACES = ("response_point", "response_direction", "reference_point", "reference_
 TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
 _KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
 _HOW = ": divide the cross spectrum of force and response by the force's own (scipy.signal.csd, welch)"
-_UNITS = {"hz": "frequency", "s": "time", "sec": "time"}
 _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 
 
@@ -296,8 +295,7 @@ def _unit(function: Function) -> str:
 def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:
     """Refuse functions over something else than seconds, or Hz."""
     axis = function.axes.abscissa
-    wanted, number, unit = ("time", TIME, "s") if kind == "time" else ("frequency", FREQUENCY, "Hz")
-    known = axis.kind in (0, number) and axis.unit.lower() in ("", "none", *(u for u in _UNITS if _UNITS[u] == wanted))
-    if not known:
+    wanted, number, unit, *more = ("time", TIME, "s", "sec") if kind == "time" else ("frequency", FREQUENCY, "Hz")
+    if axis.kind not in (0, number) or axis.unit.lower() not in ("", "none", unit.lower(), *more):
         found = f"function {k + 1} over {axis.label!r} in {axis.unit!r} (kind {axis.kind})"
         raise InputError(path, found=found, expected=f"{wanted} in {unit}")

@@ -35,14 +35,6 @@ class Eliminated(NamedTuple):
     logs: FloatArray
 
 
-class Means(NamedTuple):
-    """N, and r, of the columns of all modes, and `prior`, the diagonal of N without data."""
-
-    N: FloatArray
-    r: FloatArray
-    prior: FloatArray
-
-
 def eliminated(problem: WaveProblem, shapes: Shapes, at: Products) -> Eliminated:
     """The residues of all channels, whatever the waves."""
     m, s, counts = len(at.p), problem.data.window.columns, problem.counts
@@ -59,11 +51,11 @@ def eliminated(problem: WaveProblem, shapes: Shapes, at: Products) -> Eliminated
     return Eliminated(H, free, L, own, L[:, real] * free[:, real], np.sum(b * free, axis=1), logs)
 
 
-def means(problem: WaveProblem, shapes: Shapes, rest: Eliminated) -> Means:
-    """The equations of the waves of all modes."""
+def means(problem: WaveProblem, shapes: Shapes, rest: Eliminated) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """N, and r, of the columns of all modes' waves, and the diagonal of N without data."""
     D, prior = drawn_to(problem, shapes.kind), prior_of(problem, shapes)
     N = between(D, rest.own, D)
-    return Means(N + np.diag(prior), np.einsum("caw,ca->aw", D, rest.told).ravel(), prior)
+    return N + np.diag(prior), np.einsum("caw,ca->aw", D, rest.told).ravel(), prior
 
 
 def drawn_to(problem: WaveProblem, kind: IntArray) -> FloatArray:

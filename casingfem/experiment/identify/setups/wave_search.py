@@ -26,8 +26,7 @@ from casingfem.experiment.identify.setups.wave_fit import (
     wave_fit,
 )
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, Waves
-from casingfem.experiment.identify.setups.wave_more import one_more
-from casingfem.experiment.identify.setups.wave_tries import part_about, tries, weak
+from casingfem.experiment.identify.setups.wave_tries import one_more, part_about, tries, weak
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 ROUNDS = 3  # of trying

@@ -7,15 +7,16 @@ from casingfem.experiment.identify.setups import wave_tries
 from casingfem.experiment.identify.setups.own_shifts import Modes
 from casingfem.experiment.identify.setups.wave_fit import WaveRead, wave_fit
 from casingfem.experiment.identify.setups.wave_model import Shapes
-from casingfem.experiment.identify.setups.wave_more import _last, _starts
 from casingfem.experiment.identify.setups.wave_residues import unlikely_at
 from casingfem.experiment.identify.setups.wave_search import _near_last, _Other, _told
 from casingfem.experiment.identify.setups.wave_tries import (
     _along,
     _exchanged,
+    _last,
     _lines_about,
     _moved,
     _partners,
+    _starts,
     part_about,
     tries,
     weak,
