@@ -118,10 +118,8 @@ class CircleScan(Reported):
         return np.asarray(np.exp(1j * np.multiply.outer(angles, self.n)) @ np.where(there, self.V[tone], 0.0))
 
     def __repr__(self) -> str:
-        head = (
-            f"{'tone [Hz]':>10} {'n':>3} {'amplitude':>10} {'+-':>8} {'phase':>7} {'angle':>7} {'+-':>6} {'travel':>7}"
-        )
-        rows = [head]
+        head = f"{'tone [Hz]':>10} {'n':>3} {'amplitude':>10} {'+-':>8} {'phase':>7} {'angle':>7} {'+-':>6}"
+        rows = [f"{head} {'travel':>7}"]
         for w in self.waves():
             if w.seen:
                 angle, sigma = ("-", "-") if w.n == 0 else (f"{w.angle_deg:.2f}", f"{w.angle_sigma_deg:.2f}")
@@ -212,14 +210,8 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     found = CircleScan(
         tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate, left=fit.left, card=record.card
     )
-    return found if record.force is None else per_newton(found, record)
-
-
-def per_newton(found: CircleScan, record: ScanRecord) -> CircleScan:
-    """Waves over the force at their tone."""
-    assert record.force is not None
-    force = fit_lines(
-        replace(record, velocity=record.force), 2.0 * np.pi * found.tones, np.zeros(len(found.tones))
-    ).amplitude
-    over = force[:, None]
-    return replace(found, V=found.V / over, sigma=found.sigma / np.abs(over), floor=found.floor / np.abs(over))
+    if record.force is None:
+        return found
+    force = fit_lines(replace(record, velocity=record.force), 2.0 * np.pi * tones, np.zeros(len(tones)))
+    over = force.amplitude[:, None]
+    return replace(found, V=V / over, sigma=sigma / np.abs(over), floor=floor / np.abs(over))

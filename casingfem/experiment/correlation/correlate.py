@@ -63,26 +63,18 @@ class Correlation(Reported):
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a measured shape."""
-        match_of = {row: k for k, match in enumerate(self.pairing.matches) for row in match.rows}
-        rows: list[dict[str, object]] = []
-        for row, freq in enumerate(self.measured.freq_hz.tolist()):
-            k = match_of.get(row)
-            match = None if k is None else self.pairing.matches[k]
-            mode = None if match is None else match.modes[match.rows.index(row)]
-            rows.append(
-                {
-                    "row": row + 1,
-                    "measured_hz": freq,
-                    "mode": None if mode is None else mode + 1,
-                    "n": None if match is None or match.n < 0 else match.n,
-                    "computed_hz": None if mode is None else float(self.modes.freq[mode]),
-                    "mac": None if mode is None else float(self.mac[row, mode]),
-                    "subspace_mac": None if k is None else float(self.alike[k]),
-                    "nco": None if mode is None else float(self.nco[row, mode]),
-                    "left_out_error": float(np.sqrt(np.nanmean(self.expansion.left_out[:, row] ** 2))),
-                    "collinearity": float(self.measured.collinearity[row]),
-                }
-            )
+        left_out, collinearity = self.expansion.left_out, self.measured.collinearity.tolist()
+        unpaired = dict.fromkeys(("mode", "n", "computed_hz", "mac", "subspace_mac", "nco"))
+        rows: list[dict[str, object]] = [
+            {"row": row + 1, "measured_hz": freq, **unpaired,
+             "left_out_error": float(np.sqrt(np.nanmean(left_out[:, row] ** 2))), "collinearity": collinearity[row]}
+            for row, freq in enumerate(self.measured.freq_hz.tolist())
+        ]  # fmt: skip
+        for match, alike in zip(self.pairing.matches, self.alike.tolist(), strict=True):
+            for row, mode in zip(match.rows, match.modes, strict=True):
+                rows[row] |= {"mode": mode + 1, "n": None if match.n < 0 else match.n, "subspace_mac": alike}
+                rows[row] |= {"computed_hz": float(self.modes.freq[mode])}
+                rows[row] |= {"mac": float(self.mac[row, mode]), "nco": float(self.nco[row, mode])}
         return rows
 
     def to_json(self) -> dict[str, object]:

@@ -135,10 +135,9 @@ def left_out_errors(U: FloatArray, measured: FloatArray, labels: IntArray) -> Fl
     for label in np.unique(labels):
         on = labels == label
         kept = np.eye(int(np.count_nonzero(on))) - U[on] @ U[on].T
-        if np.linalg.eigvalsh(kept)[0] < 1e-10:
-            errors.append(np.full(measured.shape[1], np.nan))
-            continue
-        errors.append(np.sqrt(np.mean(np.linalg.solve(kept, residual[on]) ** 2, axis=0)) / rms)
+        blind = np.linalg.eigvalsh(kept)[0] < 1e-10
+        error = np.nan if blind else np.sqrt(np.mean(np.linalg.solve(kept, residual[on]) ** 2, axis=0))
+        errors.append(error / rms)
     return np.array(errors)
 
 

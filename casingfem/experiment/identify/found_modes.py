@@ -84,7 +84,6 @@ def found_modes(
 
 
 def _same(first: FoundMode, second: FoundMode) -> bool:
-    """Whether two bands found one mode."""
     near = abs(first.freq - second.freq) < 0.5 * first.zeta * first.freq
     return near and abs(float(first.shape @ second.shape)) > 0.9
 
@@ -189,10 +188,8 @@ def paired(modes: list[FoundMode]) -> tuple[tuple[int, int], ...]:
     for k, mode in enumerate(modes):
         if k in taken or mode.n < 1 or mode.unresolved:
             continue
-        others = (
-            m for m in range(k + 1, len(modes)) if modes[m].n == mode.n and m not in taken and not modes[m].unresolved
-        )
-        partner = next(others, None)
+        later = (m for m in range(k + 1, len(modes)) if m not in taken and not modes[m].unresolved)
+        partner = next((m for m in later if modes[m].n == mode.n), None)
         if partner is None or modes[partner].freq - mode.freq > PAIR_SPAN * mode.freq:
             continue
         if quadrature(mode.angle, modes[partner].angle, mode.n) > APART:

@@ -59,11 +59,8 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     return values | {
         "doublets": tuple((low, high) for low, high in pairs),
         "unresolved": tuple(stored["unresolved"].astype(int).tolist()),
-        "doubts": tuple(stored["doubts"].tolist()),
-        "notes": tuple(stored["notes"].tolist()),
-        "card": tuple(stored["card"].tolist()),
-        "seconds": float(stored["seconds"]),
-        "shift": float(stored["shift"]),
+        **{name: tuple(stored[name].tolist()) for name in TEXTS},
+        **{name: float(stored[name]) for name in ("seconds", "shift")},
     }
 
 

@@ -85,10 +85,8 @@ def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSe
     """The set without sensors of which a channel is zero or lacks many numbers, and what is said of them."""
     sensors = list(zip(frfs.response_point.tolist(), frfs.response_direction.tolist(), strict=True))
     notes, kept = list[str](), np.ones(len(frfs), bool)
-    for off, what in (
-        (silent, "zero on every line"),
-        (lacking, f"nan on more than {100.0 * MISSING:.0f} % of the lines"),
-    ):
+    much = f"nan on more than {100.0 * MISSING:.0f} % of the lines"
+    for off, what in ((silent, "zero on every line"), (lacking, much)):
         gone = {sensor for sensor, is_off in zip(sensors, off.tolist(), strict=True) if is_off}
         kept &= np.array([sensor not in gone for sensor in sensors])
         points = ", ".join(str(point) for point in sorted({point for point, _ in gone}))

@@ -58,12 +58,13 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
     card = list(dict.fromkeys(line for functions in sets for line in functions.card))
     header = [part for line in card for part in wrap(line, WIDTH, subsequent_indent="  ")][:HEADER_LINES]
     text = tuple(line[:WIDTH] for line in (SYNTHETIC, *card[1:4]))
+    nodes = rig_nodes(rig)
     return write_uff(
         path,
         header=header,
         units=Units(),
-        nodes=rig_nodes(rig),
-        lines=[rig_outline(rig)],
+        nodes=nodes,
+        lines=[TraceLine(number=1, name="probes", color=COLOR, nodes=nodes.labels)],  # as test software draws them
         functions=[replace(function, text=text) for functions in sets for function in functions.functions()],
         binary=True,
     )
@@ -74,12 +75,6 @@ def rig_nodes(rig: Rig) -> Nodes:
     places = {probe.node: probe.point for probe in rig.probes}
     none = np.zeros(len(places), np.int64)
     return Nodes(labels=np.array(list(places)), points=np.array(list(places.values())), systems=none, motions=none)
-
-
-def rig_outline(rig: Rig) -> TraceLine:
-    """A line through the nodes as they are numbered, by which test software draws them."""
-    nodes = list(dict.fromkeys(probe.node for probe in rig.probes))
-    return TraceLine(number=1, name="probes", color=COLOR, nodes=np.array(nodes))
 
 
 def rig_angles(rig: Rig) -> dict[int, float]:

@@ -101,8 +101,9 @@ def rig_of(
     bare = Rig(omega=modes.omega, zeta=damping, rows=rows, S=0.5 * (S + S.T), probes=probes)
     if not heavy:
         return bare
-    weighed = range(len(places), len(probes))
-    return loaded(bare, weighed, np.repeat([place.mass for place in heavy], 3)).taking(range(len(places)))
+    return loaded(bare, range(len(places), len(probes)), np.repeat([place.mass for place in heavy], 3)).taking(
+        range(len(places))
+    )
 
 
 def probe_rows(modes: Modes, places: Sequence[Place], first: int) -> tuple[FloatArray, tuple[Probe, ...]]:

@@ -165,7 +165,6 @@ def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Ar
 def _first_bad(
     raw: RawSet, rows: Sequence[int], columns: Columns, pattern: re.Pattern[str], expected: str
 ) -> ValueError:
-    """The error for the first field that does not fit."""
     for row in rows:
         for field, cell in enumerate(cells(raw.lines[row], columns)):
             padded = cell.ljust(columns.width)

@@ -102,9 +102,7 @@ class Function(FunctionHead):
 
     def __repr__(self) -> str:
         low, high = self.x[[0, -1]].tolist()
-        places = (
-            f"{self.response.node}:{self.response.direction:+d}/{self.reference.node}:{self.reference.direction:+d}"
-        )
+        places = "/".join(f"{at.node}:{at.direction:+d}" for at in (self.response, self.reference))
         return f"Function({self.word}, {places}, {len(self.x)} points, {low:g} to {high:g} {self.axes.abscissa.unit})"
 
 

@@ -174,9 +174,7 @@ def _function_header(function: Function) -> list[str]:
     """The eleven lines above the numbers."""
     number, version, case = function.numbers
     places = "".join(_channel(channel) for channel in (function.response, function.reference))
-    form = {(False, False): 2, (False, True): 4, (True, False): 5, (True, True): 6}[
-        np.iscomplexobj(function.values), function.double
-    ]
+    single, double = (5, 6) if np.iscomplexobj(function.values) else (2, 4)
     even = function.step > 0.0
     start, step = (float(function.x[0]), function.step) if even else (0.0, 0.0)
     cells = [_most_digits(value) for value in (start, step, function.z)]
@@ -193,7 +191,7 @@ def _function_header(function: Function) -> list[str]:
     return [
         *_texts(function.text),
         f"{_whole(function.kind, 5)}{_whole(number)}{_whole(version, 5)}{_whole(case)}{places}",
-        f"{_whole([form, len(function.x), int(even)])}{''.join(cells)}",
+        f"{_whole([double if function.double else single, len(function.x), int(even)])}{''.join(cells)}",
         *axes,
     ]
 

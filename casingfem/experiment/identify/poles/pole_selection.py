@@ -158,7 +158,6 @@ def reach(window: Window) -> tuple[float, float]:
 
 
 def _refined(window: Window, starts: FloatArray) -> PoleFit:
-    """As many poles as the start has."""
     return fit_poles(window, starts[:, 0], starts[:, 1])
 
 

@@ -47,19 +47,16 @@ def as_waves(found: Shifted, whole: Window, places: Places | None, each: Each = 
     fit = partial(wave_modes, found.setups, waves, found.shift)
     done = dict(largest_first(each, fit, near, lambda c: c.window.Y.size * len(c.modes.zeta)))
     parts = [done[k] for k in range(len(near))]
-    residues = [
-        part.residues / c.window.weight / c.window.scale**c.window.power for part, c in zip(parts, near, strict=True)
-    ]
+    windows = [c.window for c in near]
+    residues = [part.residues / w.weight / w.scale**w.power for part, w in zip(parts, windows, strict=True)]
     own = np.split(found.worth[order], np.cumsum([len(c.modes.zeta) for c in near])[:-1])
-    whole_of: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in WaveModes._fields
-    }
+    joined: dict[str, Any] = {k: np.concatenate([getattr(part, k) for part in parts]) for k in WaveModes._fields}
     return found._replace(
-        modes=Modes(whole_of["freq"], whole_of["zeta"], np.concatenate(residues)),
+        modes=Modes(joined["freq"], joined["zeta"], np.concatenate(residues)),
         belongs=belonging(waves),
-        sigma_mean=whole_of["sigma_freq"],
+        sigma_mean=joined["sigma_freq"],
         worth=np.concatenate([np.r_[old, part.worth] for old, part in zip(own, parts, strict=True)]),
-        **{name: whole_of[name] for name in ("variance", "mean_freq", "rival", "sigma_zeta", "sigma_matching")},
+        **{name: joined[name] for name in ("variance", "mean_freq", "rival", "sigma_zeta", "sigma_matching")},
     )
 
 

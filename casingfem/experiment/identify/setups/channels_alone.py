@@ -116,5 +116,4 @@ def _gain_own(setups: Setups, step: float, c: Cluster) -> float:
 
 
 def _fit_common(c: Cluster) -> OwnPeaks:
-    """The cluster's common poles, refined."""
     return linked(c.window, [np.arange(c.window.Y.shape[1])], c.modes.freq, c.modes.zeta, c.noise, c.span)

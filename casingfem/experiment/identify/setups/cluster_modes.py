@@ -180,9 +180,8 @@ def worth(each: ClusterModes, setups: Setups) -> FloatArray:
     zeta, kept = own.zeta[:, 0], ~np.eye(len(own.freq), dtype=bool)
     left = np.array([squares_at(c.window, setups, own.freq[some], zeta[some]) for some in kept])
     noise = max(own.on_peaks, c.noise)
-    return np.asarray(
-        (left - squares_at(c.window, setups, own.freq, zeta)) / noise / c.cost(0.0, 1, len(setups) + 1, noise)
-    )
+    rise = left - squares_at(c.window, setups, own.freq, zeta)
+    return np.asarray(rise / noise / c.cost(0.0, 1, len(setups) + 1, noise))
 
 
 def leaking(c: Cluster, leak: float) -> Cluster:

@@ -79,14 +79,8 @@ def clusters(
         left = np.concatenate([rest[lines].real, rest[lines].imag])
         Q = np.linalg.qr(window.residuals())[0]
         left -= Q @ (Q.T @ left)
-        noise = _noise((left[: len(mine)] + 1j * left[len(mine) :]).T)
-        yield Cluster(
-            modes.some(members),
-            window,
-            span,
-            max(noise, floor_of(mine) ** 2, 1e-300),
-            max(MOST_SHIFTS * shift, REACH[0]),
-        )
+        noise = max(_noise((left[: len(mine)] + 1j * left[len(mine) :]).T), floor_of(mine) ** 2, 1e-300)
+        yield Cluster(modes.some(members), window, span, noise, max(MOST_SHIFTS * shift, REACH[0]))
 
 
 def _few_each(members: IntArray, freq: FloatArray) -> list[IntArray]:

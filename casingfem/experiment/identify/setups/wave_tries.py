@@ -144,11 +144,8 @@ def _partners(problem: WaveProblem, read: WaveRead, pair: IntArray) -> Iterator[
     """
     weaker, stronger = pair[np.argsort(read.shapes.size[pair])].tolist()
     shapes, fit, kind = read.shapes, read.fit, read.shapes.kind.copy()
-    if (
-        kind[weaker] == kind[stronger]
-        or not problem.waves.is_wave[kind[stronger]]
-        or not weak(problem, read)[weaker].any()
-    ):
+    other = kind[weaker] != kind[stronger] and problem.waves.is_wave[kind[stronger]]
+    if not (other and weak(problem, read)[weaker].any()):
         return
     kind[weaker] = kind[stronger]
     shapes = shapes._replace(kind=kind)
@@ -228,5 +225,4 @@ def _kinds(problem: WaveProblem, read: WaveRead, p: FloatArray, q: FloatArray) -
 
 
 def _last(shapes: Shapes, kind: int) -> Shapes:
-    """The last mode of a kind."""
     return shapes._replace(kind=np.append(shapes.kind[:-1], kind))
