@@ -61,9 +61,8 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
         raise InputError(f"the record is too short: found {turns:.2f} turns of the spot, expected {TURNS} ({need})")
     freq = line_frequencies(tones, n, rate, runout)
     if freq.max() >= 0.5 * fs:
-        raise InputError(
-            f"found a line at {freq.max():.2f} Hz, expected all below fs/2 = {0.5 * fs:g} Hz: lower orders"
-        )
+        found, most = f"found a line at {freq.max():.2f} Hz", f"fs/2 = {0.5 * fs:g} Hz"
+        raise InputError(f"{found}, expected all below {most}: lower orders")
     low, high, gap = closest(freq)
     if gap * seconds >= RESOLVED:
         return
@@ -107,9 +106,8 @@ def fit_lines(record: ScanRecord, omega: FloatArray, order: FloatArray) -> LineF
     correlations = G[np.ix_(live, live)] / np.sqrt(np.multiply.outer(np.diag(G)[live], np.diag(G)[live]))
     least = float(np.linalg.eigvalsh(correlations)[0])
     if least < APART:
-        raise InputError(
-            f"the record does not tell its lines apart (least eigenvalue {least:.1e}): a longer one, fewer orders"
-        )
+        help_ = "a longer one, fewer orders"
+        raise InputError(f"the record does not tell its lines apart (least eigenvalue {least:.1e}): {help_}")
     factor = cho_factor(G[np.ix_(live, live)])
     x, variance = np.zeros(len(b)), np.zeros(len(b))
     x[live] = cho_solve(factor, b[live])

@@ -80,9 +80,8 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     J = jacobian(scan.tones, poles, parts, sigma)
     scaled = J / np.linalg.norm(J, axis=0)
     if np.linalg.cond(scaled) > 1e8:
-        raise InputError(
-            f"the pair n = {n}: the tones do not tell two members apart: more of them, closer to the peaks"
-        )
+        help_ = "more of them, closer to the peaks"
+        raise InputError(f"the pair n = {n}: the tones do not tell two members apart: {help_}")
     covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
     return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
 

@@ -145,9 +145,8 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
         return Wave(tone, 0, float(size[0]), float(sigma[0]), phase, np.nan, np.nan, 0.0, 0.0, seen)
     turn = np.angle(V[1] * np.conj(V[0])) / 2.0
     psi = float(np.mod(np.degrees(turn) / n, 180.0 / n))
-    phase = float(
-        np.degrees(np.angle(V[0] * np.exp(1j * n * np.radians(psi)) + V[1] * np.exp(-1j * n * np.radians(psi))))
-    )
+    turned = np.exp(1j * n * np.radians(psi))
+    phase = float(np.degrees(np.angle(V[0] * turned + V[1] * turned.conj())))
     spread = np.hypot(*(sigma / np.maximum(size, 1e-300))) / (2.0 * n)
     total = float(size.sum())
     over = max(total, 1e-300)

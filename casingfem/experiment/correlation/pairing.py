@@ -8,7 +8,7 @@ that a doublet is one thing.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +30,6 @@ SPLIT = 10.0
 """A doublet split by more than so many sigma of a single row has members that the row's angle tells apart."""
 WORST_SHAPE = 0.5
 """Where shapes are given, a row is rather left out than paired for more than this beyond its reach."""
-Cost: TypeAlias = Callable[[Indices, Indices], float]
 
 
 class ModeSet(Protocol):
@@ -229,7 +228,12 @@ def _confidence(rows: Indices, modes: Indices, slots: Sequence[Indices], cost: _
 
 
 def align(
-    groups: Sequence[Indices], slots: Sequence[Indices], cost: Cost, *, left_out: float, skipped: Sequence[float]
+    groups: Sequence[Indices],
+    slots: Sequence[Indices],
+    cost: Callable[[Indices, Indices], float],
+    *,
+    left_out: float,
+    skipped: Sequence[float],
 ) -> list[tuple[Indices, Indices]]:
     """Return the cheapest list of (rows, modes).
 

@@ -86,9 +86,8 @@ class FrfSet:
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
         if not fit or any(getattr(self, name).shape != channels for name in PLACES):
             found = ", ".join(f"{name} {getattr(self, name).shape}" for name in ("x", "responses", *PLACES))
-            raise InputError(
-                self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
-            )
+            expected = "x (lines,), responses (channels, lines), places (channels,)"
+            raise InputError(self.path, found=found, expected=expected)
         spoilt = np.isinf(self.responses) if self.kind != "time" else ~np.isfinite(self.responses)
         if not np.isfinite(self.x).all() or spoilt.any():
             raise InputError(self.path, found=self._spoilt(spoilt), expected="finite numbers, or nan for a missing one")
@@ -286,9 +285,8 @@ def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
 
 def _unit(function: Function) -> str:
     """Unit of the ordinate over that of its denominator."""
-    above, below = (
-        axis.unit if axis.unit.upper() != "NONE" else "" for axis in (function.axes.ordinate, function.axes.denominator)
-    )
+    ends = function.axes.ordinate, function.axes.denominator
+    above, below = (axis.unit if axis.unit.upper() != "NONE" else "" for axis in ends)
     return f"({above or 1})/({below})" if below else above
 
 

@@ -106,9 +106,8 @@ def form_of(frfs: FrfSet, form: str | None) -> int | None:
     for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
         if re.fullmatch(pattern, above, flags=re.IGNORECASE):
             return power
-    raise InputError(
-        frfs.path, found=f"unit {frfs.unit!r}", expected="one such as (m/s^2)/N, or form=" + "|".join(FORMS)
-    )
+    expected = "one such as (m/s^2)/N, or form=" + "|".join(FORMS)
+    raise InputError(frfs.path, found=f"unit {frfs.unit!r}", expected=expected)
 
 
 def radial_signs(grid: SensorGrid) -> Array:

@@ -210,22 +210,23 @@ def channel_notes(
     modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None
 ) -> tuple[str, ...]:
     """Which sensors of a circle are suspected, by the modes that are sure."""
-    sure = [mode for mode in modes if not mode.doubt]
-    if circle is None or not sure:
-        return ()
-    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    return suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
+    shapes = _sure_shapes(modes, grid)
+    return () if circle is None else suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
 
 
 def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
     """Sensors that are trusted, or not suspected, by which modes are labelled; all where too few would be left."""
-    every, sure = np.arange(len(grid)), [mode for mode in modes if not mode.doubt]
-    if circle is None or not sure:
+    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
+    if circle is None or not shapes.size:
         return every
-    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
     off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points, trusted)
     off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
     return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
+
+
+def _sure_shapes(modes: list[FoundMode], grid: SensorGrid) -> FloatArray:
+    """Radial shapes of the modes that are sure, (sensors, modes)."""
+    return np.array([mode.shape for mode in modes if not mode.doubt]).T * radial_signs(grid)[:, None]
 
 
 def _fitted(found: BandFits, H: Array) -> Array:

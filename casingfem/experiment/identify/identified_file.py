@@ -89,8 +89,7 @@ def check(stored: Mapping[str, Array], path: str) -> None:
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")
     at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()])
-    if at.size and not (
-        np.isin(at, np.arange(modes)).all() and (not stored["doublets"].size or stored["doublets"].shape[1] == 2)
-    ):
-        wrong = [*at[~np.isin(at, np.arange(modes))].tolist(), 0][0]
+    there, pairs = np.isin(at, np.arange(modes)), stored["doublets"]
+    if not there.all() or (pairs.size and pairs.shape[1] != 2):
+        wrong = [*at[~there].tolist(), 0][0]
         raise InputError(path, found=f"mode {wrong + 1:g} in a pair", expected=f"modes 1 to {modes}, two in each pair")

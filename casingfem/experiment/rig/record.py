@@ -118,11 +118,9 @@ def record(
         raise InputError(f"excitations: found {len(excitations)}, expected one for each of {len(by)} drives")
     if block < 16 or blocks < 1:
         raise InputError(f"block {block}, blocks {blocks}: expected 16 samples or more, one block or more")
-    highest = max(excitation.highest for excitation in excitations)
-    if not fs >= BAND * highest:
-        raise InputError(
-            f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {highest:g} Hz"
-        )
+    most = max(excitation.highest for excitation in excitations)
+    if not fs >= BAND * most:
+        raise InputError(f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {most:g} Hz")
     rng = np.random.default_rng(seed)
     fine = np.arange(block * blocks * FINER) / (fs * FINER)
     force = np.array([excitation.force(fine, block / fs, rng) for excitation in excitations])
@@ -153,12 +151,9 @@ def measured(
         notes.append(f"noise: {snr_db:g} dB below the rms of each response, seed {seed}")
     force = clean.force
     if bits is not None:
-        force, response = (
-            np.array([digitised(v, bits, full_scale) for v in channels]) for channels in (force, response)
-        )
-        notes.append(
-            f"converter: {bits} bits over +-{'1.25 x the largest value' if full_scale is None else full_scale}"
-        )
+        force, response = (np.array([digitised(v, bits, full_scale) for v in rows]) for rows in (force, response))
+        over = "1.25 x the largest value" if full_scale is None else full_scale
+        notes.append(f"converter: {bits} bits over +-{over}")
     return replace(clean, force=force, response=response, card=(*clean.card, *notes))
 
 

@@ -182,9 +182,8 @@ def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
             if len(lines) >= TEXT_LINES.get(name, 0):
                 found = "-1, and neither another -1 nor the end of the file below it"
                 expected = "-1 where a set ends, and again where the next begins"
-                raise InputError(
-                    scan.path, where=named(name), line=scan.number(following), found=found, expected=expected
-                )
+                line = scan.number(following)
+                raise InputError(scan.path, where=named(name), line=line, found=found, expected=expected)
         lines.append(text)
         following = after
     raise InputError(
