@@ -33,8 +33,7 @@ from casingfem.experiment.identify.found_modes import (
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
-from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
+from casingfem.experiment.identify.setups.around import Places, suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.io.cores import usable_cores

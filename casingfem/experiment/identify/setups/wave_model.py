@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.setups.around import Places
+from casingfem.experiment.identify.setups.around import Places, left_of, most_say
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
-from casingfem.experiment.identify.setups.suspects import most_say
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 SURE = 0.03  # of a mode's size, that a channel is off a wave at least
@@ -124,10 +123,8 @@ def belonging(waves: Waves) -> BoolArray:
 def _settled(shapes: FloatArray, columns: FloatArray, off: FloatArray) -> FloatArray:
     """What channels are off the best wave of each shape (modes, channels), which weighs them by that."""
     for _ in range(SWEEPS):
-        scaled, waves = shapes / off, [np.linalg.qr(each / off[:, None])[0] for each in columns]
-        rest = np.array([scaled - (scaled @ Q) @ Q.T for Q in waves])
-        best = np.sum(rest**2, axis=2).argmin(axis=0)
-        off = np.hypot(_size(rest[best, np.arange(len(shapes))] * off), SURE)
+        waves = [np.linalg.qr(each / off[:, None])[0] for each in columns]
+        off = np.hypot(_size(left_of(shapes / off, waves) * off), SURE)
     return off
 
 
