@@ -22,7 +22,6 @@ from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
-AXES = np.eye(3)
 IDENTIFIED = ".npz"
 
 
@@ -207,7 +206,7 @@ def uff_shapes(file: UniversalFile) -> MeasuredShapes:
         freq_hz=[shape.freq_hz for shape in modes],
         values=values[node, axis],
         points=file.nodes.points[at][node],
-        directions=AXES[axis],
+        directions=np.eye(3)[axis],
         labels=first[node],
         path=file.path,
     )
