@@ -65,14 +65,14 @@ class Correlation(Reported):
         """One plain dictionary a measured shape."""
         left_out, collinearity = self.expansion.left_out, self.measured.collinearity.tolist()
         unpaired = dict.fromkeys(("mode", "n", "computed_hz", "mac", "subspace_mac", "nco"))
-        rows: list[dict[str, object]] = [
-            {"row": row + 1, "measured_hz": freq, **unpaired,
-             "left_out_error": float(np.sqrt(np.nanmean(left_out[:, row] ** 2))), "collinearity": collinearity[row]}
-            for row, freq in enumerate(self.measured.freq_hz.tolist())
-        ]  # fmt: skip
-        for match, alike in zip(self.pairing.matches, self.alike.tolist(), strict=True):
+        rows = list[dict[str, object]]()
+        for row, freq in enumerate(self.measured.freq_hz.tolist()):
+            error = float(np.sqrt(np.nanmean(left_out[:, row] ** 2)))
+            known = {"row": row + 1, "measured_hz": freq, **unpaired}
+            rows.append({**known, "left_out_error": error, "collinearity": collinearity[row]})
+        for match, plane in zip(self.pairing.matches, self.alike.tolist(), strict=True):
             for row, mode in zip(match.rows, match.modes, strict=True):
-                rows[row] |= {"mode": mode + 1, "n": None if match.n < 0 else match.n, "subspace_mac": alike}
+                rows[row] |= {"mode": mode + 1, "n": None if match.n < 0 else match.n, "subspace_mac": plane}
                 rows[row] |= {"computed_hz": float(self.modes.freq[mode])}
                 rows[row] |= {"mac": float(self.mac[row, mode]), "nco": float(self.nco[row, mode])}
         return rows
