@@ -8,7 +8,7 @@ that a doublet is one thing.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from casingfem.linalg.assignment import assignment
 
 __all__ = ["ModeSet", "Pairing", "pair"]
 
+Cost: TypeAlias = Callable[[Indices, Indices], float]
 SKIPPED = 0.02
 """A computed mode left without a row below a paired one costs as much as 2 % in frequency."""
 LEFT_OUT = 3.0
@@ -228,12 +229,7 @@ def _confidence(rows: Indices, modes: Indices, slots: Sequence[Indices], cost: _
 
 
 def align(
-    groups: Sequence[Indices],
-    slots: Sequence[Indices],
-    cost: Callable[[Indices, Indices], float],
-    *,
-    left_out: float,
-    skipped: Sequence[float],
+    groups: Sequence[Indices], slots: Sequence[Indices], cost: Cost, *, left_out: float, skipped: Sequence[float]
 ) -> list[tuple[Indices, Indices]]:
     """Return the cheapest list of (rows, modes).
 
