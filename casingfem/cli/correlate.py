@@ -32,7 +32,7 @@ def correlate(file: Path, shapes: Path, mass: str, reach: float, as_json: bool, 
     points of the file, which must lie on the wall; on an imported mesh at its nearest nodes.
     """
     from casingfem.experiment.correlation.correlate import correlate as compare
-    from casingfem.experiment.correlation.shape_files import read_shapes
+    from casingfem.experiment.correlation.measured_shapes import read_shapes
     from casingfem.modal.modes import modes
     from casingfem.structure.shell.assembly import assemble
     from casingfem.study import MeshStudy, load_any

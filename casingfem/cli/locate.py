@@ -38,7 +38,7 @@ def locate(
     out: Path | None,
 ) -> None:
     """Find loose bolts or added masses of STUDY from a frequency TABLE with nodal diameters and orientations."""
-    from casingfem.experiment.correlation.shape_files import read_shapes
+    from casingfem.experiment.correlation.measured_shapes import read_shapes
     from casingfem.experiment.frequency_table import FrequencyTable
     from casingfem.locate.localisation import locate as find
     from casingfem.locate.localisation import search_model

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError, warn
 from casingfem.experiment.grouping import Doublet, Group, grouped
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.io.strict_csv import StrictCsv, read
 from contact.io.outfiles import write_atomic
 from contact.io.reported import Reported
@@ -79,9 +79,8 @@ class FrequencyTable(Reported):
 
     def __post_init__(self) -> None:
         for name in COLUMNS:
-            array = np.array(getattr(self, name), np.int64 if name in ("mode", "n") else np.float64)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            array = np.asarray(getattr(self, name), np.int64 if name in ("mode", "n") else np.float64)
+            object.__setattr__(self, name, frozen(array))
         lines = [line.strip() for text in self.card for line in (text.splitlines() or [""])]
         object.__setattr__(self, "card", tuple(lines))
         shapes = {getattr(self, name).shape for name in COLUMNS}
@@ -230,7 +229,6 @@ def _says_synthetic(line: str) -> bool:
 
 
 def _quoted(cell: str) -> str:
-    """A cell as CSV has it."""
     return '"' + cell.replace('"', '""') + '"' if set(cell) & set(',"') or cell.startswith("#") else cell
 
 

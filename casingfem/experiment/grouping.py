@@ -1,7 +1,5 @@
 """Which rows of a frequency table are the two members of one doublet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -66,10 +64,8 @@ def grouped(n: IntArray, freq_hz: FloatArray, angle_deg: FloatArray) -> tuple[Gr
     for row in np.argsort(freq_hz, kind="stable").tolist():
         if row in placed:
             continue
-        if row in partner:
-            groups.append(Doublet((row, partner[row]), int(n[row])))
-        else:
-            groups.append(Single(row, int(n[row])))
+        number = int(n[row])
+        groups.append(Doublet((row, partner[row]), number) if row in partner else Single(row, number))
         placed.update(groups[-1].rows)
     return tuple(groups)
 

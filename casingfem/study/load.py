@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from casingfem.errors import with_code
-from casingfem.experiment.correlation.shape_files import read_shapes
+from casingfem.experiment.correlation.measured_shapes import read_shapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.included import included_files
 from casingfem.linalg.krylov import START_SEED

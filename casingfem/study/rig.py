@@ -9,14 +9,12 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Excitation, Impact, Random
-from casingfem.experiment.rig.files import origin
-from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.files import origin, truth
 from casingfem.experiment.rig.record import BAND, measured, record
-from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.rig import Rig, noisy
 from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
 from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of
 from casingfem.experiment.rig.troubles import TroubledTest, TroubledTruth, Troubles, troubled_frfs
-from casingfem.experiment.rig.truth import truth
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
 from casingfem.study.load import Study

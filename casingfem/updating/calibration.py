@@ -13,10 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.correlation.matches import Match, Pairing, refuse_unpaired
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
 from casingfem.updating.targets import HERTZ2, lower_angle

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from casingfem.experiment.correlation.matches import refuse_unpaired
 from casingfem.experiment.correlation.pairing import Pairing, pair
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import refuse_unpaired
 from casingfem.io.arrays import FloatArray, frozen
 from casingfem.modal.modes import MeshModes, Modes, modes
 from casingfem.modal.neighbour import Solution, counted, solved, solved_near

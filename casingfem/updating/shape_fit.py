@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.correlation.comac import comac
 from casingfem.experiment.correlation.correlate import alike, partners, seen_mac
+from casingfem.experiment.correlation.mac import comac
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from casingfem.errors import InputError
+from casingfem.experiment.correlation.matches import UNITS
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import UNITS
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.assignment import assignment
 

@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from casingfem.errors import InputError, ModelError, warn
+from casingfem.experiment.correlation.matches import require_hz
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import require_hz
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import count_below, modes
 from casingfem.structure.imported.assembly import MeshStructure, require_structure

@@ -28,7 +28,7 @@ from scipy.sparse import issparse
 
 import casingfem as cf
 import contact as ct
-from casingfem.experiment.frf import hdf5
+from casingfem.experiment.frf import files
 from casingfem.io import probe
 from casingfem.io.arrays import Array
 from casingfem.structure.imported import read
@@ -141,7 +141,7 @@ def work(pipe: Connection, samples: Path, name: str, batch: list[Mutant]) -> Non
     """Judge a batch, in a child: an answer for each file as it comes."""
     with tempfile.TemporaryDirectory() as place, ExitStack() as stack:
         stack.enter_context(mock.patch.object(read, "fault_of", forked))
-        for reader in (hdf5, arrays):  # each has the name of its own
+        for reader in (files, arrays):  # each has the name of its own
             stack.enter_context(mock.patch.object(reader, "arrays_of", handed_over))
         folder = Path(place) / "files"
         shutil.copytree(samples, folder)

@@ -11,8 +11,7 @@ import casingfem as cf
 import contact as ct
 from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord, turning
-from casingfem.experiment.frf.files import read_frfs, read_picks, read_places
-from casingfem.experiment.frf.hdf5 import write_hdf5
+from casingfem.experiment.frf.files import read_frfs, read_picks, read_places, write_hdf5
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.uff.write import write_uff
 from casingfem.modal.basis import ModalBasis

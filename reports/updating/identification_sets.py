@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.rig.noise import noisy
+from casingfem.experiment.rig.rig import noisy
 from casingfem.experiment.rig.structure import Place, rig_of
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes, modes

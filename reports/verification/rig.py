@@ -6,9 +6,9 @@ import casingfem as cf
 from casingfem.experiment.circle.record import turning
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom
-from casingfem.experiment.rig.mass import loaded
-from casingfem.experiment.rig.noise import Converter
 from casingfem.experiment.rig.record import record
+from casingfem.experiment.rig.rig import Converter
+from casingfem.experiment.rig.structure import loaded
 from reports.tables import Row, check
 
 SEED = 20617

@@ -10,8 +10,7 @@ from casingfem.errors import InputError, ModelError
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.noise import BITS, Converter
-from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.rig import BITS, Converter, Rig
 from casingfem.experiment.rig.troubles import Troubles
 from casingfem.structure.edge.point_mass import EdgeMass
 from casingfem.structure.edge.section import Section

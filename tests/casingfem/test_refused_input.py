@@ -11,9 +11,8 @@ from casingfem.experiment.correlation.mac import subspace_mac
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import Random
-from casingfem.experiment.rig.noise import Converter
 from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.rig import Converter, Rig
 from casingfem.experiment.rig.troubles import Troubles
 from casingfem.experiment.uff.write import write_uff
 from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, Strain

@@ -12,8 +12,6 @@ One resonance has four unknowns less, and a double of equal damping is one. Two 
 squares by more than noise would, by an F test: what noise adds to a double looks like a member too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import combinations, product
 
@@ -82,9 +80,8 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     J = jacobian(scan.tones, poles, parts, sigma)
     scaled = J / np.linalg.norm(J, axis=0)
     if np.linalg.cond(scaled) > 1e8:
-        raise InputError(
-            f"the pair n = {n}: the tones do not tell two members apart: more of them, closer to the peaks"
-        )
+        help_ = "more of them, closer to the peaks"
+        raise InputError(f"the pair n = {n}: the tones do not tell two members apart: {help_}")
     covariance = np.linalg.inv(scaled.T @ scaled) / np.multiply.outer(*[np.linalg.norm(J, axis=0)] * 2)
     return described(n, poles, parts, covariance * max(misfit, 1.0) ** 2, misfit)
 
@@ -183,9 +180,5 @@ def jacobian(tones: FloatArray, poles: FloatArray, parts: FloatArray, sigma: Flo
         change = real((basis(tones, poles + step, sigma) - basis(tones, poles - step, sigma)) @ parts) / (2.0 * step[k])
         columns.append(change.ravel())
     A = real(basis(tones, poles, sigma))
-    for part in range(2):
-        for k in range(3):
-            column = np.zeros((len(A), 2))
-            column[:, part] = A[:, k]
-            columns.append(column.ravel())
+    columns += [np.multiply.outer(A[:, k], part).ravel() for part in np.eye(2) for k in range(3)]
     return np.stack(columns, axis=1)

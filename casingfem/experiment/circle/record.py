@@ -68,13 +68,8 @@ class ScanRecord:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz file of plain arrays with its card, whole or not at all."""
-        arrays = {
-            "fs": np.array(self.fs),
-            "velocity": self.velocity,
-            "angle": self.angle,
-            "tones": np.array(self.tones),
-        }
-        arrays |= {} if self.force is None else {"force": self.force}
+        names = ("fs", "velocity", "angle", "tones", *(() if self.force is None else ("force",)))
+        arrays = {name: np.asarray(getattr(self, name)) for name in names}
         return write_npz(path, {"card": np.asarray(self.card, dtype=np.str_), **arrays})
 
     @classmethod

@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
-from casingfem.experiment.circle.fit import fit_lines
-from casingfem.experiment.circle.lines import require_clear
+from casingfem.experiment.circle.lines import fit_lines, require_clear
 from casingfem.experiment.circle.record import ScanRecord
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.reported import Reported
@@ -119,10 +118,8 @@ class CircleScan(Reported):
         return np.asarray(np.exp(1j * np.multiply.outer(angles, self.n)) @ np.where(there, self.V[tone], 0.0))
 
     def __repr__(self) -> str:
-        head = (
-            f"{'tone [Hz]':>10} {'n':>3} {'amplitude':>10} {'+-':>8} {'phase':>7} {'angle':>7} {'+-':>6} {'travel':>7}"
-        )
-        rows = [head]
+        head = f"{'tone [Hz]':>10} {'n':>3} {'amplitude':>10} {'+-':>8} {'phase':>7} {'angle':>7} {'+-':>6}"
+        rows = [f"{head} {'travel':>7}"]
         for w in self.waves():
             if w.seen:
                 angle, sigma = ("-", "-") if w.n == 0 else (f"{w.angle_deg:.2f}", f"{w.angle_sigma_deg:.2f}")
@@ -148,9 +145,8 @@ def one_wave(tone: float, n: int, V: Array, sigma: FloatArray) -> Wave:
         return Wave(tone, 0, float(size[0]), float(sigma[0]), phase, np.nan, np.nan, 0.0, 0.0, seen)
     turn = np.angle(V[1] * np.conj(V[0])) / 2.0
     psi = float(np.mod(np.degrees(turn) / n, 180.0 / n))
-    phase = float(
-        np.degrees(np.angle(V[0] * np.exp(1j * n * np.radians(psi)) + V[1] * np.exp(-1j * n * np.radians(psi))))
-    )
+    turned = np.exp(1j * n * np.radians(psi))
+    phase = float(np.degrees(np.angle(V[0] * turned + V[1] * turned.conj())))
     spread = np.hypot(*(sigma / np.maximum(size, 1e-300))) / (2.0 * n)
     total = float(size.sum())
     over = max(total, 1e-300)
@@ -213,14 +209,8 @@ def demodulate(record: ScanRecord, orders: int | Sequence[int], *, runout: int =
     found = CircleScan(
         tones=tones, n=n, V=V, sigma=sigma, floor=floor, rate=record.rate, left=fit.left, card=record.card
     )
-    return found if record.force is None else per_newton(found, record)
-
-
-def per_newton(found: CircleScan, record: ScanRecord) -> CircleScan:
-    """Waves over the force at their tone."""
-    assert record.force is not None
-    force = fit_lines(
-        replace(record, velocity=record.force), 2.0 * np.pi * found.tones, np.zeros(len(found.tones))
-    ).amplitude
-    over = force[:, None]
-    return replace(found, V=found.V / over, sigma=found.sigma / np.abs(over), floor=found.floor / np.abs(over))
+    if record.force is None:
+        return found
+    force = fit_lines(replace(record, velocity=record.force), 2.0 * np.pi * tones, np.zeros(len(tones)))
+    over = force.amplitude[:, None]
+    return replace(found, V=V / over, sigma=sigma / np.abs(over), floor=floor / np.abs(over))

@@ -1,9 +1,8 @@
 from .correlate import Correlation
 from .mac import mac, subspace_mac
 from .matches import Pairing
-from .measured_shapes import MeasuredShapes
+from .measured_shapes import MeasuredShapes, identified_shapes, read_shapes
 from .pairing import pair
-from .shape_files import identified_shapes, read_shapes
 
 __all__ = [
     "Correlation",

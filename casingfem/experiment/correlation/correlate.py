@@ -9,12 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
-from casingfem.experiment.correlation.expansion import Expansion, expand
-from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.expansion import Expansion, expand, guyan_mass, serep_mass
+from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
 from casingfem.experiment.correlation.matches import Match, Pairing, listed
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.correlation.sensors import Sensors, sensors_of
 from casingfem.io.arrays import FloatArray
@@ -65,40 +63,27 @@ class Correlation(Reported):
 
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a measured shape."""
-        match_of = {row: k for k, match in enumerate(self.pairing.matches) for row in match.rows}
-        rows: list[dict[str, object]] = []
+        left_out, collinearity = self.expansion.left_out, self.measured.collinearity.tolist()
+        unpaired = dict.fromkeys(("mode", "n", "computed_hz", "mac", "subspace_mac", "nco"))
+        rows = list[dict[str, object]]()
         for row, freq in enumerate(self.measured.freq_hz.tolist()):
-            k = match_of.get(row)
-            match = None if k is None else self.pairing.matches[k]
-            mode = None if match is None else match.modes[match.rows.index(row)]
-            rows.append(
-                {
-                    "row": row + 1,
-                    "measured_hz": freq,
-                    "mode": None if mode is None else mode + 1,
-                    "n": None if match is None or match.n < 0 else match.n,
-                    "computed_hz": None if mode is None else float(self.modes.freq[mode]),
-                    "mac": None if mode is None else float(self.mac[row, mode]),
-                    "subspace_mac": None if k is None else float(self.alike[k]),
-                    "nco": None if mode is None else float(self.nco[row, mode]),
-                    "left_out_error": float(np.sqrt(np.nanmean(self.expansion.left_out[:, row] ** 2))),
-                    "collinearity": float(self.measured.collinearity[row]),
-                }
-            )
+            error = float(np.sqrt(np.nanmean(left_out[:, row] ** 2)))
+            known = {"row": row + 1, "measured_hz": freq, **unpaired}
+            rows.append({**known, "left_out_error": error, "collinearity": collinearity[row]})
+        for match, plane in zip(self.pairing.matches, self.alike.tolist(), strict=True):
+            for row, mode in zip(match.rows, match.modes, strict=True):
+                rows[row] |= {"mode": mode + 1, "n": None if match.n < 0 else match.n, "subspace_mac": plane}
+                rows[row] |= {"computed_hz": float(self.modes.freq[mode])}
+                rows[row] |= {"mac": float(self.mac[row, mode]), "nco": float(self.nco[row, mode])}
         return rows
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
+        at = self.sensors
+        columns = at.labels.astype(int), at.directions.round(6), at.distance, self.comac, self.ecomac
         channels = [
-            {"sensor": int(label), "direction": direction, "distance_m": far, "comac": c, "ecomac": e}
-            for label, direction, far, c, e in zip(
-                self.sensors.labels.tolist(),
-                self.sensors.directions.round(6).tolist(),
-                self.sensors.distance.tolist(),
-                self.comac.tolist(),
-                self.ecomac.tolist(),
-                strict=True,
-            )
+            dict(zip(("sensor", "direction", "distance_m", "comac", "ecomac"), channel, strict=True))
+            for channel in zip(*(column.tolist() for column in columns), strict=True)
         ]
         return {
             "shapes": self.records(),
@@ -110,11 +95,10 @@ class Correlation(Reported):
 
     def __repr__(self) -> str:
         """Table: measured, computed, MAC, subspace MAC, NCO; then sensors and expansion."""
-        head = (
+        lines = [
             f"{'row':>4} {'measured':>10} {'mode':>5} {'n':>3} {'computed':>10} {'error %':>8} "
             f"{'MAC':>6} {'plane':>6} {'NCO':>6} {'left out':>8}"
-        )
-        lines = [head]
+        ]
         for r in self.records():
             left = f"{r['left_out_error']:8.3f}"
             if r["mode"] is None:
@@ -202,7 +186,7 @@ def correlate(
         pairing=pairing,
         mac=likeness,
         alike=np.array([alike(match, modes, shapes, computed) for match in pairing.matches]),
-        nco=seen_nco(shapes, computed, reduced),
+        nco=seen_mac(shapes, computed, reduced),
         mass_by=mass,
         comac=comac(first, second),
         ecomac=ecomac(first, second),
@@ -210,21 +194,19 @@ def correlate(
     )
 
 
-def seen_mac(measured: FloatArray, computed: FloatArray) -> FloatArray:
-    """MAC (measured, modes); 0 for modes that the sensors do not see."""
-    lengths = np.linalg.norm(computed, axis=0)
-    seen = lengths > 1e-9 * lengths.max()
-    found = np.zeros((measured.shape[1], computed.shape[1]))
-    found[:, seen] = mac(measured, computed[:, seen])
-    return found
+def seen_mac(measured: FloatArray, computed: FloatArray, mass: FloatArray | None = None) -> FloatArray:
+    """MAC (measured, modes); 0 for modes that the sensors do not see.
 
+    With the mass reduced to the sensors, (channels, channels), it is the normalised cross-orthogonality
 
-def seen_nco(measured: FloatArray, computed: FloatArray, mass: FloatArray) -> FloatArray:
-    """NCO (measured, modes); 0 for modes that have no mass at the sensors, as those that SEREP left out."""
-    seen = np.einsum("ci,cd,di->i", computed, mass, computed)
-    inside = seen > 1e-9 * seen.max()
+        NCO_ij = |a_i^T M_s b_j|^2/((a_i^T M_s a_i) (b_j^T M_s b_j)),
+
+    0 for modes that have no mass there, as those that SEREP left out.
+    """
+    size = np.linalg.norm(computed, axis=0) if mass is None else np.einsum("ci,cd,di->i", computed, mass, computed)
+    seen = size > 1e-9 * size.max()
     found = np.zeros((measured.shape[1], computed.shape[1]))
-    found[:, inside] = cross_orthogonality(measured, computed[:, inside], mass)
+    found[:, seen] = mac(measured, computed[:, seen], mass)
     return found
 
 

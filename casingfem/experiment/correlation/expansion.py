@@ -1,4 +1,4 @@
-"""Measured shapes expanded to the whole model, and what a sensor would have shown that was not there.
+"""Measured shapes expanded to the whole model, what a sensor left out would have shown, and the mass at the sensors.
 
 SEREP (O'Callahan, Avitabile and Riemer, IMAC 1989): with the model's shapes at the channels Phi_s (channels, modes)
 
@@ -12,11 +12,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from casingfem.errors import ModelError
+from casingfem.experiment.correlation.sensors import Sensors
 from casingfem.io.arrays import FloatArray, IntArray, freeze
+from casingfem.linalg.factor import factorise
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.shell.system import System
 
 WORST = 100.0  # condition number above which modes are left out when nobody chose them
+CHANNELS = 1e-10  # least ratio of the static compliance's eigenvalues: channels that are no repetition of others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -129,8 +135,43 @@ def left_out_errors(U: FloatArray, measured: FloatArray, labels: IntArray) -> Fl
     for label in np.unique(labels):
         on = labels == label
         kept = np.eye(int(np.count_nonzero(on))) - U[on] @ U[on].T
-        if np.linalg.eigvalsh(kept)[0] < 1e-10:
-            errors.append(np.full(measured.shape[1], np.nan))
-            continue
-        errors.append(np.sqrt(np.mean(np.linalg.solve(kept, residual[on]) ** 2, axis=0)) / rms)
+        blind = np.linalg.eigvalsh(kept)[0] < 1e-10
+        error = np.nan if blind else np.sqrt(np.mean(np.linalg.solve(kept, residual[on]) ** 2, axis=0))
+        errors.append(error / rms)
     return np.array(errors)
+
+
+def guyan_mass(system: System | MeshSystem, sensors: Sensors) -> FloatArray:
+    """M_s (channels, channels) by static condensation to the channels.
+
+    M_s = G^T M G (Guyan, AIAA J. 3, 1965, 380), good below the first mode that the sensors do not see.
+    G = K^-1 P (P^T K^-1 P)^-1: the shape of least strain energy for given motions u = P^T x at the channels.
+
+    Raises
+    ------
+    ModelError
+        sensor-twice, where channels measure the same motion.
+    """
+    P = sensors.loads(system)
+    attachment = factorise(system.K).solve(P)
+    compliance = P.T @ attachment
+    compliance = 0.5 * (compliance + compliance.T)
+    scale = 1.0 / np.sqrt(np.diag(compliance))
+    values = np.linalg.eigvalsh(compliance * np.outer(scale, scale))
+    if values[0] < CHANNELS * values[-1]:
+        raise ModelError("sensor-twice", f"{len(sensors)} channels of which some measure the same motion")
+    G = cho_solve(cho_factor(compliance), attachment.T).T
+    return np.asarray(G.T @ (system.M @ G))
+
+
+def serep_mass(at_sensors: FloatArray) -> FloatArray:
+    """M_s (channels, channels) from mass-normalised shapes at the channels (channels, modes), at most as many modes.
+
+    M_s = (Phi_s^+)^T Phi_s^+ (SEREP), exact for the modes kept.
+
+    >>> shapes = np.array([[1.0, 0.5], [0.2, 1.0], [0.3, -0.4]])
+    >>> (shapes.T @ serep_mass(shapes) @ shapes).round(12).tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
+    """
+    inverse = np.linalg.pinv(at_sensors)
+    return np.asarray(inverse.T @ inverse)

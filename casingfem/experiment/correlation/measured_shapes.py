@@ -1,21 +1,28 @@
-"""Mode shapes as a test has them: values at points of space in known directions, with their frequencies."""
+"""Mode shapes as a test has them: values at points of space in known directions, with their frequencies.
+
+They come from universal files with sets 55, or are the modes that `casingfem identify` found.
+"""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.experiment.frf.files import UNIVERSAL
+from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.uff.read import UniversalFile, read_uff
-from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE, Shape
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.experiment.uff.set_55 import COMPLEX_MODE, COMPLEX_MODE_2, NORMAL_MODE
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 SILENT = 1e-9  # of the largest value: a channel no shape ever exceeds was not measured
-AXES = np.eye(3)
+IDENTIFIED = ".npz"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -66,8 +73,7 @@ class MeasuredShapes:
         for name in ("sigma", "n"):
             values = getattr(self, name)
             object.__setattr__(self, name, np.broadcast_to(values, self.freq_hz.shape) if values.ndim == 0 else values)
-        for name in ("freq_hz", "values", "points", "directions", "labels", "sigma", "n"):
-            object.__setattr__(self, name, frozen(np.array(getattr(self, name))))
+        freeze(self, "freq_hz", "values", "points", "directions", "labels", "sigma", "n")
         channels, modes = len(self.labels), len(self.freq_hz)
         if self.sigma.shape != (modes,) or self.n.shape != (modes,) or np.any(self.sigma <= 0.0):
             found = f"sigma {self.sigma.tolist()} and n {self.n.tolist()}"
@@ -78,13 +84,13 @@ class MeasuredShapes:
         if self.points.shape != (channels, 3) or self.directions.shape != (channels, 3):
             found = f"points {self.points.shape} and directions {self.directions.shape}"
             raise self.error(found, f"three numbers for each of {channels} channels")
-        numbers = (self.values, self.points, self.directions, self.freq_hz)
-        if not all(np.all(np.isfinite(part)) for part in numbers):
+        if not all(np.isfinite(part).all() for part in (self.values, self.points, self.directions, self.freq_hz)):
             raise self.error("numbers that are not finite", "finite values, points, directions and frequencies")
         if np.any(self.freq_hz <= 0.0) or np.any(np.diff(self.freq_hz) < 0.0):
             raise self.error(f"frequencies {self.freq_hz.tolist()}", "frequencies above 0 in ascending order")
-        if not np.all(np.any(self.values, axis=0)):
-            mode = int(np.argmin(np.any(self.values, axis=0)))
+        seen = np.any(self.values, axis=0)
+        if not seen.all():
+            mode = int(np.argmin(seen))
             raise self.error(f"mode {mode + 1} zero everywhere", "shapes that the sensors see")
 
     def error(self, found: str, expected: str) -> InputError:
@@ -136,9 +142,8 @@ class MeasuredShapes:
         Raises
         ------
         InputError
-            A file that is damaged.
-        InputError
-            No modes, no nodes, nodes in a coordinate system of their own, shapes of different nodes.
+            A file that is damaged; no modes, no nodes, nodes in a coordinate system of their own, shapes of different
+            nodes.
         """
         return uff_shapes(read_uff(path))
 
@@ -174,8 +179,7 @@ class MeasuredShapes:
 def uff_shapes(file: UniversalFile) -> MeasuredShapes:
     """The mode shapes of a universal file; see `MeasuredShapes.from_uff`."""
     kinds = (NORMAL_MODE, COMPLEX_MODE, COMPLEX_MODE_2)
-    modes = [shape for shape in file.shapes if shape.analysis in kinds and np.isfinite(shape.freq_hz)]
-    modes = [shape for shape in modes if shape.freq_hz > 0.0]
+    modes = [shape for shape in file.shapes if shape.analysis in kinds and 0.0 < shape.freq_hz < np.inf]
     if not modes:
         raise InputError(file.path, found=f"{len(file.shapes)} shapes, none of a mode", expected="modes in sets 55")
     if file.nodes is None:
@@ -191,22 +195,92 @@ def uff_shapes(file: UniversalFile) -> MeasuredShapes:
     if np.any(file.nodes.motions[at]):
         system = int(file.nodes.motions[at].max())
         raise InputError(file.path, found=f"motions in coordinate system {system}", expected="global motions, 0")
-    values = np.stack([translations(shape, file.path) for shape in modes], axis=-1)  # (nodes, 3, modes)
+    for shape in modes:
+        if shape.characteristic not in (2, 3):
+            found = f"data characteristic {shape.characteristic}"
+            raise InputError(file.path, found=found, expected="2 or 3: translations x, y, z at each node")
+    values = np.stack([shape.values[:, :3] for shape in modes], axis=-1)  # (nodes, 3, modes)
     moved = np.abs(values).max(axis=-1) > SILENT * np.abs(values).max()
     node, axis = np.nonzero(moved)
     return MeasuredShapes.from_arrays(
         freq_hz=[shape.freq_hz for shape in modes],
         values=values[node, axis],
         points=file.nodes.points[at][node],
-        directions=AXES[axis],
+        directions=np.eye(3)[axis],
         labels=first[node],
         path=file.path,
     )
 
 
-def translations(shape: Shape, path: str) -> Array:
-    """The translations of a shape, (nodes, 3)."""
-    if shape.characteristic not in (2, 3):
-        found = f"data characteristic {shape.characteristic}"
-        raise InputError(path, found=found, expected="2 or 3: translations x, y, z at each node")
-    return shape.values[:, :3]
+def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
+    """Shapes of a universal file (sets 55 with their nodes) or of an identified npz, by the file's ending.
+
+    Raises
+    ------
+    InputError, InputError, InputError
+        Another ending; what the readers refuse; an identification whose sensors have no places.
+    """
+    ending = Path(path).suffix.lower()
+    if ending == IDENTIFIED:
+        return identified_shapes(Identified.load(path), str(path))
+    if ending in UNIVERSAL:
+        return MeasuredShapes.from_uff(path)
+    expected = f"{', '.join(UNIVERSAL)} with mode shapes (sets 55), or {IDENTIFIED} of casingfem identify --out"
+    raise InputError(str(path), found=f"ending {ending!r}", expected=expected)
+
+
+def identified_shapes(found: Identified, path: str = "identified") -> MeasuredShapes:
+    """The shapes of identified modes at the places of their sensors, with n and uncertainties.
+
+    Directions 1, 2, 3 are radial, hoop and axial where the sensors stand around an axis (they have angles), else x, y,
+    z; a sign turns them over. The noise of a shape of unit norm is sqrt(sum sigma_shapes^2).
+
+    Raises
+    ------
+    InputError
+        No modes, sensors without places or without a direction.
+
+    Examples
+    --------
+    >>> theta, x = np.arange(8) * np.pi / 4, np.arange(80.0, 120.0, 0.1)
+    >>> H = np.cos(2 * theta)[:, None] * 100.0**2 / (100.0**2 - x**2 + 2j * 0.004 * 100.0 * x)
+    >>> from casingfem.experiment.frf.frf_set import FrfSet
+    >>> from casingfem.experiment.identify.identification import identify
+    >>> frfs = FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(8),
+    ...                           response_direction=1)
+    >>> at = {k: (0.45 * np.cos(a), 0.45 * np.sin(a), 0.25) for k, a in enumerate(theta)}
+    >>> found = identify(frfs, angles=dict(enumerate(np.degrees(theta))), places=at)
+    >>> identified_shapes(found)
+    MeasuredShapes(1 modes, 8 channels at 8 points, 100 to 100 Hz)
+    """
+    if not len(found):
+        raise InputError(path, found="no mode", expected="at least one")
+    sensors = found.sensors
+    lost = sensors.points[np.isnan(sensors.places).any(axis=1)]
+    if lost.size:
+        expected = "positions: responses in a universal file with geometry, or --angles with radius_m and z_m"
+        raise InputError(path, found=f"no position of point {lost[0]}", expected=expected)
+    return MeasuredShapes.from_arrays(
+        freq_hz=found.freq,
+        values=found.shapes,
+        points=sensors.places,
+        directions=unit_vectors(sensors, path),
+        labels=sensors.points,
+        sigma=np.linalg.norm(found.sigma_shapes, axis=0),
+        n=found.n,
+        path=path,
+    )
+
+
+def unit_vectors(sensors: SensorGrid, path: str) -> FloatArray:
+    """Where the sensors measure along, (sensors, 3)."""
+    codes = sensors.directions
+    wrong = np.flatnonzero(~np.isin(np.abs(codes), (1, 2, 3)))
+    if wrong.size:
+        found = f"direction {codes[wrong[0]]} of point {sensors.points[wrong[0]]}"
+        expected = "1, 2, 3 (radial, hoop, axial around an axis, else x, y, z), signed"
+        raise InputError(path, found=found, expected=expected)
+    theta = np.where(np.isnan(sensors.theta), 0.0, sensors.theta)
+    c, s, zero = np.cos(theta), np.sin(theta), np.zeros(len(theta))
+    frames = np.array([[c, s, zero], [-s, c, zero], [zero, zero, zero + 1.0]])
+    return np.asarray(np.sign(codes)[:, None] * frames[np.abs(codes) - 1, :, np.arange(len(codes))])

@@ -1,14 +1,12 @@
 """Where on a shell its sensors stand: the nearest points of the surface, and the model's shapes there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
@@ -53,8 +51,7 @@ class Sensors:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, *self.__slots__)
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 from casingfem.io.npz import read_npz
 from casingfem.io.strict_csv import StrictCsv, read
 from contact.io.npz import ArrayKind, write_npz
@@ -25,7 +25,6 @@ PLACES = ("response_point", "response_direction", "reference_point", "reference_
 TIME, FREQUENCY = 17, 18  # what an abscissa shows, in universal files
 _KINDS: dict[Kind, tuple[int, ...]] = {"frf": (4,), "time": (1,), "spectrum": (2, 3, 9, 10, 12)}
 _HOW = ": divide the cross spectrum of force and response by the force's own (scipy.signal.csd, welch)"
-_UNITS = {"hz": "frequency", "s": "time", "sec": "time"}
 _EVEN = 1e-9  # steps equal to this part are written as an even abscissa
 
 
@@ -73,29 +72,22 @@ class FrfSet:
             if name == "responses" and self.kind == "time" and np.iscomplexobj(self.responses):
                 raise InputError(self.path, found="a complex time record", expected="real values")
             given = np.asarray(getattr(self, name))
-            if (
-                name in PLACES
-                and given.dtype.kind not in "iu"
-                and not (
-                    given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given.astype(np.float64)) < 1e15))
-                )
+            fits = name not in PLACES or given.dtype.kind in "iu"
+            if not fits and not (
+                given.dtype.kind == "f" and np.all((given % 1 == 0) & (np.abs(given.astype(np.float64)) < 1e15))
             ):
                 raise InputError(self.path, found=f"{name} that are not whole numbers", expected="those of points")
-            array = np.array(given, forms.get(name, np.int64))
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, frozen(np.asarray(given, forms.get(name, np.int64))))
         self._check()
 
     def _check(self) -> None:
-        """Refuse what does not belong together."""
         _kind(self.kind, self.path)
         channels = self.responses.shape[:1]
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
         if not fit or any(getattr(self, name).shape != channels for name in PLACES):
             found = ", ".join(f"{name} {getattr(self, name).shape}" for name in ("x", "responses", *PLACES))
-            raise InputError(
-                self.path, found=found, expected="x (lines,), responses (channels, lines), places (channels,)"
-            )
+            expected = "x (lines,), responses (channels, lines), places (channels,)"
+            raise InputError(self.path, found=found, expected=expected)
         spoilt = np.isinf(self.responses) if self.kind != "time" else ~np.isfinite(self.responses)
         if not np.isfinite(self.x).all() or spoilt.any():
             raise InputError(self.path, found=self._spoilt(spoilt), expected="finite numbers, or nan for a missing one")
@@ -105,7 +97,6 @@ class FrfSet:
             raise InputError(self.path, found=found, expected="an abscissa that ascends")
 
     def _spoilt(self, spoilt: BoolArray) -> str:
-        """Which numbers are none."""
         if not spoilt.any():
             return "nan or infinity in the abscissa"
         lines = np.flatnonzero(spoilt.any(axis=0))
@@ -294,17 +285,15 @@ def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
 
 def _unit(function: Function) -> str:
     """Unit of the ordinate over that of its denominator."""
-    above, below = (
-        axis.unit if axis.unit.upper() != "NONE" else "" for axis in (function.axes.ordinate, function.axes.denominator)
-    )
+    ends = function.axes.ordinate, function.axes.denominator
+    above, below = (axis.unit if axis.unit.upper() != "NONE" else "" for axis in ends)
     return f"({above or 1})/({below})" if below else above
 
 
 def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:
     """Refuse functions over something else than seconds, or Hz."""
     axis = function.axes.abscissa
-    wanted, number, unit = ("time", TIME, "s") if kind == "time" else ("frequency", FREQUENCY, "Hz")
-    known = axis.kind in (0, number) and axis.unit.lower() in ("", "none", *(u for u in _UNITS if _UNITS[u] == wanted))
-    if not known:
+    wanted, number, unit, *more = ("time", TIME, "s", "sec") if kind == "time" else ("frequency", FREQUENCY, "Hz")
+    if axis.kind not in (0, number) or axis.unit.lower() not in ("", "none", unit.lower(), *more):
         found = f"function {k + 1} over {axis.label!r} in {axis.unit!r} (kind {axis.kind})"
         raise InputError(path, found=found, expected=f"{wanted} in {unit}")

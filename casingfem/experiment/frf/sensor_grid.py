@@ -1,7 +1,5 @@
 """Channels of a set put in order: sensors by references, angles of the sensors, what was measured."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -40,7 +38,6 @@ class SensorGrid:
         freeze(self, "points", "directions", "theta", "references", "channels", "places")
 
     def __len__(self) -> int:
-        """Return the number of sensors."""
         return len(self.points)
 
 
@@ -109,9 +106,8 @@ def form_of(frfs: FrfSet, form: str | None) -> int | None:
     for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
         if re.fullmatch(pattern, above, flags=re.IGNORECASE):
             return power
-    raise InputError(
-        frfs.path, found=f"unit {frfs.unit!r}", expected="one such as (m/s^2)/N, or form=" + "|".join(FORMS)
-    )
+    expected = "one such as (m/s^2)/N, or form=" + "|".join(FORMS)
+    raise InputError(frfs.path, found=f"unit {frfs.unit!r}", expected=expected)
 
 
 def radial_signs(grid: SensorGrid) -> Array:

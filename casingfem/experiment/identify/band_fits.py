@@ -5,8 +5,6 @@ again, those without peaks too, from what was found, after the responses of mode
 off: what its polynomials have to follow is then small.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -14,18 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.ema_poles import lscf_poles
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import PoleFit, fit_poles
-from casingfem.experiment.identify.poles.pole_selection import select_poles
+from casingfem.experiment.identify.poles.pole_selection import alike_lines, noise_at, select_poles
 from casingfem.experiment.identify.poles.pole_window import Window, floor_of
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
-from casingfem.experiment.identify.poles.stabilisation import Stabilisation, stabilise
+from casingfem.experiment.identify.poles.stabilisation import Stabilisation, lscf_poles, stabilise
 from casingfem.experiment.identify.setups.around import Places
 from casingfem.experiment.identify.setups.as_waves import as_waves
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import shifted
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted, shifted
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 from casingfem.io.side_by_side import Each, largest_first
 
@@ -63,14 +58,6 @@ class BandFits(NamedTuple):
     belongs: BoolArray | None = None
 
 
-class _Mode(NamedTuple):
-    """A pole and its residues (channels,) of (j f)^q w^2/(w^2 - f^2 + 2 j zeta w f), f in Hz."""
-
-    freq: float
-    zeta: float
-    residues: Array
-
-
 def fit_bands(
     data: Responses,
     bands: list[Band],
@@ -93,8 +80,8 @@ def fit_bands(
     if any(fit is not None and len(fit.freq) for fit in fits):
         say("set-ups")
         kind = "complex" if any(fit.window.columns == 2 for fit in fits if fit is not None) else "real"
-        whole = replace(_window(data, Band((0, len(data.freq)), (0, len(data.freq)), 0), []), residues=kind)
-        found = shifted(whole, _together(_modes(data, bands, fits)), data.places, each)
+        whole = replace(_window(data, Band((0, len(data.freq)), (0, len(data.freq)), 0)), residues=kind)
+        found = shifted(whole, _modes(data, bands, fits), data.places, each)
         data = data._replace(leak=found.leak)
         if found.several and picked is None:
             say("waves round the circle")
@@ -104,8 +91,7 @@ def fit_bands(
     for again in range(PASSES):
         for k, band in enumerate(bands):
             say(f"fit {again + 2} of {PASSES + 1}, band {k + 1} of {len(bands)}")
-            inside, outside = _sides(data, band, _modes(data, bands, fits))
-            starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
+            starts, outside = _sides(data, band, _modes(data, bands, fits))
             fits[k] = select_poles(_window(data, band, outside), starts, search=picked is None)
     return BandFits(bands, [fit for fit in fits if fit is not None], diagrams, 0.0, data.leak)
 
@@ -125,7 +111,7 @@ def _first_fit(
     diagram, starts = _sweep(data, band, order)
     if picked is not None:
         starts = _picks(data.freq, band, picked, starts)
-    return diagram, select_poles(_window(data, band, []), starts, search=picked is None) if band.peaks else None
+    return diagram, select_poles(_window(data, band), starts, search=picked is None) if band.peaks else None
 
 
 def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Window) -> list[PoleFit]:
@@ -133,11 +119,9 @@ def _aligned_fits(data: Responses, bands: list[Band], found: Shifted, whole: Win
     straight = found.aligned(whole)
     data = data._replace(H=straight.as_complex.T * data.noise[:, None] / np.where(data.along > 0.0, data.along, 1.0))
     freq, sigma = found.mean()
-    modes = [_Mode(*each) for each in zip(freq.tolist(), found.modes.zeta.tolist(), found.modes.residues, strict=True)]
-    aligned = []
+    modes, aligned = found.modes._replace(freq=freq[:, None]), []
     for band in bands:
-        inside, outside = _sides(data, band, modes)
-        starts = np.array([(mode.freq, mode.zeta) for mode in inside]).reshape(-1, 2)
+        starts, outside = _sides(data, band, modes)
         window = replace(_window(data, band, outside), residues=straight.residues)
         fit = fit_poles(window, *starts.T, steps=0)
         nearest = np.array([np.abs(freq - f).argmin() for f in fit.freq], int)
@@ -169,17 +153,11 @@ def _by_misfit(fit: PoleFit) -> FloatArray:
     return np.asarray(np.sqrt(raised), np.float64)
 
 
-def _together(modes: list[_Mode]) -> Modes:
-    """Modes of one set-up."""
-    freq, zeta = np.array([(mode.freq, mode.zeta) for mode in modes]).reshape(-1, 2).T
-    return Modes(freq[:, None], zeta, np.array([mode.residues for mode in modes]))
-
-
-def _sides(data: Responses, band: Band, modes: list[_Mode]) -> tuple[list[_Mode], list[_Mode]]:
-    """Modes within a band's window, and the others."""
-    low, high = data.freq[band.window[0]], data.freq[band.window[1] - 1]
-    inside = [mode for mode in modes if low <= mode.freq <= high]
-    return inside, [mode for mode in modes if not low <= mode.freq <= high]
+def _sides(data: Responses, band: Band, modes: Modes) -> tuple[FloatArray, Modes]:
+    """Poles within a band's window, (poles, 2) of freq [Hz] and zeta, and the modes outside."""
+    freq = modes.freq[:, 0]
+    inside = (freq >= data.freq[band.window[0]]) & (freq <= data.freq[band.window[1] - 1])
+    return np.column_stack([freq, modes.zeta])[inside], modes.some(np.flatnonzero(~inside))
 
 
 def _picks(freq: FloatArray, band: Band, picked: FloatArray, stable: FloatArray) -> FloatArray:
@@ -205,7 +183,7 @@ def _sweep(data: Responses, band: Band, order: int | None) -> tuple[Stabilisatio
     return stabilise(lscf_poles(data.freq[lines], weighted, most), data.freq[lines], weighted)
 
 
-def _window(data: Responses, band: Band, outside: list[_Mode]) -> Window:
+def _window(data: Responses, band: Band, outside: Modes | None = None) -> Window:
     """What is to be fitted in a band, without the modes outside its window."""
     lines = slice(*band.window)
     weighted = (data.H[:, lines] / data.noise[:, None] * data.along[lines]).T
@@ -219,21 +197,20 @@ def _window(data: Responses, band: Band, outside: list[_Mode]) -> Window:
         along=data.along[lines],
         leak=data.leak,
     )
-    if not outside:
+    if outside is None or not len(outside.zeta):
         return window
-    added = _together(outside).response(window, [np.arange(len(data.H))])
+    added = outside.response(window, [np.arange(len(data.H))])
     return replace(window, Y=window.Y - np.concatenate([added.real, added.imag]))
 
 
-def _modes(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> list[_Mode]:
-    """Modes of all cores."""
-    modes = []
+def _modes(data: Responses, bands: list[Band], fits: list[PoleFit | None]) -> Modes:
+    """Modes of all cores, as of one set-up."""
+    parts = [Modes(np.zeros((0, 1)), np.zeros(0), np.zeros((0, len(data.H))))]
     for band, fit in zip(bands, fits, strict=True):
         if fit is None:
             continue
         low, high = core_of(data.freq, band)
         residues = fit.A[:, 0] + (1j * fit.A[:, 1] if fit.window.columns == 2 else 0.0)
-        residues = residues / fit.window.weight / fit.window.scale**data.power
-        for k in np.flatnonzero((fit.freq >= low) & (fit.freq < high)).tolist():
-            modes.append(_Mode(float(fit.freq[k]), float(fit.zeta[k]), residues[k]))
-    return modes
+        modes = Modes(fit.freq[:, None], fit.zeta, residues / fit.window.weight / fit.window.scale**data.power)
+        parts.append(modes.some(np.flatnonzero((fit.freq >= low) & (fit.freq < high))))
+    return Modes(*(np.concatenate(each) for each in zip(*parts, strict=True)))

@@ -1,23 +1,30 @@
-"""From fitted poles to modes: those of each band's core, once, labelled, with what could have been missed."""
+"""From fitted poles to modes: those of each band's core, once, labelled, with partners and what could have been missed.
 
-from __future__ import annotations
+A response that was multiplied by exp(-t/tau) before its transform, by an exponential window, has its poles moved by
+-1/tau: measured is p - 1/tau, so that the damping ratio is too high by 1/(tau omega), nearly. Residues stay.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.experiment.circle.orientation import Circle, Label
+from casingfem.errors import InputError
+from casingfem.experiment.circle.orientation import Circle, Label, quadrature
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.mode_shapes import mode_shape, residue_matrix
 from casingfem.experiment.identify.poles.pole_fit import PoleFit
-from casingfem.experiment.identify.poles.pole_selection import hidden_split
-from casingfem.experiment.identify.poles.pole_worth import cut_off
+from casingfem.experiment.identify.poles.pole_selection import cut_off, hidden_split
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 BALANCE = 0.2  # least `balance` of a shape that is two
 CHANCE = 25.0  # chi-squared, two degrees of freedom, below which two poles are not told apart
 CANCEL = 0.1  # of the residues of two neighbours, that is left of their sum
+PAIR_SPAN = 0.3  # relative split beyond which two modes of one n are no pair
+APART = 0.7  # least quadrature of partners
+ENTRY = "exponential_window_s"  # of a card
+TELLS = 2.0  # standard deviations that damping must be above zero
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,7 +84,6 @@ def found_modes(
 
 
 def _same(first: FoundMode, second: FoundMode) -> bool:
-    """Whether two bands found one mode."""
     near = abs(first.freq - second.freq) < 0.5 * first.zeta * first.freq
     return near and abs(float(first.shape @ second.shape)) > 0.9
 
@@ -174,3 +180,92 @@ def without_antinode(mode: FoundMode) -> FoundMode:
     nothing = float("nan")
     sigma = float(np.hypot(mode.sigma_freq, 0.5 * mode.split_bound * mode.freq))
     return replace(mode, sigma_freq=sigma, angle=nothing, sigma_angle=nothing)
+
+
+def paired(modes: list[FoundMode]) -> tuple[tuple[int, int], ...]:
+    """Doublets (lower, upper): neighbours of the same n a quarter wave apart."""
+    pairs, taken = [], set[int]()
+    for k, mode in enumerate(modes):
+        if k in taken or mode.n < 1 or mode.unresolved:
+            continue
+        later = (m for m in range(k + 1, len(modes)) if m not in taken and not modes[m].unresolved)
+        partner = next((m for m in later if modes[m].n == mode.n), None)
+        if partner is None or modes[partner].freq - mode.freq > PAIR_SPAN * mode.freq:
+            continue
+        if quadrature(mode.angle, modes[partner].angle, mode.n) > APART:
+            pairs.append((k, partner))
+            taken |= {k, partner}
+    return tuple(pairs)
+
+
+def settled(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> list[FoundMode]:
+    """The modes, where those that hold two shapes and have no partner stand for a pair.
+
+    A mode of n >= 1 without partner may be a pair that the references drive in one plane only: it has the antinode
+    of the drive then, so none is given, and its frequency is uncertain by half the split that would be hidden.
+    """
+    members = {k for pair in doublets for k in pair}
+    alone = [k not in members and mode.n > 0 and not mode.unresolved for k, mode in enumerate(modes)]
+    return [
+        replace(without_antinode(mode), unresolved=mode.double) if single else mode
+        for mode, single in zip(modes, alone, strict=True)
+    ]
+
+
+def notes_of(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...]) -> tuple[str, ...]:
+    """What cannot be told apart, in words."""
+    members = {k for pair in doublets for k in pair}
+    notes = []
+    for k, mode in enumerate(modes):
+        share = mode.split_bound / (2.0 * mode.zeta)
+        if mode.unresolved:
+            notes.append(
+                f"pair at {mode.freq:.2f} Hz: split below {share:.2g} of its bandwidth ({mode.split_bound:.1e}"
+                " relative), given as one frequency"
+            )
+        elif mode.n > 0 and k not in members:
+            notes.append(
+                f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is"
+                f" below {share:.2g} of its bandwidth ({mode.split_bound:.1e} relative); no orientation is given"
+            )
+    return tuple(notes)
+
+
+def window_time(frfs: FrfSet, given: float | None) -> float | None:
+    """Time constant [s] of the exponential window: as given, or from the card `exponential_window_s: 2.0`, or None.
+
+    >>> card = ["exponential_window_s: 2.0"]
+    >>> window_time(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N", card=card), None)
+    2.0
+    """
+    entries = [value.strip() for key, _, value in (line.partition(":") for line in frfs.card) if key.strip() == ENTRY]
+    if given is None and not entries:
+        return None
+    word = repr(given) if given is not None else entries[-1]
+    try:
+        tau = float(word)
+    except ValueError:
+        tau = np.nan
+    if not (np.isfinite(tau) and tau > 0.0):
+        raise InputError(frfs.path, found=f"{ENTRY} {word}", expected="the window's time constant [s], above 0")
+    return tau
+
+
+def without_window(modes: list[FoundMode], tau: float) -> list[FoundMode]:
+    """Modes of poles p + 1/tau; damping that is not above zero is doubtful, and is given as zero at least."""
+    return [_without(mode, tau) for mode in modes]
+
+
+def _without(mode: FoundMode, tau: float) -> FoundMode:
+    omega = 2.0 * np.pi * mode.freq
+    decay, damped = mode.zeta * omega - 1.0 / tau, omega * np.sqrt(1.0 - mode.zeta**2)
+    own = float(np.hypot(decay, damped))
+    added = f"no damping beyond the {100.0 / (tau * omega):.2g} % of the exponential window"
+    unclear = decay / omega < TELLS * mode.sigma_zeta
+    doubt = "; ".join(part for part in (mode.doubt, added if unclear else "") if part)
+    return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, doubt=doubt)
+
+
+def window_note(tau: float) -> str:
+    """What is said of the damping."""
+    return f"damping is without the 1/(tau omega) of an exponential window, tau = {tau:g} s"

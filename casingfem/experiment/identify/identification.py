@@ -20,14 +20,20 @@ from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs, sensor_grid
 from casingfem.experiment.identify.band_fits import BandFits, Responses, core_of, fit_bands
-from casingfem.experiment.identify.exponential_window import window_note, window_time, without_window
-from casingfem.experiment.identify.found_modes import FoundMode, found_modes
+from casingfem.experiment.identify.found_modes import (
+    FoundMode,
+    found_modes,
+    notes_of,
+    paired,
+    settled,
+    window_note,
+    window_time,
+    without_window,
+)
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
 from casingfem.experiment.identify.poles.stabilisation import join
-from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
+from casingfem.experiment.identify.setups.around import Places, suspect_sensors, suspected
 from casingfem.experiment.identify.usable import usable
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.io.side_by_side import side_by_side, usable_cores
@@ -202,22 +208,23 @@ def channel_notes(
     modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None
 ) -> tuple[str, ...]:
     """Which sensors of a circle are suspected, by the modes that are sure."""
-    sure = [mode for mode in modes if not mode.doubt]
-    if circle is None or not sure:
-        return ()
-    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
-    return suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
+    shapes = _sure_shapes(modes, grid)
+    return () if circle is None else suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
 
 
 def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
     """Sensors that are trusted, or not suspected, by which modes are labelled; all where too few would be left."""
-    every, sure = np.arange(len(grid)), [mode for mode in modes if not mode.doubt]
-    if circle is None or not sure:
+    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
+    if circle is None or not shapes.size:
         return every
-    shapes = np.array([mode.shape for mode in sure]).T * radial_signs(grid)[:, None]
     off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points, trusted)
     off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
     return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
+
+
+def _sure_shapes(modes: list[FoundMode], grid: SensorGrid) -> FloatArray:
+    """Radial shapes of the modes that are sure, (sensors, modes)."""
+    return np.array([mode.shape for mode in modes if not mode.doubt]).T * radial_signs(grid)[:, None]
 
 
 def _fitted(found: BandFits, H: Array) -> Array:

@@ -14,7 +14,7 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.poles.stabilisation import Stabilisation
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 from contact.io.reported import Reported
 
 
@@ -93,12 +93,9 @@ class Identified(Reported):
     shift: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            if isinstance(getattr(self, name), np.ndarray):
-                object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, *(name for name in self.__slots__ if isinstance(getattr(self, name), np.ndarray)))
 
     def __len__(self) -> int:
-        """Return the number of modes."""
         return len(self.freq)
 
     @property

@@ -1,7 +1,5 @@
 """The file of identified modes: an npz of plain arrays, the sensors' and the diagram's under names with a dot."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import fields
@@ -61,11 +59,8 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     return values | {
         "doublets": tuple((low, high) for low, high in pairs),
         "unresolved": tuple(stored["unresolved"].astype(int).tolist()),
-        "doubts": tuple(stored["doubts"].tolist()),
-        "notes": tuple(stored["notes"].tolist()),
-        "card": tuple(stored["card"].tolist()),
-        "seconds": float(stored["seconds"]),
-        "shift": float(stored["shift"]),
+        **{name: tuple(stored[name].tolist()) for name in TEXTS},
+        **{name: float(stored[name]) for name in ("seconds", "shift")},
     }
 
 
@@ -94,8 +89,7 @@ def check(stored: Mapping[str, Array], path: str) -> None:
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")
     at = np.concatenate([stored["doublets"].ravel(), stored["unresolved"].ravel()])
-    if at.size and not (
-        np.isin(at, np.arange(modes)).all() and (not stored["doublets"].size or stored["doublets"].shape[1] == 2)
-    ):
-        wrong = [*at[~np.isin(at, np.arange(modes))].tolist(), 0][0]
+    there, pairs = np.isin(at, np.arange(modes)), stored["doublets"]
+    if not there.all() or (pairs.size and pairs.shape[1] != 2):
+        wrong = [*at[~there].tolist(), 0][0]
         raise InputError(path, found=f"mode {wrong + 1:g} in a pair", expected=f"modes 1 to {modes}, two in each pair")

@@ -5,14 +5,12 @@ are the shape and the references' share; a second singular value above the noise
 modes of the same frequency.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
 from casingfem.experiment.identify.poles.pole_fit import PoleFit
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,8 +30,7 @@ class Shape:
     balance: float
 
     def __post_init__(self) -> None:
-        for name in ("values", "covariance", "parts"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "values", "covariance", "parts")
 
 
 def residue_matrix(fit: PoleFit, pole: int, grid: IntArray) -> Array:

@@ -1,7 +1,5 @@
 """What of a set of responses can be used: lines of the band, sensors with a signal, the form, what each line weighs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -87,10 +85,8 @@ def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSe
     """The set without sensors of which a channel is zero or lacks many numbers, and what is said of them."""
     sensors = list(zip(frfs.response_point.tolist(), frfs.response_direction.tolist(), strict=True))
     notes, kept = list[str](), np.ones(len(frfs), bool)
-    for off, what in (
-        (silent, "zero on every line"),
-        (lacking, f"nan on more than {100.0 * MISSING:.0f} % of the lines"),
-    ):
+    much = f"nan on more than {100.0 * MISSING:.0f} % of the lines"
+    for off, what in ((silent, "zero on every line"), (lacking, much)):
         gone = {sensor for sensor, is_off in zip(sensors, off.tolist(), strict=True) if is_off}
         kept &= np.array([sensor not in gone for sensor in sensors])
         points = ", ".join(str(point) for point in sorted({point for point, _ in gone}))
@@ -102,7 +98,6 @@ def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSe
 
 
 def _channels(which: BoolArray) -> str:
-    """Channels by their number, in words."""
     return "channel " + ", ".join(str(k + 1) for k in np.flatnonzero(which))
 
 

@@ -4,15 +4,13 @@ A pole may lower the sum of squares and yet be no mode: it follows what the mode
 a mode has beyond that; one that fails two limits by far is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
 
 from casingfem.experiment.identify.poles.bands import line_noise
 from casingfem.experiment.identify.poles.pole_fit import PoleFit
-from casingfem.experiment.identify.poles.pole_worth import (
+from casingfem.experiment.identify.poles.pole_selection import (
     NARROW,
     WIDE,
     cut_off,
@@ -36,11 +34,7 @@ CONFIRM = 6  # channels that confirm each other: of fewer a peak must be higher
 IN_PHASE = 0.6, 0.0  # share of the shape's energy that is in phase
 BESIDE = 3.0, 6, 0.8  # bandwidths to a stronger neighbour; channels below which shapes say nothing; MAC, else
 WITHIN = 0.5  # bandwidths, within which one of the same shape is doubtful however high
-MISFIT = (
-    3.0,
-    6.0,
-    0.7,
-)  # squares over the noise's, about the pole; then bandwidths to a neighbour whose peak is so much larger
+MISFIT = 3.0, 6.0, 0.7  # squares over the noise's about a pole; bandwidths to a neighbour whose peak is so much larger
 LEAST_LINES = 8  # about a pole, that tell its noise
 SEEN = 0.3  # share of the set-ups that have the energy: of a peak that lies elsewhere in the others
 FEW = 0.12, 8  # share of the channels that has the energy: of a local mode; from so many channels on
@@ -76,10 +70,8 @@ def _reasons(fit: PoleFit, pole: int, worth: float, phase: float) -> Iterator[tu
     elif narrow and (high := lines_high(fit, pole)) >= WIDE:
         yield f"damping: {high} lines have half the peak's power, one explains it best: noise on the peak?", False
     elif narrow:
-        yield (
-            f"damping: narrower than the lines ({lines:.2g}), below {100.0 * zeta * (1.0 + 2.0 * damping):.2g} %",
-            False,
-        )
+        least = 100.0 * zeta * (1.0 + 2.0 * damping)
+        yield f"damping: narrower than the lines ({lines:.2g}), below {least:.2g} %", False
     elif damping > ZETA[0]:
         yield f"damping uncertain by {100.0 * damping:.0f} %", damping > ZETA[1]
     if zeta > DAMPED[0]:
@@ -126,13 +118,8 @@ def _beside(fit: PoleFit, pole: int) -> Iterator[tuple[str, bool]]:
             yield f"{away:.1f} bandwidths from the stronger mode at {fit.freq[other]:.2f} Hz, {why}: one mode?", False
             return
         if misfit > MISFIT[0] and away < MISFIT[1] and peaks[pole] < MISFIT[2] * peaks[other]:
-            yield (
-                (
-                    f"beside the stronger mode at {fit.freq[other]:.2f} Hz, where the fit leaves"
-                    f" {np.sqrt(misfit):.1f} times the noise"
-                ),
-                False,
-            )
+            left = f"where the fit leaves {np.sqrt(misfit):.1f} times the noise"
+            yield f"beside the stronger mode at {fit.freq[other]:.2f} Hz, {left}", False
             return
 
 

@@ -1,8 +1,7 @@
 from .excitation import BurstRandom, Impact, Random, StepSine
 from .files import rig_angles, write_rig_uff
-from .noise import Converter, noisy
 from .record import record
-from .rig import Probe, Rig
+from .rig import Converter, Probe, Rig, noisy
 from .scan import Tone, Turning, scan
 from .structure import Place, circle, rig_of
 from .troubles import Troubles, troubled_frfs

@@ -6,8 +6,6 @@
 where it is on a single force. A Hann window lets a line leak as 1/k^3 over k lines, a rectangular one as 1/k.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -109,10 +107,9 @@ def estimate(
 
 def check(record: Record, window: str, estimator: str, overlap: float) -> None:
     """Refuse what no estimate is made of."""
-    if window not in get_args(Window):
-        raise InputError(f"window: found {window!r}, expected {' or '.join(get_args(Window))}")
-    if estimator not in get_args(Estimator):
-        raise InputError(f"estimator: found {estimator!r}, expected {' or '.join(get_args(Estimator))}")
+    for name, word, words in (("window", window, get_args(Window)), ("estimator", estimator, get_args(Estimator))):
+        if word not in words:
+            raise InputError(f"{name}: found {word!r}, expected {' or '.join(words)}")
     if not 0.0 <= overlap <= 0.9:
         raise InputError(f"overlap: found {overlap!r}, expected 0 to 0.9")
     if estimator == "H2" and len(record.force) > 1:

@@ -22,11 +22,9 @@ class Excitation(Protocol):
     @property
     def highest(self) -> float:
         """Frequency [Hz] above which there is nothing to speak of."""
-        ...
 
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
         """Force [N] at evenly spaced instants [s], (samples,); what repeats does so every `block` seconds."""
-        ...
 
 
 def require(name: str, value: float, least: float = 0.0) -> None:
@@ -86,32 +84,25 @@ class Random:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BurstRandom:
+class BurstRandom(Random):
     """Random force during the first `part` of every block, then silence: no leakage where the answer has died out.
+
+    The ramps of its bursts smear the upper end of the band by a few Hz.
 
     >>> BurstRandom(rms=1.0, band=(200.0, 900.0), part=0.5).part
     0.5
     """
 
-    rms: float
-    band: tuple[float, float]
     part: float = 0.5
 
     def __post_init__(self) -> None:
-        require("rms", self.rms)
-        require_band(self.band)
+        Random.__post_init__(self)
         if not 0.0 < self.part < 1.0:
             raise InputError(f"part: found {self.part!r}, expected a part of the block between 0 and 1")
 
-    @property
-    def highest(self) -> float:
-        """Upper end of the band; the ramps smear it by a few Hz."""
-        return self.band[1]
-
     def force(self, time: FloatArray, block: float, rng: np.random.Generator) -> FloatArray:
         """Noise in bursts."""
-        noise = band_noise(len(time), float(time[1] - time[0]), self.band, rng)
-        return self.rms * noise * bump(np.mod(time / block, 1.0) / self.part)
+        return Random.force(self, time, block, rng) * bump(np.mod(time / block, 1.0) / self.part)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Files of the test rig: universal files with geometry, cards; all say SYNTHETIC first, and what made them."""
+"""Files of the test rig: universal files with geometry, the table of its own modes; all say SYNTHETIC first."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from textwrap import wrap
 
 import numpy as np
 
+from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.rig import SYNTHETIC, Rig
+from casingfem.experiment.rig.scan import circle_content
 from casingfem.experiment.uff.nodes import HEADER_LINES, Nodes, TraceLine, Units
 from casingfem.experiment.uff.write import write_uff
 
 WIDTH = 80  # columns of a line of text in a universal file
 COLOR = 8
 PACKAGES = ("casingfem", "numpy", "scipy")
+EXACT = 1e-9  # relative uncertainty that a table must have
 
 
 def origin(rig: Rig, source: str = "") -> tuple[str, ...]:
@@ -55,12 +58,13 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
     card = list(dict.fromkeys(line for functions in sets for line in functions.card))
     header = [part for line in card for part in wrap(line, WIDTH, subsequent_indent="  ")][:HEADER_LINES]
     text = tuple(line[:WIDTH] for line in (SYNTHETIC, *card[1:4]))
+    nodes = rig_nodes(rig)
     return write_uff(
         path,
         header=header,
         units=Units(),
-        nodes=rig_nodes(rig),
-        lines=[rig_outline(rig)],
+        nodes=nodes,
+        lines=[TraceLine(number=1, name="probes", color=COLOR, nodes=nodes.labels)],  # as test software draws them
         functions=[replace(function, text=text) for functions in sets for function in functions.functions()],
         binary=True,
     )
@@ -73,12 +77,33 @@ def rig_nodes(rig: Rig) -> Nodes:
     return Nodes(labels=np.array(list(places)), points=np.array(list(places.values())), systems=none, motions=none)
 
 
-def rig_outline(rig: Rig) -> TraceLine:
-    """A line through the nodes as they are numbered, by which test software draws them."""
-    nodes = list(dict.fromkeys(probe.node for probe in rig.probes))
-    return TraceLine(number=1, name="probes", color=COLOR, nodes=np.array(nodes))
-
-
 def rig_angles(rig: Rig) -> dict[int, float]:
     """Angle about the axis [deg] of every node, as `identify` takes them."""
     return {probe.node: float(np.degrees(probe.angle)) for probe in rig.probes}
+
+
+def truth(rig: Rig, circle: Sequence[int] = (), card: Sequence[str] = ()) -> FrequencyTable:
+    """Frequencies, damping and, by the shapes on a circle of probes, n and antinodes of the rig's modes.
+
+    They are those of the structure with all its sensors on. Without a circle there are no labels.
+
+    >>> truth(Rig.of(omega=[600.0], zeta=0.01, rows=[[1.0]])).zeta.tolist()
+    [0.01]
+    """
+    n = np.full(len(rig), -1)
+    angle = np.full(len(rig), np.nan)
+    if len(circle):
+        orders, transform = circle_content(rig, circle)
+        content = (transform @ rig.rows[list(circle)])[orders >= 0]
+        n = np.abs(content).argmax(axis=0)
+        phase = np.angle(content[n, np.arange(len(rig))])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            angle = np.where(n > 0, np.mod(np.degrees(-phase) / n, 180.0 / n), np.nan)
+    return FrequencyTable.from_arrays(
+        freq_hz=rig.freq,
+        sigma_hz=EXACT * rig.freq,
+        n=n,
+        angle_deg=angle,
+        zeta=rig.zeta,
+        card=(SYNTHETIC, "the rig's own modes, which its records are made of: the truth, not a test's result", *card),
+    )

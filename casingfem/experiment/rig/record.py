@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
@@ -19,9 +20,8 @@ from scipy.signal import lfilter, resample_poly
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Excitation
-from casingfem.experiment.rig.noise import Converter, noise
-from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Quantity, Rig
-from casingfem.io.arrays import FloatArray, frozen
+from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Converter, Quantity, Rig, noise
+from casingfem.io.arrays import FloatArray, freeze
 
 FINER = 8
 BAND = 2.56  # samples a second over the highest frequency, at least, as analysers have it
@@ -59,8 +59,7 @@ class Record:
     card: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        for name in ("force", "response"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "force", "response")
 
     @property
     def time(self) -> FloatArray:
@@ -69,24 +68,14 @@ class Record:
 
     def functions(self) -> tuple[FrfSet, FrfSet]:
         """Responses and forces as sets of time records, for files."""
-        sets = []
-        for values, at, unit in (
-            (self.response, self.sensors, UNITS[self.quantity].removesuffix("/N").strip("()")),
-            (self.force, self.drives, "N"),
-        ):
-            probes = [self.rig.probes[k] for k in at]
-            sets.append(
-                FrfSet.from_arrays(
-                    kind="time",
-                    x=self.time,
-                    responses=values,
-                    unit=unit,
-                    response_point=[p.node for p in probes],
-                    response_direction=[p.direction for p in probes],
-                    card=self.card,
-                )
-            )
-        return sets[0], sets[1]
+
+        def records(values: FloatArray, at: tuple[int, ...], unit: str) -> FrfSet:
+            point, direction = np.array([self.rig.probes[k][:2] for k in at]).T
+            places: dict[str, Any] = {"response_point": point, "response_direction": direction}
+            return FrfSet.from_arrays(kind="time", x=self.time, responses=values, unit=unit, card=self.card, **places)
+
+        unit = UNITS[self.quantity].removesuffix("/N").strip("()")
+        return records(self.response, self.sensors, unit), records(self.force, self.drives, "N")
 
     def __repr__(self) -> str:
         seconds = self.force.shape[1] / self.fs
@@ -129,11 +118,9 @@ def record(
         raise InputError(f"excitations: found {len(excitations)}, expected one for each of {len(by)} drives")
     if block < 16 or blocks < 1:
         raise InputError(f"block {block}, blocks {blocks}: expected 16 samples or more, one block or more")
-    highest = max(excitation.highest for excitation in excitations)
-    if not fs >= BAND * highest:
-        raise InputError(
-            f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {highest:g} Hz"
-        )
+    most = max(excitation.highest for excitation in excitations)
+    if not fs >= BAND * most:
+        raise InputError(f"fs: found {fs:g} Hz, expected {BAND} times the highest frequency of the force, {most:g} Hz")
     rng = np.random.default_rng(seed)
     fine = np.arange(block * blocks * FINER) / (fs * FINER)
     force = np.array([excitation.force(fine, block / fs, rng) for excitation in excitations])
@@ -164,12 +151,9 @@ def measured(
         notes.append(f"noise: {snr_db:g} dB below the rms of each response, seed {seed}")
     force = clean.force
     if bits is not None:
-        force, response = (
-            np.array([digitised(v, bits, full_scale) for v in channels]) for channels in (force, response)
-        )
-        notes.append(
-            f"converter: {bits} bits over +-{'1.25 x the largest value' if full_scale is None else full_scale}"
-        )
+        force, response = (np.array([digitised(v, bits, full_scale) for v in rows]) for rows in (force, response))
+        over = "1.25 x the largest value" if full_scale is None else full_scale
+        notes.append(f"converter: {bits} bits over +-{over}")
     return replace(clean, force=force, response=response, card=(*clean.card, *notes))
 
 

@@ -20,8 +20,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.record import ScanRecord, turning
-from casingfem.experiment.rig.noise import noise
-from casingfem.experiment.rig.rig import SYNTHETIC, Rig, resonances
+from casingfem.experiment.rig.rig import SYNTHETIC, Rig, noise, resonances
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 EVEN = 1e-9  # rad: how evenly a circle's probes stand
@@ -169,9 +168,8 @@ def scan(
     velocity = velocity_at_spot(V, freq, n, angle, fs) + repeating_noise(turn, angle, rng)
     notes = [SYNTHETIC, *card, f"circle scan: {turn!r}; tones {[tuple(tone) for tone in tones]}; seed {seed}"]
     if turn.casing:
-        notes.append(
-            f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {1.6 * abs(turn.casing):.3g} Hz"
-        )
+        split = 1.6 * abs(turn.casing)
+        notes.append(f"left out: Coriolis forces, which split a thin ring's pair n = 2 by {split:.3g} Hz")
     if snr_db is not None:
         velocity = velocity + noise(velocity[None], snr_db, rng)[0]
         notes.append(f"noise: {snr_db:g} dB below the rms")

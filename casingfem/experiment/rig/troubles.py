@@ -20,7 +20,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.rig import DERIVATIVES, Quantity, Rig
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 
 AVERAGES = 5  # hits of an average, for the coherence
 HANN = np.arange(-3.75, 3.8, 0.25)  # lines over which a Hann window leaks
@@ -102,15 +102,12 @@ class TroubledTruth:
             "peak_over_noise": self.peak.tolist(),
             "fixture_hz": self.fixture_hz.tolist(),
             "setup": (self.setup + 1).tolist(),
-            "dead": [k + 1 for k in self.dead],
-            "noisy": [k + 1 for k in self.noisy],
-            "flipped": [k + 1 for k in self.flipped],
+            **{name: [k + 1 for k in getattr(self, name)] for name in ("dead", "noisy", "flipped")},
             "swapped": [[a + 1, b + 1] for a, b in self.swapped],
         }
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "peak", "fixture_hz", "setup"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "freq", "zeta", "peak", "fixture_hz", "setup")
 
 
 class TroubledTest(NamedTuple):

@@ -1,7 +1,5 @@
 """Geometry of universal files: units (164), nodes (15, 2411), trace lines (82), elements (2412), header (151)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Columns are fixed (Fortran formats), so a character too many or too few shifts w
 rules: integers end in the last column of their field; reals do, or all end one column earlier with as many digits.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -167,7 +165,6 @@ def _check_columns(raw: RawSet, rows: Sequence[int], columns: Columns, block: Ar
 def _first_bad(
     raw: RawSet, rows: Sequence[int], columns: Columns, pattern: re.Pattern[str], expected: str
 ) -> ValueError:
-    """The error for the first field that does not fit."""
     for row in rows:
         for field, cell in enumerate(cells(raw.lines[row], columns)):
             padded = cell.ljust(columns.width)

@@ -160,7 +160,6 @@ class _Found:
 
 
 def _read_set(raw: RawSet, found: _Found, strict: bool) -> None:
-    """Read one set into what has been found."""
     match raw.number:
         case "151":
             found.header = read_header(raw)

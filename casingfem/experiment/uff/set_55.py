@@ -1,7 +1,5 @@
 """Shapes of universal files, set 55: values at nodes with the frequency, or whatever analysis they belong to."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -102,9 +102,7 @@ class Function(FunctionHead):
 
     def __repr__(self) -> str:
         low, high = self.x[[0, -1]].tolist()
-        places = (
-            f"{self.response.node}:{self.response.direction:+d}/{self.reference.node}:{self.reference.direction:+d}"
-        )
+        places = "/".join(f"{at.node}:{at.direction:+d}" for at in (self.response, self.reference))
         return f"Function({self.word}, {places}, {len(self.x)} points, {low:g} to {high:g} {self.axes.abscissa.unit})"
 
 
@@ -142,10 +140,7 @@ def read_function(raw: RawSet) -> Function:
         Anything that is not exactly as the format and the function's own header say.
     """
     head, layout, start = _head(raw)
-    if raw.binary is not None:
-        x, values = from_bytes(raw, layout)
-    else:
-        x, values = from_text(raw, layout)
+    x, values = (from_text if raw.binary is None else from_bytes)(raw, layout)
     if layout.even:
         x = start + head["step"] * np.arange(layout.points, dtype=np.float64)
     elif np.any(np.diff(x) <= 0.0):

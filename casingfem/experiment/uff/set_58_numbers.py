@@ -1,7 +1,5 @@
 """The numbers of functions of universal files: text of set 58, bytes of set 58b, as many as the header says."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ sets in two where a header holds a node number -1; here a mark is a whole line, 
 header is text unless another mark or the end of the file follows it.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from itertools import pairwise
@@ -184,9 +182,8 @@ def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
             if len(lines) >= TEXT_LINES.get(name, 0):
                 found = "-1, and neither another -1 nor the end of the file below it"
                 expected = "-1 where a set ends, and again where the next begins"
-                raise InputError(
-                    scan.path, where=named(name), line=scan.number(following), found=found, expected=expected
-                )
+                line = scan.number(following)
+                raise InputError(scan.path, where=named(name), line=line, found=found, expected=expected)
         lines.append(text)
         following = after
     raise InputError(

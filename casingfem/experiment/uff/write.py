@@ -4,8 +4,6 @@ Text sets keep the digits of their format: six in sets 15, 55 and 58 of singles,
 and 58b.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -48,9 +46,8 @@ def write_uff(
     """
     parts: list[bytes] = []
     if header:
-        parts.append(
-            _text_set("151", [*(_fitted(line, 80).rstrip() for line in header), *[""] * HEADER_LINES][:HEADER_LINES])
-        )
+        text = [*(_fitted(line, 80).rstrip() for line in header), *[""] * HEADER_LINES]
+        parts.append(_text_set("151", text[:HEADER_LINES]))
     if units is not None:
         parts.append(_text_set("164", _units(units)))
     if nodes is not None:
@@ -100,11 +97,7 @@ def _doubles(values: ArrayLike) -> list[str]:
 def _units(units: Units) -> list[str]:
     factors = "".join(f"{value:25.16E}" for value in (units.length, units.force, units.temperature))
     name = _fitted(units.name, 20)
-    return [
-        f"{_whole(units.code)}{name}".rstrip(),
-        factors,
-        f"{units.temperature_offset:25.16E}",
-    ]
+    return [f"{_whole(units.code)}{name}".rstrip(), factors, f"{units.temperature_offset:25.16E}"]
 
 
 def _nodes(nodes: Nodes, number: str, length: float) -> list[str]:
@@ -181,9 +174,7 @@ def _function_header(function: Function) -> list[str]:
     """The eleven lines above the numbers."""
     number, version, case = function.numbers
     places = "".join(_channel(channel) for channel in (function.response, function.reference))
-    form = {(False, False): 2, (False, True): 4, (True, False): 5, (True, True): 6}[
-        np.iscomplexobj(function.values), function.double
-    ]
+    single, double = (5, 6) if np.iscomplexobj(function.values) else (2, 4)
     even = function.step > 0.0
     start, step = (float(function.x[0]), function.step) if even else (0.0, 0.0)
     cells = [_most_digits(value) for value in (start, step, function.z)]
@@ -200,7 +191,7 @@ def _function_header(function: Function) -> list[str]:
     return [
         *_texts(function.text),
         f"{_whole(function.kind, 5)}{_whole(number)}{_whole(version, 5)}{_whole(case)}{places}",
-        f"{_whole([form, len(function.x), int(even)])}{''.join(cells)}",
+        f"{_whole([double if function.double else single, len(function.x), int(even)])}{''.join(cells)}",
         *axes,
     ]
 

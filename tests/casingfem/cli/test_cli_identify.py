@@ -11,8 +11,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.experiment.identify.identification import identify
-from casingfem.experiment.rig.noise import noisy
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Probe, Rig, noisy
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
 from casingfem.extras import remedy

@@ -5,18 +5,17 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.circle.record import ScanRecord, from_tacho
-from casingfem.experiment.correlation.comac import paired
+from casingfem.experiment.correlation.mac import paired
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import form_of
-from casingfem.experiment.identify.exponential_window import window_time
+from casingfem.experiment.identify.found_modes import window_time
 from casingfem.experiment.identify.identification import _picked
 from casingfem.experiment.identify.usable import LEAST_LINES, usable
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Rig
+from casingfem.experiment.rig.rig import Converter, Rig, noise
 from casingfem.experiment.rig.scan import Turning
 from casingfem.experiment.rig.troubles import Troubles
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError, ModelWarning
+from casingfem.experiment.correlation.matches import other_unit, refuse_unpaired, require_hz
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.experiment.table_unit import other_unit, refuse_unpaired, require_hz
 
 
 def table(freq, **more):

@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.experiment.table_unit import other_unit
+from casingfem.experiment.correlation.matches import other_unit
 
 N = np.array([8, 8, 7, 7, 9, 9, 6, 6, 8, 8])
 FREQ = np.array([343.0, 345.0, 351.0, 353.0, 366.0, 367.0, 395.0, 396.0, 510.0, 512.0])

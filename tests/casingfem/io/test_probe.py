@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
-from casingfem.experiment.frf.hdf5 import read_hdf5
+from casingfem.experiment.frf.files import read_hdf5
 from casingfem.io import probe
 
 
@@ -172,9 +172,9 @@ def test_an_hdf5_file_whose_reader_does_not_end_is_refused(tmp_path, monkeypatch
     """The child reads by the package's own function: told to have found a fault, the parent does not read."""
     asked = []
     monkeypatch.setattr(
-        "casingfem.experiment.frf.hdf5.arrays_of", lambda *names: asked.append(names) or refuse("its reader crashed")
+        "casingfem.experiment.frf.files.arrays_of", lambda *names: asked.append(names) or refuse("its reader crashed")
     )
     (tmp_path / "a.h5").write_bytes(b"x")
     with pytest.raises(InputError, match=r"no readable HDF5 file \(its reader crashed\)"):
         read_hdf5(tmp_path / "a.h5")
-    assert asked == [(tmp_path / "a.h5", "casingfem.experiment.frf.hdf5", "_contents")]
+    assert asked == [(tmp_path / "a.h5", "casingfem.experiment.frf.files", "_contents")]

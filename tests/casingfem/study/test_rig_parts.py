@@ -5,9 +5,8 @@ import pytest
 
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random
-from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.record import measured, record
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Probe, Rig, noisy
 from casingfem.experiment.rig.scan import Tone, Turning, scan
 from casingfem.experiment.rig.structure import Place
 from casingfem.experiment.rig.troubles import Troubles, troubled_frfs

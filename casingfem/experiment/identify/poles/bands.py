@@ -1,7 +1,5 @@
 """A frequency axis cut at the valleys between its peaks, so that each fit has few modes."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -79,9 +77,8 @@ def find_bands(freq: FloatArray, H: Array, noise: FloatArray, picked: FloatArray
         level = 10.0 * np.log10(power)
         least = 10.0 * np.log10(2.0 * len(H) + ABOVE_NOISE * 2.0 * np.sqrt(len(H)))
         height = least + 20.0 * np.log10(np.maximum(noise_along(H, noise), 1e-9))
-        peaks, _ = find_peaks(
-            level, prominence=np.maximum(PROMINENCE_DB, SCATTERS * _level_scatter(level)), height=height
-        )
+        prominence = np.maximum(PROMINENCE_DB, SCATTERS * _level_scatter(level))
+        peaks, _ = find_peaks(level, prominence=prominence, height=height)
     cuts, widths = _cuts(power, peaks), peak_widths(power, peaks)[0] if picked is None else np.zeros(len(peaks))
     reach = np.maximum(MARGIN[0] * freq[peaks], MARGIN[1] * widths * (freq[1] - freq[0]))
     bands: list[Band] = []

@@ -18,13 +18,13 @@ The scores q_l = sum over channels of J'^T r at line l give what the covariance 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.experiment.identify.poles.pole_window import Window
-from casingfem.io.arrays import Array, FloatArray, frozen
+from casingfem.io.arrays import Array, FloatArray, freeze
 
 STEPS = 60
 TRUST = 2.0, 1.0  # largest step, in half-power half-widths and in ln zeta
@@ -67,9 +67,7 @@ class PoleFit:
     converged: bool
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if isinstance(getattr(self, field.name), np.ndarray):
-                object.__setattr__(self, field.name, frozen(getattr(self, field.name)))
+        freeze(self, *(name for name in self.__slots__ if isinstance(getattr(self, name), np.ndarray)))
 
     @property
     def noise(self) -> float:
@@ -91,7 +89,6 @@ class _Data(NamedTuple):
 
     @classmethod
     def of(cls, window: Window) -> _Data:
-        """Of a window."""
         return cls(window, window.as_columns(window.as_complex), window.as_columns(window.polynomials()))
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from casingfem.io.arrays import Array, BoolArray, FloatArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, freeze
 
 TERMS = 4  # polynomials
 FLOOR = 3e-4  # of a window's rms: a model is not better than that
@@ -47,8 +47,7 @@ class Window:
     leak: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("freq", "Y", "weight", "along"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "freq", "Y", "weight", "along")
 
     @property
     def columns(self) -> int:
@@ -131,7 +130,7 @@ class Window:
         """
         if not self.leak:
             return self.freq / self.scale, 0
-        if self._next_to_each_other():
+        if np.abs(np.diff(self.freq) - self.leak).max() < 1e-6 * self.leak:  # none is left out between them
             at = np.concatenate([[self.freq[0] - self.leak], self.freq, [self.freq[-1] + self.leak]])
             return at / self.scale, 1
         return np.concatenate([self.freq + by * self.leak for by, _ in HANN]) / self.scale, len(self.freq)
@@ -145,10 +144,6 @@ class Window:
             terms = shown
         terms *= self.along[:, None]
         return terms
-
-    def _next_to_each_other(self) -> bool:
-        """Whether lines leak to their neighbours alone, none being left out between them."""
-        return bool(np.abs(np.diff(self.freq) - self.leak).max() < 1e-6 * self.leak)
 
 
 def _compliance(x: FloatArray, w: FloatArray, zeta: FloatArray) -> Array:

@@ -1,20 +1,76 @@
-"""Which poles stay where they are when the model order grows: the stabilisation diagram, read by a rule.
+"""Poles of growing model orders by sdypy-EMA, and which of them stay: the stabilisation diagram, read by a rule.
 
 A pole of one order is stable if the next lower order has one with the same frequency, damping and shape; poles that
 come back in most orders are the start of the fit. Nobody has to click.
+
+sdypy-EMA (extra `test-data`, known here alone) has the least-squares complex frequency estimator (LSCF), which fits a
+common denominator in z = exp(-i omega dt). Over a band that starts far above zero its normal equations are weak,
+because the band fills a small arc of the unit circle. Here the band is moved down to start at zero: then it fills half
+the circle, noise gives poles of negative damping, and structure poles of positive damping.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
+from casingfem.errors import MissingExtraError
+from casingfem.extras import remedy
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 
 SAME_FREQ, SAME_ZETA, SAME_SHAPE = 0.3, 0.3, 0.9  # of a half-power bandwidth; relative; MAC
 OFTEN = 0.4  # of the orders in the upper half
 ZETA_MAX = 0.1
+
+
+def lscf_poles(freq: FloatArray, H: Array, order: int) -> list[Array]:
+    """Poles [rad/s] of a band by LSCF, one array for each number of modes 1, 2, ... `order`.
+
+    Verboven, Frequency-domain System Identification for Modal Analysis, PhD thesis, Vrije Universiteit Brussel
+    (2002), section 5.3, as sdypy-EMA has it. Only poles of positive damping and frequency are kept.
+
+    Parameters
+    ----------
+    freq : evenly spaced lines [Hz], (lines,)
+    H : responses (channels, lines), complex
+    order : largest number of modes
+
+    Raises
+    ------
+    MissingExtraError
+        sdypy-EMA is not installed.
+
+    Examples
+    --------
+    >>> freq = np.arange(90.0, 110.0, 0.1)
+    >>> pole = 2 * np.pi * 100.0 * (-0.005 + 1j)
+    >>> found = lscf_poles(freq, (1.0 / (2j * np.pi * freq - pole))[None], 6)[-1]
+    >>> round(float(abs(found[np.abs(found - pole).argmin()]) / (2 * np.pi)), 2)
+    100.0
+    """
+    model = _ema().Model(
+        frf=H,
+        freq=freq - freq[0],
+        lower=float(freq[1] - freq[0]),  # with 0 its denominator would be wrong: it sums over no lines
+        upper=float(freq[-1] - freq[0]),
+        pol_order_high=order,
+    )
+    model.get_poles(method="lscf", show_progress=False)
+    swept = []
+    for found in model.all_poles:
+        kept = found[(found.imag > 0.0) & (found.real < 0.0) & np.isfinite(found)]
+        swept.append(kept + 2j * np.pi * freq[0])
+    return swept
+
+
+def _ema() -> Any:
+    """sdypy-EMA, or what to install."""
+    try:
+        import sdypy.EMA
+    except ImportError as error:
+        message = f"modes are identified with sdypy-EMA, which is not installed: {remedy('test-data')}"
+        raise MissingExtraError(message) from error
+    return sdypy.EMA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,8 +83,7 @@ class Stabilisation:
     stable: BoolArray
 
     def __post_init__(self) -> None:
-        for name in ("freq", "zeta", "order", "stable"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
+        freeze(self, "freq", "zeta", "order", "stable")
 
     def __repr__(self) -> str:
         return f"Stabilisation({len(self.freq)} poles, {int(self.stable.sum())} stable)"
@@ -37,17 +92,13 @@ class Stabilisation:
 def join(parts: list[Stabilisation], cores: list[tuple[float, float]]) -> Stabilisation:
     """One diagram of several bands, each with its poles in [from, to) Hz."""
     kept = [(part.freq >= low) & (part.freq < high) for part, (low, high) in zip(parts, cores, strict=True)]
-    names = ("freq", "zeta", "order", "stable")
-    arrays = {
-        name: np.concatenate([np.zeros(0), *(getattr(part, name)[k] for part, k in zip(parts, kept, strict=True))])
-        for name in names
+    arrays: dict[str, Array] = {
+        name: np.concatenate(
+            [np.zeros(0, kind), *(getattr(part, name)[k] for part, k in zip(parts, kept, strict=True))]
+        )
+        for name, kind in (("freq", float), ("zeta", float), ("order", np.int64), ("stable", bool))
     }
-    return Stabilisation(
-        freq=arrays["freq"],
-        zeta=arrays["zeta"],
-        order=arrays["order"].astype(np.int64),
-        stable=arrays["stable"].astype(bool),
-    )
+    return Stabilisation(**arrays)
 
 
 def residues(poles: Array, freq: FloatArray, H: Array) -> Array:

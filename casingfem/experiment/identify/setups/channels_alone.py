@@ -3,8 +3,6 @@
 The Bayesian information criterion weighs the readings; of a cluster that is not yet understood the vote is limited.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,7 +13,7 @@ import numpy as np
 from casingfem.experiment.identify.setups.cluster_modes import fit_again, leaking, read
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import OwnPeaks, Setups, linked
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import IntArray
 from casingfem.io.side_by_side import Each
 
 VOTE = 30.0  # of the log-odds for leakage, or for more set-ups, or against, that one cluster may give
@@ -45,7 +43,6 @@ def channels_alone(
 
 
 def _of_channels(c: Cluster, channels: IntArray) -> Cluster:
-    """A cluster in some channels."""
     window = replace(c.window, Y=c.window.Y[:, channels], weight=c.window.weight[channels])
     return c._replace(window=window, modes=c.modes._replace(residues=c.modes.residues[:, channels]))
 
@@ -94,12 +91,8 @@ def leaks(gains: Sequence[float]) -> bool:
 
 def scatter(own: Sequence[OwnPeaks]) -> float:
     """What set-ups differ by in ln f, usually."""
-    return float(np.median(np.concatenate([_deviations(np.log(one.freq)) for one in own])))
-
-
-def _deviations(logs: FloatArray) -> FloatArray:
-    """Standard deviation over the set-ups of each mode, (modes,)."""
-    return np.asarray(logs.std(axis=1, ddof=min(1, logs.shape[1] - 1)))
+    off = [np.log(one.freq).std(axis=1, ddof=min(1, one.freq.shape[1] - 1)) for one in own]
+    return float(np.median(np.concatenate(off)))
 
 
 def _tells(c: Cluster, step: float) -> bool:
@@ -123,5 +116,4 @@ def _gain_own(setups: Setups, step: float, c: Cluster) -> float:
 
 
 def _fit_common(c: Cluster) -> OwnPeaks:
-    """The cluster's common poles, refined."""
     return linked(c.window, [np.arange(c.window.Y.shape[1])], c.modes.freq, c.modes.zeta, c.noise, c.span)

@@ -5,8 +5,6 @@ and a channel may take one member of a pair for the other: so what counts is in 
 those that could tell them apart. Channels are put together by average linkage.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -103,9 +101,7 @@ def matching_sigma(own: OwnPeaks, setups: Setups, shift: float, around: Around |
     odds = 1.0 / (1.0 + np.exp(np.clip(0.5 * rise, 0.0, 50.0)))
     odds[:, np.arange(m), np.arange(m)] = 0.0
     noise = np.array([own.variance, own.zeta_variance])
-    apart = (
-        (logs[:, :, None] - logs[:, None]) ** 2 - noise[:, :, None] - noise[:, None]
-    )  # beyond what noise makes of it
+    apart = (logs[:, :, None] - logs[:, None]) ** 2 - noise[:, :, None] - noise[:, None]  # beyond what noise makes
     apart[1] = np.median(apart[1], axis=2, keepdims=True)  # a weak peak's own damping may be anything
     moved = np.maximum(apart, 0.0).transpose(0, 3, 1, 2)
     known = 1.0 / (own.zeta_variance.T + DAMPING**2)

@@ -117,7 +117,6 @@ class _Lines(NamedTuple):
 
     @classmethod
     def of(cls, window: Window) -> _Lines:
-        """Of a window."""
         x, apart = window.places()
         along = None if np.all(window.along == 1.0) else window.along
         factor = (1j * x) ** window.power * (HANN[1][1] if apart else 1.0)

@@ -159,7 +159,6 @@ class _At(NamedTuple):
         return _At(*fields)
 
     def some(self, which: IntArray | BoolArray) -> _At:
-        """Some of the set-ups."""
         return _At(*(field[which] for field in self))
 
 
@@ -194,9 +193,8 @@ def _fit(
         p[:, moved], q[:, moved], at = p_new[:, better], q_new[:, better], at.moved(moved, new.some(better))
         damping[here] *= np.where(better, 0.2, 8.0)
         left = at.squares.sum() / problem.window.Y.size if common else at.squares[here] / entries[here]
-        settled[here] = (better & (gain < (SETTLED if common else SETTLED_ALONE) * np.minimum(noise, left))) | (
-            damping[here] > 1e6
-        )
+        small = gain < (SETTLED if common else SETTLED_ALONE) * np.minimum(noise, left)
+        settled[here] = (better & small) | (damping[here] > 1e6)
         if settled.all():
             break
     residues = np.zeros((m, problem.window.Y.shape[1]), complex)
@@ -231,10 +229,9 @@ def _own_steps(at: _At, damping: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _own_variance(at: _At) -> tuple[FloatArray, FloatArray]:
     """Variances of ln f and ln zeta over that of the noise."""
-    whole = np.asarray(
-        np.einsum("gii->ig", np.linalg.inv(_damped(at.information, np.zeros(len(at.normal))))), np.float64
-    )
-    return np.maximum(whole[: len(whole) // 2], 0.0), np.maximum(whole[len(whole) // 2 :], 0.0)
+    inverse = np.linalg.inv(_damped(at.information, np.zeros(len(at.normal))))
+    whole = np.maximum(np.einsum("gii->ig", inverse), 0.0)
+    return whole[: len(whole) // 2], whole[len(whole) // 2 :]
 
 
 def _common_step(at: _At, damping: FloatArray) -> tuple[FloatArray, FloatArray]:

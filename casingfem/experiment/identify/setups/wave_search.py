@@ -1,7 +1,7 @@
 """Which peak of a set-up is whose, and whether all modes are found: by the likelihood of `wave_fit.py`.
 
 A fit by steps stays where the free residues of a set-up put a peak. So other readings of two modes near each other are
-tried (`wave_tries.py`), on the lines about them and without the others (`wave_near.py`); then one more mode is tried.
+tried (`wave_tries.py`), on the lines about them and without the others; then one more mode is tried.
 What is more likely is kept. What is nearly as likely says how sure the frequencies are.
 """
 
@@ -14,20 +14,19 @@ import numpy as np
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Setups
-from casingfem.experiment.identify.setups.wave_fit import fitted, wave_fit
-from casingfem.experiment.identify.setups.wave_kinds import (
+from casingfem.experiment.identify.setups.wave_fit import (
     GAIN,
     WaveRead,
+    fitted,
     kinds_alone,
     likely_kinds,
     pairs_near,
     rms,
     sized,
+    wave_fit,
 )
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, Waves
-from casingfem.experiment.identify.setups.wave_more import one_more
-from casingfem.experiment.identify.setups.wave_near import part_about
-from casingfem.experiment.identify.setups.wave_tries import tries, weak
+from casingfem.experiment.identify.setups.wave_tries import one_more, part_about, tries, weak
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 ROUNDS = 3  # of trying

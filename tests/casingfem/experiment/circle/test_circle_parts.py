@@ -9,10 +9,15 @@ from scipy.stats import norm as normal
 from scipy.stats import t as student
 
 from casingfem.errors import InputError
-from casingfem.experiment.circle.fit import noise_beside, white_level
-from casingfem.experiment.circle.lines import clear_rate, closest, line_frequencies, require_clear
-from casingfem.experiment.circle.orientation import Circle, antinode, harmonic, quadrature
-from casingfem.experiment.circle.other_orders import reading, spread_of_others
+from casingfem.experiment.circle.lines import (
+    clear_rate,
+    closest,
+    line_frequencies,
+    noise_beside,
+    require_clear,
+    white_level,
+)
+from casingfem.experiment.circle.orientation import Circle, antinode, harmonic, quadrature, reading, spread_of_others
 from casingfem.experiment.circle.record import ScanRecord, from_tacho
 
 SEED = 3391

@@ -8,14 +8,13 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.experiment.circle.fit import fit_lines
-from casingfem.experiment.circle.lines import clear_rate, line_frequencies
+from casingfem.experiment.circle.lines import clear_rate, fit_lines, line_frequencies
 from casingfem.experiment.circle.pair import described, split_pair
 from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
 from casingfem.experiment.circle.scan import CircleScan, demodulate, one_wave
+from casingfem.experiment.rig.files import truth
 from casingfem.experiment.rig.rig import Probe, Rig
 from casingfem.experiment.rig.scan import Tone, Turning, repeating_noise, scan, spot_angle
-from casingfem.experiment.rig.truth import truth
 
 SEED = 7719
 FS = 2000.0

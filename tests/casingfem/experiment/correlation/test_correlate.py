@@ -7,11 +7,15 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.comac import comac, ecomac
 from casingfem.experiment.correlation.correlate import correlate
-from casingfem.experiment.correlation.expansion import expand, well_conditioned
+from casingfem.experiment.correlation.expansion import (
+    expand,
+    guyan_mass,
+    serep_mass,
+    well_conditioned,
+)
+from casingfem.experiment.correlation.mac import comac, ecomac, mac
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
-from casingfem.experiment.correlation.orthogonality import cross_orthogonality, guyan_mass, serep_mass
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.read import read_uff
@@ -106,7 +110,7 @@ def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, 
     static = splu(system.K).solve(sensors.loads(system) @ force)
     motion = sensors.loads(system).T @ static
     assert motion @ M @ motion == pytest.approx(static @ (system.mass * static), rel=1e-8)
-    guyan = cross_orthogonality(at, at, M)
+    guyan = mac(at, at, M)
     assert (guyan - np.diag(np.diag(guyan)))[:4, :4].max() < 0.01
     basis = at[:, :8]
     np.testing.assert_allclose(basis.T @ serep_mass(basis) @ basis, np.eye(8), atol=1e-10)

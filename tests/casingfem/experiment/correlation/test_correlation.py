@@ -11,8 +11,8 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.experiment.correlation.alignment import align
-from casingfem.experiment.correlation.pairing import ModeSet, mac, pair, subspace_mac
+from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.pairing import ModeSet, align, pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.strict_csv import read

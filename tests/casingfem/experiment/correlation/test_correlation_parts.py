@@ -7,10 +7,9 @@ import pytest
 from scipy.linalg import sqrtm, subspace_angles
 
 from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.comac import comac, ecomac, nearest_in_plane
-from casingfem.experiment.correlation.correlate import alike, partners, plane_of, seen_mac, seen_nco
+from casingfem.experiment.correlation.correlate import alike, partners, plane_of, seen_mac
 from casingfem.experiment.correlation.expansion import expand, well_conditioned
-from casingfem.experiment.correlation.mac import mac, subspace_mac
+from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
 from casingfem.experiment.correlation.sensors import refuse_far
@@ -133,7 +132,7 @@ def test_a_mode_is_seen_from_a_billionth_of_the_largest_on(size, seen):
     measured, computed = np.array([[1.0], [0.5]]), np.array([[1.0, 0.0], [0.0, size]])
     assert (seen_mac(measured, computed)[0, 1] > 0.0) == seen
     mass = np.diag([1.0, 1.0 / size])
-    assert (seen_nco(measured, computed, mass)[0, 1] > 0.0) == seen
+    assert (seen_mac(measured, computed, mass)[0, 1] > 0.0) == seen
 
 
 def match(rows, modes, n=4, **more):

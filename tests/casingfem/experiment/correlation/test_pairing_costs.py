@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.experiment.correlation.alignment import align
-from casingfem.experiment.correlation.pairing import member_of, pair
+from casingfem.experiment.correlation.pairing import align, member_of, pair
 from casingfem.experiment.frequency_table import FrequencyTable
 
 LN = np.log

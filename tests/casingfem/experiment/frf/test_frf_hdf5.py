@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from casingfem.errors import InputError
-from casingfem.experiment.frf.files import read_frfs
+from casingfem.experiment.frf.files import ARRAYS, read_frfs, read_hdf5, write_hdf5
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.frf.hdf5 import ARRAYS, read_hdf5, write_hdf5
 from casingfem.extras import remedy
 
 

@@ -13,15 +13,14 @@ from casingfem.experiment.identify.band_fits import (
     _residues,
     _sides,
     _sweep,
-    _together,
     _window,
     core_of,
 )
 from casingfem.experiment.identify.poles.bands import Band
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, noise_at
+from casingfem.experiment.identify.poles.pole_selection import alike_lines, noise_at
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 
 LINES = np.arange(90.0, 112.0, 0.25)
 NOISE = np.array([0.5, 2.0, 1.0])
@@ -50,10 +49,10 @@ def test_picked_poles_have_the_damping_of_the_nearest_stable_one():
 
 
 def test_modes_lie_inside_a_window_with_its_first_and_last_line():
-    modes = [band_fits._Mode(f, 0.01, np.ones(3)) for f in (91.9, 92.0, 95.0, 99.75, 99.8)]
+    modes = Modes(np.array([[91.9], [92.0], [95.0], [99.75], [99.8]]), np.full(5, 0.01), np.ones((5, 3)))
     inside, outside = _sides(responses(), Band((9, 30), (8, 40), 1), modes)
-    assert [one.freq for one in inside] == [92.0, 95.0, 99.75]
-    assert [one.freq for one in outside] == [91.9, 99.8]
+    assert inside.tolist() == [[92.0, 0.01], [95.0, 0.01], [99.75, 0.01]]
+    assert outside.freq.tolist() == [[91.9], [99.8]]
 
 
 @pytest.mark.parametrize(
@@ -78,14 +77,14 @@ def test_a_window_is_weighted_by_noise_and_lines_and_knows_no_mode_outside():
     along = np.linspace(0.4, 1.0, len(LINES))
     data = responses(along=along)._replace(leak=0.3)
     band = Band((5, 20), (4, 60), 1)
-    plain = _window(data, band, [])
+    plain = _window(data, band)
     want = (data.H[:, 4:60] / NOISE[:, None] * along[4:60]).T
     np.testing.assert_allclose(plain.as_complex, want, rtol=1e-14)
     assert (plain.power, plain.residues, plain.leak) == (2, "real", 0.3)
     np.testing.assert_allclose(plain.weight, 1.0 / NOISE)
     assert plain.floor == pytest.approx(3e-4 * np.sqrt(0.5 * np.mean(np.abs(want) ** 2)), rel=1e-12)
-    other = band_fits._Mode(108.0, 0.01, np.array([0.3, 0.2j, -0.1]))
-    less = _window(data, band, [other])
+    other = Modes(np.array([[108.0]]), np.array([0.01]), np.array([[0.3, 0.2j, -0.1]]))
+    less = _window(data, band, other)
     f, gone = LINES[4:60, None], 0.0
     for by, share in ((-0.3, 1 / 6), (0.0, 2 / 3), (0.3, 1 / 6)):
         x = f + by
@@ -96,15 +95,13 @@ def test_a_window_is_weighted_by_noise_and_lines_and_knows_no_mode_outside():
 
 def test_modes_of_a_core_alone_are_taken_and_bands_without_fit_have_none():
     data, band = responses(), Band((0, 52), (0, 88), 2)
-    fit = fit_poles(_window(data, band, []), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
-    (one,) = _modes(data, [band, band], [None, fit])  # the core ends at 103 Hz
-    assert (one.freq, one.zeta) == (98.0, 5e-3)
+    fit = fit_poles(_window(data, band), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
+    one = _modes(data, [band, band], [None, fit])  # the core ends at 103 Hz
+    assert (one.freq.tolist(), one.zeta.tolist()) == ([[98.0]], [5e-3])
     scale = LINES.mean()
-    np.testing.assert_allclose(one.residues, fit.A[0, 0] * NOISE / scale**2, rtol=1e-12)
-    both = _modes(data, [Band((32, 53), (0, 88), 2)], [fit])
-    assert [each.freq for each in both] == [98.0, 103.0]
-    assert [each.freq for each in _modes(data, [Band((33, 53), (0, 88), 2)], [fit])] == [103.0]
-    together = _together(both)
+    np.testing.assert_allclose(one.residues, fit.A[0] * NOISE / scale**2, rtol=1e-12)
+    assert _modes(data, [Band((33, 53), (0, 88), 2)], [fit]).freq.tolist() == [[103.0]]
+    together = _modes(data, [Band((32, 53), (0, 88), 2)], [fit])
     assert together.freq.tolist() == [[98.0], [103.0]]
     assert together.zeta.tolist() == [5e-3, 6e-3]
     window = fit.window
@@ -114,7 +111,7 @@ def test_modes_of_a_core_alone_are_taken_and_bands_without_fit_have_none():
 
 def test_what_a_fit_leaves_about_a_pole_raises_its_sigma():
     data, band = responses(), Band((0, 88), (0, 88), 2)
-    fit = fit_poles(_window(data, band, []), np.array([98.0, 103.2]), np.array([5e-3, 6e-3]), steps=0)
+    fit = fit_poles(_window(data, band), np.array([98.0, 103.2]), np.array([5e-3, 6e-3]), steps=0)
     want = [np.sqrt(noise_at(fit, k) / fit.noise * alike_lines(fit, k)) for k in range(2)]
     np.testing.assert_allclose(_by_misfit(fit), want, rtol=1e-12)
 
@@ -131,14 +128,14 @@ def test_fits_of_aligned_data_know_what_set_ups_differ_by(known, waves):
     freq, zeta = np.array([[98.0, 98.4], [103.0, 102.7]]), np.array([5e-3, 6e-3])
     residues = 1e-3 * np.array([[1.0, -0.5, 0.3], [0.2, 0.8, -0.6]]) + 0j
     data = responses(along=along)
-    seen = _window(data, Band((0, 88), (0, 88), 2), [])
+    seen = _window(data, Band((0, 88), (0, 88), 2))
     modes = Modes(freq, zeta, residues)
     rng = np.random.default_rng(19)
     missed = Modes(np.array([[104.0, 104.0]]), np.array([8e-3]), 5e-5 * np.array([[1.0, -0.5, 0.8]]) + 0j)
     H = modes.response(seen, SETUPS) + missed.response(seen, SETUPS)
     H = H + along[:, None] * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
     data = data._replace(H=(H * NOISE / np.where(along > 0.0, along, 1.0)[:, None]).T)
-    whole = _window(data, Band((0, 88), (0, 88), 2), [])
+    whole = _window(data, Band((0, 88), (0, 88), 2))
     each = np.array([0.3, 0.7])
     mean = {"mean_freq": np.exp(np.log(freq).mean(axis=1)), "sigma_mean": known * np.array([1.0, 2.0]),
             "rival": 0.1 * each} if waves else {}  # fmt: skip

@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.poles.pole_window import Window
-from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import BELONGS, belonging, waves_of
+from casingfem.experiment.identify.setups.around import Places, suspect_sensors, suspected
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.setups.wave_fit import wave_fit
-from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
-from casingfem.experiment.identify.setups.wave_odds import unlikely_kinds, unlikely_local
-from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_at
+from casingfem.experiment.identify.setups.wave_model import BELONGS, Shapes, WaveProblem, belonging, waves_of
+from casingfem.experiment.identify.setups.wave_residues import eliminated, unlikely_at, unlikely_kinds, unlikely_local
 from casingfem.experiment.identify.setups.wave_search import wave_modes
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]

@@ -9,11 +9,9 @@ from casingfem.experiment.identify.band_fits import _by_misfit
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.channels_alone import channels_alone
-from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
-from casingfem.experiment.identify.setups.cluster_moves import _one_more, improved
-from casingfem.experiment.identify.setups.clusters import Cluster, _noise
+from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, _one_more, fit_again, improved
+from casingfem.experiment.identify.setups.clusters import Cluster, _noise, best_beside, places
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.places import best_beside, places
 from casingfem.experiment.identify.setups.shifted import _as_good
 
 SETUPS = [np.arange(4), np.arange(4, 8), np.arange(8, 12)]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.poles.pole_window import Window
-from casingfem.experiment.identify.setups.common_noise import _one_factor, common_share, without_common_noise
+from casingfem.experiment.identify.setups.as_waves import _one_factor, common_share, without_common_noise
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 
 CHANNELS, LINES, SHARE = 12, 1200, 0.3
 SIZE = np.random.default_rng(20).uniform(0.5, 3.0, CHANNELS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import MissingExtraError
-from casingfem.experiment.identify.ema_poles import lscf_poles
+from casingfem.experiment.identify.poles.stabilisation import lscf_poles
 
 FREQ = np.arange(290.0, 310.0, 0.125)
 POLES = 2.0 * np.pi * np.array([296.0, 303.0]) * (np.array([-0.004, -0.006]) + 1j)

@@ -5,7 +5,7 @@ import pytest
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.identify.exponential_window import window_note, window_time, without_window
+from casingfem.experiment.identify.found_modes import window_note, window_time, without_window
 from tests.casingfem.experiment.identify.test_found_modes import mode
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.found_modes import CHANCE, FoundMode, _distinct, _merged, _one_of, _same
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 
 
 def mode(freq, **changes):

@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.identify.poles.bands import find_bands, line_noise
-from casingfem.experiment.identify.setups.suspects import suspected
+from casingfem.experiment.identify.setups.around import suspected
 from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 
 X = np.arange(90.0, 130.0, 0.1)

@@ -6,10 +6,9 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import Random
-from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.record import measured as with_noise
 from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Probe, Rig, noisy
 
 SEED = 1917
 

@@ -8,8 +8,15 @@ import pytest
 
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.found_modes import _left_of, _mode, found_modes, without_antinode
-from casingfem.experiment.identify.mode_pairs import notes_of, paired, settled
+from casingfem.experiment.identify.found_modes import (
+    _left_of,
+    _mode,
+    found_modes,
+    notes_of,
+    paired,
+    settled,
+    without_antinode,
+)
 from casingfem.experiment.identify.mode_shapes import mode_shape, pole_slopes, residue_matrix, shape_covariance
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_selection import hidden_split

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from casingfem.experiment.identify.mode_pairs import PAIR_SPAN, paired
+from casingfem.experiment.identify.found_modes import PAIR_SPAN, paired
 
 
 def mode(freq, turns=0.0, *, n=3, unresolved=False):

@@ -135,7 +135,7 @@ def test_fits_stand_over_their_cores_in_the_units_of_the_responses():
     along[30] = 0.0
     data = responses(along=along)
     band = Band((20, 75), (10, 75), 2)
-    fit = fit_poles(_window(data, band, []), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
+    fit = fit_poles(_window(data, band), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
     whole = _fitted(BandFits([band], [fit], [], 0.0, 0.0), data.H)
     there = [k for k in range(20, 75) if k != 30]
     assert np.isnan(np.delete(whole, there, axis=1)).all()
@@ -177,7 +177,7 @@ class Steps:
 
         def fitted(data, bands, *options):
             self.asked.append((data, bands, *options))
-            fit = fit_poles(_window(data, band, []), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
+            fit = fit_poles(_window(data, band), np.array([98.0, 103.0]), np.array([5e-3, 6e-3]), steps=0)
             return BandFits([band], [fit], ["diagram"], 0.02, 0.1)
 
         def looked(fits, cores, sensors, signs, circle, keep, *some):

@@ -11,7 +11,7 @@ from casingfem.experiment.identify.poles.pole_fit import fit_poles
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.grouping import find_setups, matched, matching_sigma
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted
 from casingfem.experiment.identify.verdict import verdicts
 from casingfem.experiment.rig.troubles import Troubles, hann_power, troubled_frfs
 from tests.casingfem.experiment.identify.test_identification import numeric

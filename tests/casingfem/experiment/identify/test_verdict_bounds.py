@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify import verdict
-from casingfem.experiment.identify.poles.pole_worth import (
+from casingfem.experiment.identify.poles.pole_selection import (
     alike_lines,
     cut_off,
     lines_high,

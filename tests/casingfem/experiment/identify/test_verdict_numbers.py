@@ -8,7 +8,7 @@ import pytest
 
 from casingfem.experiment.identify import verdict
 from casingfem.experiment.identify.poles.pole_fit import fit_poles
-from casingfem.experiment.identify.poles.pole_worth import gains, penalty
+from casingfem.experiment.identify.poles.pole_selection import gains, penalty
 from casingfem.experiment.identify.verdict import _misfit, verdicts
 from tests.casingfem.experiment.identify.test_mode_numbers import fitted
 from tests.casingfem.experiment.identify.test_verdict_bounds import beside, noisy

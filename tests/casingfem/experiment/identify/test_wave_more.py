@@ -5,9 +5,9 @@ import pytest
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import waves_of
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Modes
+from casingfem.experiment.identify.setups.wave_model import waves_of
 from casingfem.experiment.identify.setups.wave_search import wave_modes
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]

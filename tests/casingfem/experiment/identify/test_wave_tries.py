@@ -5,16 +5,13 @@ import pytest
 
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import waves_of
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.wave_fit import fitted
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead, pairs_near
-from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem
-from casingfem.experiment.identify.setups.wave_near import part_about
+from casingfem.experiment.identify.setups.wave_fit import WaveRead, fitted, pairs_near
+from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, waves_of
 from casingfem.experiment.identify.setups.wave_search import _by_odds, _Other, wave_modes
-from casingfem.experiment.identify.setups.wave_tries import tries
+from casingfem.experiment.identify.setups.wave_tries import part_about, tries
 
 SETUPS = [np.arange(0, 4), np.arange(4, 8), np.arange(8, 12)]
 THETA = np.radians(15.0 * np.arange(12) + np.array([1, -3, 2, 0, 3, -2, 1, 2, -1, 0, 3, -2]))

@@ -6,7 +6,6 @@ import pytest
 from casingfem.errors import InputError
 from casingfem.experiment.rig.estimate import cross, estimate, spectra
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine, band_noise, bump
-from casingfem.experiment.rig.noise import Converter, noise
 from casingfem.experiment.rig.record import (
     FINER,
     Record,
@@ -17,7 +16,7 @@ from casingfem.experiment.rig.record import (
     record,
     respond,
 )
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Converter, Probe, Rig, noise
 
 SEED = 6120
 OMEGA, ZETA = np.array([300.0, 420.0, 950.0]), np.array([0.01, 0.03, 0.005])

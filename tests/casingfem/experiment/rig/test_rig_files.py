@@ -10,9 +10,8 @@ from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.excitation import Random
 from casingfem.experiment.rig.files import origin, rig_angles, write_rig_uff
-from casingfem.experiment.rig.noise import noisy
 from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Probe, Rig, noisy
 from casingfem.experiment.uff.read import read_uff
 
 ANGLES = (0.0, 2.0, 4.0)

@@ -5,8 +5,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.experiment.rig.noise import Converter, noise, noisy
-from casingfem.experiment.rig.rig import SYNTHETIC, Probe, Rig
+from casingfem.experiment.rig.rig import SYNTHETIC, Converter, Probe, Rig, noise, noisy
 from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of, towards
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.loads import PointLoad

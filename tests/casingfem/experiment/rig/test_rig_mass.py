@@ -5,9 +5,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import InputError
-from casingfem.experiment.rig.mass import loaded
 from casingfem.experiment.rig.rig import Rig
-from casingfem.experiment.rig.structure import Place, circle, rig_of, towards
+from casingfem.experiment.rig.structure import Place, circle, loaded, rig_of, towards
 from casingfem.structure.shell.assembly import assemble
 
 ANGLES = (0.2, 1.9)

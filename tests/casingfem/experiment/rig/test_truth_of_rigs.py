@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.rig.mass import loaded, residual_shapes
+from casingfem.experiment.rig.files import truth
 from casingfem.experiment.rig.rig import SYNTHETIC, Probe, Rig
-from casingfem.experiment.rig.structure import damping_spread
-from casingfem.experiment.rig.truth import truth
+from casingfem.experiment.rig.structure import damping_spread, loaded, residual_shapes
 
 
 def ring(waves, first=0.4, count=7):

@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.poles.pole_fit import _Data, _state, _step, _system, fit_poles
-from casingfem.experiment.identify.poles.pole_selection import basis, hidden_split
+from casingfem.experiment.identify.poles.pole_selection import (
+    alike_lines,
+    basis,
+    gains,
+    has_skirts,
+    hidden_split,
+    noise_at,
+    penalty,
+)
 from casingfem.experiment.identify.poles.pole_window import Window
-from casingfem.experiment.identify.poles.pole_worth import alike_lines, gains, has_skirts, noise_at, penalty
 
 LINES = np.arange(90.0, 112.0, 0.5)
 FREQ, ZETA = np.array([97.0, 98.5, 104.0]), np.array([0.01, 0.02, 0.015])

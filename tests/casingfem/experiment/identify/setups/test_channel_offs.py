@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.experiment.identify.setups.around import Places
-from casingfem.experiment.identify.setups.channel_offs import belonging, waves_of
+from casingfem.experiment.identify.setups.wave_model import belonging, waves_of
 
 
 def places(count=9, reference=0):

@@ -20,8 +20,7 @@ from casingfem.experiment.identify.setups.channels_alone import (
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, linked
-from casingfem.experiment.identify.setups.shifted import _as_good, _spread, _unsettled, _unshifted
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted, _as_good, _spread, _unsettled, _unshifted
 
 LINES = np.arange(95.0, 106.0, 0.1)
 SETUPS = [np.array([0, 2]), np.array([1, 3])]

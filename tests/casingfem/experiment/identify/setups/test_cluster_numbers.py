@@ -8,6 +8,7 @@ import pytest
 from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.cluster_modes import (
     ClusterModes,
+    _price,
     fit_again,
     held,
     joined,
@@ -15,9 +16,6 @@ from casingfem.experiment.identify.setups.cluster_modes import (
     only_peaks,
     rematched,
     worth,
-)
-from casingfem.experiment.identify.setups.cluster_moves import (
-    _price,
 )
 from casingfem.experiment.identify.setups.clusters import Cluster, _few_each, _noise, clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes, OwnPeaks, squares_at

@@ -2,8 +2,14 @@
 
 import numpy as np
 
-from casingfem.experiment.identify.setups.cluster_modes import fit_again
-from casingfem.experiment.identify.setups.cluster_moves import _better, _one_fewer, _one_more, _together, improved
+from casingfem.experiment.identify.setups.cluster_modes import (
+    _better,
+    _one_fewer,
+    _one_more,
+    _together,
+    fit_again,
+    improved,
+)
 from casingfem.experiment.identify.setups.own_shifts import Modes, squares_at
 from tests.casingfem.experiment.identify.setups.test_cluster_numbers import SETUPS, cluster, peaks
 

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.identify.setups.wave_fit import fitted, wave_fit
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead, rms
+from casingfem.experiment.identify.setups.wave_fit import WaveRead, fitted, rms, wave_fit
 from casingfem.experiment.identify.setups.wave_model import Shapes
-from casingfem.experiment.identify.setups.wave_more import _kinds, one_more
 from casingfem.experiment.identify.setups.wave_residues import unlikely_at
 from casingfem.experiment.identify.setups.wave_search import GAIN, _resized, _searched, wave_modes
+from casingfem.experiment.identify.setups.wave_tries import _kinds, one_more
 from tests.casingfem.experiment.identify.setups.test_wave_likelihood import (
     FREQ,
     KIND,

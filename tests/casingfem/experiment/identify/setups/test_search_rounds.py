@@ -8,10 +8,9 @@ import pytest
 from casingfem.experiment.identify.setups import shifted as shifting
 from casingfem.experiment.identify.setups import wave_search
 from casingfem.experiment.identify.setups.around import Around, Places
-from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again
-from casingfem.experiment.identify.setups.cluster_moves import improved
+from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again, improved
 from casingfem.experiment.identify.setups.shifted import _polish, _polished, _Reading, _told
-from casingfem.experiment.identify.setups.wave_kinds import GAIN, WaveRead
+from casingfem.experiment.identify.setups.wave_fit import GAIN, WaveRead
 from casingfem.experiment.identify.setups.wave_model import Shapes
 from casingfem.experiment.identify.setups.wave_search import WaveModes, _resized, _settled, wave_modes
 from tests.casingfem.experiment.identify.setups.test_shifted import SETUPS, cluster

@@ -12,8 +12,7 @@ from casingfem.experiment.identify.setups.channels_alone import Alone
 from casingfem.experiment.identify.setups.cluster_modes import ClusterModes, fit_again, held, read
 from casingfem.experiment.identify.setups.clusters import Cluster, clusters
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.shifted import _found, _grouped, _polished, _Reading, shifted
-from casingfem.experiment.identify.setups.shifted_modes import Shifted
+from casingfem.experiment.identify.setups.shifted import Shifted, _found, _grouped, _polished, _Reading, shifted
 
 LINES = np.arange(90.0, 150.0, 0.2)
 SETUPS = [np.array([0, 2, 3]), np.array([1, 4, 5])]

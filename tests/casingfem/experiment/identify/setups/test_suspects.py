@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.experiment.identify.setups.suspects import _words, most_say, suspect_sensors, suspected
+from casingfem.experiment.identify.setups.around import _words, most_say, suspect_sensors, suspected
 
 POINTS = np.array([11, 12, 13, 14])
 

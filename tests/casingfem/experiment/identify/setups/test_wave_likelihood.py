@@ -7,14 +7,16 @@ from casingfem.experiment.identify.poles.pole_window import Window
 from casingfem.experiment.identify.setups.clusters import Cluster
 from casingfem.experiment.identify.setups.inner_products import Problem
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.wave_fit import _step, fitted, wave_fit
-from casingfem.experiment.identify.setups.wave_kinds import (
+from casingfem.experiment.identify.setups.wave_fit import (
     WaveRead,
+    _step,
     as_one_wave,
+    fitted,
     kinds_alone,
     likely_kinds,
     pairs_near,
     sized,
+    wave_fit,
 )
 from casingfem.experiment.identify.setups.wave_model import Shapes, WaveProblem, Waves
 from casingfem.experiment.identify.setups.wave_residues import unlikely_at

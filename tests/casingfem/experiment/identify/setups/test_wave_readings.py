@@ -5,14 +5,22 @@ import pytest
 
 from casingfem.experiment.identify.setups import wave_tries
 from casingfem.experiment.identify.setups.own_shifts import Modes
-from casingfem.experiment.identify.setups.wave_fit import wave_fit
-from casingfem.experiment.identify.setups.wave_kinds import WaveRead
+from casingfem.experiment.identify.setups.wave_fit import WaveRead, wave_fit
 from casingfem.experiment.identify.setups.wave_model import Shapes
-from casingfem.experiment.identify.setups.wave_more import _last, _starts
-from casingfem.experiment.identify.setups.wave_near import _lines_about, part_about
 from casingfem.experiment.identify.setups.wave_residues import unlikely_at
 from casingfem.experiment.identify.setups.wave_search import _near_last, _Other, _told
-from casingfem.experiment.identify.setups.wave_tries import _along, _exchanged, _moved, _partners, tries, weak
+from casingfem.experiment.identify.setups.wave_tries import (
+    _along,
+    _exchanged,
+    _last,
+    _lines_about,
+    _moved,
+    _partners,
+    _starts,
+    part_about,
+    tries,
+    weak,
+)
 from tests.casingfem.experiment.identify.setups.test_wave_likelihood import (
     FREQ,
     KIND,
