@@ -13,7 +13,7 @@ from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, Ste
 from casingfem.experiment.rig.noise import BITS, Converter
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.troubles import Troubles
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField

@@ -13,7 +13,7 @@ from scipy.sparse import csc_array, csr_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.rigid_body import rigid_left
+from casingfem.structure.geometry.rotation import rigid_left
 from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, symmetric

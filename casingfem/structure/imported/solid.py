@@ -15,18 +15,16 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
 from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
 from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
 from casingfem.structure.imported.cells.solid import cell_matrices, consistent_mass, stiffness
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
-from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh.cell_kind import SOLIDS
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
-from casingfem.structure.imported.support import MeshSupport, check_support
+from casingfem.structure.imported.support import MeshSupport, by_group, check_support, constants_of
 from casingfem.structure.material import Material
 from contact.io.brief import brief
 

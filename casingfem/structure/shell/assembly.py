@@ -23,9 +23,8 @@ from casingfem.linalg.entries import Symmetric
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
-from casingfem.structure.mesh.jet_form import JET, jet_elements
+from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import element_sum
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.parts import ShellParts

@@ -5,9 +5,7 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.stiffener import check_stiffeners
+from casingfem.structure.edge.ring import EdgeMass, Ring, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.geometry.chart import require_positive

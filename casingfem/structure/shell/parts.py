@@ -7,15 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.stiffener import Stiffener
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.support import Support
 from casingfem.structure.field.field import Field, relative
 from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, spread
-from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh

@@ -7,8 +7,8 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import read_only
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.checks import check_on_mesh, check_parts
-from casingfem.structure.shell.default_mesh import default_mesh
 from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.variation import default_mesh
 from contact.io.brief import brief
 
 Parts = TypeVar("Parts", bound=ShellParts)

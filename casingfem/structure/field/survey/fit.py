@@ -11,8 +11,7 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.robust import least_squares, robust_weights
-from casingfem.structure.field.survey.stray import stray_points
+from casingfem.structure.field.survey.stray import least_squares, robust_weights, stray_points
 
 _MOST_HARMONICS = 40
 _MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default

@@ -17,8 +17,7 @@ from casingfem.structure.field.fourier import FourierField, SeriesBehind
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
 from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
-from casingfem.structure.field.survey.robust import pure_error
-from casingfem.structure.field.survey.stray import passes_words
+from casingfem.structure.field.survey.stray import passes_words, pure_error
 
 __all__ = ["SurveyField", "SurveyPoints"]
 

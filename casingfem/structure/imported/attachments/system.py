@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.geometry.rigid_body import unfelt
+from casingfem.structure.geometry.rotation import unfelt
 from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
 from casingfem.structure.imported.mesh.findings import nodes_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData

@@ -14,7 +14,7 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
 from casingfem.io.included import NumberedLine, read_lines
-from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.mesh.collapsed import right_handed
 from casingfem.structure.imported.readers.bdf_cards import Card, Numbers, cards
 from casingfem.structure.imported.readers.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup

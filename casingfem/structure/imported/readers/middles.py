@@ -13,7 +13,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Tie
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.mesh.collapsed import right_handed
 
 QUADRATIC = {
     "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20",

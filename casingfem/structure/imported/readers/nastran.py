@@ -1,6 +1,6 @@
 """Point masses, springs and connections of a Nastran bulk data file (MSC Nastran Quick Reference Guide).
 
-CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`bush.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
+CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`nastran_cards.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
 Variants that are not understood are refused by card and line.
 """
 
@@ -12,8 +12,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 from casingfem.structure.imported.readers.bdf_cards import Card
-from casingfem.structure.imported.readers.bush import bush_springs
-from casingfem.structure.imported.readers.nastran_cards import NastranCards
+from casingfem.structure.imported.readers.nastran_cards import NastranCards, bush_springs
 
 WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates
 ROUND = 1e-12  # components of a unit vector that are round-off

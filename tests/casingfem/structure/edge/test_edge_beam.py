@@ -14,10 +14,8 @@ from casingfem.structure.edge.curved_beam import (
     tie,
     unit,
 )
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener, check_stiffeners, held_at_root
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener, check_stiffeners, held_at_root
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.material import Material

@@ -13,8 +13,7 @@ from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart import Cylinder, Panel

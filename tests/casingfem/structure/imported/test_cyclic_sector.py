@@ -10,9 +10,8 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.cyclic.wheel import wheel_modes
-from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector
-from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
+from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_mesh, wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from casingfem.structure.edge.ring import Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge, Symmetry
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Plate, Surface
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
 from casingfem.structure.geometry.rotation import blade_frame
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, breaks_between
 from casingfem.structure.geometry.survey_check import mean_radius
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices

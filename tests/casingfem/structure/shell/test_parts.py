@@ -6,17 +6,15 @@ import pytest
 from casingfem.errors import ModelWarning
 from casingfem.structure.edge.bolt_mesh import springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.chart import Frustum, Panel, Plate
 from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.edges import edge_line

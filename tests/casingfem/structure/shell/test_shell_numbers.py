@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Symmetry
 from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
