@@ -17,7 +17,6 @@ from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.edge.section import Section
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
-from casingfem.structure.mesh.kinematics import dot
 
 MOTIONS = 6  # u_x, u_y, u_z, phi_x, phi_y, phi_z
 
@@ -107,8 +106,3 @@ def tie(e1: Array, e2: Array, normal: Array, arm: Array) -> Array:
     G[:, 3:, 3:] = turn
     G[:, :3, 3:] = -np.matmul(skew(arm.T), turn)
     return G
-
-
-def unit(v: Array) -> Array:
-    """Vectors (3, ...) at length one."""
-    return np.asarray(v / np.sqrt(dot(v, v)))

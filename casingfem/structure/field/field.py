@@ -35,11 +35,9 @@ class Field(Protocol):
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
         """Evaluate value and derivatives at z [m], theta [rad], broadcast against each other."""
-        ...
 
     def rotated(self, angle: float) -> Field:
         """Turn the field by +angle [rad] about the axis: f(z, theta - angle)."""
-        ...
 
 
 def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:

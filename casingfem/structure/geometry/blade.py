@@ -79,11 +79,7 @@ class TwistedPlate(Open):
 
     def directions(self, a: Array, b: Array) -> Array:
         """Normal of the section, y turned with it, and x."""
-        a, b = np.broadcast_arrays(a, b)
-        angle = self.twist / self.length * a
-        c, s = np.cos(angle), np.sin(angle)
-        zero, one = np.zeros_like(c), np.ones_like(c)
-        return np.array([[zero, -s, c], [zero, c, s], [one, zero, zero]])
+        return turned_directions(self.twist / self.length * np.broadcast_arrays(a, b)[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +188,10 @@ class Blade(Open):
 
     def directions(self, a: Array, b: Array) -> Array:
         """Across the chord, along it, and x."""
-        a, _ = np.broadcast_arrays(a, b)
-        angle = along(self.twist, a / self.length)
-        c, s = np.cos(angle), np.sin(angle)
-        zero, one = np.zeros_like(c), np.ones_like(c)
-        return np.array([[zero, -s, c], [zero, c, s], [one, zero, zero]])
+        return turned_directions(along(self.twist, np.broadcast_arrays(a, b)[0] / self.length))
+
+
+def turned_directions(angle: Array) -> Array:
+    """Across a section, along it, and x, where the section is turned about x, (3, 3, ...)."""
+    c, s, zero, one = np.cos(angle), np.sin(angle), np.zeros_like(angle), np.ones_like(angle)
+    return np.array([[zero, -s, c], [zero, c, s], [one, zero, zero]])

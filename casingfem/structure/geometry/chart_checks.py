@@ -56,9 +56,8 @@ def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array
             scale = np.abs(getattr(surface, source)).max() / span + np.abs(getattr(surface, name)).max()
             error = float(np.abs(difference - getattr(inner, name)).max() / scale)
             if error > ALIKE:
-                raise ModelError(
-                    "chart-derivatives", f"the chart's {name} is not the derivative of its {source} ({error:.1%} off)"
-                )
+                found = f"the chart's {name} is not the derivative of its {source} ({error:.1%} off)"
+                raise ModelError("chart-derivatives", found)
 
 
 def real(surface: Surface) -> Surface:

@@ -18,7 +18,6 @@ from casingfem.structure.geometry.chart import (
     Closed,
     Open,
     Surface,
-    cylindrical_directions,
     require_positive,
     revolve,
 )
@@ -41,11 +40,9 @@ class Meridian(Protocol):
     @property
     def length(self) -> float:
         """Where s ends; it starts at 0 [m]."""
-        ...
 
     def at(self, s: Array) -> MeridianPoints:
         """Radius, height and their derivatives at s."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,10 +154,6 @@ class RevolvedPanel(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at s = a, theta = b."""
         return revolved_surface(self.profile, a, b, defect)
-
-    def directions(self, a: Array, b: Array) -> Array:
-        """The cylindrical unit vectors."""
-        return cylindrical_directions(a, b)
 
 
 def chart_lines(chart: Chart) -> list[float]:

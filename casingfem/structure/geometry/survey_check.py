@@ -82,9 +82,8 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
     elif quantity != "thickness":
         nominal = None
     if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
-        raise ModelError(
-            "survey-other", f"{name}: found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"
-        )
+        found = f"found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"
+        raise ModelError("survey-other", f"{name}: {found}")
     shared, least = min(high, end) - max(low, start), 0.5 if survey.heights > 1 else -ALIKE
     if shared < least * (end - start):
         found = f"{name}: found z from {low:g} to {high:g} m"

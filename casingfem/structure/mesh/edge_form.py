@@ -97,11 +97,9 @@ class Sprung(Protocol):
     @property
     def uniform(self) -> bool:
         """Whether the springs are the same all along the edge."""
-        ...
 
     def springs(self, line: EdgeLine) -> PointSprings:
         """The springs on an edge."""
-        ...
 
 
 @runtime_checkable
@@ -110,11 +108,9 @@ class Numbered(Sprung, Protocol):
 
     def number(self, path: tuple[str, ...]) -> Any:
         """The number at a path."""
-        ...
 
     def with_number(self, path: tuple[str, ...], value: Any) -> Self:
         """The same support with that number replaced."""
-        ...
 
 
 def spring_form(springs: PointSprings) -> EdgeForm:

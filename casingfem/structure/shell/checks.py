@@ -25,9 +25,9 @@ SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bo
 
 def check_parts(shell: ShellParts) -> None:
     """Refuse parts that cannot belong together: what there is to say before a mesh is chosen."""
-    require_positive("shell", thickness=shell.thickness)
+    require_positive("shell", "shell-thickness", thickness=shell.thickness)
     if shell.shear_correction is not None:
-        require_positive("shell", shear_correction=shell.shear_correction)
+        require_positive("shell", "shear-correction", shear_correction=shell.shear_correction)
     if shell.wall not in WALLS:
         raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
     check_plies(shell)
@@ -38,11 +38,8 @@ def check_parts(shell: ShellParts) -> None:
             found = f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}{hint(edge, known)}"
             raise ModelError("support-edge", found)
         if not isinstance(support, SUPPORTS):
-            raise ModelError(
-                "support-kind",
-                f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
-                f"found {type(support).__name__}",
-            )
+            expected = ", ".join(kind.__name__ for kind in SUPPORTS)
+            raise ModelError("support-kind", f"support.{edge}: expected {expected}, found {type(support).__name__}")
         held, _ = known[edge]
         if isinstance(support, Ring) and held != 0:
             raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
@@ -110,12 +107,9 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
     split = spurious_split(bolts, shell.mesh, ratio)
     if split > SEEN:
-        warn(
-            "bolt-mesh",
-            f"support.{edge}: {bolts.count} bolts on {shell.mesh.around} elements around split pairs that equal "
-            f"bolts keep whole by some {split:.0e}",
-            stacklevel=6,
-        )
+        found = f"{bolts.count} bolts on {shell.mesh.around} elements around"
+        said = f"{found} split pairs that equal bolts keep whole by some {split:.0e}"
+        warn("bolt-mesh", f"support.{edge}: {said}", stacklevel=6)
 
 
 def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
@@ -143,6 +137,5 @@ def check_field(shell: ShellParts, name: str, defect: Field) -> None:
     nodes = shell.mesh.order * shell.mesh.around
     finest = finest_harmonic(shell, defect) if shell.chart.periodic else 0
     if 2 * finest > nodes:
-        raise ModelError(
-            "field-mesh", f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
-        )
+        found = f"{finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
+        raise ModelError("field-mesh", f"{name}: {found}")

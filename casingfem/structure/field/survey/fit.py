@@ -104,10 +104,8 @@ def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree:
             raise ValueError(f"{name} must be a whole number >= {least}, not {value!r}")
     if gap > _WIDEST_GAP_DEG:
         hint = " (are these radians?)" if gap > 350.0 else ""
-        found = f"a gap of {gap:.4g} deg in theta{hint}"
-        raise InputError(
-            points.path, found=found, expected=f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
-        )
+        expected = f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
+        raise InputError(points.path, found=f"a gap of {gap:.4g} deg in theta{hint}", expected=expected)
     if n_max is not None and gap > 360.0 / (2 * n_max) * (1 + 1e-9):
         expected = f"at most {180.0 / n_max:.4g} deg for n_max = {n_max}"
         expected += f" (these points resolve harmonic {resolved_harmonic(gap)})"

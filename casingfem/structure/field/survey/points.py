@@ -144,17 +144,11 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
 
 
 def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, str]:
-    """The numbers of the one column of a quantity, in rad or m, and its name."""
-    name, scale = _column(table, choices)
-    return table.numbers(name) * scale, name
-
-
-def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
-    """Find the one column of a quantity, whose name states the unit."""
+    """The numbers of the one column of a quantity, in rad or m, and its name, which states the unit."""
     found = [name for name in table.header if name in choices]
     wanted = " or ".join(choices)
     if len(found) == 1:
-        return found[0], choices[found[0]]
+        return table.numbers(found[0]) * choices[found[0]], found[0]
     stems = {name.rsplit("_", 1)[0] for name in choices}
     near = [name for name in table.header if name.split("_")[0].split("[")[0].strip().lower() in stems]
     if found:

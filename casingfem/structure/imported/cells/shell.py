@@ -31,40 +31,32 @@ class ShellCells(Protocol):
     @property
     def mesh(self) -> MeshData:
         """Its mesh."""
-        ...
 
     @property
     def shear_correction(self) -> float | None:
         """Factor of the transverse shear stiffness; None for 5/(6 - nu)."""
-        ...
 
     @property
     def wall(self) -> str:
         """Curved or linear."""
-        ...
 
     @property
     def plies(self) -> tuple[Ply, ...]:
         """Layers along the normals of the cells; none of a wall of one material."""
-        ...
 
     @property
     def material(self) -> Material:
         """Its material, that of plies without a lamina."""
-        ...
 
     @property
     def fibres(self) -> FloatArray | None:
         """Direction from which the plies' angles count, (3,); None without plies."""
-        ...
 
     def walls(self) -> FloatArray:
         """Thickness, E, nu, rho of each cell, (4, cells)."""
-        ...
 
     def inertia(self) -> FloatArray:
         """Mass and rotary inertia per area of each cell, (2, cells)."""
-        ...
 
 
 def cell_normals(mesh: MeshData) -> FloatArray:

@@ -21,11 +21,9 @@ class SolidCells(Protocol):
     @property
     def mesh(self) -> MeshData:
         """Its mesh."""
-        ...
 
     def constants(self) -> FloatArray:
         """E, nu, rho of each cell, (3, cells)."""
-        ...
 
 
 def cell_matrices(
