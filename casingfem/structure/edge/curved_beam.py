@@ -15,6 +15,7 @@ import numpy as np
 
 from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.edge.section import Section
+from casingfem.structure.geometry.rotation import skew
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 
@@ -31,17 +32,6 @@ class Beam(NamedTuple):
     strain: Array
     D: Array
     inertia: Array
-
-
-def skew(v: Array) -> Array:
-    """Matrices (..., 3, 3) of the cross product v x, v (..., 3).
-
-    >>> (skew(np.array([1.0, 2.0, 3.0])) @ np.array([0.0, 0.0, 1.0])).tolist()
-    [2.0, -1.0, 0.0]
-    """
-    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
-    zero = np.zeros_like(x)
-    return np.stack([np.stack(row, axis=-1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], axis=-2)
 
 
 def section_axes(tangent: Array, towards: Array) -> tuple[Array, Array]:

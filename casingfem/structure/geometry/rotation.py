@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart, Surface
 
 Vector = tuple[float, float, float]
@@ -85,6 +85,17 @@ class Rotation:
         x, y, z = (axis + 0.0).tolist()
         a, b, c = (root - hub_radius * span + 0.0).tolist()
         return cls(omega=omega, axis=(x, y, z), centre=(a, b, c))
+
+
+def skew(v: Array) -> Array:
+    """Matrices (..., 3, 3) of the cross product v x, v (..., 3).
+
+    >>> (skew(np.array([1.0, 2.0, 3.0])) @ np.array([0.0, 0.0, 1.0])).tolist()
+    [2.0, -1.0, 0.0]
+    """
+    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
+    zero = np.zeros_like(x)
+    return np.stack([np.stack(row, axis=-1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], axis=-2)
 
 
 def axis_frame(axis: Vector) -> FloatArray:

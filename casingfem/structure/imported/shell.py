@@ -12,8 +12,8 @@ Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput
 stand among them as collapsed quadrilaterals and are integrated as what they are (MITC6).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -21,12 +21,13 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rotation import Rotation, Vector, rigid_motions
+from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
 from casingfem.structure.imported.cells.mapped import facet_shape_products
 from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import (
     DOFS,
+    ShellCells,
     cell_normals,
     consistent_mass,
     directors,
@@ -38,11 +39,9 @@ from casingfem.structure.imported.checks import check_groups, check_mesh, check_
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.spin import MeshSpin, spun
-from casingfem.structure.imported.support import MeshSupport, by_group, check_support, constants_of
-from casingfem.structure.material import Material
+from casingfem.structure.imported.spin import MeshSpin, mesh_spin, spun
+from casingfem.structure.imported.support import check_support
 from casingfem.structure.shell.checks import WALLS
-from casingfem.structure.shell.plies import Ply, layered_inertia
 from contact.io.brief import brief
 
 BENT, FOLDED = 10.0, 61.0  # degrees between neighbours: doubted, refused
@@ -50,7 +49,7 @@ ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MeshShell:
+class MeshShell(ShellCells):
     """An elastic shell on an imported mesh of quadrilaterals and triangles.
 
     Parameters
@@ -93,18 +92,6 @@ class MeshShell:
     ('quad9', 6)
     """
 
-    mesh: MeshData
-    thickness: float
-    material: Material
-    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
-    shear_correction: float | None = None
-    rotation: Rotation | None = None
-    thicknesses: Mapping[str, float] = field(default_factory=dict)
-    materials: Mapping[str, Material] = field(default_factory=dict)
-    wall: str = "curved"
-    plies: tuple[Ply, ...] = ()
-    angle_from: Vector = (0.0, 0.0, 1.0)
-
     __repr__ = brief
 
     def __post_init__(self) -> None:
@@ -127,24 +114,6 @@ class MeshShell:
         check_layers(self)
         self.walls()
 
-    def walls(self) -> FloatArray:
-        """Thickness, E, nu, rho of each cell, (4, cells)."""
-        t = by_group(self.mesh, (self.thickness,), {name: (value,) for name, value in self.thicknesses.items()})
-        own = {name: constants_of(material) for name, material in self.materials.items()}
-        return np.concatenate([t, by_group(self.mesh, constants_of(self.material), own)])
-
-    @property
-    def fibres(self) -> FloatArray | None:
-        """Direction from which the plies' angles count, (3,); None without plies."""
-        return np.asarray(self.angle_from, dtype=float) if self.plies else None
-
-    def inertia(self) -> FloatArray:
-        """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
-        t, _, _, rho = self.walls()
-        if self.plies:
-            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
-        return np.stack([rho * t, rho * t**3 / 12.0])
-
     def density(self) -> FloatArray:
         """Mass per area of each cell [kg/m^2], (cells,)."""
         return np.asarray(self.inertia()[0])
@@ -156,9 +125,9 @@ class MeshShell:
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
         """What rotation about an axis adds to its matrices at rest."""
-        from casingfem.structure.imported.shell_spin import shell_spin
+        from casingfem.structure.imported.shell_spin import shell_inertia, shell_stiffening
 
-        return shell_spin(at_rest, self, rotation)
+        return mesh_spin(at_rest, rotation, partial(shell_inertia, self), partial(shell_stiffening, self))
 
 
 def check_layers(shell: MeshShell) -> None:
@@ -223,9 +192,8 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     t, E, _, rho = shell.walls()
     motions = rigid_motions(mesh.points, normals, frames)
     sound = float(np.sqrt((E / rho).min()))
-    return assembled(
-        shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound, tangents=(normals, frames)
-    )
+    springs = edge_springs(shell, frames)
+    return assembled(shell, K, M, springs, motions, float(t.min()), sound, tangents=(normals, frames))
 
 
 def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:

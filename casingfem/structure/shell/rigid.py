@@ -8,8 +8,7 @@ import numpy as np
 
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.edge.curved_beam import skew
-from casingfem.structure.geometry.rotation import rigid_motions, unfelt
+from casingfem.structure.geometry.rotation import rigid_motions, skew, unfelt
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.assembly import held_dofs, nodal_mass

@@ -158,7 +158,6 @@ def projected(kind: str, nodes: FloatArray, x: FloatArray) -> tuple[FloatArray, 
 
     Gauss-Newton steps on |x - X(r)|^2, kept inside the facet.
     """
-    dim = KINDS[kind].dim
     local = np.tile(np.array(KINDS[kind].corners, dtype=float).mean(axis=0), (len(x), 1))
     for _ in range(STEPS):
         values, slopes = shape_functions(kind, np.ascontiguousarray(local.T))
@@ -171,7 +170,6 @@ def projected(kind: str, nodes: FloatArray, x: FloatArray) -> tuple[FloatArray, 
         if step < SETTLED:
             break
     values, _ = shape_functions(kind, np.ascontiguousarray(local.T))
-    assert local.shape[1] == dim
     return local, np.einsum("kp,pkc->pc", values, nodes)
 
 

@@ -12,6 +12,7 @@ from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import unfelt
 from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
+from casingfem.structure.imported.attachments.turning import as_rows, summed
 from casingfem.structure.imported.mesh.findings import nodes_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
@@ -157,27 +158,14 @@ def enlarged(A: csc_array, size: int) -> csc_array:
 
 def spring_rows(motions: Motions) -> csr_array:
     """What each spring feels of the dofs, (springs, dofs)."""
-    entries = [
-        (k, dof, value)
-        for k, spring in enumerate(motions.mesh.attachments.springs)
-        for dof, value in motions.combined(spring.terms, spring.where).items()
-    ]
-    i, j, value = np.array(entries, dtype=float).reshape(-1, 3).T
-    place = i.astype(np.int64), j.astype(np.int64)
-    return csr_array(coo_array((value, place), shape=(len(motions.mesh.attachments.springs), motions.size)))
+    springs = motions.mesh.attachments.springs
+    return as_rows([motions.combined(spring.terms, spring.where) for spring in springs], motions.size)
 
 
 def mass_matrix(motions: Motions) -> csc_array:
     """Mass of the point masses on all dofs."""
-    total = csc_array((motions.size, motions.size))
-    for mass in motions.mesh.attachments.masses:
-        count = 6 if mass.turns else 3
-        felt = [motions.row(mass.node, component, mass.where) for component in range(count)]
-        places = [(c, dof, value) for c, row in enumerate(felt) for dof, value in row.items()]
-        i, j, value = np.array(places).T
-        six = coo_array((value, (i.astype(np.int64), j.astype(np.int64))), shape=(count, motions.size)).tocsr()
-        total = csc_array(total + six.T @ csr_array(mass.matrix[:count, :count]) @ six)
-    return total
+    masses = [(motions.felt(mass), mass.matrix) for mass in motions.mesh.attachments.masses]
+    return summed([(felt, matrix[: len(felt), : len(felt)]) for felt, matrix in masses], motions.size)
 
 
 def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:

@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.geometry.rotation import skew
 
 Renumbering: TypeAlias = Callable[[IntArray], IntArray]
 
@@ -54,7 +55,7 @@ class PointMass:
     @property
     def matrix(self) -> FloatArray:
         """Mass on the node's six components, (6, 6): m |u + theta x offset|^2 + theta.J theta."""
-        moved = np.hstack([np.eye(3), -cross_matrix(np.asarray(self.offset))])
+        moved = np.hstack([np.eye(3), -skew(np.asarray(self.offset))])
         whole = self.mass * moved.T @ moved
         whole[3:, 3:] += self.inertia
         return np.asarray(whole)
@@ -267,15 +268,6 @@ class Attachments:
             springs=tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs),
             equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
         )
-
-
-def cross_matrix(r: FloatArray) -> FloatArray:
-    """Matrix [r] with [r] v = r x v; of places (..., 3), (..., 3, 3).
-
-    >>> cross_matrix(np.array([0.0, 0.0, 1.0])).tolist()
-    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
-    """
-    return np.cross(np.asarray(r)[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
 
 NOTHING = Attachments()

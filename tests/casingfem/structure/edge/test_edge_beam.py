@@ -10,13 +10,13 @@ from casingfem.structure.edge.curved_beam import (
     section_axes,
     section_inertia,
     section_stiffness,
-    skew,
     tie,
 )
 from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener, check_stiffeners, held_at_root
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.rotation import skew
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import EdgeLine, LineFrame
 
