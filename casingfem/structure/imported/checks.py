@@ -174,9 +174,8 @@ def overlaps(mesh: MeshData) -> list[Finding]:
     found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
     over = (mesh.sharing > 2).any(axis=1)
     what = "an edge" if mesh.cell_kind.dim == 2 else "a facet"
-    return found or where(
-        "mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two or more others"
-    )
+    others = f"share {what} with two or more others"
+    return found or where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} {others}")
 
 
 def hanging(mesh: MeshData) -> list[Finding]:

@@ -57,9 +57,8 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
     for low in range(0, elements, step):
         own = slice(low, low + step)
         scaled = H[own] * (scale[own, :, None] * scale[own, None, :])[:, None]
-        jets = scaled.reshape(-1, n, n, 3, DOFS, 3, DOFS).transpose(
-            0, 2, 3, 5, 1, 4, 6
-        )  # e, y, slot, slot, x, dof, dof
+        order = (0, 2, 3, 5, 1, 4, 6)  # e, y, slot, slot, x, dof, dof
+        jets = scaled.reshape(-1, n, n, 3, DOFS, 3, DOFS).transpose(order)
         sums = np.empty((len(scaled), 4, n, n * n, DOFS * DOFS))
         for part, table in enumerate(first):
             (rows, _), (columns, _) = SLOTS[part // 2], SLOTS[part % 2]

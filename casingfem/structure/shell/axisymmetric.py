@@ -111,9 +111,8 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
         If anything varies around the shell.
     """
     if not shell.axisymmetric:
-        raise ModelError(
-            "modes-method", "one problem per harmonic needs a casing at rest on which nothing varies around"
-        )
+        wanted = "a casing at rest on which nothing varies around"
+        raise ModelError("modes-method", f"one problem per harmonic needs {wanted}")
     order = shell.mesh.order
     (z0, z1), _ = shell.chart.bounds
     lines = z0 + (z1 - z0) * shell.mesh.breaks

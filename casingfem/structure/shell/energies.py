@@ -61,9 +61,7 @@ def point_fields(shell: ShellParts, grid: Grid, fields: Array, own: Array) -> Po
 
 def modal_products(shell: ShellParts, at: PointFields) -> ModalProducts:
     """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
-    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
-    if not same:
-        at = on_surface(shell, at)
+    at = on_surface(shell, at)
     stress = np.matmul(point_stiffness(shell, at), at.strain)
     modes = at.fields.shape[2]
     K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
@@ -87,8 +85,7 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
     In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
     out where only what stands on its edges has changed.
     """
-    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
-    moved = at if same else on_surface(shell, at)
+    moved = on_surface(shell, at)
     modes = at.fields.shape[2]
     flat = moved.fields.reshape(-1, modes)
     forms, motions = edge_forms(shell, moved.grid), np.vstack([flat, moved.own])
@@ -109,6 +106,8 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
 
 def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
     """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
+    if shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect:
+        return at
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
     turned = any(support.frame == "edge" for support in shell.supports.values())
     if stretched or turned:

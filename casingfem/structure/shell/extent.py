@@ -58,12 +58,8 @@ def extent(shell: ShellParts, counts: tuple[int, int] = (9, 361)) -> Extent:
     a0, a1 = np.real(np.array(shell.chart.bounds[0]))
     at = sampled(shell, np.linspace(a0, a1, counts[0]), counts[1])
     lengths = [np.linalg.norm(np.diff(at.x, axis=k), axis=0).sum(axis=k - 1) for k in (1, 2)]
-    return Extent(
-        diagonal=float(np.linalg.norm(np.ptp(at.x, axis=(1, 2)))),
-        sides=np.array([length.max() for length in lengths]),
-        curvature=at.curvature,
-        thickness=at.thickness,
-    )
+    diagonal, sides = float(np.linalg.norm(np.ptp(at.x, axis=(1, 2)))), np.array([own.max() for own in lengths])
+    return Extent(diagonal, sides, at.curvature, at.thickness)
 
 
 def check_wall(shell: ShellParts) -> None:
@@ -77,7 +73,6 @@ def check_wall(shell: ShellParts) -> None:
     if bent > FOLDED + 1e-9:
         raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, and folds there")
     thickest = float(size.thickness.max())
-    if thickest >= size.sides.max():
-        raise ModelError(
-            "shell-thickness-size", f"the wall is {thickest:.3g} m thick on a surface {size.sides.max():.3g} m long"
-        )
+    if thickest >= (longest := size.sides.max()):
+        found = f"the wall is {thickest:.3g} m thick on a surface {longest:.3g} m long"
+        raise ModelError("shell-thickness-size", found)

@@ -70,9 +70,8 @@ class Spin:
         """
         part = omega**2 * self.nonlinear
         if part > LINEAR:
-            warn(
-                "rotation-large", f"rotation: found quadratic strains of {part:.2g} times the linear ones", stacklevel=4
-            )
+            found = f"quadratic strains of {part:.2g} times the linear ones"
+            warn("rotation-large", f"rotation: found {found}", stacklevel=4)
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 
 

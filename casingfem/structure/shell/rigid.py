@@ -71,9 +71,8 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
     expected: int = min(motions.shape[2], fields.shape[2])
     if not expected:
         return 0
-    kinetic = kinetic_products(
-        shell, grid, np.dstack([motions, fields]), np.hstack([ring_turns(shell, grid, motions), own])
-    )
+    turns = np.hstack([ring_turns(shell, grid, motions), own])
+    kinetic = kinetic_products(shell, grid, np.dstack([motions, fields]), turns)
     k = motions.shape[2]  # a mode's energy in rigid motions: its M-orthogonal projection on them
     projected = np.linalg.solve(np.linalg.cholesky(kinetic[:k, :k]), kinetic[:k, k:])
     rigid = np.sum(projected**2, axis=0) > SHARE * np.diag(kinetic)[k:]

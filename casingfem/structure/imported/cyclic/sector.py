@@ -80,10 +80,8 @@ class CyclicSector:
         for name, support in self.structure.supports.items():
             across = np.diag(np.isin(np.arange(3), support.held).astype(float))
             if isinstance(support, Fixed) and not np.allclose(self.turn.matrix @ across, across @ self.turn.matrix):
-                found = (
-                    f"cyclic: support.{name} holds {', '.join(support.directions)}, another direction in each sector"
-                )
-                raise ModelError("cyclic-support", found)
+                found = f"holds {', '.join(support.directions)}, another direction in each sector"
+                raise ModelError("cyclic-support", f"cyclic: support.{name} {found}")
         require_axis(self.structure.rotation, self.turn)
         if attached := self.structure.mesh.attachments:
             raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {attached}")

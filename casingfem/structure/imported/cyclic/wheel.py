@@ -9,10 +9,9 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cells import shell as shell_cells
-from casingfem.structure.imported.cells import solid as solid_cells
 from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, scatter
-from casingfem.structure.imported.cells.shell import directors, tangent_frames
+from casingfem.structure.imported.cells.shell import directors, stiffness, tangent_frames
+from casingfem.structure.imported.cells.solid import cell_stiffness
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
@@ -96,9 +95,9 @@ def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str
             raise ModelError("mesh-group-no-cells", f"{mesh.source}: blade {group!r}")
     nodes = mesh.cells[cells]
     if isinstance(structure, Solid):
-        matrices = solid_cells.cell_stiffness(mesh.kind, mesh.points, nodes, structure.constants()[:, cells])
+        matrices = cell_stiffness(mesh.kind, mesh.points, nodes, structure.constants()[:, cells])
     else:
-        normals = shell_cells.directors(mesh)
-        matrices = shell_cells.stiffness(structure, normals, shell_cells.tangent_frames(normals), cells)
+        normals = directors(mesh)
+        matrices = stiffness(structure, normals, tangent_frames(normals), cells)
     size = system.dofs * len(mesh.points)
     return on_free(scatter(matrices, cell_dofs(nodes, system.dofs), size), system.free)

@@ -17,7 +17,7 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, role_of
+from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, fault, role_of
 
 FORMAT = re.compile(r"E(\d+)\.", re.IGNORECASE)
 NUMBERS = re.compile(r"\s*[-+]?\d*\.\d")  # how a line of values begins, and no other
@@ -60,11 +60,6 @@ class Entries:
         for again in ordered[1:][ordered[1:] == ordered[:-1]][:1].tolist():
             column, row = divmod(again, self.rows)
             raise fault(source, f"{self.name}: found row {row + 1} of column {column + 1} again, expected it once")
-
-
-def fault(source: str, message: str) -> ModelError:
-    """A malformed file."""
-    return ModelError("matrix-file", f"{source}: {message}")
 
 
 def read_op4(path: Path) -> dict[str, csc_array]:

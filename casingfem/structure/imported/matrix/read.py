@@ -77,8 +77,7 @@ def of_op4(path: Path, dofs: IntArray | None) -> MatrixSet:
     roles = roles_of([name for name, A in matrices.items() if A.shape[0] == A.shape[1]], path.name)
     if dofs is None:
         raise ModelError("matrix-dofs", f"{path.name}: an OP4 file has no dofs")
-    found = {role: matrices[name] for role, name in roles.items()}
-    return MatrixSet(K=found["K"], M=found["M"], C=found.get("C"), dofs=dofs, source=path.name)
+    return MatrixSet(**{role: matrices[name] for role, name in roles.items()}, dofs=dofs, source=path.name)
 
 
 def read_nodes(path: Path) -> dict[int, FloatArray]:
@@ -149,9 +148,7 @@ def read_dmig(path: Path) -> MatrixSet:
         rows = np.array([place[entry[2:4]] for entry in table])
         values = np.array([entry[4] for entry in table])
         matrices[role] = from_triples(rows, columns, values, len(dofs), symmetric=name in symmetric)
-    return MatrixSet(
-        K=matrices["K"], M=matrices["M"], C=matrices.get("C"), dofs=np.array(dofs), points=points, source=path.name
-    )
+    return MatrixSet(**matrices, dofs=np.array(dofs), points=points, source=path.name)
 
 
 def take_dmig(
@@ -185,7 +182,5 @@ def take_dmig(
             continue
         if len(row) < 3 or not row[0] or not row[2]:
             raise parser.fault(card, f"found {', '.join(row)}, expected node, component and value of a row")
-        value = parser.real(card, row[2])
-        entries[name].append(
-            (node, component, parser.integer(card, row[0]), parser.integer(card, row[1] or "0"), value)
-        )
+        value, at = parser.real(card, row[2]), parser.integer(card, row[0])
+        entries[name].append((node, component, at, parser.integer(card, row[1] or "0"), value))

@@ -109,19 +109,21 @@ class AbaqusAttachments:
         """Nodes that follow the card's reference."""
         reference = self.reference(card)
         followers = np.setdiff1d(nodes, [reference])
-        rigid = Rigid(
-            reference=reference, nodes=followers, components=components, where=f"*{card.keyword} (line {card.line})"
-        )
+        where = f"*{card.keyword} (line {card.line})"
+        rigid = Rigid(reference=reference, nodes=followers, components=components, where=where)
         self.rigids.append(lambda: rigid)
+
+    def coupled(self, card: Card) -> Card:
+        """The *COUPLING before a card, which belongs to it alone."""
+        coupling, self.coupling = self.coupling, None
+        if coupling is None:
+            raise self.names.fault(card.line, f"*{card.keyword} without *COUPLING before it")
+        return coupling
 
     def take_kinematic(self, card: Card) -> None:
         """*KINEMATIC of the *COUPLING before it: lines of first and last degree of freedom, all without any."""
-        coupling = self.coupling
-        if coupling is None:
-            raise self.names.fault(card.line, "*KINEMATIC without *COUPLING before it")
-        self.coupling = None
-        rows = self.rows(card)
-        components = sorted({c for line, cells in rows for c in self.span(line, cells)}) or range(6)
+        coupling = self.coupled(card)
+        components = sorted({c for line, cells in self.rows(card) for c in self.span(line, cells)}) or range(6)
         reference, name = self.reference(coupling), coupling.parameters.get("SURFACE", "")
 
         def rigid() -> Rigid:
@@ -146,9 +148,7 @@ class AbaqusAttachments:
 
     def take_distributing(self, card: Card) -> None:
         """*DISTRIBUTING of the *COUPLING before it, nodes of equal weight."""
-        coupling, self.coupling = self.coupling, None
-        if coupling is None:
-            raise self.names.fault(card.line, "*DISTRIBUTING without *COUPLING before it")
+        coupling = self.coupled(card)
         nodes = self.names.node_surface(coupling.parameters.get("SURFACE", ""))
         if nodes is None:
             self.names.leave_out("DISTRIBUTING on a surface of elements", card.line)
@@ -156,10 +156,8 @@ class AbaqusAttachments:
         if card.parameters.get("WEIGHTING METHOD", "UNIFORM").upper() != "UNIFORM" or card.data:
             found = "a weighting method or degrees of freedom"
             raise self.names.fault(card.line, f"*DISTRIBUTING: found {found}, expected neither")
-        where = f"*COUPLING (line {coupling.line})"
-        self.means.append(
-            Mean(reference=self.reference(coupling), nodes=nodes, weights=np.ones(len(nodes)), where=where)
-        )
+        where, reference = f"*COUPLING (line {coupling.line})", self.reference(coupling)
+        self.means.append(Mean(reference=reference, nodes=nodes, weights=np.ones(len(nodes)), where=where))
 
     def take_mpc(self, card: Card) -> None:
         """*MPC: kind, the node that follows, the node it follows."""
@@ -178,8 +176,8 @@ class AbaqusAttachments:
             rigid = Rigid(reference=reference, nodes=np.array([node]), where=where)
             self.rigids.append(lambda: rigid)
             return
-        for c in range(3):
-            self.equations.append(Equation(terms=(Term(node, c, 1.0), Term(reference, c, -1.0)), where=where))
+        pairs = ((Term(node, c, 1.0), Term(reference, c, -1.0)) for c in range(3))
+        self.equations += [Equation(terms=pair, where=where) for pair in pairs]
 
     def take_equations(self, card: Card) -> None:
         """*EQUATION: number of terms, then node, degree of freedom, coefficient of each, as often as given."""
@@ -191,9 +189,8 @@ class AbaqusAttachments:
             while rows and len(cells) < 3 * count:
                 cells, rows = cells + rows[0][1], rows[1:]
             if count < 2 or len(cells) != 3 * count:
-                raise self.names.fault(
-                    line, f"*EQUATION: found {len(cells)} cells, expected 3 for each of {count} terms"
-                )
+                found = f"*EQUATION: found {len(cells)} cells, expected 3 for each of {count} terms"
+                raise self.names.fault(line, found)
             terms = []
             for k in range(0, len(cells), 3):
                 nodes = self.names.nodes_of(cells[k], line)

@@ -162,8 +162,7 @@ class Parser(Numbers):
         cell_sets: dict[str, list[tuple[int, IntArray]]] = {}
         for kind, rows in self.elements.items():
             table_of = np.array([row[2] for row in rows])
-            cells = np.full(table_of.shape, -1)  # middle nodes that are left out
-            cells[table_of != 0] = nodes(table_of[table_of != 0])
+            cells = nodes.some(table_of, table_of != 0)
             if kind in ("hexahedron20", "wedge15"):
                 cells = cells[:, BRICK20 if kind == "hexahedron20" else WEDGE15]
             cells = right_handed(kind, cells, table[:, 1:])  # Nastran asks for neither way

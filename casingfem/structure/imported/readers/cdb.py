@@ -253,9 +253,7 @@ def draft(archive: Archive) -> Draft:
     for k, (kind, entries) in enumerate(rows.items()):
         own_numbers = np.array([entry[0] for entry in entries])
         given = np.array([entry[2] for entry in entries])
-        cells = np.full(given.shape, -1)  # middle nodes that are left out
-        cells[given > 0] = nodes(given[given > 0])
-        blocks.append(Block(kind, cells, own_numbers))
+        blocks.append(Block(kind, nodes.some(given, given > 0), own_numbers))
         materials = np.array([entry[1] for entry in entries])
         for material in np.unique(materials):
             sets.setdefault(f"MAT {material}", []).append((k, np.flatnonzero(materials == material)))
@@ -263,14 +261,11 @@ def draft(archive: Archive) -> Draft:
             if what == "ELEM":
                 sets.setdefault(name, []).append((k, np.flatnonzero(np.isin(own_numbers, members))))
     Lookup(np.concatenate([block.numbers for block in blocks]), source, "element")
+    on_nodes = {name: members for name, (what, members) in archive.components.items() if what == "NODE"}
     return Draft(
         points=table[:, 1:],
         node_numbers=numbers,
         blocks=blocks,
-        node_sets={
-            name: nodes(np.array(members, dtype=np.int64))
-            for name, (what, members) in archive.components.items()
-            if what == "NODE"
-        },
+        node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in on_nodes.items()},
         cell_sets=sets,
     )

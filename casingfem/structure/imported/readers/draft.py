@@ -75,6 +75,12 @@ class Lookup:
             raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is named but not given")
         return np.asarray(self.order[place])
 
+    def some(self, wanted: IntArray, given: BoolArray) -> IntArray:
+        """Indices of the numbers that are given, of their shape; -1 for the others, middle nodes that are left out."""
+        cells = np.full(wanted.shape, -1)
+        cells[given] = self(wanted[given])
+        return cells
+
 
 def build(draft: Draft, source: str) -> MeshData:
     """The mesh of a draft.
@@ -87,10 +93,9 @@ def build(draft: Draft, source: str) -> MeshData:
     draft = with_middles(draft)
     dims = [block.dim for block in draft.blocks]
     top = max(dims, default=0)
-    kinds = Counter({b.kind: 0 for b in draft.blocks if b.dim == top})
-    for block in draft.blocks:
-        if block.dim == top:
-            kinds[block.kind] += len(block.cells)
+    kinds = Counter[str]()
+    for block in (block for block in draft.blocks if block.dim == top):
+        kinds[block.kind] += len(block.cells)
     found = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     if top < 2:
         raise ModelError("mesh-no-cells", f"{source}: found {found or 'no cells'}")
@@ -176,9 +181,8 @@ def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]
         corners.append(draft.facet_sets[name])
     facets = [locate(name, part, mesh) for part in corners]
     nodes += [mesh.facet_nodes(part).ravel() for part in facets]
-    return Group(
-        nodes=np.concatenate(nodes), cells=np.concatenate(cells), facets=np.concatenate(facets) if facets else None
-    )
+    on = np.concatenate(facets) if facets else None
+    return Group(nodes=np.concatenate(nodes), cells=np.concatenate(cells), facets=on)
 
 
 def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:

@@ -14,6 +14,7 @@ from k times a power of ten beyond all numbers, and its sets are called `I.set`,
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,7 @@ def cards(lines: Iterable[NumberedLine]) -> Iterator[Card]:
 
 
 DIGITS = 15  # of numbers that a mesh has: beyond, a float does not tell them apart
+MOST = 10.0**DIGITS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,25 +148,31 @@ def largest(card: Card) -> int:
     return max((int(number) for number in numbers if number.isdecimal() and len(number) <= DIGITS), default=0)
 
 
+def values(card: Card, kind: type, fault: Callable[[str, str], ModelError]) -> list[list[Any]]:
+    """The numbers on each data line."""
+    rows = []
+    for line, text in card.data:
+        try:
+            rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
+        except ValueError:
+            raise fault(line, f"found {text!r}, expected numbers") from None
+        if not all(abs(value) < MOST for value in rows[-1]):
+            raise fault(line, f"found {text!r}, expected numbers below {MOST:g}")
+    return rows
+
+
 def motion(card: Card, fault: Callable[[str, str], ModelError]) -> tuple[FloatArray, FloatArray]:
     """Turn (3, 3) and shift (3,) of an instance: x -> turn x + shift."""
     from scipy.spatial.transform import Rotation  # loaded with the first part, not by every study
 
-    rows = []
-    for line, text in card.data:
-        try:
-            rows.append((line, [float(cell) for cell in text.rstrip(",").split(",")]))
-        except ValueError:
-            raise fault(line, f"found {text!r}, expected numbers") from None
-        if not all(abs(value) < 10.0**DIGITS for value in rows[-1][1]):
-            raise fault(line, f"found {text!r}, expected numbers below {10.0**DIGITS:g}")
-    if len(rows) > 2 or (rows and len(rows[0][1]) != 3) or (len(rows) == 2 and len(rows[1][1]) != 7):
+    rows = values(card, float, fault)
+    if len(rows) > 2 or (rows and len(rows[0]) != 3) or (len(rows) == 2 and len(rows[1]) != 7):
         raise fault(card.line, "*INSTANCE: expected a line dx, dy, dz, then one ax, ay, az, bx, by, bz, angle")
-    shift = np.array(rows[0][1]) if rows else np.zeros(3)
+    shift = np.array(rows[0]) if rows else np.zeros(3)
     if len(rows) < 2:
         return np.eye(3), shift
-    a, b, angle = np.array(rows[1][1][:3]), np.array(rows[1][1][3:6]), rows[1][1][6]
+    a, b, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
     if not np.linalg.norm(b - a) > 0.0:
-        raise fault(rows[1][0], "*INSTANCE: found an axis between two points at one place")
+        raise fault(card.data[1][0], "*INSTANCE: found an axis between two points at one place")
     turn = Rotation.from_rotvec(np.radians(angle) * (b - a) / np.linalg.norm(b - a)).as_matrix()
     return turn, turn @ (shift - a) + a

@@ -12,7 +12,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.readers.draft import Block
-from casingfem.structure.imported.readers.inp_cards import DIGITS, Card, Frame
+from casingfem.structure.imported.readers.inp_cards import DIGITS, MOST, Card, Frame, values
 
 TETRA = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
 WEDGE = ((0, 1, 2), (3, 5, 4), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))  # S1 to S5
@@ -46,7 +46,6 @@ def face_corners(kind: str, face: str, *, plane: bool = False) -> tuple[int, ...
 
 NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
-MOST = 10.0**DIGITS
 NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -76,15 +75,7 @@ class Names:
 
     def values(self, card: Card, kind: type) -> list[list[Any]]:
         """The numbers on each data line."""
-        rows = []
-        for line, text in card.data:
-            try:
-                rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
-            except ValueError:
-                raise self.fault(line, f"found {text!r}, expected numbers") from None
-            if not all(abs(value) < MOST for value in rows[-1]):
-                raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
-        return rows
+        return values(card, kind, self.fault)
 
     def named(self, name: str) -> str:
         """The name of a set or surface in the assembly."""

@@ -64,11 +64,8 @@ class NastranAttachments(NastranCards):
 
     def mass_factor(self) -> float:
         """PARAM, WTMASS: what masses are multiplied by."""
-        found = 1.0
-        for card in self.cards["PARAM"]:
-            if self.field(card, 0).upper() == "WTMASS":
-                found = self.numbers.real(card, self.field(card, 1))
-        return found
+        given = [card for card in self.cards["PARAM"] if self.field(card, 0).upper() == "WTMASS"]
+        return [1.0, *(self.numbers.real(card, self.field(card, 1)) for card in given)][-1]
 
     def point_mass(self, card: Card, scale: float) -> PointMass:
         """CONM2: number, grid, system, mass, offset, then I11, I21, I22, I31, I32, I33."""
@@ -155,9 +152,8 @@ class NastranAttachments(NastranCards):
             raise self.numbers.fault(card, "found independent components at both ends, expected 123456 at one")
         components = self.components(card, by_b or "123456")
         nodes = np.array([self.grid(card, b, components)])
-        return Rigid(
-            reference=self.numbers.integer(card, a), nodes=nodes, components=components, where=self.where(card)
-        )
+        reference = self.numbers.integer(card, a)
+        return Rigid(reference=reference, nodes=nodes, components=components, where=self.where(card))
 
     def mean(self, card: Card) -> Mean:
         """RBE3: number, -, reference, components, then groups of a weight, components and grids."""
@@ -166,10 +162,7 @@ class NastranAttachments(NastranCards):
         grids: list[int] = []
         rest = [text for text in card.fields[4:] if text]
         weight, place = 0.0, 0
-        while place < len(rest):
-            text = rest[place]
-            if text.upper() == "ALPHA":
-                break
+        while place < len(rest) and (text := rest[place]).upper() != "ALPHA":
             if text[0].isalpha():
                 raise self.numbers.fault(card, f"found {text}, expected weights, components and grids")
             if not text.isdecimal():  # a real number begins a group
