@@ -123,13 +123,9 @@ class ElasticEdge:
         length = at.stretch * line.weights
         blocks, rotation = self.line_stiffness(at.directions, at.a, at.b, at.thickness)
         moment = -at.bend * self.k_face * self.factor("k_face", at.a, at.b) * at.thickness**3 / 12.0
-        return PointSprings(
-            nodes=line.nodes[:, None],
-            values=np.ones((len(line.nodes), 1)),
-            blocks=blocks * length[:, None, None],
-            rotation=rotation * length,
-            coupling=np.moveaxis(at.tangents * moment * length, -1, 0),
-        )
+        coupling = np.moveaxis(at.tangents * moment * length, -1, 0)
+        nodes, values = line.nodes[:, None], np.ones((len(line.nodes), 1))
+        return PointSprings(nodes, values, blocks * length[:, None, None], rotation * length, coupling)
 
     def pattern(self, spring: str) -> Field | None:
         """How one spring varies along the edge, relative; None where it is even."""

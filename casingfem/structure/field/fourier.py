@@ -112,14 +112,9 @@ class FourierField:
         around, around_1, around_2 = (part[theta_of] for part in parts)
         powers = self._powers(z) if self.spline is None else self.spline.evaluate(z)
         along, along_1, along_2 = (power[z_of] for power in powers)
-        return FieldValues(
-            value=_contract(around, along),
-            d_z=_contract(around, along_1),
-            d_theta=_contract(around_1, along),
-            d_zz=_contract(around, along_2),
-            d_z_theta=_contract(around_1, along_1),
-            d_theta_theta=_contract(around_2, along),
-        )
+        first = _contract(around, along), _contract(around, along_1), _contract(around_1, along)
+        second = _contract(around, along_2), _contract(around_1, along_1), _contract(around_2, along)
+        return FieldValues(*first, *second)
 
     def _powers(self, z: Array) -> tuple[Array, Array, Array]:
         """Return zeta^d and its first and second z-derivatives, (z.shape, D) each."""

@@ -62,14 +62,8 @@ class Bend(NamedTuple):
         half, turned = 0.5 * self.kappa * s, self.phi + self.kappa * s
         chord = s * np.sinc(half / np.pi)  # 2 sin(kappa s/2)/kappa
         c, d = np.cos(turned), np.sin(turned)
-        return MeridianPoints(
-            r=self.start[0] + chord * np.cos(self.phi + half),
-            r1=c,
-            r2=-self.kappa * d,
-            z=self.start[1] + chord * np.sin(self.phi + half),
-            z1=d,
-            z2=self.kappa * c,
-        )
+        r, z = self.start[0] + chord * np.cos(self.phi + half), self.start[1] + chord * np.sin(self.phi + half)
+        return MeridianPoints(r, c, -self.kappa * d, z, d, self.kappa * c)
 
     @property
     def end(self) -> FloatArray:

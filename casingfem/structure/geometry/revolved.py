@@ -85,14 +85,8 @@ class Arc:
         sense = float(np.sign(np.real(self.end - self.start)))
         phi = self.start + sense * s / self.radius
         c, d = np.cos(phi), np.sin(phi)
-        return MeridianPoints(
-            r=self.r0 + self.radius * c,
-            r1=-sense * d,
-            r2=-c / self.radius,
-            z=self.z0 + self.radius * d,
-            z1=sense * c,
-            z2=-d / self.radius,
-        )
+        r, z = self.r0 + self.radius * c, self.z0 + self.radius * d
+        return MeridianPoints(r, -sense * d, -c / self.radius, z, sense * c, -d / self.radius)
 
 
 def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldValues | None) -> Surface:

@@ -245,11 +245,8 @@ def assembled(
 
 def still_nodes(structure: MeshStructure) -> IntArray:
     """Nodes that a support holds against turning, where they turn by themselves."""
-    groups = [
-        structure.mesh.groups[name].nodes
-        for name, support in structure.supports.items()
-        if isinstance(support, Clamped)
-    ]
+    clamped = [name for name, support in structure.supports.items() if isinstance(support, Clamped)]
+    groups = [structure.mesh.groups[name].nodes for name in clamped]
     return np.unique(np.concatenate([*groups, np.zeros(0, dtype=np.int64)]))
 
 

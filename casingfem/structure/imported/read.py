@@ -177,11 +177,8 @@ def read_vtu(file: Path) -> Draft:
             why = "some kinds cannot be read" if name == "Cells" else "cut short?"
             raise ModelError("mesh-file", f"{file.name}: {found} of {stated.get(name)} {name.lower()} were read: {why}")
     flags = {name: values for name, values in mesh.point_data.items() if is_flag([values])}
-    sets = {
-        name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)]
-        for name, parts in mesh.cell_data.items()
-        if is_flag(parts)
-    }
+    marked = {name: parts for name, parts in mesh.cell_data.items() if is_flag(parts)}
+    sets = {name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)] for name, parts in marked.items()}
     return Draft(
         points=np.asarray(mesh.points, dtype=float),
         node_numbers=np.arange(len(mesh.points)),

@@ -158,13 +158,9 @@ def with_centres(mesh: MeshData) -> MeshData:
     centres = np.einsum("k,ekc->ec", weights[:, 0], mesh.points[mesh.cells[whole]])
     ninth = mesh.cells[:, 3].copy()  # triangles have none of their own
     ninth[whole] = len(mesh.points) + np.arange(len(centres))
-    return replace(
-        mesh,
-        kind="quad9",
-        points=np.vstack([mesh.points, centres]),
-        cells=np.column_stack([mesh.cells, ninth]),
-        node_numbers=np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)]),
-    )
+    points, cells = np.vstack([mesh.points, centres]), np.column_stack([mesh.cells, ninth])
+    numbers = np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)])
+    return replace(mesh, kind="quad9", points=points, cells=cells, node_numbers=numbers)
 
 
 def check_folds(mesh: MeshData) -> None:

@@ -47,12 +47,8 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     around = np.einsum("eiac,cd,ejbd->eiajb", e, turn, e, optimize=True)
     moved, turned = shell.inertia()[:, :, None, None] * scalar
     x, lag = (mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)
-    return Inertia(
-        mass=consistent_mass(shell, frames),
-        softening=blocks(moved, P, turned, lean),
-        gyroscopic=blocks(2.0 * moved, turn, 2.0 * turned, around),
-        away=np.concatenate([x, lag], axis=1),
-    )
+    soft, coriolis = blocks(moved, P, turned, lean), blocks(2.0 * moved, turn, 2.0 * turned, around)
+    return Inertia(consistent_mass(shell, frames), soft, coriolis, away=np.concatenate([x, lag], axis=1))
 
 
 def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:

@@ -54,26 +54,18 @@ def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array 
     surface = geometry.surface
     tangent, second = (surface.x2, surface.x22) if along == 1 else (surface.x1, surface.x11)
     basis, square = frame(surface), dot(tangent, tangent)
-    return LineFrame(
-        a=a,
-        b=b,
-        directions=shell.chart.directions(a, b),
-        thickness=geometry.thickness,
-        stretch=np.sqrt(square),
-        tangents=np.stack([basis.e1, basis.e2], axis=1),
-        bend=(shell.wall == "curved") * dot(basis.normal, second) / square,
-    )
+    stretch, tangents = np.sqrt(square), np.stack([basis.e1, basis.e2], axis=1)
+    bend = (shell.wall == "curved") * dot(basis.normal, second) / square
+    return LineFrame(a, b, shell.chart.directions(a, b), geometry.thickness, stretch, tangents, bend)
 
 
 def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
     """Stiffness and mass of all that stands on the edges, held dofs included."""
     own = own_dofs(shell, grid)
     rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
-    return EdgeForms(
-        stiffness=[beam for beam, _ in rings] + holding_forms(shell, grid),
-        mass=[inertia for _, inertia in rings] + mass_forms(shell, grid),
-        own=sum(map(len, own.values())),
-    )
+    stiffness = [beam for beam, _ in rings] + holding_forms(shell, grid)
+    mass = [inertia for _, inertia in rings] + mass_forms(shell, grid)
+    return EdgeForms(stiffness, mass, own=sum(map(len, own.values())))
 
 
 def holding_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:

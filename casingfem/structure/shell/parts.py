@@ -123,13 +123,9 @@ class ShellParts:
             spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])
             for name in ("E", "nu", "rho")
         )
-        return ShellGeometry(
-            surface=self.chart.surface(a, b, defect),
-            thickness=thickness * relative(self.thickness_defect, a, b),
-            E=E * relative(self.modulus_defect, a, b),
-            nu=nu,
-            rho=rho * relative(self.density_defect, a, b),
-        )
+        thickness = thickness * relative(self.thickness_defect, a, b)
+        E, rho = E * relative(self.modulus_defect, a, b), rho * relative(self.density_defect, a, b)
+        return ShellGeometry(self.chart.surface(a, b, defect), thickness, E, nu, rho)
 
 
 def sampled_geometry(shell: ShellParts, around: int) -> ShellGeometry:

@@ -102,13 +102,9 @@ def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     blocks = softening(rotation, mass, tangents, basis.normal.T)
     at_points, nonlinear = point_stiffness(shell, grid, fields)
     first, second = (element_sum(jet_elements(grid, H), grid, system.frames, system.free).tocsc() for H in at_points)
-    return Spin(
-        K1=csc_array(first - scatter_blocks(blocks, system.frames, system.free)),
-        K2=second,
-        G=scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free),
-        fields=fields[:, :, 0],
-        nonlinear=nonlinear,
-    )
+    linear = csc_array(first - scatter_blocks(blocks, system.frames, system.free))
+    G = scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free)
+    return Spin(K1=linear, K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
 
 
 def centrifugal(rotation: Rotation, mass: FloatArray, x: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:

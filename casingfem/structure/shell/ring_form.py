@@ -52,11 +52,8 @@ def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArr
     dofs = node_dofs(grid, name, own)
     elements, gauss_points, rows, functions, _ = beam.strain.shape
     strain = np.einsum("egimk,emkl->egiml", beam.strain, G[edge.parts])
-    stiffness = EdgeForm(
-        dofs=np.repeat(dofs[edge.parts].reshape(elements, -1), gauss_points, axis=0),
-        B=strain.reshape(-1, rows, functions * MOTIONS),
-        D=beam.D.reshape(-1, rows, rows),
-    )
+    at_points = np.repeat(dofs[edge.parts].reshape(elements, -1), gauss_points, axis=0)
+    stiffness = EdgeForm(at_points, strain.reshape(-1, rows, functions * MOTIONS), beam.D.reshape(-1, rows, rows))
     places = edge.parts.ravel()
     return stiffness, EdgeForm(dofs=dofs[places], B=G[places], D=beam.inertia.reshape(-1, MOTIONS, MOTIONS))
 

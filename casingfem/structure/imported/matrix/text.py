@@ -10,17 +10,15 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, fault, from_triples, roles_of
 
 MOST = 10**8  # rows
+PLAIN = str.maketrans(",Dd", " Ee")  # blanks between numbers, exponents as Python has them
 MOST_NUMBER = 1e15  # of a node: beyond, a float does not tell them apart
 Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
 
 
 def numbers(path: Path, columns: int) -> FloatArray:
     """A table of numbers separated by commas or blanks, lines of `*` and `%` left out, (rows, columns)."""
-    lines = [
-        line.replace(",", " ").replace("D", "E").replace("d", "e")
-        for line in path.read_text(encoding="utf-8", errors="replace").splitlines()
-        if line.strip() and line.lstrip()[0] not in "*%#"
-    ]
+    given = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    lines = [line.translate(PLAIN) for line in given if line.strip() and line.lstrip()[0] not in "*%#"]
     try:
         table = np.loadtxt(lines, ndmin=2) if lines else np.zeros((0, columns))
     except ValueError as error:

@@ -254,20 +254,13 @@ class Attachments:
                 return spring.terms
             return tuple(t._replace(coefficient=t.coefficient * length) if t.component > 2 else t for t in spring.terms)
 
-        return replace(
-            self,
-            masses=tuple(
-                replace(
-                    m,
-                    mass=m.mass * mass,
-                    inertia=frozen(np.asarray(m.inertia) * mass * length**2),
-                    offset=(m.offset[0] * length, m.offset[1] * length, m.offset[2] * length),
-                )
-                for m in self.masses
-            ),
-            springs=tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs),
-            equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
-        )
+        def weighed(m: PointMass) -> PointMass:
+            inertia, (x, y, z) = frozen(np.asarray(m.inertia) * mass * length**2), m.offset
+            return replace(m, mass=m.mass * mass, inertia=inertia, offset=(x * length, y * length, z * length))
+
+        springs = tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs)
+        equations = tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations)
+        return replace(self, masses=tuple(map(weighed, self.masses)), springs=springs, equations=equations)
 
 
 NOTHING = Attachments()

@@ -200,13 +200,10 @@ def beside(meshes: Mapping[str, MeshData]) -> MeshData:
         for inner, group in mesh.groups.items():
             facets = None if group.facets is None else group.facets + np.array([start, 0])
             groups[f"{name}.{inner}"] = Group(nodes=first + group.nodes, cells=start + group.cells, facets=facets)
-    return MeshData(
-        kind=parts[0].kind,
-        points=np.concatenate([mesh.points for mesh in parts]),
-        cells=np.concatenate([first + mesh.cells for mesh, first in zip(parts, nodes, strict=False)]),
-        groups=groups,
-        source=" and ".join(dict.fromkeys(mesh.source for mesh in parts)),
-    )
+    points = np.concatenate([mesh.points for mesh in parts])
+    whole = np.concatenate([first + mesh.cells for mesh, first in zip(parts, nodes, strict=False)])
+    source = " and ".join(dict.fromkeys(mesh.source for mesh in parts))
+    return MeshData(kind=parts[0].kind, points=points, cells=whole, groups=groups, source=source)
 
 
 def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:

@@ -267,10 +267,6 @@ class AbaqusAttachments:
         if not length > 0.0:
             which = where.removesuffix(f" (line {card.line})")
             raise self.names.fault(card.line, f"{which}: found two nodes at one place, which have no line between them")
-        terms = [
-            Term(int(node), c, sign * float(axis[c] / length))
-            for node, sign in zip(nodes, (1.0, -1.0), strict=True)
-            for c in range(3)
-            if axis[c]
-        ]
+        ends = zip(nodes.tolist(), (1.0, -1.0), strict=True)
+        terms = [Term(node, c, sign * float(axis[c] / length)) for node, sign in ends for c in range(3) if axis[c]]
         return Spring(terms=tuple(terms), stiffness=stiffness, where=where)

@@ -156,19 +156,19 @@ class Parser(Numbers):
             found = f"{len(self.grids)} grids and no elements"
             raise ModelError("mesh-no-cells", f"{self.source}: found {found}")
         table = np.array(self.grids)
-        numbers = table[:, 0].astype(np.int64)
+        numbers, points = table[:, 0].astype(np.int64), table[:, 1:]
         nodes = Lookup(numbers, self.source, "grid")
         blocks: list[Block] = []
-        cell_sets: dict[str, list[tuple[int, IntArray]]] = {}
+        sets: dict[str, list[tuple[int, IntArray]]] = {}
         for kind, rows in self.elements.items():
             table_of = np.array([row[2] for row in rows])
             cells = nodes.some(table_of, table_of != 0)
             if kind in ("hexahedron20", "wedge15"):
                 cells = cells[:, BRICK20 if kind == "hexahedron20" else WEDGE15]
-            cells = right_handed(kind, cells, table[:, 1:])  # Nastran asks for neither way
+            cells = right_handed(kind, cells, points)  # Nastran asks for neither way
             owners = np.array([row[1] for row in rows])
             for owner in np.unique(owners):
-                cell_sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))
+                sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))
             blocks.append(Block(kind, cells, np.array([row[0] for row in rows])))
         Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
         node_sets: dict[str, list[int]] = {}
@@ -183,11 +183,8 @@ class Parser(Numbers):
                 for own, members in list(node_sets.items()):
                     if own == f"SPC {part}" or own.startswith(f"SPC {part} "):
                         node_sets.setdefault(own.replace(part, card.fields[0], 1), []).extend(members)
+        held = {name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()}
+        attached = self.connections.attachments(points, nodes, self.turned)
         return Draft(
-            points=table[:, 1:],
-            node_numbers=numbers,
-            blocks=blocks,
-            node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
-            cell_sets=cell_sets,
-            attachments=self.connections.attachments(table[:, 1:], nodes, self.turned),
+            points=points, node_numbers=numbers, blocks=blocks, node_sets=held, cell_sets=sets, attachments=attached
         )

@@ -262,10 +262,5 @@ def draft(archive: Archive) -> Draft:
                 sets.setdefault(name, []).append((k, np.flatnonzero(np.isin(own_numbers, members))))
     Lookup(np.concatenate([block.numbers for block in blocks]), source, "element")
     on_nodes = {name: members for name, (what, members) in archive.components.items() if what == "NODE"}
-    return Draft(
-        points=table[:, 1:],
-        node_numbers=numbers,
-        blocks=blocks,
-        node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in on_nodes.items()},
-        cell_sets=sets,
-    )
+    node_sets = {name: nodes(np.array(members, dtype=np.int64)) for name, members in on_nodes.items()}
+    return Draft(points=table[:, 1:], node_numbers=numbers, blocks=blocks, node_sets=node_sets, cell_sets=sets)

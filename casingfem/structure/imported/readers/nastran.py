@@ -37,15 +37,11 @@ class NastranAttachments(NastranCards):
         masses = tuple(self.point_mass(card, scale) for card in self.cards["CONM2"])
         cards = [card for name in ("CELAS1", "CELAS2") for card in self.cards[name] if not self.is_scalar(card)]
         springs = [self.spring(card, self.pelas()) for card in cards]
-        bushes = [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
+        springs += [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
         rigids = [self.rigid(card) for card in self.cards["RBE2"]] + [self.bar(card) for card in self.cards["RBAR"]]
-        given = Attachments(
-            masses=masses,
-            springs=(*springs, *bushes),
-            rigids=tuple(rigids),
-            means=tuple(self.mean(card) for card in self.cards["RBE3"]),
-            equations=self.equations(),
-        )
+        means, equations = tuple(self.mean(card) for card in self.cards["RBE3"]), self.equations()
+        rigid, elastic = tuple(rigids), tuple(springs)
+        given = Attachments(masses=masses, springs=elastic, rigids=rigid, means=means, equations=equations)
         return given.renumbered(index)
 
     def components(self, card: Card, text: str) -> tuple[int, ...]:
@@ -86,12 +82,9 @@ class NastranAttachments(NastranCards):
 
     def pelas(self) -> dict[int, float]:
         """Stiffness of each PELAS, two on a card."""
-        return {
-            self.numbers.integer(card, card.fields[k]): self.numbers.real(card, self.field(card, k + 1))
-            for card in self.cards["PELAS"]
-            for k in (0, 4)
-            if self.field(card, k)
-        }
+        given = [(card, k) for card in self.cards["PELAS"] for k in (0, 4) if self.field(card, k)]
+        integer, real = self.numbers.integer, self.numbers.real
+        return {integer(card, card.fields[k]): real(card, self.field(card, k + 1)) for card, k in given}
 
     def is_scalar(self, card: Card) -> bool:
         """Whether a spring ends at a scalar point, component 0: it is left out."""
@@ -178,13 +171,9 @@ class NastranAttachments(NastranCards):
             place += 1
         if not grids:
             raise self.numbers.fault(card, "found no grid to follow")
-        return Mean(
-            reference=self.grid(card, self.field(card, 2), components),
-            nodes=np.array(grids, dtype=np.int64),
-            weights=np.array(weights),
-            components=components,
-            where=self.where(card),
-        )
+        reference, where = self.grid(card, self.field(card, 2), components), self.where(card)
+        nodes, shares = np.array(grids, dtype=np.int64), np.array(weights)
+        return Mean(reference=reference, nodes=nodes, weights=shares, components=components, where=where)
 
     def equations(self) -> tuple[Equation, ...]:
         """MPC: set, then grid, component, coefficient, two on each line."""
