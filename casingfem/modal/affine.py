@@ -26,8 +26,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
 from casingfem.structure.shell.assembly import on_free
-from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
-from casingfem.structure.shell.ring_form import support_form
+from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs, support_form
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import outer_supports
 from contact.io.brief import brief

@@ -16,7 +16,7 @@ from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rotation import rigid_left
 from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
-from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, symmetric
+from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, symmetric
 from casingfem.structure.imported.mesh.cell_kind import VTK
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport

@@ -23,8 +23,7 @@ from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
-from casingfem.structure.imported.cells.mapped import facet_shape_products
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, scatter
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,

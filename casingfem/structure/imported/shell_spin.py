@@ -13,8 +13,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cells.mapped import shape_products
-from casingfem.structure.imported.cells.scatter import put
+from casingfem.structure.imported.cells.mapped import put, shape_products
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,

@@ -16,8 +16,7 @@ from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
-from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, mapped, scatter
 from casingfem.structure.imported.cells.solid import SolidCells, cell_matrices, consistent_mass, stiffness
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh.cell_kind import SOLIDS

@@ -20,8 +20,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.turning import attached_spin
-from casingfem.structure.imported.cells.mapped import Mapped, mapped
-from casingfem.structure.imported.cells.scatter import CHUNK, cell_dofs, on_free, put, scatter
+from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, cell_dofs, mapped, on_free, put, scatter
 from casingfem.structure.imported.cells.solid import (
     VOIGT,
     SolidCells,

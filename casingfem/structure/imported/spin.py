@@ -24,7 +24,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import attached_spin, carried
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter, symmetric
+from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, symmetric
 from casingfem.structure.shell.prestress import Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated

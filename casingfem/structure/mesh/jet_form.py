@@ -47,6 +47,18 @@ def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
     return first, both[low, high].reshape(len(low), -1), place.ravel()
 
 
+def point_jets(grid: Grid, fields: Array) -> Array:
+    """U, d_1 U, d_2 U of nodal fields (nodes, 5, k) at the quadrature points: (elements, points, 15, k)."""
+    local = fields[grid.elements]
+    elements, points = len(grid.elements), grid.table.shape[2]
+    flat = local.reshape(elements, grid.table.shape[1], -1)
+    jets = np.empty((elements, points, 3, flat.shape[2]), dtype=np.result_type(fields, grid.size))
+    for slot, table in enumerate(grid.table):
+        np.matmul(table.T, flat, out=jets[:, :, slot])
+    jets[:, :, 1:] /= grid.size.T[:, None, :, None]
+    return np.asarray(jets.reshape(elements, points, JET, fields.shape[2]))
+
+
 def jet_elements(grid: Grid, H: Array) -> FloatArray:
     """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
     n, elements = grid.mesh.order + 1, len(grid.elements)

@@ -217,7 +217,7 @@ def quads(grid: Grid) -> IntArray:
 
 def edge_breaks(grid: Grid, edge: str) -> Array:
     """Ends of the elements along an edge, in its parameter; a closed edge ends a turn after its start."""
-    places = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
+    places: Array = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
     if grid.periodic:
         places = np.append(places, places[0] + 2.0 * np.pi)
     return places[:: grid.mesh.order]

@@ -3,7 +3,6 @@
 import numpy as np
 
 from casingfem.errors import ModelError, warn
-from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import EdgeMass, Ring, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
@@ -16,7 +15,15 @@ from casingfem.structure.geometry.survey_check import check_survey, surveys
 from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.plies import Ply, mirrored
-from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
+from casingfem.structure.shell.variation import (
+    SEEN,
+    field_samples,
+    finest_harmonic,
+    following,
+    outer_supports,
+    springs_per_wave,
+    spurious_split,
+)
 from contact.io.names import hint
 
 WALLS = ("curved", "linear")

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from casingfem.io.arrays import Array
+from casingfem.structure.mesh.jet_form import JET, point_jets
+from casingfem.structure.mesh.kinematics import STRAINS, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.assembly import admitted, nodal_mass
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.strains import point_jets, point_strains
-from casingfem.structure.shell.wall import constitutive
+from casingfem.structure.shell.wall import constitutive, curvature
 
 WALL = ("chart", "thickness", "material", "shear_correction", "wall", "plies", "strips", "taper", "radius_defect",
         "thickness_defect", "modulus_defect", "density_defect")  # fmt: skip
@@ -57,6 +58,17 @@ def point_fields(shell: ShellParts, grid: Grid, fields: Array, own: Array) -> Po
         shell=shell, grid=grid, fields=fields, own=own, jets=jets,
         strain=strain, curvature=curvature, jacobian=jacobian,
     )  # fmt: skip
+
+
+def point_strains(shell: ShellParts, grid: Grid, jets: Array) -> tuple[Array, Array, Array]:
+    """Strains (elements, points, 8, k), curvature (3, elements, points), area Jacobian (elements, points).
+
+    Times the section stiffness they are membrane forces [N/m], moments [N m/m] and transverse shear forces [N/m].
+    """
+    L, rates = strain_slots(shell.geometry(*grid.parameters).surface)
+    coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)
+    coefficients = coefficients.reshape(*jets.shape[:2], STRAINS, JET)
+    return np.matmul(coefficients, jets), curvature(rates), rates.basis.jacobian
 
 
 def modal_products(shell: ShellParts, at: PointFields) -> ModalProducts:

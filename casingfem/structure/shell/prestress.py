@@ -30,11 +30,10 @@ from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, scatter_blocks
+from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import point_jets
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
 

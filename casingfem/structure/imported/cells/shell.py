@@ -13,8 +13,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Rotation, Vector
-from casingfem.structure.imported.cells.mapped import shape_products
-from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.imported.cells.mapped import CHUNK, put, shape_products
 from casingfem.structure.imported.cells.tying import tied_strains
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives

@@ -7,8 +7,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cells.mapped import Mapped, mapped
-from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, mapped, put
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport, by_group, constants_of

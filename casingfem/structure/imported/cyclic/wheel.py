@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, scatter
 from casingfem.structure.imported.cells.shell import directors, stiffness, tangent_frames
 from casingfem.structure.imported.cells.solid import cell_stiffness
 from casingfem.structure.imported.checks import check_groups

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.structure.edge.bolt_mesh import springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.section import Section
@@ -21,6 +20,7 @@ from casingfem.structure.shell.edges import edge_line
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.variation import springs_per_wave, spurious_split
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BRASS = Material(E=90e9, nu=0.34, rho=8400.0)
