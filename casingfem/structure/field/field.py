@@ -61,9 +61,7 @@ class SumField:
     fields: tuple[Field, ...]
 
     def __post_init__(self) -> None:
-        flat: list[Field] = []
-        for field in self.fields:
-            flat.extend(field.fields if isinstance(field, SumField) else [field])
+        flat = [part for own in self.fields for part in (own.fields if isinstance(own, SumField) else (own,))]
         if not flat:
             raise ModelError("field-coefficients", "SumField needs at least one field")
         object.__setattr__(self, "fields", tuple(flat))

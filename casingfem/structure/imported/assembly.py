@@ -252,8 +252,6 @@ def still_nodes(structure: MeshStructure) -> IntArray:
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
     """Dofs held by clamps and fixed directions, `dofs` of each node."""
-    parts = [
-        (structure.mesh.groups[name].nodes[:, None] * dofs + [i for i in support.held if i < dofs]).ravel()
-        for name, support in structure.supports.items()
-    ]
+    held = [(name, [i for i in support.held if i < dofs]) for name, support in structure.supports.items()]
+    parts = [(structure.mesh.groups[name].nodes[:, None] * dofs + own).ravel() for name, own in held]
     return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

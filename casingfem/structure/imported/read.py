@@ -83,9 +83,8 @@ def from_meshio(file: Path, module: str) -> Any:
     """Call one of meshio's readers."""
     import meshio
 
-    read = {"gmsh": meshio.gmsh.read, "vtu": meshio.vtu.read}[module]
     try:
-        return read(file)
+        return getattr(meshio, module).read(file)
     except OSError:
         raise
     except Exception as error:  # whatever it trips over is a malformed file

@@ -193,9 +193,7 @@ def assemble(shell: Shell) -> System:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))
         mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
         K = csc_array(change.T @ K.tocsc() @ change)
-    system = System(
-        shell=shell, grid=grid, stiffness=K, mass=mass, free=free, frames=frames, change=change, own=forms.own
-    )
+    system = System(shell, grid, K, mass, free, frames, change, own=forms.own)
     if shell.rotation is None:
         return system
     return replace(system, stiffness=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))

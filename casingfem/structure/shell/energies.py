@@ -6,7 +6,7 @@ a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000)
 parameter of the shell: complex steps pass through.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -53,11 +53,7 @@ class PointFields:
 def point_fields(shell: ShellParts, grid: Grid, fields: Array, own: Array) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
     jets = point_jets(grid, fields)
-    strain, curvature, jacobian = point_strains(shell, grid, jets)
-    return PointFields(
-        shell=shell, grid=grid, fields=fields, own=own, jets=jets,
-        strain=strain, curvature=curvature, jacobian=jacobian,
-    )  # fmt: skip
+    return PointFields(shell, grid, fields, own, jets, *point_strains(shell, grid, jets))
 
 
 def point_strains(shell: ShellParts, grid: Grid, jets: Array) -> tuple[Array, Array, Array]:
@@ -125,5 +121,4 @@ def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
     if stretched or turned:
         grid = make_grid(shell.chart, shell.mesh, shell.stations) if stretched else at.grid
         return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
-    strain, curvature, jacobian = point_strains(shell, at.grid, at.jets)
-    return replace(at, shell=shell, strain=strain, curvature=curvature, jacobian=jacobian)
+    return PointFields(shell, at.grid, at.fields, at.own, at.jets, *point_strains(shell, at.grid, at.jets))

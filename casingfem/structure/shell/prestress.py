@@ -193,7 +193,5 @@ def point_stiffness(shell: Shell, grid: Grid, fields: FloatArray) -> tuple[tuple
     cross = np.einsum("kieq,kjeq->eqij", L, pulled)
     bowed = 0.5 * np.einsum("kieq,ieq->keq", second, jets)
     energies = [np.einsum("keq,kteq,teq->", part, D, part, optimize=True) for part in (bowed, strain)]
-    return (
-        (H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)),
-        float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0,
-    )
+    stiff = H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)
+    return stiff, float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0

@@ -19,8 +19,6 @@ from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.stray import passes_words, pure_error
 
-__all__ = ["SurveyField", "SurveyPoints"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SurveyField(SeriesBehind):

@@ -118,10 +118,8 @@ def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
         moment[list(mean.components)] = forces[places]
         on = np.einsum("s,sjc->jc", moment, fit)
         total = -np.sum([arm_stiffness(push, r) for push, r in zip(on, arms, strict=True)], axis=0)
-        turns = [
-            {dofs * node + c: float(fit[3 + k, j, c]) for j, node in enumerate(mean.nodes.tolist()) for c in range(3)}
-            for k in range(3)
-        ]
+        nodes = list(enumerate(mean.nodes.tolist()))
+        turns = [{dofs * node + c: float(fit[3 + k, j, c]) for j, node in nodes for c in range(3)} for k in range(3)]
         entries.append((turns, total))
     return summed(entries, motions.size)
 

@@ -136,7 +136,7 @@ def read_dmig(path: Path) -> MatrixSet:
             number, *x = parser.grids[-1]
             points[number] = np.array(x)
         elif card.name == "DMIG":
-            take_dmig(parser, card, entries, symmetric, others)
+            take(parser, card, entries, symmetric, others)
     roles = roles_of(list(entries), path.name)
     known = {dof for name in roles.values() for entry in entries[name] for dof in (entry[:2], entry[2:4])}
     dofs = sorted(known, key=lambda dof: (dof[1] == 0, dof))  # scalars last, as in a Craig-Bampton set
@@ -151,9 +151,7 @@ def read_dmig(path: Path) -> MatrixSet:
     return MatrixSet(**matrices, dofs=np.array(dofs), points=points, source=path.name)
 
 
-def take_dmig(
-    parser: Parser, card: Card, entries: dict[str, list[Entry]], symmetric: set[str], others: set[str]
-) -> None:
+def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], symmetric: set[str], others: set[str]) -> None:
     """One DMIG card: its header, or a column; loads and recovery matrices are passed over by their names."""
     fields = card.fields
     if len(fields) < 3:

@@ -146,8 +146,7 @@ class MeshData:
     @property
     def boundary(self) -> IntArray:
         """Facets that one cell alone has, as pairs (cell, local facet), (m, 2)."""
-        single = self.sharing == 1
-        return np.argwhere(single)
+        return np.argwhere(self.sharing == 1)
 
     @property
     def sharing(self) -> IntArray:
@@ -213,9 +212,7 @@ def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
     if missing < 0:
         return np.full((len(corners), 2), -1)
     asked = np.pad(distinct(corners), ((0, 0), (missing, 0)), constant_values=-1)
-    both = np.concatenate([own, asked])
-    _, code = np.unique(both, axis=0, return_inverse=True)
-    code = code.ravel()
+    code = np.unique(np.concatenate([own, asked]), axis=0, return_inverse=True)[1].ravel()
     first = np.full(code.max() + 1, -1)
     first[code[: len(own)][::-1]] = np.arange(len(own))[::-1]
     place = first[code[len(own) :]]

@@ -52,10 +52,6 @@ class AbaqusAttachments:
                 self.weights[card.line] = self.weighted(card)
         elif card.keyword == "COUPLING":
             self.coupling = card
-        elif card.keyword == "DISTRIBUTING":
-            self.take_distributing(card)
-        elif card.keyword == "KINEMATIC":
-            self.take_kinematic(card)
         elif card.keyword == "KINEMATIC COUPLING":
             for line, cells in self.rows(card):
                 reach = self.span(line, cells[1:]) if cells[1:] else range(6)
@@ -63,10 +59,9 @@ class AbaqusAttachments:
         elif card.keyword == "RIGID BODY":
             name = card.parameters.get("NSET", card.parameters.get("TIE NSET", ""))
             self.add_rigid(card, self.names.nodes_of(name, card.line), tuple(range(6)))
-        elif card.keyword == "MPC":
-            self.take_mpc(card)
         else:
-            self.take_equations(card)
+            takers = {"DISTRIBUTING": self.take_distributing, "KINEMATIC": self.take_kinematic, "MPC": self.take_mpc}
+            takers.get(card.keyword, self.take_equations)(card)
 
     @property
     def by_direction(self) -> bool:

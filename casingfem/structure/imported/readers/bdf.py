@@ -68,21 +68,13 @@ class Parser(Numbers):
         """Take every card in turn; GRDSET, which may stand anywhere, first."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
             self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
+        takers = {"GRID": self.take_grid, "SPCADD": self.sums.append, "SPC": self.take_constraint}
+        takers |= {"SPC1": self.take_constraint} | dict.fromkeys((*PLACES, *SHELLS), self.take_element)
+        takers |= dict.fromkeys(KINDS_OF_SYSTEMS, self.systems.take) | dict.fromkeys(CARDS, self.connections.take)
+        takers |= dict.fromkeys(BY_GRIDS, self.systems.take_by_grids)
         for card in cards(lines):
-            if card.name == "GRID":
-                self.take_grid(card)
-            elif card.name in PLACES or card.name in SHELLS:
-                self.take_element(card)
-            elif card.name in ("SPC", "SPC1"):
-                self.take_constraint(card)
-            elif card.name == "SPCADD":
-                self.sums.append(card)
-            elif card.name in KINDS_OF_SYSTEMS:
-                self.systems.take(card)
-            elif card.name in BY_GRIDS:
-                self.systems.take_by_grids(card)
-            elif card.name in CARDS:
-                self.connections.take(card)
+            if card.name in takers:
+                takers[card.name](card)
             elif LEFT_OUT.match(card.name):
                 self.leave_out(card, card.name)
         draft = self.draft()

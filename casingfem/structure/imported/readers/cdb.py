@@ -101,15 +101,10 @@ def read_cdb(path: Path) -> Draft:
     return draft(archive)
 
 
-def announced(fields: list[str]) -> int | None:
-    """How many items a block says it has."""
-    return int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() and int(fields[-1]) else None
-
-
 def check_count(archive: Archive, at: int, fields: list[str], found: int) -> None:
     """Refuse a block with fewer or more items than it says."""
-    wanted = announced(fields)
-    if wanted is not None and found != wanted:
+    wanted = int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() else 0
+    if wanted and found != wanted:
         short = ": cut short?" if found < wanted else ""
         raise archive.fault(at, f"found {found} of the {wanted} items that the block announces{short}")
 

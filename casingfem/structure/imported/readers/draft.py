@@ -135,10 +135,9 @@ def alike(blocks: Sequence[Block], kind: str, source: str) -> list[Block]:
     numbers = np.concatenate([block.numbers for block in blocks])
     found = f"{named('cell', numbers[turned])} turned round, with normals against their neighbours'"
     warn("mesh-turned-shell", f"{source}: {found}", stacklevel=5)
-    return [
-        replace(block, cells=np.where(part[:, None], block.cells[:, mirror(block.kind)], block.cells))
-        for block, part in zip(blocks, parts, strict=True)
-    ]
+    others = [block.cells[:, mirror(block.kind)] for block in blocks]
+    both = zip(blocks, parts, others, strict=True)
+    return [replace(block, cells=np.where(part[:, None], other, block.cells)) for block, part, other in both]
 
 
 def with_middles(draft: Draft) -> Draft:
@@ -157,10 +156,8 @@ def with_middles(draft: Draft) -> Draft:
     numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
     whole = replace(draft, points=points, node_numbers=numbers, blocks=blocks)
     if top < 3:  # shells bend along their edges; what holds both ends of one holds its middle
-        sets = {
-            name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]])
-            for name, nodes in draft.node_sets.items()
-        }
+        own = draft.node_sets.items()
+        sets = {name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]]) for name, nodes in own}
         return replace(whole, node_sets=sets)
     return replace(whole, attachments=replace(draft.attachments, glued=(tie, *draft.attachments.glued)))
 
