@@ -75,8 +75,7 @@ def make_beam(points: Array, towards: Array, cells: IntArray, order: int, sectio
     x, w = gauss(order + 1)
     value, slope = (table.T for table in lagrange(order, x))
     length, axes = section_axes(slope @ points[cells], value @ towards[cells])
-    shape = np.broadcast_to(value, (len(cells), *value.shape))
-    strain = beam_strain(axes, shape, slope / length[..., None])
+    strain = beam_strain(axes, np.broadcast_to(value, (len(cells), *value.shape)), slope / length[..., None])
     D = section_stiffness(section, material) * (length * w)[..., None, None]
     at, share = lobatto(order)
     length, axes = section_axes(lagrange(order, at)[1].T @ points[cells], towards[cells])

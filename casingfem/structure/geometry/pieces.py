@@ -91,8 +91,7 @@ class Bend(NamedTuple):
     def between(self, first: float, last: float) -> "Bend":
         """Its part from one arc length to another."""
         at = self.at(np.array(first))
-        start = np.array([at.r, at.z], dtype=float)
-        return Bend(start, self.phi + self.kappa * first, self.kappa, last - first)
+        return Bend(np.array([at.r, at.z], dtype=float), self.phi + self.kappa * first, self.kappa, last - first)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -132,8 +132,7 @@ def rigid_motions(x: FloatArray, normals: FloatArray | None = None, frames: Floa
     arms = x - x.mean(axis=0)
     arms = arms / np.abs(arms).max()
     turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1)  # (nodes, 3, 3)
-    shifts = np.broadcast_to(np.eye(3), turns.shape)
-    motions = np.concatenate([shifts, turns], axis=2)
+    motions = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
     if normals is not None and frames is not None:
         size = np.abs(x - x.mean(axis=0)).max()
         tilts = np.stack([np.cross(axis, normals) for axis in np.eye(3)], axis=-1) / size
@@ -150,13 +149,11 @@ def unfelt(reactions: Iterable[FloatArray]) -> FloatArray:
     >>> unfelt([np.diag([1e16, 1e16, 0, 0, 0, 0]), np.diag([0, 0, 1e-3, 0, 0, 0])]).shape
     (6, 3)
     """
-    total = sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6)))
-    size, shares = np.linalg.eigh(total)
+    size, shares = np.linalg.eigh(sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6))))
     return np.asarray(shares[:, size <= STILL])
 
 
 def rigid_left(motions: FloatArray, held: IntArray, springs: Iterable[csc_array]) -> int:
     """How many combinations of rigid motions (dofs, 6) neither move a held dof nor strain a spring."""
     moved = motions[held]
-    left = unfelt([moved.T @ moved, *(motions.T @ (spring @ motions) for spring in springs)])
-    return int(left.shape[1])
+    return int(unfelt([moved.T @ moved, *(motions.T @ (spring @ motions) for spring in springs)]).shape[1])

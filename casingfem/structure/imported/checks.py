@@ -193,8 +193,7 @@ def hanging(mesh: MeshData) -> list[Finding]:
 def split_facets(mesh: MeshData) -> list[Finding]:
     """Neighbours with the same corners on their common facet and other middle nodes."""
     count = len(mesh.cell_kind.facets)
-    place = np.argwhere(np.ones((len(mesh.cells), count)))
-    full = distinct(mesh.facet_nodes(place))
+    full = distinct(mesh.facet_nodes(np.argwhere(np.ones((len(mesh.cells), count)))))
     _, inverse, counts = np.unique(full, axis=0, return_inverse=True, return_counts=True)
     alike = counts[inverse.ravel()].reshape(len(mesh.cells), count)
     bad = ((alike != mesh.sharing) & (mesh.sharing > 0)).any(axis=1)
@@ -265,8 +264,7 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
     for name in names:
         if name not in mesh.groups:
             known = [repr(group) for group in mesh.groups]
-            near = hint(repr(name), known, most=3)
-            found = f"no group {name!r}{near}; its groups: {', '.join(known) or 'none'}"
+            found = f"no group {name!r}{hint(repr(name), known, most=3)}; its groups: {', '.join(known) or 'none'}"
             raise ModelError("mesh-no-group", f"{mesh.source}: {found}")
         if not np.isin(mesh.groups[name].nodes, mesh.present).any():
             raise ModelError("mesh-group-empty", f"{mesh.source}: group {name!r} has no node of a cell")

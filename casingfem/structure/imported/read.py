@@ -62,8 +62,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     if mesh.attachments.weighed and units is None and scale != 1.0:
         found = f"{file.name}: found {mesh.attachments} and scale = {scale:g}"
         raise ModelError("mesh-scale", f"{found}, expected units such as mm-t-s")
-    attached = mesh.attachments.in_si(length, mass, time)
-    mesh = replace(mesh, points=length * mesh.points, attachments=attached)
+    mesh = replace(mesh, points=length * mesh.points, attachments=mesh.attachments.in_si(length, mass, time))
     return joined(mesh, join) if join > 0.0 else mesh
 
 
@@ -164,8 +163,7 @@ def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Bloc
 
 def read_vtu(file: Path) -> Draft:
     """VTK's unstructured grid; groups are the integer arrays on cells or points that hold only 0 and 1."""
-    head = file.read_bytes()
-    pieces = re.findall(rb"<Piece\b[^>]*>", head)
+    pieces = re.findall(rb"<Piece\b[^>]*>", file.read_bytes())
     if len(pieces) != 1:
         raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
     stated = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}

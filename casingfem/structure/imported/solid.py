@@ -109,6 +109,5 @@ def foundations(solid: Solid) -> list[csc_array]:
     for name, support in solid.supports.items():
         if isinstance(support, ElasticEdge):
             products, nodes, _ = facet_shape_products(solid.mesh, solid.mesh.group_facets(name))
-            matrices = support.k_face * np.kron(products, np.eye(3))
-            springs.append(scatter(matrices, cell_dofs(nodes, 3), size))
+            springs.append(scatter(support.k_face * np.kron(products, np.eye(3)), cell_dofs(nodes, 3), size))
     return springs

@@ -84,8 +84,7 @@ def by_group(mesh: MeshData, common: Constants, own: Mapping[str, Constants]) ->
             raise ModelError("mesh-group-no-cells", f"{mesh.source}: material of group {name!r}")
         taken = cells[owner[cells] != ""]
         if len(taken):
-            number = mesh.cell_numbers[taken[0]]
-            found = f"cell {number} has the materials of {owner[taken[0]]!r} and {name!r}"
+            found = f"cell {mesh.cell_numbers[taken[0]]} has the materials of {owner[taken[0]]!r} and {name!r}"
             raise ModelError("mesh-material-twice", f"{mesh.source}: {found}")
         owner[cells] = name
         values[:, cells] = np.array(numbers)[:, None]

@@ -57,13 +57,11 @@ def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Arra
     z, theta = grid.nodes
     edge = next(name for name, (held, _) in chart.edges.items() if held == 0)
     around = len(grid.edges[edge].nodes)
-    order = np.lexsort((theta, np.round(z / np.ptp(z), 9)))
-    rings = order.reshape(-1, around)
+    rings = np.lexsort((theta, np.round(z / np.ptp(z), 9))).reshape(-1, around)
     samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
     nodes, weights = rim_values(grid, edge, samples)
     spread = np.zeros((len(samples), around))
     np.add.at(spread, (np.arange(len(samples))[:, None], places_of(grid.edges[edge].nodes, nodes)), weights)
-    n = np.arange(n_max + 1)
-    kernel = np.exp(-1j * np.outer(n, samples)) / len(samples)
+    kernel = np.exp(-1j * np.outer(np.arange(n_max + 1), samples)) / len(samples)
     kernel[1:] *= 2.0
     return rings, kernel @ spread

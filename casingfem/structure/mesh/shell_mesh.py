@@ -132,8 +132,7 @@ class Grid:
 def tensor_rule(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss points of one direction, and the points (2, n^2) and weights (n^2,) of the square."""
     x, w = gauss(order + 1)
-    points = np.stack([np.repeat(x, len(x)), np.tile(x, len(x))])
-    return x, points, np.outer(w, w).ravel()
+    return x, np.stack([np.repeat(x, len(x)), np.tile(x, len(x))]), np.outer(w, w).ravel()
 
 
 @cache

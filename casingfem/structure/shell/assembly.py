@@ -50,8 +50,7 @@ def nodal_mass(shell: ShellParts, grid: Grid) -> Array:
     """
     a, b = grid.nodes[:, grid.elements]
     geometry = shell.geometry(a, b, grid.middle)
-    density = inertia(shell, geometry) * frame(geometry.surface).jacobian
-    return nodal_sums(grid, np.moveaxis(density, 0, -1))
+    return nodal_sums(grid, np.moveaxis(inertia(shell, geometry) * frame(geometry.surface).jacobian, 0, -1))
 
 
 def nodal_sums(grid: Grid, density: Array) -> Array:

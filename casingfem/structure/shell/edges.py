@@ -52,8 +52,7 @@ def ties(shell: ShellParts, a: Array, b: Array, place: Array) -> tuple[Array, Ar
 
 def node_dofs(grid: Grid, name: str, own: IntArray) -> IntArray:
     """Dofs of the nodes along an edge: five of the shell and the ring's own, (nodes, 6)."""
-    nodes = grid.edges[name].nodes
-    return np.concatenate([nodes[:, None] * DOFS + np.arange(DOFS), own[:, None]], axis=1)
+    return np.concatenate([grid.edges[name].nodes[:, None] * DOFS + np.arange(DOFS), own[:, None]], axis=1)
 
 
 def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray) -> tuple[EdgeForm, EdgeForm]:
@@ -61,8 +60,7 @@ def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArr
     edge = grid.edges[name]
     a, b = grid.nodes[:, edge.nodes]
     G, points, towards = ties(shell, a, b, ring.centre(outward(shell, name)))
-    material = ring.material or shell.material
-    beam = make_beam(points, towards, edge.parts, grid.mesh.order, ring.section, material)
+    beam = make_beam(points, towards, edge.parts, grid.mesh.order, ring.section, ring.material or shell.material)
     dofs = node_dofs(grid, name, own)
     elements, gauss_points, rows, functions, _ = beam.strain.shape
     strain = np.einsum("egimk,emkl->egiml", beam.strain, G[edge.parts])
@@ -87,8 +85,7 @@ def support_form(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntA
 
 def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:
     """The edge as the ring's support sees it: as wide as the section."""
-    wide = ring.section.width + 0.0 * line.nodal.thickness
-    return line._replace(nodal=line.nodal._replace(thickness=wide))
+    return line._replace(nodal=line.nodal._replace(thickness=ring.section.width + 0.0 * line.nodal.thickness))
 
 
 def support_stiffness(springs: PointSprings, radial: Array) -> Array:

@@ -110,8 +110,7 @@ def centrifugal(rotation: Rotation, mass: FloatArray, x: FloatArray, tangents: F
     """Nodal forces and moments at 1 rad/s, (nodes, 5)."""
     P = rotation.plane
     away = (x - np.asarray(rotation.centre)) @ P
-    turn = np.einsum("nik,ij,nj->nk", tangents, P, n)
-    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * turn], axis=1)
+    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * np.einsum("nik,ij,nj->nk", tangents, P, n)], axis=1)
 
 
 def softening(rotation: Rotation, mass: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:

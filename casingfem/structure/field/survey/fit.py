@@ -62,8 +62,7 @@ def fit_points(
     """
     gap, heights = points.coverage()
     _check_coverage(points, gap, n_max, degree)
-    nyquist = resolved_harmonic(gap)
-    n = min(int(_MARGIN * 180.0 / gap), nyquist, _MOST_HARMONICS) if n_max is None else n_max
+    n = min(int(_MARGIN * 180.0 / gap), resolved_harmonic(gap), _MOST_HARMONICS) if n_max is None else n_max
     d = (0 if heights == 1 else 1 if heights < 4 else 2) if degree is None else degree
     unknowns = (2 * n + 1) * (d + 1)
     if len(points) * unknowns > _MOST_NUMBERS:

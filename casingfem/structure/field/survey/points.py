@@ -96,8 +96,7 @@ def largest_gap_deg(theta: FloatArray) -> float:
     260.0
     """
     around = np.sort(np.mod(theta, 2 * np.pi))
-    closed = np.append(around, around[0] + 2 * np.pi)
-    return float(np.degrees(np.diff(closed).max()))
+    return float(np.degrees(np.diff(np.append(around, around[0] + 2 * np.pi)).max()))
 
 
 def read_points(path: str | os.PathLike[str]) -> SurveyPoints:

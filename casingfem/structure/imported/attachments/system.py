@@ -121,8 +121,7 @@ def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
             place = np.repeat(bare[part], still.shape[1]), np.tile(np.arange(still.shape[1]), len(part))
             added = coo_array((still.ravel(), place), shape=(K.shape[0], still.shape[1]))
             idle = csc_array(hstack([idle, added.tocsc()]))
-    gone = np.concatenate([np.zeros(0, dtype=np.int64), *dropped])
-    return np.setdiff1d(np.arange(K.shape[0]), gone), idle
+    return np.setdiff1d(np.arange(K.shape[0]), np.concatenate([np.zeros(0, dtype=np.int64), *dropped])), idle
 
 
 def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:

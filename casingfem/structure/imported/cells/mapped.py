@@ -88,8 +88,7 @@ def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
     for start in range(0, len(rows), step):
         part = small[start : start + step]
         i, j = np.broadcast_arrays(part[:, :, None], part[:, None, :])
-        entries = matrices[start : start + step].ravel()
-        one = coo_array((entries, (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
+        one = coo_array((matrices[start : start + step].ravel(), (i.ravel(), j.ravel())), shape=(size, size)).tocsc()
         one.eliminate_zeros()
         sums.append(one)
         while len(sums) > 1 and sums[-2].nnz < 2 * sums[-1].nnz:

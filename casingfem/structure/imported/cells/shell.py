@@ -97,8 +97,7 @@ def directors(mesh: MeshData) -> FloatArray:
 
 def tangent_frames(normals: FloatArray) -> FloatArray:
     """Two tangents e1, e2 = n x e1 at each node, (nodes, 2, 3)."""
-    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    e1 = np.cross(axis, normals)
+    e1 = np.cross(np.eye(3)[np.abs(normals).argmin(axis=1)], normals)
     e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
     return np.stack([e1, np.cross(normals, e1)], axis=1)
 

@@ -31,8 +31,7 @@ class Turn(NamedTuple):
 
     def places(self, points: FloatArray, times: int = 1) -> FloatArray:
         """Points (nodes, 3) turned so many times."""
-        turned = (points - self.point) @ np.linalg.matrix_power(self.matrix, times).T
-        return np.asarray(turned + self.point)
+        return np.asarray((points - self.point) @ np.linalg.matrix_power(self.matrix, times).T + self.point)
 
     def across(self, points: FloatArray) -> FloatArray:
         """Components across the axis, x + i y, (nodes,) complex."""

@@ -180,8 +180,7 @@ def assemble_cyclic(sector: CyclicSector) -> CyclicSystem:
     turns = node_turns(sector, system.dofs)
     if rotation is None:
         return CyclicSystem(sector=sector, system=system, spin=None, turns=turns)
-    resting = replace(system, tie=tie(sector, system, turns, 0))
-    added = structure.spin(resting, rotation)
+    added = structure.spin(replace(system, tie=tie(sector, system, turns, 0)), rotation)
     turning = replace(system, structure=structure, K=csc_array(system.K + added.stiffness(rotation.omega)))
     return CyclicSystem(sector=sector, system=turning, spin=added, turns=turns)
 

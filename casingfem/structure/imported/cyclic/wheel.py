@@ -99,5 +99,4 @@ def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str
     else:
         normals = directors(mesh)
         matrices = stiffness(structure, normals, tangent_frames(normals), cells)
-    size = system.dofs * len(mesh.points)
-    return on_free(scatter(matrices, cell_dofs(nodes, system.dofs), size), system.free)
+    return on_free(scatter(matrices, cell_dofs(nodes, system.dofs), system.dofs * len(mesh.points)), system.free)

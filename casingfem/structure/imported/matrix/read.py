@@ -88,8 +88,7 @@ def read_nodes(path: Path) -> dict[int, FloatArray]:
     if len(values) < len(numbers):
         again = int(np.setdiff1d(np.arange(len(numbers)), first)[0])
         raise table.refuse(row=again, column="node", found=f"node {numbers[again]} again", expected="each once")
-    places = np.stack([table.numbers(axis) for axis in "xyz"], axis=1)
-    return dict(zip(numbers.tolist(), places, strict=True))
+    return dict(zip(numbers.tolist(), np.stack([table.numbers(axis) for axis in "xyz"], axis=1), strict=True))
 
 
 def read_dofs(path: Path) -> IntArray:

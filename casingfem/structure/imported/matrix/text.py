@@ -42,8 +42,7 @@ def read_mtx(path: Path) -> Labelled:
     if head == b"%%MatrixMarket":
         return read_market(path), None
     table = numbers(path, 5)
-    ends = whole(table[:, :4], path).reshape(-1, 2, 2)
-    dofs, place = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    dofs, place = np.unique(whole(table[:, :4], path).reshape(-1, 2, 2).reshape(-1, 2), axis=0, return_inverse=True)
     rows, columns = place.ravel().reshape(-1, 2).T
     return from_triples(rows, columns, table[:, 4], len(dofs)), dofs
 

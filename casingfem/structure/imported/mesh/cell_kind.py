@@ -143,11 +143,9 @@ def shape_functions(name: str, points: Array) -> tuple[FloatArray, FloatArray]:
     kind = KINDS[name]
     element = kind.element()
     distance = np.abs(kind.places[:, None, :] - np.array(element.doflocs)[None]).sum(axis=2)
-    order = distance.argmin(axis=1)
-    tables = [element.lbasis(points, int(i)) for i in order]
+    tables = [element.lbasis(points, int(i)) for i in distance.argmin(axis=1)]
     values = np.stack([value * np.ones(points.shape[1]) for value, _ in tables])
-    slopes = np.stack([slope * np.ones(points.shape[1]) for _, slope in tables], axis=1)
-    return values, slopes
+    return values, np.stack([slope * np.ones(points.shape[1]) for _, slope in tables], axis=1)
 
 
 @cache

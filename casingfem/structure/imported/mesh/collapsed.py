@@ -136,8 +136,7 @@ def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
     if shape not in UP or not (kind in ("wedge", "pyramid") or kind in KINDS):
         return cells
     x = points[cells[:, [0, *UP[shape]]]]
-    edges = x[:, 1:] - x[:, :1]
-    left = np.linalg.det(edges) < 0.0
+    left = np.linalg.det(x[:, 1:] - x[:, :1]) < 0.0
     return np.where(left[:, None], cells[:, mirror(kind)], cells) if left.any() else cells
 
 

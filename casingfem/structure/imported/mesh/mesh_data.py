@@ -99,8 +99,7 @@ class MeshData:
             raise ValueError(f"{self.source}: attachments name nodes outside 0 to {len(points) - 1}")
         for name, values, count in (("cell_numbers", self.cell_numbers, len(cells)),
                                     ("node_numbers", self.node_numbers, len(points))):  # fmt: skip
-            numbers = values if len(values) == count else np.arange(1, count + 1)
-            object.__setattr__(self, name, frozen(numbers))
+            object.__setattr__(self, name, frozen(values if len(values) == count else np.arange(1, count + 1)))
         object.__setattr__(self, "points", frozen(points))
         object.__setattr__(self, "cells", frozen(cells))
         object.__setattr__(self, "groups", MappingProxyType(dict(self.groups)))
@@ -159,8 +158,7 @@ class MeshData:
 
     def facet_nodes(self, facets: IntArray) -> IntArray:
         """Nodes of facets (m, 2) in the order of the facet's kind, (m, facet nodes)."""
-        local = self.cell_kind.facet_nodes[facets[:, 1]]
-        return np.take_along_axis(self.cells[facets[:, 0]], local, axis=1)
+        return np.take_along_axis(self.cells[facets[:, 0]], self.cell_kind.facet_nodes[facets[:, 1]], axis=1)
 
     def group_facets(self, name: str) -> IntArray:
         """Facets of a group; for a group of nodes, the boundary facets whose nodes all belong to it."""
@@ -194,8 +192,7 @@ def beside(meshes: Mapping[str, MeshData]) -> MeshData:
     cells = np.cumsum([0, *(len(mesh.cells) for mesh in parts)])
     groups = {}
     for (name, mesh), first, start in zip(meshes.items(), nodes.tolist(), cells.tolist(), strict=False):
-        own = np.arange(len(mesh.cells))
-        groups[name] = Group(nodes=first + mesh.used, cells=start + own)
+        groups[name] = Group(nodes=first + mesh.used, cells=start + np.arange(len(mesh.cells)))
         for inner, group in mesh.groups.items():
             facets = None if group.facets is None else group.facets + np.array([start, 0])
             groups[f"{name}.{inner}"] = Group(nodes=first + group.nodes, cells=start + group.cells, facets=facets)

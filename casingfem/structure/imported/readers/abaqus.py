@@ -46,8 +46,7 @@ class AbaqusAttachments:
             if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
                 raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which is not read here")
         if card.keyword in PROPERTIES:
-            owner = card.parameters.get("ELSET", "")
-            self.properties.append((card, self.names.elements_of(owner, card.line)))
+            self.properties.append((card, self.names.elements_of(card.parameters.get("ELSET", ""), card.line)))
             if card.keyword == "DISTRIBUTING COUPLING":
                 self.weights[card.line] = self.weighted(card)
         elif card.keyword == "COUPLING":
@@ -105,8 +104,7 @@ class AbaqusAttachments:
         reference = self.reference(card)
         followers = np.setdiff1d(nodes, [reference])
         where = f"*{card.keyword} (line {card.line})"
-        rigid = Rigid(reference=reference, nodes=followers, components=components, where=where)
-        self.rigids.append(lambda: rigid)
+        self.rigids.append(lambda: Rigid(reference=reference, nodes=followers, components=components, where=where))
 
     def coupled(self, card: Card) -> Card:
         """The *COUPLING before a card, which belongs to it alone."""
@@ -168,8 +166,7 @@ class AbaqusAttachments:
         """One node that follows another: rigidly, or as if it stood there."""
         where = f"*MPC {kind} (line {line})"
         if kind == "BEAM":
-            rigid = Rigid(reference=reference, nodes=np.array([node]), where=where)
-            self.rigids.append(lambda: rigid)
+            self.rigids.append(lambda: Rigid(reference=reference, nodes=np.array([node]), where=where))
             return
         pairs = ((Term(node, c, 1.0), Term(reference, c, -1.0)) for c in range(3))
         self.equations += [Equation(terms=pair, where=where) for pair in pairs]

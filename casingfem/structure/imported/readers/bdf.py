@@ -85,8 +85,7 @@ class Parser(Numbers):
 
     def take_grid(self, card: Card) -> None:
         """GRID: number, coordinate system, x, y, z, ..."""
-        given = [*card.fields, *BLANK]
-        fields = [cell or default for cell, default in zip(given, self.defaults, strict=False)]
+        fields = [cell or default for cell, default in zip([*card.fields, *BLANK], self.defaults, strict=False)]
         if fields[1] not in ("", "0"):
             self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
         if card.room < 5:
