@@ -18,8 +18,7 @@ from casingfem.modal.stable import require_stable
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.extent import extent
-from casingfem.structure.shell.plausible import warn_of
+from casingfem.structure.shell.plausible import extent, warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 

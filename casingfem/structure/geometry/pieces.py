@@ -194,8 +194,7 @@ def joined(own: Sequence[Bend], fillets: Sequence[float | None]) -> tuple[list[B
         if rho is None or not rho > 0.0 or abs(turn) > np.pi - 0.1:
             raise ModelError("meridian-pieces", f"{where} at a corner of {np.degrees(abs(turn)):.3g} degrees")
         corners[k], last[k - 1], first[k] = fillet_between(own[k - 1], own[k], rho, turn, where)
-    bends: list[Bend] = []
-    owners: list[tuple[float, float]] = []
+    bends, owners = list[Bend](), list[tuple[float, float]]()
     reached = begun = 0.0
     for k, bend in enumerate(own):
         if not last[k] - first[k] > 0.0:

@@ -158,8 +158,7 @@ def parts(mesh: MeshData) -> list[Finding]:
         other = np.append(other, count + link)
     graph = coo_array((np.ones(len(first)), (first, other)), shape=(size, size))
     part = connected_components(graph, directed=False)[1][:count]
-    _, part = np.unique(part, return_inverse=True)
-    sizes = np.bincount(part)
+    _, part, sizes = np.unique(part, return_inverse=True, return_counts=True)
     if len(sizes) == 1:
         return []
     largest = ", ".join(map(str, np.sort(sizes)[::-1][:SHOWN]))

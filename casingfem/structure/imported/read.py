@@ -157,8 +157,7 @@ def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Bloc
         rank[order] = np.arange(len(order))
         kept.append(Block(block.kind, block.cells[first[order]], block.numbers[first[order]]))
         places.append(rank[place.ravel()])
-    moved = {name: [(k, np.unique(places[k][rows])) for k, rows in parts] for name, parts in sets.items()}
-    return kept, moved
+    return kept, {name: [(k, np.unique(places[k][rows])) for k, rows in parts] for name, parts in sets.items()}
 
 
 def read_vtu(file: Path) -> Draft:

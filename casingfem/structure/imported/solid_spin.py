@@ -96,8 +96,7 @@ def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
             nodes = mesh.cells[part][:, slots]
             on = mapped(kind, mesh.points, nodes)
             slopes = np.linalg.inv(on.tangents) @ on.slopes.transpose(2, 0, 1)
-            moved = fields[nodes].transpose(0, 2, 1)
-            gradient = moved[:, None] @ slopes.swapaxes(2, 3)
+            gradient = fields[nodes].transpose(0, 2, 1)[:, None] @ slopes.swapaxes(2, 3)
             yield Batch(part, nodes, slots, slopes, gradient, on.measure[:, :, None], D[part])
 
 

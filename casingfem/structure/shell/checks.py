@@ -12,8 +12,8 @@ from casingfem.structure.geometry.chart_checks import check_chart, check_symmetr
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import ON_LINE, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, surveys
-from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.plausible import check_wall
 from casingfem.structure.shell.plies import Ply, mirrored
 from casingfem.structure.shell.variation import (
     SEEN,

@@ -142,8 +142,7 @@ def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: 
 def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array) -> Array:
     """Mass and rotary inertia per area, (2, ...); their moment about the middle, as of a curved wall, is left out."""
     share = moments(faces(plies))
-    field = rho / own.rho
-    density = [rho if ply.lamina is None else ply.lamina.rho * field for ply in plies]
+    density = [rho if ply.lamina is None else ply.lamina.rho * (rho / own.rho) for ply in plies]
     return np.stack([
         sum(one * t * part for (one, _, _), part in zip(share, density, strict=True)),
         sum(second * t**3 * part for (_, _, second), part in zip(share, density, strict=True)),

@@ -140,8 +140,7 @@ def gradients(rates: Rates) -> Array:
     g = np.zeros((5, 3, 3, DOFS, *turn.shape[1:]))
     for i in range(2):
         for alpha in range(2):
-            for c in range(3):
-                g[i, c, 1 + alpha, c] = D[i, alpha]
+            g[i, range(3), 1 + alpha, range(3)] = D[i, alpha]
             for k in range(2):
                 g[2 + i, :, 1 + alpha, 3 + k] = D[i, alpha] * e[k]
         # D_i e1 = -turn_i e2 - (e1.D_i a3) a3,  D_i e2 = turn_i e1 - (e2.D_i a3) a3

@@ -102,5 +102,4 @@ def require_shell(structure: object, what: str) -> None:
         `structure-chart`, naming what was found.
     """
     if not isinstance(structure, Shell):
-        found = f"{what}: found {type(structure).__name__}, which has no chart"
-        raise ModelError("structure-chart", found)
+        raise ModelError("structure-chart", f"{what}: found {type(structure).__name__}, which has no chart")

@@ -132,8 +132,7 @@ def strain_rows(b: Array, z: Array) -> Array:
     rows[..., 2, 3] = rows[..., 2, 4] = p12
     rows[..., :3] = 2.0 * rows[..., 3:]
     rows[..., 3:] *= z[..., None, None]
-    for k in range(3):
-        rows[..., k, k] -= 1.0
+    rows[..., range(3), range(3)] -= 1.0
     return rows
 
 

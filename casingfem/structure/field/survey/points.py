@@ -123,7 +123,8 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
         theta, taken = np.arctan2(y, x) % (2.0 * np.pi), {x_name, y_name, z_name}
     else:
         theta, theta_name = _numbers(table, _THETA)
-        _check_angle_unit(table, theta_name, theta)
+        if theta_name == "theta_rad":
+            _check_angle_unit(table, theta)
         taken = {theta_name, z_name}
     if flat and not set(table.header) & (_RADIUS.keys() | _THICKNESS.keys()):
         value, value_name = np.hypot(x, y), x_name
@@ -159,12 +160,10 @@ def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, s
     raise InputError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
 
 
-def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:
-    if name != "theta_rad":
-        return
+def _check_angle_unit(table: StrictCsv, theta: FloatArray) -> None:
     for row in np.flatnonzero(np.abs(theta) > 4 * np.pi)[:1]:
         expected = "at most two turns (4 pi); degrees belong in a column theta_deg"
-        raise table.refuse(row=row, column=name, found=f"{theta[row]:g} rad", expected=expected)
+        raise table.refuse(row=row, column="theta_rad", found=f"{theta[row]:g} rad", expected=expected)
 
 
 def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: float) -> None:

@@ -127,8 +127,7 @@ def shifted_points(design: FloatArray, residual: FloatArray) -> BoolArray:
     span = np.linalg.qr(design)[0]
     left, r = np.maximum(1.0 - np.sum(span**2, axis=1), 0.0), residual - span @ (span.T @ residual)
     free = points - design.shape[1]
-    order: list[int] = []
-    gains: list[float] = []
+    order, gains = list[int](), list[float]()
     for _ in range(min(int(SHARE * points) + 1, free - FREE)):
         gain = np.where(left > 1e-6, r**2 / np.maximum(left, 1e-6), 0.0)
         k = int(gain.argmax())
@@ -185,8 +184,7 @@ def passes_words(points: SurveyPoints) -> str:
     White noise has no mean, and differences of neighbours in theta whose mean square is twice their variance (J. von
     Neumann, Ann. Math. Stat. 12, 1941, 367); an offset shows in the one, a turn or another shape in the other.
     """
-    first: dict[tuple[int, int], int] = {}
-    pairs: list[tuple[int, int]] = []
+    first, pairs = dict[tuple[int, int], int](), list[tuple[int, int]]()
     turn = np.round(np.degrees(np.mod(points.theta, 2.0 * np.pi)) / 1e-3).astype(np.int64) % 360_000
     for k, place in enumerate(zip(turn.tolist(), np.round(points.z / 1e-5).astype(int).tolist(), strict=True)):
         if place in first:

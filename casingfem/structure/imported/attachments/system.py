@@ -97,7 +97,7 @@ def attached(
     K, M, unknowns = csc_array(K[:, kept][kept]), csc_array(M[:, kept][kept]), unknowns[kept]
     refuse_loose(motions, K, M, unknowns)
     reactions = [np.asarray(fields.T @ (support @ fields)) for support in supports]
-    rigid = rigid_left(motions, rows, R, springs, held, fields, reactions)
+    rigid = rigid_left(rows, R, springs, held, fields, reactions)
     connected = Connected(rows, csr_array(T[:, kept]), every)
     return Attached(K, M, csr_array(lift[:, kept]), unknowns, rigid, csr_array(lift @ still), connected)
 
@@ -192,16 +192,10 @@ def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArra
 
 
 def rigid_left(
-    motions: Motions,
-    rows: Rows,
-    R: csr_array,
-    springs: csr_array,
-    held: IntArray,
-    fields: FloatArray,
-    reactions: Sequence[FloatArray],
+    rows: Rows, R: csr_array, springs: csr_array, held: IntArray, fields: FloatArray, reactions: Sequence[FloatArray]
 ) -> int:
     """How many rigid motions neither a support nor a spring nor an equation feels."""
-    mesh = motions.mesh
+    motions, mesh = rows.motions, rows.motions.mesh
     reach = np.abs(mesh.points - mesh.points.mean(axis=0)).max()
     turns = np.hstack([np.zeros((3, 3)), np.eye(3) / reach])
     whole = np.vstack([fields, np.tile(turns, (len(motions.turning), 1))])

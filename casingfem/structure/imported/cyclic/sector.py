@@ -72,8 +72,7 @@ class CyclicSector:
     def __post_init__(self) -> None:
         part: object = self.structure
         if not isinstance(part, Solid | MeshShell):
-            found = f"cyclic: found {type(part).__name__}, expected a Solid or MeshShell"
-            raise ModelError("structure-unknown", found)
+            raise ModelError("structure-unknown", f"cyclic: found {type(part).__name__}, expected a Solid or MeshShell")
         if self.sectors < 2:
             raise ModelError("cyclic-sectors", f"cyclic.sectors: found {self.sectors}, expected 2 or more")
         Rotation(omega=0.0, axis=self.axis, centre=self.point)  # refuses an axis without direction

@@ -45,9 +45,8 @@ class Entries:
             if not (0 < column <= self.columns and 0 < row and row + len(values) - 1 <= self.rows):
                 found = f"rows {row} to {row + len(values) - 1} of column {column}"
                 raise fault(source, f"{self.name}: found {found} in a matrix of {self.rows} x {self.columns}")
-        count = [len(values) for _, _, values in self.parts]
         rows = [np.arange(row - 1, row - 1 + len(values)) for _, row, values in self.parts]
-        columns = np.repeat([column - 1 for column, _, _ in self.parts], count)
+        columns = np.repeat([column - 1 for column, _, _ in self.parts], [len(own) for own in rows])
         none = np.zeros(0)
         values = np.concatenate([none, *(values for _, _, values in self.parts)])
         places = (np.concatenate([none, *rows]).astype(int), columns.astype(int))

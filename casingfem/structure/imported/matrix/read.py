@@ -126,8 +126,7 @@ def read_dmig(path: Path) -> MatrixSet:
     """
     parser = Parser(path.name)
     entries: dict[str, list[Entry]] = {}
-    symmetric: set[str] = set()
-    others: set[str] = set()
+    symmetric, others = set[str](), set[str]()
     points: dict[int, FloatArray] = {}
     for card in cards(read_lines(path)):
         if card.name == "GRID":

@@ -14,19 +14,17 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 
-CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
-    "hexahedron": {
-        "hexahedron": (0, 1, 2, 3, 4, 5, 6, 7), "wedge": (0, 1, 2, 2, 3, 4, 5, 5), "pyramid": (0, 1, 2, 3, 4, 4, 4, 4),
-        "tetra": (0, 1, 2, 2, 3, 3, 3, 3),
-    },
+BRICK = {
+    "hexahedron": (0, 1, 2, 3, 4, 5, 6, 7), "wedge": (0, 1, 2, 2, 3, 4, 5, 5), "pyramid": (0, 1, 2, 3, 4, 4, 4, 4),
+    "tetra": (0, 1, 2, 2, 3, 3, 3, 3),
+}  # fmt: skip
+CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {  # of a kind, written as a brick or square
+    "hexahedron": BRICK,
     "quad": {"quad": (0, 1, 2, 3), "triangle": (0, 1, 2, 2)},
-    "hexahedron20": {
-        "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7), "wedge15": (0, 1, 2, 2, 3, 4, 5, 5),
-        "pyramid13": (0, 1, 2, 3, 4, 4, 4, 4), "tetra10": (0, 1, 2, 2, 3, 3, 3, 3),
-    },
+    "hexahedron20": dict(zip(("hexahedron20", "wedge15", "pyramid13", "tetra10"), BRICK.values(), strict=True)),
     "quad8": {"quad8": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
     "quad9": {"quad9": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
-}  # of a kind, written as a brick or square  # fmt: skip
+}
 LEAST = {"hexahedron": 4, "quad": 3, "hexahedron20": 10, "quad8": 6, "quad9": 6}  # nodes that a collapsed cell keeps
 
 

@@ -193,8 +193,7 @@ class AbaqusAttachments:
 
     def attachments(self, points: FloatArray, index: Callable[[IntArray], IntArray]) -> Attachments:
         """All of them by indices of nodes."""
-        masses: list[PointMass] = []
-        springs: list[Spring] = []
+        masses, springs = list[PointMass](), list[Spring]()
         means, owned = list(self.means), set[int]()
         for card, numbers in self.properties:
             for number in numbers.tolist():

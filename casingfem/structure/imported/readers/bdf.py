@@ -149,8 +149,7 @@ class Parser(Numbers):
         table = np.array(self.grids)
         numbers, points = table[:, 0].astype(np.int64), table[:, 1:]
         nodes = Lookup(numbers, self.source, "grid")
-        blocks: list[Block] = []
-        sets: dict[str, list[tuple[int, IntArray]]] = {}
+        blocks, sets = list[Block](), dict[str, list[tuple[int, IntArray]]]()
         for kind, rows in self.elements.items():
             table_of = np.array([row[2] for row in rows])
             cells = nodes.some(table_of, table_of != 0)

@@ -243,8 +243,7 @@ def draft(archive: Archive) -> Draft:
         warn("mesh-left-out", f"{source}: {found}", stacklevel=5)
     if not rows:
         raise ModelError("mesh-no-cells", f"{source}: found {len(numbers)} nodes and no solid or shell elements")
-    blocks: list[Block] = []
-    sets: dict[str, list[tuple[int, IntArray]]] = {}
+    blocks, sets = list[Block](), dict[str, list[tuple[int, IntArray]]]()
     for k, (kind, entries) in enumerate(rows.items()):
         own_numbers = np.array([entry[0] for entry in entries])
         given = np.array([entry[2] for entry in entries])

@@ -127,8 +127,7 @@ def laid_out(cards: Iterable[Card], fault: Callable[[str, str], ModelError]) -> 
 
 def split_parts(cards: list[Card]) -> tuple[dict[str, list[Card]], list[Card]]:
     """Cards of each part by its name, and the others."""
-    parts: dict[str, list[Card]] = {}
-    rest: list[Card] = []
+    parts, rest = dict[str, list[Card]](), list[Card]()
     part: list[Card] | None = None
     for card in cards:
         if card.keyword == "PART":

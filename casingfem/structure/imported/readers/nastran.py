@@ -151,8 +151,7 @@ class NastranAttachments(NastranCards):
     def mean(self, card: Card) -> Mean:
         """RBE3: number, -, reference, components, then groups of a weight, components and grids."""
         components = self.components(card, self.field(card, 3))
-        weights: list[float] = []
-        grids: list[int] = []
+        weights, grids = list[float](), list[int]()
         rest = [text for text in card.fields[4:] if text]
         weight, place = 0.0, 0
         while place < len(rest) and (text := rest[place]).upper() != "ALPHA":

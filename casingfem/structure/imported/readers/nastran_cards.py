@@ -75,8 +75,7 @@ def bush_springs(given: NastranCards, card: Card) -> list[Spring]:
     grids = [given.numbers.integer(card, text) for text in card.fields[2:4] if text]
     places = [given.place(grid) for grid in grids]
     axes = directions(given, card, grids, places, k)
-    part = given.numbers.real(card, given.field(card, 8) or "0.5")
-    at = places[0] + part * (places[-1] - places[0])
+    at = places[0] + given.numbers.real(card, given.field(card, 8) or "0.5") * (places[-1] - places[0])
     springs = []
     for c in np.flatnonzero(k).tolist():
         ends = zip(grids, places, (1.0, -1.0), strict=False)

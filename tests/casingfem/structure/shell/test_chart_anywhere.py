@@ -19,9 +19,8 @@ from casingfem.structure.geometry.survey_check import mean_radius
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.extent import extent, sampled, stretches
 from casingfem.structure.shell.parts import sampled_geometry
-from casingfem.structure.shell.plausible import chart_warnings
+from casingfem.structure.shell.plausible import chart_warnings, extent, sampled, stretches
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.variation import harmonic_amplitudes
 

@@ -15,11 +15,13 @@ from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.extent import extent, sampled, stretches
 from casingfem.structure.shell.plausible import (
     chart_warnings,
+    extent,
     material_warnings,
+    sampled,
     spring_warnings,
+    stretches,
     wall_warnings,
     warn_of,
     warnings_of,

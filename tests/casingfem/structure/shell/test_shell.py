@@ -20,7 +20,7 @@ from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.extent import extent
+from casingfem.structure.shell.plausible import extent
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import finest_harmonic
 
