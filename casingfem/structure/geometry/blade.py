@@ -54,14 +54,9 @@ class TwistedPlate(Open):
         x, y, angle = np.broadcast_arrays(a, b, rate * np.asarray(a))
         c, s = np.cos(angle), np.sin(angle)
         zero, one = np.zeros_like(c), np.ones_like(c)
-        return Surface(
-            x=np.stack([x + zero, y * c, y * s]),
-            x1=np.stack([one, -rate * y * s, rate * y * c]),
-            x2=np.stack([zero, c, s]),
-            x11=np.stack([zero, -(rate**2) * y * c, -(rate**2) * y * s]),
-            x12=np.stack([zero, -rate * s, rate * c]),
-            x22=np.stack([zero, zero, zero]),
-        )
+        first = np.stack([x + zero, y * c, y * s]), np.stack([one, -rate * y * s, rate * y * c]), np.stack([zero, c, s])
+        bent, twisted = np.stack([zero, -(rate**2) * y * c, -(rate**2) * y * s]), np.stack([zero, -rate * s, rate * c])
+        return Surface(*first, bent, twisted, np.stack([zero, zero, zero]))
 
     @property
     def section_thickness(self) -> Field:

@@ -97,14 +97,9 @@ def revolve(
     def along(radial: Array, hoop: Array, axial: Array) -> Array:
         return np.stack([radial * c - hoop * s, radial * s + hoop * c, axial + 0.0 * radial])
 
-    return Surface(
-        x=along(r, zero, up),
-        x1=along(r_z, zero, up_1),
-        x2=along(r_t, r, zero),
-        x11=along(r_zz, zero, up_2),
-        x12=along(r_zt, r_z, zero),
-        x22=along(r_tt - r, 2.0 * r_t, zero),
-    )
+    first = along(r, zero, up), along(r_z, zero, up_1), along(r_t, r, zero)
+    second = along(r_zz, zero, up_2), along(r_zt, r_z, zero), along(r_tt - r, 2.0 * r_t, zero)
+    return Surface(*first, *second)
 
 
 def cylindrical_directions(z: Array, theta: Array) -> Array:

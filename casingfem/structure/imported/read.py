@@ -172,16 +172,12 @@ def read_vtu(file: Path) -> Draft:
         if stated.get(name) != found:
             why = "some kinds cannot be read" if name == "Cells" else "cut short?"
             raise ModelError("mesh-file", f"{file.name}: {found} of {stated.get(name)} {name.lower()} were read: {why}")
-    flags = {name: values for name, values in mesh.point_data.items() if is_flag([values])}
+    flags = {name: np.flatnonzero(values) for name, values in mesh.point_data.items() if is_flag([values])}
     marked = {name: parts for name, parts in mesh.cell_data.items() if is_flag(parts)}
     sets = {name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)] for name, parts in marked.items()}
-    return Draft(
-        points=np.asarray(mesh.points, dtype=float),
-        node_numbers=np.arange(len(mesh.points)),
-        blocks=[Block(b.kind, b.cells, b.numbers - 1) for b in blocks],  # VTK counts from 0
-        node_sets={name: np.flatnonzero(values) for name, values in flags.items()},
-        cell_sets=sets,
-    )
+    points, numbers = np.asarray(mesh.points, dtype=float), np.arange(len(mesh.points))
+    counted = [Block(b.kind, b.cells, b.numbers - 1) for b in blocks]  # VTK counts from 0
+    return Draft(points=points, node_numbers=numbers, blocks=counted, node_sets=flags, cell_sets=sets)
 
 
 def is_flag(parts: list[Any]) -> bool:

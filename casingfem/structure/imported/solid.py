@@ -51,6 +51,7 @@ class Solid(SolidCells):
     Examples
     --------
     >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> from casingfem.structure.material import Material
     >>> cube = grid_mesh("tetra10", (1, 1, 1), lambda u: u)
     >>> system = assemble_solid(Solid(mesh=cube, material=Material(E=210e9, nu=0.3, rho=7800.0)))
     >>> system.size, system.rigid, round(float(system.M.sum()), 6)  # three times the mass

@@ -83,8 +83,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
     t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
     if not shell.chart.periodic:
-        corner = shell.chart.surface(np.array([a0]), np.array([b1]), None)
-        size = float(np.linalg.norm(np.real(corner.x2))) * span
+        size = float(np.linalg.norm(np.real(shell.chart.surface(np.array([a0]), np.array([b1]), None).x2))) * span
         around = int(np.clip(round(2.0 * size / length), 2, 8))
         rows = int(np.clip(round(2.0 * length / size), 2, 8))
         return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)

@@ -203,14 +203,9 @@ def joined(mesh: MeshData, distance: float) -> MeshData:
     _, part = connected_components(graph, directed=False)
     _, first, place = np.unique(part, return_index=True, return_inverse=True)
     groups = {name: replace(group, nodes=place[group.nodes]) for name, group in mesh.groups.items()}
-    return replace(
-        mesh,
-        points=mesh.points[first],
-        cells=place[mesh.cells],
-        groups=groups,
-        node_numbers=mesh.node_numbers[first],
-        attachments=mesh.attachments.renumbered(lambda nodes: place[nodes]),
-    )
+    points, cells, numbers = mesh.points[first], place[mesh.cells], mesh.node_numbers[first]
+    attached = mesh.attachments.renumbered(lambda nodes: place[nodes])
+    return replace(mesh, points=points, cells=cells, groups=groups, node_numbers=numbers, attachments=attached)
 
 
 def against(edges: IntArray) -> BoolArray:
