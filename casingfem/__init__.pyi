@@ -21,13 +21,12 @@ from .structure.edge.ring import Ring
 from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from .structure.field.fourier import FourierField
 from .structure.field.survey.survey import SurveyField
-from .structure.geometry.blade import Blade
+from .structure.geometry.blade import Blade, TwistedPlate
 from .structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from .structure.geometry.revolved import Revolved
 from .structure.geometry.rotation import Rotation
+from .structure.geometry.stations import Taper
 from .structure.geometry.strip import Strip
-from .structure.geometry.taper import Taper
-from .structure.geometry.twisted import TwistedPlate
 from .structure.imported.read import read_mesh
 from .structure.imported.shell import MeshShell
 from .structure.imported.solid import Solid

@@ -23,13 +23,11 @@ from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, 
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, ranks
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.mesh.edge_form import EdgeForm, spring_form
 from casingfem.structure.shell.assembly import on_free
-from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs
+from casingfem.structure.shell.edges import edge_line, mass_forms, own_dofs, support_form
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.ring_form import support_form
 from casingfem.structure.shell.shell import remade
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import outer_supports

@@ -17,8 +17,8 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.axisymmetric import HOOP, Meridian, harmonic_matrices
+from casingfem.structure.shell.edges import outward, ties
 from casingfem.structure.shell.parts import sampled_geometry
-from casingfem.structure.shell.ring_form import outward, ties
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import section
 

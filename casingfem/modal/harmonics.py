@@ -12,7 +12,7 @@ import numpy as np
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.mesh.element import lobatto
-from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.mesh.place import ring_transform
 from casingfem.structure.mesh.shell_mesh import Grid
 from contact.io.brief import brief
 

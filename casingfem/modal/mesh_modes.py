@@ -15,7 +15,7 @@ from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.linalg.pencil import round_off
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import RIGID, ModeSet, first_modes, make_labels
-from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped_parts
 from casingfem.structure.imported.revolution import elements_around, round_about_z

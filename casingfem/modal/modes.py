@@ -24,8 +24,7 @@ from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.energies import modal_products, point_fields
-from casingfem.structure.shell.extent import extent
-from casingfem.structure.shell.plausible import warn_of
+from casingfem.structure.shell.plausible import extent, warn_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.variation import outer_supports

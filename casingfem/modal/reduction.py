@@ -30,8 +30,7 @@ from casingfem.modal.interface.output import Output, output_rows
 from casingfem.modal.interface.view import load_columns, view
 from casingfem.modal.mesh_modes import thick
 from casingfem.modal.modes import modes as lowest_modes
-from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of

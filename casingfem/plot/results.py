@@ -177,7 +177,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.modal.mistuning.Mistuning": by_name("mistune", "figure_splits"),
     "casingfem.modal.basis.ModalBasis": over_modes("freq_hz", "frequency [Hz]"),
     "casingfem.structure.shell.static.Deflection": deflection,
-    "casingfem.structure.imported.static.MeshDeflection": deflection,
+    "casingfem.structure.imported.loads.MeshDeflection": deflection,
     "casingfem.experiment.frequency_table.FrequencyTable": measured,
     "casingfem.experiment.identify.identified.Identified": identified,
     "casingfem.experiment.correlation.correlate.Correlation": by_name("correlation", "figure_mac"),

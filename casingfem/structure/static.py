@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import overload
 
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
-from casingfem.structure.imported.loads import MeshLoad
-from casingfem.structure.imported.static import MeshDeflection, solve_mesh_static
+from casingfem.structure.imported.loads import MeshDeflection, MeshLoad, solve_mesh_static
 from casingfem.structure.shell.loads import Load
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.static import Deflection

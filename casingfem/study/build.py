@@ -9,14 +9,13 @@ from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.points import read_points
 from casingfem.structure.field.survey.survey import SurveyField
-from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, mean_radius, on_meridian
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plies import Lamina, Ply

@@ -5,16 +5,13 @@ from typing import Any
 import numpy as np
 
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener, check_stiffeners
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support, Symmetry
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Plate
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.study.problems import Problems
 from casingfem.study.tables.fields import Harmonic

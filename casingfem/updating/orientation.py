@@ -13,7 +13,7 @@ from casingfem.experiment.correlation.matches import Match
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.harmonics import DOUBLE, orientation
 from casingfem.modal.mode_set import Modes, ModeSet
-from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.mesh.place import ring_transform
 
 
 def lower_phase(modes: ModeSet, low: int, high: int, n: int) -> float:

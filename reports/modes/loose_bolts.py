@@ -17,10 +17,10 @@ import numpy as np
 
 from casingfem.errors import ModelWarning
 from casingfem.modal.modes import Modes, modes
-from casingfem.structure.edge.bolt_mesh import springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.variation import springs_per_wave, spurious_split
 from reports.modes.frustum import reference_frustum
 from reports.tables import Row, command_line, show, write
 

@@ -17,8 +17,8 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.cyclic.modes import cyclic_modes
 from casingfem.modal.fourier import lowest
+from casingfem.structure.edge.ring import Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Revolved

@@ -21,8 +21,8 @@ from casingfem.modal.mode_set import frequency_scale
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Support
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble

@@ -15,9 +15,9 @@ from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.loads import solve_mesh_static
 from casingfem.structure.imported.mesh.mesh_data import MeshData, beside
 from casingfem.structure.imported.solid import Solid
-from casingfem.structure.imported.static import solve_mesh_static
 from casingfem.structure.material import Material
 from casingfem.structure.shell.loads import EdgeLoad
 from reports.tables import Row, command_line, show, write

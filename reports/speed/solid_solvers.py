@@ -24,7 +24,7 @@ from casingfem.linalg.krylov import BLOCKS, ConvergenceError, nearest
 from casingfem.linalg.multigrid import iterate, make_levels
 from casingfem.linalg.pencil import Pencil, make_pencil
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.solid import Solid, assemble_solid

@@ -33,8 +33,7 @@ from casingfem.modal.affine import AffineModel, affine_model, bolt_changes
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble

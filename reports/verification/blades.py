@@ -17,11 +17,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import solve_modes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Panel
-from casingfem.structure.geometry.stations import Law, coefficients
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
+from casingfem.structure.geometry.stations import Law, Taper, coefficients
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.element import gauss
 from casingfem.structure.mesh.kinematics import frame

@@ -13,8 +13,7 @@ from scipy.linalg import eigh
 from casingfem.io.arrays import IntArray
 from casingfem.modal.modes import Modes, modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material

@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.geometry.revolved import Arc, RevolvedPanel
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.loads import EdgeLoad, PointLoad, SurfaceLoad

@@ -14,7 +14,7 @@ import pandas as pd
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.twisted import TwistedPlate
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell

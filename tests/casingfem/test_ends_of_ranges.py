@@ -12,7 +12,7 @@ from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.rig import BITS, Converter, Rig
 from casingfem.experiment.rig.troubles import Troubles
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField

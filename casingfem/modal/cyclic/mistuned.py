@@ -14,8 +14,8 @@ from scipy.linalg import eigh
 from casingfem.errors import ModelError, NumericsError
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.cyclic.waves import Waves, wheel_waves
-from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+from casingfem.structure.imported.cyclic.wheel import blade_stiffness
 
 Deviations = Sequence[float] | FloatArray
 

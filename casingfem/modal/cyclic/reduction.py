@@ -13,8 +13,8 @@ from casingfem.modal.interface.view import view
 from casingfem.modal.reduction import provenance
 from casingfem.structure.geometry.rotation import axis_frame
 from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+from casingfem.structure.imported.cyclic.wheel import blade_stiffness
 
 DIRECTIONS = ("span", "flap", "chord")
 OF_A_DIAMETER = 6  # modes of each kept, if nothing is said

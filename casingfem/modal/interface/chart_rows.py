@@ -8,8 +8,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.mesh.kinematics import DOFS, frame
-from casingfem.structure.mesh.place import interpolation
-from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.mesh.place import interpolation, ring_transform
 from casingfem.structure.shell.parts import ShellGeometry
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System

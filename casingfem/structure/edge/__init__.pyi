@@ -1,8 +1,6 @@
 from .bolts import Bolts
-from .point_mass import EdgeMass
-from .ring import Ring
+from .ring import EdgeMass, Ring, Stiffener
 from .section import Section
-from .stiffener import Stiffener
 from .support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 
 __all__ = [

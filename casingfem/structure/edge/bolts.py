@@ -63,6 +63,7 @@ class Bolts:
 
     held: ClassVar[tuple[int, ...]] = ()
     frame: ClassVar[Literal["cartesian", "edge"]] = "cartesian"
+    uniform: ClassVar[bool] = False  # they hold at places
 
     __repr__ = brief
 
@@ -123,11 +124,6 @@ class Bolts:
         return np.array([self.loose.get(bolt, 1.0) for bolt in range(1, self.count + 1)])
 
     @property
-    def uniform(self) -> bool:
-        """Bolts hold at places."""
-        return False
-
-    @property
     def period(self) -> int:
         """How often the pattern repeats around: the count for equal bolts all the way around, 1 for none alike.
 
@@ -185,10 +181,8 @@ class Bolts:
         """Refuse patches that leave an open edge."""
         low, high = self.angles[0] - 0.5 * self.patch, self.angles[-1] + 0.5 * self.patch
         if not closed and (low < span[0] - 1e-12 or high > span[1] + 1e-12):
-            raise ModelError(
-                "bolt-off-edge",
-                f"support.{edge}: patches from {low:.6g} to {high:.6g} on an edge from {span[0]:.6g} to {span[1]:.6g}",
-            )
+            found = f"patches from {low:.6g} to {high:.6g} on an edge from {span[0]:.6g} to {span[1]:.6g}"
+            raise ModelError("bolt-off-edge", f"support.{edge}: {found}")
 
     def points(self, breaks: Array, closed: bool, per_part: int) -> tuple[Array, Array, Array]:
         """Gauss points of the patches, split at the elements' ends: places, weights times density, bolt index."""
@@ -213,6 +207,4 @@ class Bolts:
         weights = weights * self.factors[bolt]
         nodes, values = line.interpolate(places)
         blocks = along_springs(self.stiffness[:, None], line.frame(places).directions)
-        return PointSprings(
-            nodes=nodes, values=values, blocks=blocks * weights[:, None, None], rotation=self.k_rot * weights
-        )
+        return PointSprings(nodes, values, blocks * weights[:, None, None], rotation=self.k_rot * weights)

@@ -15,9 +15,9 @@ import numpy as np
 
 from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.edge.section import Section
+from casingfem.structure.geometry.rotation import skew
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.element import gauss, lagrange, lobatto
-from casingfem.structure.mesh.kinematics import dot
 
 MOTIONS = 6  # u_x, u_y, u_z, phi_x, phi_y, phi_z
 
@@ -32,17 +32,6 @@ class Beam(NamedTuple):
     strain: Array
     D: Array
     inertia: Array
-
-
-def skew(v: Array) -> Array:
-    """Matrices (..., 3, 3) of the cross product v x, v (..., 3).
-
-    >>> (skew(np.array([1.0, 2.0, 3.0])) @ np.array([0.0, 0.0, 1.0])).tolist()
-    [2.0, -1.0, 0.0]
-    """
-    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
-    zero = np.zeros_like(x)
-    return np.stack([np.stack(row, axis=-1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], axis=-2)
 
 
 def section_axes(tangent: Array, towards: Array) -> tuple[Array, Array]:
@@ -86,8 +75,7 @@ def make_beam(points: Array, towards: Array, cells: IntArray, order: int, sectio
     x, w = gauss(order + 1)
     value, slope = (table.T for table in lagrange(order, x))
     length, axes = section_axes(slope @ points[cells], value @ towards[cells])
-    shape = np.broadcast_to(value, (len(cells), *value.shape))
-    strain = beam_strain(axes, shape, slope / length[..., None])
+    strain = beam_strain(axes, np.broadcast_to(value, (len(cells), *value.shape)), slope / length[..., None])
     D = section_stiffness(section, material) * (length * w)[..., None, None]
     at, share = lobatto(order)
     length, axes = section_axes(lagrange(order, at)[1].T @ points[cells], towards[cells])
@@ -107,8 +95,3 @@ def tie(e1: Array, e2: Array, normal: Array, arm: Array) -> Array:
     G[:, 3:, 3:] = turn
     G[:, :3, 3:] = -np.matmul(skew(arm.T), turn)
     return G
-
-
-def unit(v: Array) -> Array:
-    """Vectors (3, ...) at length one."""
-    return np.asarray(v / np.sqrt(dot(v, v)))

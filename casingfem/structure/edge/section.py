@@ -1,11 +1,10 @@
 """Sections of beams: area, moments, torsion and shear of a rectangle or a circle."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from casingfem.errors import ModelError
+from casingfem.structure.geometry.chart import require_positive
 from contact.io.brief import brief
 
 
@@ -37,10 +36,7 @@ class Section:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        for name in ("width", "depth", "area", "I_r", "I_z", "J", "shear"):
-            value = np.real(getattr(self, name))
-            if not (np.isfinite(value) and value > 0.0):
-                raise ModelError("ring-section", f"section.{name} must be positive and finite, found {value!r}")
+        require_positive("section", "ring-section", **{name: getattr(self, name) for name in NUMBERS})
 
     @classmethod
     def rectangle(cls, *, width: float, depth: float) -> "Section":
@@ -49,18 +45,12 @@ class Section:
         J = a b^3 (1/3 - 64/pi^5 (b/a) sum over odd n of tanh(n pi a/(2 b))/n^5) with b <= a (Timoshenko & Goodier,
         Theory of Elasticity, art. 109).
         """
-        check_sides(width=width, depth=depth)
+        require_positive("section", "ring-section", width=width, depth=depth)
         a, b = (width, depth) if np.real(width) >= np.real(depth) else (depth, width)
         n = np.arange(1, 40, 2)
         torsion = 1.0 / 3.0 - 64.0 / np.pi**5 * b / a * np.sum(np.tanh(0.5 * n * np.pi * a / b) / n**5)
-        return cls(
-            width=width,
-            depth=depth,
-            area=width * depth,
-            I_r=width * depth**3 / 12.0,
-            I_z=depth * width**3 / 12.0,
-            J=a * b**3 * torsion,
-        )
+        radial, axial = width * depth**3 / 12.0, depth * width**3 / 12.0
+        return cls(width=width, depth=depth, area=width * depth, I_r=radial, I_z=axial, J=a * b**3 * torsion)
 
     @classmethod
     def circle(cls, *, diameter: float) -> "Section":
@@ -69,17 +59,9 @@ class Section:
         >>> round(Section.circle(diameter=0.1).area, 6)
         0.007854
         """
-        check_sides(diameter=diameter)
-        inertia = np.pi * diameter**4 / 64.0
-        return cls(
-            width=diameter,
-            depth=diameter,
-            area=np.pi * diameter**2 / 4.0,
-            I_r=inertia,
-            I_z=inertia,
-            J=2.0 * inertia,
-            shear=0.9,
-        )
+        require_positive("section", "ring-section", diameter=diameter)
+        area, inertia = np.pi * diameter**2 / 4.0, np.pi * diameter**4 / 64.0
+        return cls(width=diameter, depth=diameter, area=area, I_r=inertia, I_z=inertia, J=2.0 * inertia, shear=0.9)
 
     def number(self, name: str) -> float:
         """A named number of the section; `diameter` is that of a circle.
@@ -106,17 +88,8 @@ class Section:
         if name == "diameter":
             return Section.circle(diameter=value)
         if name in ("width", "depth") and self == Section.rectangle(width=self.width, depth=self.depth):
-            sides = {"width": self.width, "depth": self.depth, name: value}
-            return Section.rectangle(**sides)
-        changes: dict[str, Any] = {name: value}
-        return replace(self, **changes)
+            return Section.rectangle(**{"width": self.width, "depth": self.depth, name: value})
+        return replace(self, **{name: value})
 
 
 NUMBERS = ("width", "depth", "area", "I_r", "I_z", "J", "shear")
-
-
-def check_sides(**sides: float) -> None:
-    """Refuse lengths that are not positive and finite."""
-    for name, value in sides.items():
-        if not (np.isfinite(np.real(value)) and np.real(value) > 0.0):
-            raise ModelError("ring-section", f"section.{name} must be positive and finite, found {value!r}")

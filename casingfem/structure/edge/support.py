@@ -108,9 +108,8 @@ class ElasticEdge:
             known = ", ".join(self.stiffness_names)
             for name in self.around:
                 if name not in self.stiffness_names:
-                    raise ModelError(
-                        "support-springs", f"support.around: found {name!r}, expected springs among {known}"
-                    )
+                    found = f"support.around: found {name!r}, expected springs among {known}"
+                    raise ModelError("support-springs", found)
             object.__setattr__(self, "around", read_only(self.around))
 
     @property
@@ -124,13 +123,9 @@ class ElasticEdge:
         length = at.stretch * line.weights
         blocks, rotation = self.line_stiffness(at.directions, at.a, at.b, at.thickness)
         moment = -at.bend * self.k_face * self.factor("k_face", at.a, at.b) * at.thickness**3 / 12.0
-        return PointSprings(
-            nodes=line.nodes[:, None],
-            values=np.ones((len(line.nodes), 1)),
-            blocks=blocks * length[:, None, None],
-            rotation=rotation * length,
-            coupling=np.moveaxis(at.tangents * moment * length, -1, 0),
-        )
+        coupling = np.moveaxis(at.tangents * moment * length, -1, 0)
+        nodes, values = line.nodes[:, None], np.ones((len(line.nodes), 1))
+        return PointSprings(nodes, values, blocks * length[:, None, None], rotation * length, coupling)
 
     def pattern(self, spring: str) -> Field | None:
         """How one spring varies along the edge, relative; None where it is even."""
@@ -148,11 +143,8 @@ class ElasticEdge:
 
     def line_stiffness(self, directions: Array, a: Array, b: Array, thickness: Array) -> tuple[Array, Array]:
         """Springs per length at parameters (a, b): displacement (..., 3, 3) and rotation (...,) [N/m^2, N]."""
-        k_r, k_theta, k_z, k_rot, face = (
-            getattr(self, name) * self.factor(name, a, b) for name in self.stiffness_names
-        )
-        blocks = along_springs(np.stack([k_r, k_theta, k_z]), directions)
-        blocks = blocks + (face * thickness)[..., None, None] * np.eye(3)
+        *k, k_rot, face = (getattr(self, name) * self.factor(name, a, b) for name in self.stiffness_names)
+        blocks = along_springs(np.stack(k), directions) + (face * thickness)[..., None, None] * np.eye(3)
         return blocks, k_rot + face * thickness**3 / 12.0
 
 

@@ -35,11 +35,9 @@ class Field(Protocol):
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
         """Evaluate value and derivatives at z [m], theta [rad], broadcast against each other."""
-        ...
 
     def rotated(self, angle: float) -> Field:
         """Turn the field by +angle [rad] about the axis: f(z, theta - angle)."""
-        ...
 
 
 def relative(field: Field | None, a: ArrayLike, b: ArrayLike) -> Array:
@@ -63,9 +61,7 @@ class SumField:
     fields: tuple[Field, ...]
 
     def __post_init__(self) -> None:
-        flat: list[Field] = []
-        for field in self.fields:
-            flat.extend(field.fields if isinstance(field, SumField) else [field])
+        flat = [part for own in self.fields for part in (own.fields if isinstance(own, SumField) else (own,))]
         if not flat:
             raise ModelError("field-coefficients", "SumField needs at least one field")
         object.__setattr__(self, "fields", tuple(flat))

@@ -68,24 +68,18 @@ class FourierField:
     def __post_init__(self) -> None:
         p, cos, sin = _harmonics(self.p), _coefficients("cos", self.cos), _coefficients("sin", self.sin)
         if cos.shape != sin.shape or cos.shape[0] != p.size:
-            raise ModelError(
-                "field-coefficients",
-                f"FourierField: cos {cos.shape} and sin {sin.shape} must both be (harmonics, degrees), "
-                f"with one row for each of the {p.size} harmonics",
-            )
+            found = f"cos {cos.shape} and sin {sin.shape} must both be (harmonics, degrees)"
+            each = f"with one row for each of the {p.size} harmonics"
+            raise ModelError("field-coefficients", f"FourierField: {found}, {each}")
         if self.spline is not None and cos.shape[1] != self.spline.size:
-            raise ModelError(
-                "field-coefficients", f"FourierField: cos {cos.shape} for a spline of {self.spline.size} functions"
-            )
+            found = f"cos {cos.shape} for a spline of {self.spline.size} functions"
+            raise ModelError("field-coefficients", f"FourierField: {found}")
         if np.any(sin[p == 0]):
-            raise ModelError(
-                "field-harmonics", "FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean"
-            )
+            found = "FourierField: sin at p = 0 multiplies sin(0) = 0; use cos for the mean"
+            raise ModelError("field-harmonics", found)
         if not (np.isfinite(self.z_mid) and np.isfinite(self.z_half) and self.z_half > 0.0):
-            raise ModelError(
-                "field-coefficients",
-                f"FourierField: need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}",
-            )
+            found = f"need finite z_mid, z_half > 0, not {self.z_mid!r}, {self.z_half!r}"
+            raise ModelError("field-coefficients", f"FourierField: {found}")
         for name, array in (("p", p), ("cos", cos), ("sin", sin)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -101,9 +95,8 @@ class FourierField:
         """
         pairs = [c if isinstance(c, tuple) else (c, 0.0) for c in harmonics.values()]
         if any(len(pair) != 2 for pair in pairs):
-            raise ModelError(
-                "field-coefficients", "FourierField.of: each harmonic is one number (cos) or a pair (cos, sin)"
-            )
+            found = "FourierField.of: each harmonic is one number (cos) or a pair (cos, sin)"
+            raise ModelError("field-coefficients", found)
         table = np.array(pairs).reshape(len(pairs), 2, 1)
         return cls(p=np.array(list(harmonics)), cos=table[:, 0], sin=table[:, 1])
 
@@ -119,14 +112,9 @@ class FourierField:
         around, around_1, around_2 = (part[theta_of] for part in parts)
         powers = self._powers(z) if self.spline is None else self.spline.evaluate(z)
         along, along_1, along_2 = (power[z_of] for power in powers)
-        return FieldValues(
-            value=_contract(around, along),
-            d_z=_contract(around, along_1),
-            d_theta=_contract(around_1, along),
-            d_zz=_contract(around, along_2),
-            d_z_theta=_contract(around_1, along_1),
-            d_theta_theta=_contract(around_2, along),
-        )
+        first = _contract(around, along), _contract(around, along_1), _contract(around_1, along)
+        second = _contract(around, along_2), _contract(around_1, along_1), _contract(around_2, along)
+        return FieldValues(*first, *second)
 
     def _powers(self, z: Array) -> tuple[Array, Array, Array]:
         """Return zeta^d and its first and second z-derivatives, (z.shape, D) each."""
@@ -140,7 +128,7 @@ class FourierField:
     def rotated(self, angle: float) -> FourierField:
         """Turn the field by +angle [rad] about the axis: a crest at theta moves to theta + angle."""
         c, s = np.cos(self.p * angle)[:, None], np.sin(self.p * angle)[:, None]
-        return self._with(cos=self.cos * c - self.sin * s, sin=self.cos * s + self.sin * c)
+        return replace(self, cos=self.cos * c - self.sin * s, sin=self.cos * s + self.sin * c)
 
     def with_harmonic(self, p: int, *, cos: Coefficient | None = None, sin: Coefficient | None = None) -> FourierField:
         """Replace the z-constant (d = 0) coefficients of harmonic p; None keeps one, a new p is added.
@@ -164,10 +152,7 @@ class FourierField:
             if new is not old:
                 row = new[held[0]]
                 new[held[0]] = row - constant * (mean @ row) + constant * value
-        return self._with(cos=new_cos, sin=new_sin)
-
-    def _with(self, cos: Array, sin: Array) -> FourierField:
-        return replace(self, cos=cos, sin=sin)
+        return replace(self, cos=new_cos, sin=new_sin)
 
     @property
     def _constant(self) -> tuple[Array, Array]:
@@ -183,8 +168,7 @@ class FourierField:
         if held.size == 0:
             return 0.0, 0.0
         mean = self._constant[1]
-        cos, sin = (mean @ self.cos[held[0]]).item(), (mean @ self.sin[held[0]]).item()
-        return cos, sin
+        return (mean @ self.cos[held[0]]).item(), (mean @ self.sin[held[0]]).item()
 
     def amplitude(self, p: int) -> float:
         """Return sqrt(cos^2 + sin^2) of harmonic p at d = 0 (real parts), 0 when not held."""
@@ -282,9 +266,8 @@ def _coefficients(name: str, values: ArrayLike) -> Array:
     given = np.array(values)
     array: Array = given.astype(np.result_type(given.dtype, np.float64))
     if array.ndim != 2 or array.shape[1] < 1:
-        raise ModelError(
-            "field-coefficients", f"FourierField: {name} must have shape (harmonics, degrees), not {array.shape}"
-        )
+        found = f"{name} must have shape (harmonics, degrees), not {array.shape}"
+        raise ModelError("field-coefficients", f"FourierField: {found}")
     if not np.all(np.isfinite(np.real(array))):
         raise ModelError("field-coefficients", f"FourierField: {name} holds values that are not finite")
     return array

@@ -52,9 +52,8 @@ class Spectrum:
     def __post_init__(self) -> None:
         p, median, high = np.array(self.p, dtype=np.int64), *(np.array(x, float) for x in (self.median, self.high))
         if p.ndim != 1 or not p.shape == median.shape == high.shape or not p.size:
-            raise ModelError(
-                "field-spectrum", f"Spectrum: p {p.shape}, median {median.shape}, high {high.shape} must be lists alike"
-            )
+            found = f"p {p.shape}, median {median.shape}, high {high.shape} must be lists alike"
+            raise ModelError("field-spectrum", f"Spectrum: {found}")
         if p[0] < 1 or np.any(np.diff(p) <= 0):
             raise ModelError("field-spectrum", f"Spectrum: harmonics must ascend from 1 or more, found {p.tolist()}")
         if not (np.all(np.isfinite(high)) and np.all(median > 0.0) and np.all(high >= median)):
@@ -124,9 +123,8 @@ class RandomField(SeriesBehind):
 
     def __post_init__(self) -> None:
         if min(self.seed, self.draw, self.stream) < 0:
-            raise ModelError(
-                "field-seed", f"RandomField: found seed {self.seed}, draw {self.draw}, stream {self.stream}"
-            )
+            found = f"seed {self.seed}, draw {self.draw}, stream {self.stream}"
+            raise ModelError("field-seed", f"RandomField: found {found}")
         rng = np.random.default_rng([self.seed, self.stream, self.draw])
         size, turn = rng.random((self.spectrum.p.size, 2)).T  # row by row: more harmonics leave the first ones alone
         amplitude, phase = self.spectrum.amplitudes(size), 2.0 * np.pi * turn
@@ -148,7 +146,7 @@ class RandomField(SeriesBehind):
 
     def redrawn(self, draw: int) -> RandomField:
         """Another field of the same spectrum and seed."""
-        return RandomField(spectrum=self.spectrum, seed=self.seed, draw=draw, stream=self.stream)
+        return replace(self, draw=draw)
 
     def amplitude(self, p: int) -> float:
         """Amplitude of harmonic p in this draw."""

@@ -1,11 +1,10 @@
-from .blade import Blade
+from .blade import Blade, TwistedPlate
 from .chart import Chart, Cylinder, Frustum, Panel, Plate
 from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
+from .stations import Taper
 from .strip import Strip
-from .taper import Taper
-from .twisted import TwistedPlate
 
 __all__ = [
     "Arc",

@@ -41,38 +41,28 @@ class Chart(Protocol):
     @property
     def bounds(self) -> Bounds:
         """((first parameter from, to), (second from, to))."""
-        ...
 
     @property
     def periodic(self) -> bool:
         """Whether the second parameter closes on itself."""
-        ...
 
     @property
     def edges(self) -> dict[str, tuple[int, int]]:
         """Edge name -> (parameter held constant, 0 lower or 1 upper end)."""
-        ...
 
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at parameters (a, b); `defect` is the relative radius field there."""
-        ...
 
     def directions(self, a: Array, b: Array) -> Array:
         """The unit vectors (r, theta, z) along which line springs act, (3 directions, 3, ...)."""
-        ...
 
 
-CODES = {"thickness": "shell-thickness", "shear_correction": "shear-correction"}  # of what is no length of a chart
-
-
-def require_positive(owner: str, **values: float) -> None:
+def require_positive(owner: str, code: str = "chart-dimension", /, **values: float) -> None:
     """Raise ModelError unless every named value is finite and above zero."""
     for name, value in values.items():
         real = np.real(value)
         if not (np.isfinite(real) and real > 0.0):
-            raise ModelError(
-                CODES.get(name, "chart-dimension"), f"{owner}.{name} must be positive and finite, found {real!r}"
-            )
+            raise ModelError(code, f"{owner}.{name} must be positive and finite, found {real!r}")
 
 
 def revolve(
@@ -107,14 +97,9 @@ def revolve(
     def along(radial: Array, hoop: Array, axial: Array) -> Array:
         return np.stack([radial * c - hoop * s, radial * s + hoop * c, axial + 0.0 * radial])
 
-    return Surface(
-        x=along(r, zero, up),
-        x1=along(r_z, zero, up_1),
-        x2=along(r_t, r, zero),
-        x11=along(r_zz, zero, up_2),
-        x12=along(r_zt, r_z, zero),
-        x22=along(r_tt - r, 2.0 * r_t, zero),
-    )
+    first = along(r, zero, up), along(r_z, zero, up_1), along(r_t, r, zero)
+    second = along(r_zz, zero, up_2), along(r_zt, r_z, zero), along(r_tt - r, 2.0 * r_t, zero)
+    return Surface(*first, *second)
 
 
 def cylindrical_directions(z: Array, theta: Array) -> Array:
@@ -145,7 +130,7 @@ class Closed:
 
 
 class Open:
-    """What open charts share: edges root, tip, left and right."""
+    """What open charts share: edges root, tip, left and right; of a sector, springs along e_r, e_theta, e_z."""
 
     __slots__ = ()
 
@@ -158,6 +143,10 @@ class Open:
     def edges(self) -> dict[str, tuple[int, int]]:
         """Root and tip (first parameter), left and right (second)."""
         return {"root": BASE, "tip": TOP, "left": LEFT, "right": RIGHT}
+
+    def directions(self, a: Array, b: Array) -> Array:
+        """The cylindrical unit vectors."""
+        return cylindrical_directions(a, b)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -243,10 +232,6 @@ class Panel(Open):
         """Position and derivatives at z = a, theta = b."""
         return revolve(a, b, self.radius + 0.0 * np.asarray(a), 0.0, defect)
 
-    def directions(self, a: Array, b: Array) -> Array:
-        """The cylindrical unit vectors."""
-        return cylindrical_directions(a, b)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plate(Open):
@@ -277,14 +262,8 @@ class Plate(Open):
         a, b = np.broadcast_arrays(a, b)
         zero, one = np.zeros_like(a), np.ones_like(a)
         flat = np.stack([zero, zero, zero])
-        return Surface(
-            x=np.stack([a, b, zero]),
-            x1=np.stack([one, zero, zero]),
-            x2=np.stack([zero, one, zero]),
-            x11=flat,
-            x12=flat,
-            x22=flat,
-        )
+        along, across = np.stack([one, zero, zero]), np.stack([zero, one, zero])
+        return Surface(np.stack([a, b, zero]), along, across, flat, flat, flat)
 
     def directions(self, a: Array, b: Array) -> Array:
         """Normal, y and x."""

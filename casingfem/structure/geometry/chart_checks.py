@@ -56,9 +56,8 @@ def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array
             scale = np.abs(getattr(surface, source)).max() / span + np.abs(getattr(surface, name)).max()
             error = float(np.abs(difference - getattr(inner, name)).max() / scale)
             if error > ALIKE:
-                raise ModelError(
-                    "chart-derivatives", f"the chart's {name} is not the derivative of its {source} ({error:.1%} off)"
-                )
+                found = f"the chart's {name} is not the derivative of its {source} ({error:.1%} off)"
+                raise ModelError("chart-derivatives", found)
 
 
 def real(surface: Surface) -> Surface:
@@ -76,8 +75,7 @@ def check_symmetry(chart: Chart, edge: str) -> None:
     along, fixed = np.linspace(low, high, 17), np.full(17, np.real(chart.bounds[held][end]))
     a, b = (fixed, along) if held == 0 else (along, fixed)
     surface = real(chart.surface(a, b, None))
-    normal = np.cross(surface.x1, surface.x2, axis=0)
-    across = np.cross(surface.x2 if held == 0 else surface.x1, normal, axis=0)
+    across = np.cross(surface.x2 if held == 0 else surface.x1, np.cross(surface.x1, surface.x2, axis=0), axis=0)
     across = across / np.linalg.norm(across, axis=0)
     lean = float(np.abs(across - across[:, :1]).max())
     if lean > SLANT:

@@ -66,14 +66,9 @@ class Jet:
 
     def through(self, g: Array, slope: Array, bend: Array) -> Jet:
         """A function of this jet, from its value, slope and second derivative at `value`."""
-        return Jet(
-            g,
-            slope * self.d1,
-            slope * self.d2,
-            bend * self.d1**2 + slope * self.d11,
-            bend * self.d1 * self.d2 + slope * self.d12,
-            bend * self.d2**2 + slope * self.d22,
-        )
+        d1, d2 = self.d1, self.d2
+        bent = bend * d1**2 + slope * self.d11, bend * d1 * d2 + slope * self.d12, bend * d2**2 + slope * self.d22
+        return Jet(g, slope * d1, slope * d2, *bent)
 
 
 def jets(a: Array, b: Array) -> tuple[Jet, Jet]:

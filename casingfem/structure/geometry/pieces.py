@@ -62,14 +62,8 @@ class Bend(NamedTuple):
         half, turned = 0.5 * self.kappa * s, self.phi + self.kappa * s
         chord = s * np.sinc(half / np.pi)  # 2 sin(kappa s/2)/kappa
         c, d = np.cos(turned), np.sin(turned)
-        return MeridianPoints(
-            r=self.start[0] + chord * np.cos(self.phi + half),
-            r1=c,
-            r2=-self.kappa * d,
-            z=self.start[1] + chord * np.sin(self.phi + half),
-            z1=d,
-            z2=self.kappa * c,
-        )
+        r, z = self.start[0] + chord * np.cos(self.phi + half), self.start[1] + chord * np.sin(self.phi + half)
+        return MeridianPoints(r, c, -self.kappa * d, z, d, self.kappa * c)
 
     @property
     def end(self) -> FloatArray:
@@ -97,8 +91,7 @@ class Bend(NamedTuple):
     def between(self, first: float, last: float) -> "Bend":
         """Its part from one arc length to another."""
         at = self.at(np.array(first))
-        start = np.array([at.r, at.z], dtype=float)
-        return Bend(start, self.phi + self.kappa * first, self.kappa, last - first)
+        return Bend(np.array([at.r, at.z], dtype=float), self.phi + self.kappa * first, self.kappa, last - first)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -201,8 +194,7 @@ def joined(own: Sequence[Bend], fillets: Sequence[float | None]) -> tuple[list[B
         if rho is None or not rho > 0.0 or abs(turn) > np.pi - 0.1:
             raise ModelError("meridian-pieces", f"{where} at a corner of {np.degrees(abs(turn)):.3g} degrees")
         corners[k], last[k - 1], first[k] = fillet_between(own[k - 1], own[k], rho, turn, where)
-    bends: list[Bend] = []
-    owners: list[tuple[float, float]] = []
+    bends, owners = list[Bend](), list[tuple[float, float]]()
     reached = begun = 0.0
     for k, bend in enumerate(own):
         if not last[k] - first[k] > 0.0:

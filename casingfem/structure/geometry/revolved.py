@@ -12,16 +12,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.geometry.chart import (
-    Bounds,
-    Chart,
-    Closed,
-    Open,
-    Surface,
-    cylindrical_directions,
-    require_positive,
-    revolve,
-)
+from casingfem.structure.geometry.chart import Bounds, Chart, Closed, Open, Surface, require_positive, revolve
 
 
 class MeridianPoints(NamedTuple):
@@ -41,11 +32,9 @@ class Meridian(Protocol):
     @property
     def length(self) -> float:
         """Where s ends; it starts at 0 [m]."""
-        ...
 
     def at(self, s: Array) -> MeridianPoints:
         """Radius, height and their derivatives at s."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,14 +77,8 @@ class Arc:
         sense = float(np.sign(np.real(self.end - self.start)))
         phi = self.start + sense * s / self.radius
         c, d = np.cos(phi), np.sin(phi)
-        return MeridianPoints(
-            r=self.r0 + self.radius * c,
-            r1=-sense * d,
-            r2=-c / self.radius,
-            z=self.z0 + self.radius * d,
-            z1=sense * c,
-            z2=-d / self.radius,
-        )
+        r, z = self.r0 + self.radius * c, self.z0 + self.radius * d
+        return MeridianPoints(r, -sense * d, -c / self.radius, z, sense * c, -d / self.radius)
 
 
 def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldValues | None) -> Surface:
@@ -157,10 +140,6 @@ class RevolvedPanel(Open):
     def surface(self, a: Array, b: Array, defect: FieldValues | None) -> Surface:
         """Position and derivatives at s = a, theta = b."""
         return revolved_surface(self.profile, a, b, defect)
-
-    def directions(self, a: Array, b: Array) -> Array:
-        """The cylindrical unit vectors."""
-        return cylindrical_directions(a, b)
 
 
 def chart_lines(chart: Chart) -> list[float]:

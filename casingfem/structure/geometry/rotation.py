@@ -1,11 +1,13 @@
-"""Rotation about a fixed axis: speed, axis and where the axis lies."""
+"""How a body moves as one: steady rotation about a fixed axis, and rigid motions that its supports leave free."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart, Surface
 
 Vector = tuple[float, float, float]
@@ -85,6 +87,17 @@ class Rotation:
         return cls(omega=omega, axis=(x, y, z), centre=(a, b, c))
 
 
+def skew(v: Array) -> Array:
+    """Matrices (..., 3, 3) of the cross product v x, v (..., 3).
+
+    >>> (skew(np.array([1.0, 2.0, 3.0])) @ np.array([0.0, 0.0, 1.0])).tolist()
+    [2.0, -1.0, 0.0]
+    """
+    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
+    zero = np.zeros_like(x)
+    return np.stack([np.stack(row, axis=-1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], axis=-2)
+
+
 def axis_frame(axis: Vector) -> FloatArray:
     """Right-handed unit rows (e1, e2, a) of an axis a, (3, 3): e1 nearest to x, or to y where the axis runs along x.
 
@@ -106,3 +119,41 @@ def blade_frame(chart: Chart) -> tuple[FloatArray, FloatArray, FloatArray, Float
     span = surface.x1 - chord * (chord @ surface.x1)
     span = span / np.linalg.norm(span)
     return surface.x, span, chord, np.cross(span, chord)
+
+
+STILL = 1e-12  # share of the largest reaction below which a support is not felt
+
+
+def rigid_motions(x: FloatArray, normals: FloatArray | None = None, frames: FloatArray | None = None) -> FloatArray:
+    """Three translations and three rotations about the centre as columns (dofs, 6), of the size of one.
+
+    With nodal normals (nodes, 3) and tangents (nodes, 2, 3), the rotations of the normals are appended to each node.
+    """
+    arms = x - x.mean(axis=0)
+    arms = arms / np.abs(arms).max()
+    turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1)  # (nodes, 3, 3)
+    motions = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
+    if normals is not None and frames is not None:
+        size = np.abs(x - x.mean(axis=0)).max()
+        tilts = np.stack([np.cross(axis, normals) for axis in np.eye(3)], axis=-1) / size
+        rotations = np.einsum("nic,nck->nik", frames, tilts)
+        motions = np.concatenate([motions, np.concatenate([np.zeros_like(rotations), rotations], axis=2)], axis=1)
+    return motions.reshape(-1, 6)
+
+
+def unfelt(reactions: Iterable[FloatArray]) -> FloatArray:
+    """Combinations of the six motions that no support feels, orthonormal columns (6, k), k from 0 to 6.
+
+    Reactions are the work (6, 6) of each support under the motions; a soft one counts like a stiff one.
+
+    >>> unfelt([np.diag([1e16, 1e16, 0, 0, 0, 0]), np.diag([0, 0, 1e-3, 0, 0, 0])]).shape
+    (6, 3)
+    """
+    size, shares = np.linalg.eigh(sum((R / np.trace(R) for R in reactions if np.trace(R) > 0.0), np.zeros((6, 6))))
+    return np.asarray(shares[:, size <= STILL])
+
+
+def rigid_left(motions: FloatArray, held: IntArray, springs: Iterable[csc_array]) -> int:
+    """How many combinations of rigid motions (dofs, 6) neither move a held dof nor strain a spring."""
+    moved = motions[held]
+    return int(unfelt([moved.T @ moved, *(motions.T @ (spring @ motions) for spring in springs)]).shape[1])

@@ -7,6 +7,7 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.material import Material
 
 ON_LINE = 1e-9  # a mesh line this part of the shell's length away is the end of a strip
@@ -40,9 +41,7 @@ class Strip:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.start) and np.isfinite(self.end) and self.start < self.end):
             raise ModelError("strip-extent", f"strip: found start {self.start!r}, end {self.end!r}")
-        thickness = np.real(self.thickness)
-        if not (np.isfinite(thickness) and thickness > 0.0):
-            raise ModelError("shell-thickness", f"strip.thickness must be positive and finite, found {thickness!r}")
+        require_positive("strip", "shell-thickness", thickness=self.thickness)
 
     def covers(self, a: Array) -> Array:
         """Whether points a of the first parameter lie in the strip, its ends included."""

@@ -1,6 +1,5 @@
 """Whether a survey is one of this shell, and where on a curved meridian its points lie."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,21 +58,17 @@ def on_meridian(points: SurveyPoints, chart: Chart | None) -> SurveyPoints:
     return replace(points, z=along, value=points.value * mean_radius(chart) / radii)
 
 
-def surveys(field: Field) -> Iterator[SurveyField]:
-    """The surveys in a field, be it one or a sum."""
-    if isinstance(field, SumField):
-        for term in field.fields:
-            yield from surveys(term)
-    elif isinstance(field, SurveyField):
-        yield field
+def surveys(field: Field) -> list[SurveyField]:
+    """The surveys in a field, be it one or a sum, whose terms are none."""
+    terms = field.fields if isinstance(field, SumField) else (field,)
+    return [term for term in terms if isinstance(term, SurveyField)]
 
 
 def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickness: float | None) -> None:
     """Refuse a survey of another quantity or of another casing; what is None is not looked at."""
     name = Path(survey.path).name
     if survey.quantity != quantity:
-        found = f"{name}: found a survey of {survey.quantity}, expected one of {quantity}"
-        raise ModelError("survey-quantity", found)
+        raise ModelError("survey-quantity", f"{name}: found a survey of {survey.quantity}, expected one of {quantity}")
     (low, high), (start, end) = survey.z_range, survey.z_range if chart is None else np.real(chart.bounds[0])
     nominal, mean = thickness, survey.mean[0]
     if quantity != "thickness" and chart is not None:
@@ -82,9 +77,8 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
     elif quantity != "thickness":
         nominal = None
     if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
-        raise ModelError(
-            "survey-other", f"{name}: found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"
-        )
+        found = f"found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"
+        raise ModelError("survey-other", f"{name}: {found}")
     shared, least = min(high, end) - max(low, start), 0.5 if survey.heights > 1 else -ALIKE
     if shared < least * (end - start):
         found = f"{name}: found z from {low:g} to {high:g} m"

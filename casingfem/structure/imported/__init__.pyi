@@ -1,7 +1,7 @@
 from .assembly import MeshStructure, MeshSystem
 from .attachments.glue import Gluing, tied
 from .cyclic.sector import CyclicSector
-from .loads import FacetPressure, NodeLoad
+from .loads import FacetPressure, MeshDeflection, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
 from .mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
@@ -9,7 +9,6 @@ from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .shell import MeshShell
 from .solid import Solid
-from .static import MeshDeflection
 from .support import Fixed
 
 __all__ = [

@@ -13,10 +13,10 @@ from scipy.sparse import csc_array, csr_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.rigid_body import rigid_left
+from casingfem.structure.geometry.rotation import rigid_left
 from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
-from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, symmetric
+from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, symmetric
 from casingfem.structure.imported.mesh.cell_kind import VTK
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.support import MeshSupport
@@ -245,18 +245,13 @@ def assembled(
 
 def still_nodes(structure: MeshStructure) -> IntArray:
     """Nodes that a support holds against turning, where they turn by themselves."""
-    groups = [
-        structure.mesh.groups[name].nodes
-        for name, support in structure.supports.items()
-        if isinstance(support, Clamped)
-    ]
+    clamped = [name for name, support in structure.supports.items() if isinstance(support, Clamped)]
+    groups = [structure.mesh.groups[name].nodes for name in clamped]
     return np.unique(np.concatenate([*groups, np.zeros(0, dtype=np.int64)]))
 
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
     """Dofs held by clamps and fixed directions, `dofs` of each node."""
-    parts = [
-        (structure.mesh.groups[name].nodes[:, None] * dofs + [i for i in support.held if i < dofs]).ravel()
-        for name, support in structure.supports.items()
-    ]
+    held = [(name, [i for i in support.held if i < dofs]) for name, support in structure.supports.items()]
+    parts = [(structure.mesh.groups[name].nodes[:, None] * dofs + own).ravel() for name, own in held]
     return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

@@ -158,8 +158,7 @@ def parts(mesh: MeshData) -> list[Finding]:
         other = np.append(other, count + link)
     graph = coo_array((np.ones(len(first)), (first, other)), shape=(size, size))
     part = connected_components(graph, directed=False)[1][:count]
-    _, part = np.unique(part, return_inverse=True)
-    sizes = np.bincount(part)
+    _, part, sizes = np.unique(part, return_inverse=True, return_counts=True)
     if len(sizes) == 1:
         return []
     largest = ", ".join(map(str, np.sort(sizes)[::-1][:SHOWN]))
@@ -174,9 +173,8 @@ def overlaps(mesh: MeshData) -> list[Finding]:
     found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
     over = (mesh.sharing > 2).any(axis=1)
     what = "an edge" if mesh.cell_kind.dim == 2 else "a facet"
-    return found or where(
-        "mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} share {what} with two or more others"
-    )
+    others = f"share {what} with two or more others"
+    return found or where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} {others}")
 
 
 def hanging(mesh: MeshData) -> list[Finding]:
@@ -194,8 +192,7 @@ def hanging(mesh: MeshData) -> list[Finding]:
 def split_facets(mesh: MeshData) -> list[Finding]:
     """Neighbours with the same corners on their common facet and other middle nodes."""
     count = len(mesh.cell_kind.facets)
-    place = np.argwhere(np.ones((len(mesh.cells), count)))
-    full = distinct(mesh.facet_nodes(place))
+    full = distinct(mesh.facet_nodes(np.argwhere(np.ones((len(mesh.cells), count)))))
     _, inverse, counts = np.unique(full, axis=0, return_inverse=True, return_counts=True)
     alike = counts[inverse.ravel()].reshape(len(mesh.cells), count)
     bad = ((alike != mesh.sharing) & (mesh.sharing > 0)).any(axis=1)
@@ -266,8 +263,7 @@ def check_groups(mesh: MeshData, names: Sequence[str]) -> None:
     for name in names:
         if name not in mesh.groups:
             known = [repr(group) for group in mesh.groups]
-            near = hint(repr(name), known, most=3)
-            found = f"no group {name!r}{near}; its groups: {', '.join(known) or 'none'}"
+            found = f"no group {name!r}{hint(repr(name), known, most=3)}; its groups: {', '.join(known) or 'none'}"
             raise ModelError("mesh-no-group", f"{mesh.source}: {found}")
         if not np.isin(mesh.groups[name].nodes, mesh.present).any():
             raise ModelError("mesh-group-empty", f"{mesh.source}: group {name!r} has no node of a cell")

@@ -1,23 +1,27 @@
-"""Static loads on imported parts, as nodal forces in Cartesian axes.
+"""Static loads on imported parts, as nodal forces in Cartesian axes, and the deflection under them, K u = f.
 
 `Gravity`, `EdgeLoad` (per area of a solid's facets, per length of a shell's edge), `Pressure` and `SurfaceLoad` (on the
 wall of a shell) are those of the shells on charts; forces at nodes and pressures on a solid's facets stand here. A load
 of your own has `on_mesh(structure) -> (nodes, 3)`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.assembly import MeshStructure
+from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.linalg.factor import solve_held
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import Mapped, mapped, mapped_parts
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, Pressure, SurfaceLoad, Vector
+from casingfem.structure.shell.static import NODAL, deflected
+from contact.io.reported import Reported
 
 
 @runtime_checkable
@@ -94,8 +98,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
         case Gravity():
             loads, density = np.zeros_like(mesh.points), structure.density()
             for rows, nodes, on in mapped_parts(mesh):
-                force = density[rows, None, None] * np.asarray(load.acceleration)
-                loads += spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
+                loads += spread(mesh, on, nodes, density[rows, None, None] * np.asarray(load.acceleration))
             for mass in mesh.attachments.masses:
                 if any(mass.offset):
                     found = f"{mesh.source}: Gravity on the {mass.where}, which stands off its node"
@@ -104,10 +107,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
             return loads
         case EdgeLoad():
             force = np.asarray(load.force)
-            parts = (
-                spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
-                for on, nodes in group_facets(mesh, load.edge)
-            )
+            parts = (spread(mesh, on, nodes, force) for on, nodes in group_facets(mesh, load.edge))
             return np.asarray(sum(parts, np.zeros_like(mesh.points)))
         case Pressure() | SurfaceLoad() if mesh.cell_kind.dim == 2:
             loads = np.zeros_like(mesh.points)
@@ -115,7 +115,7 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
                 normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
                 unit = normal / np.linalg.norm(normal, axis=2, keepdims=True)
                 force = np.asarray(load.force) if isinstance(load, SurfaceLoad) else load.pressure * unit
-                loads += spread(mesh, on, nodes, np.broadcast_to(force, on.x.shape))
+                loads += spread(mesh, on, nodes, force)
             return loads
     raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
 
@@ -132,7 +132,56 @@ def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
 
 
 def spread(mesh: MeshData, on: Mapped, nodes: IntArray, density: FloatArray) -> FloatArray:
-    """Nodal forces of a force per volume, area or length (cells, q, 3)."""
-    loads = np.zeros_like(mesh.points)
+    """Nodal forces of a force per volume, area or length, (cells, q, 3) or alike for all."""
+    loads, density = np.zeros_like(mesh.points), np.broadcast_to(density, on.x.shape)
     np.add.at(loads, nodes, np.einsum("kq,eq,eqc->ekc", on.values, np.abs(on.measure), density, optimize=True))
     return loads
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class MeshDeflection(Reported):
+    """A static solution at the nodes of an imported mesh.
+
+    Attributes
+    ----------
+    fields
+        u_x, u_y, u_z [m], and w_1, w_2 [rad] of shells, (nodes, 3 or 5).
+    energy
+        Strain energy u^T K u/2 [J].
+    """
+
+    structure: MeshStructure
+    fields: FloatArray
+    energy: float
+
+    def columns(self) -> dict[str, Any]:
+        """One row a node: its number in the file, place and displacement [m], turns [rad]."""
+        mesh = self.structure.mesh
+        shown = mesh.present
+        named = zip(("x_m", "y_m", "z_m", *NODAL), (*mesh.points[shown].T, *self.fields[shown].T), strict=False)
+        return {"node": mesh.node_numbers[shown], **dict(named)}
+
+    def __repr__(self) -> str:
+        return deflected(self.fields, self.energy)
+
+    def at(self, node: int) -> FloatArray:
+        """Displacement (u_x, u_y, u_z) [m] of a node by its number in the file, (3,)."""
+        mesh = self.structure.mesh
+        place = mesh.present[mesh.node_numbers[mesh.present] == node]
+        if not len(place):
+            raise ModelError("load-place", f"{mesh.source}: displacement at node {node}, which no cell has")
+        return np.asarray(self.fields[place[0], :3])
+
+
+def solve_mesh_static(
+    structure: MeshStructure, loads: Sequence[MeshLoad], *, system: MeshSystem | None = None
+) -> MeshDeflection:
+    """Displacements of a supported imported part under loads that act together; see `solve_static`."""
+    if not loads:
+        raise ModelError("load-none", "solve_static: found no loads, expected at least one")
+    system = system or structure.assembled()
+    nodal = np.zeros((len(system.points), system.dofs, 1))
+    nodal[:, :3, 0] = np.sum([nodal_loads(structure, load) for load in loads], axis=0)
+    u = solve_held(system.K, system.restrict(nodal)[:, 0])
+    energy = 0.5 * float(u @ (system.K @ u))
+    return MeshDeflection(structure=structure, fields=frozen(system.expand(u[:, None])[:, :, 0]), energy=energy)

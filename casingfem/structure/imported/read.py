@@ -62,8 +62,7 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
     if mesh.attachments.weighed and units is None and scale != 1.0:
         found = f"{file.name}: found {mesh.attachments} and scale = {scale:g}"
         raise ModelError("mesh-scale", f"{found}, expected units such as mm-t-s")
-    attached = mesh.attachments.in_si(length, mass, time)
-    mesh = replace(mesh, points=length * mesh.points, attachments=attached)
+    mesh = replace(mesh, points=length * mesh.points, attachments=mesh.attachments.in_si(length, mass, time))
     return joined(mesh, join) if join > 0.0 else mesh
 
 
@@ -83,9 +82,8 @@ def from_meshio(file: Path, module: str) -> Any:
     """Call one of meshio's readers."""
     import meshio
 
-    read = {"gmsh": meshio.gmsh.read, "vtu": meshio.vtu.read}[module]
     try:
-        return read(file)
+        return getattr(meshio, module).read(file)
     except OSError:
         raise
     except Exception as error:  # whatever it trips over is a malformed file
@@ -159,14 +157,12 @@ def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Bloc
         rank[order] = np.arange(len(order))
         kept.append(Block(block.kind, block.cells[first[order]], block.numbers[first[order]]))
         places.append(rank[place.ravel()])
-    moved = {name: [(k, np.unique(places[k][rows])) for k, rows in parts] for name, parts in sets.items()}
-    return kept, moved
+    return kept, {name: [(k, np.unique(places[k][rows])) for k, rows in parts] for name, parts in sets.items()}
 
 
 def read_vtu(file: Path) -> Draft:
     """VTK's unstructured grid; groups are the integer arrays on cells or points that hold only 0 and 1."""
-    head = file.read_bytes()
-    pieces = re.findall(rb"<Piece\b[^>]*>", head)
+    pieces = re.findall(rb"<Piece\b[^>]*>", file.read_bytes())
     if len(pieces) != 1:
         raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
     stated = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}
@@ -176,19 +172,12 @@ def read_vtu(file: Path) -> Draft:
         if stated.get(name) != found:
             why = "some kinds cannot be read" if name == "Cells" else "cut short?"
             raise ModelError("mesh-file", f"{file.name}: {found} of {stated.get(name)} {name.lower()} were read: {why}")
-    flags = {name: values for name, values in mesh.point_data.items() if is_flag([values])}
-    sets = {
-        name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)]
-        for name, parts in mesh.cell_data.items()
-        if is_flag(parts)
-    }
-    return Draft(
-        points=np.asarray(mesh.points, dtype=float),
-        node_numbers=np.arange(len(mesh.points)),
-        blocks=[Block(b.kind, b.cells, b.numbers - 1) for b in blocks],  # VTK counts from 0
-        node_sets={name: np.flatnonzero(values) for name, values in flags.items()},
-        cell_sets=sets,
-    )
+    flags = {name: np.flatnonzero(values) for name, values in mesh.point_data.items() if is_flag([values])}
+    marked = {name: parts for name, parts in mesh.cell_data.items() if is_flag(parts)}
+    sets = {name: [(k, np.flatnonzero(rows)) for k, rows in enumerate(parts)] for name, parts in marked.items()}
+    points, numbers = np.asarray(mesh.points, dtype=float), np.arange(len(mesh.points))
+    counted = [Block(b.kind, b.cells, b.numbers - 1) for b in blocks]  # VTK counts from 0
+    return Draft(points=points, node_numbers=numbers, blocks=counted, node_sets=flags, cell_sets=sets)
 
 
 def is_flag(parts: list[Any]) -> bool:

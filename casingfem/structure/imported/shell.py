@@ -12,8 +12,8 @@ Linear cells tie the transverse shear alone (MITC4: Dvorkin & Bathe, Eng. Comput
 stand among them as collapsed quadrilaterals and are integrated as what they are (MITC6).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -21,13 +21,12 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.geometry.rotation import Rotation, Vector
+from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
-from casingfem.structure.imported.cells.mapped import facet_shape_products
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, scatter
 from casingfem.structure.imported.cells.shell import (
     DOFS,
+    ShellCells,
     cell_normals,
     consistent_mass,
     directors,
@@ -36,15 +35,12 @@ from casingfem.structure.imported.cells.shell import (
     tangent_frames,
 )
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
-from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.spin import MeshSpin, spun
-from casingfem.structure.imported.support import MeshSupport, check_support
-from casingfem.structure.material import Material
+from casingfem.structure.imported.spin import MeshSpin, mesh_spin, spun
+from casingfem.structure.imported.support import check_support
 from casingfem.structure.shell.checks import WALLS
-from casingfem.structure.shell.plies import Ply, layered_inertia
 from contact.io.brief import brief
 
 BENT, FOLDED = 10.0, 61.0  # degrees between neighbours: doubted, refused
@@ -52,7 +48,7 @@ ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MeshShell:
+class MeshShell(ShellCells):
     """An elastic shell on an imported mesh of quadrilaterals and triangles.
 
     Parameters
@@ -89,23 +85,12 @@ class MeshShell:
     Examples
     --------
     >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> from casingfem.structure.material import Material
     >>> plate = grid_mesh("quad8", (4, 4), lambda u: np.insert(u, 2, 0.0, axis=1))
     >>> shell = MeshShell(mesh=plate, thickness=0.01, material=Material(E=210e9, nu=0.3, rho=7800.0))
     >>> shell.mesh.kind, assemble_mesh_shell(shell).rigid
     ('quad9', 6)
     """
-
-    mesh: MeshData
-    thickness: float
-    material: Material
-    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
-    shear_correction: float | None = None
-    rotation: Rotation | None = None
-    thicknesses: Mapping[str, float] = field(default_factory=dict)
-    materials: Mapping[str, Material] = field(default_factory=dict)
-    wall: str = "curved"
-    plies: tuple[Ply, ...] = ()
-    angle_from: Vector = (0.0, 0.0, 1.0)
 
     __repr__ = brief
 
@@ -129,24 +114,6 @@ class MeshShell:
         check_layers(self)
         self.walls()
 
-    def walls(self) -> FloatArray:
-        """Thickness, E, nu, rho of each cell, (4, cells)."""
-        t = by_group(self.mesh, (self.thickness,), {name: (value,) for name, value in self.thicknesses.items()})
-        own = {name: constants_of(material) for name, material in self.materials.items()}
-        return np.concatenate([t, by_group(self.mesh, constants_of(self.material), own)])
-
-    @property
-    def fibres(self) -> FloatArray | None:
-        """Direction from which the plies' angles count, (3,); None without plies."""
-        return np.asarray(self.angle_from, dtype=float) if self.plies else None
-
-    def inertia(self) -> FloatArray:
-        """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
-        t, _, _, rho = self.walls()
-        if self.plies:
-            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
-        return np.stack([rho * t, rho * t**3 / 12.0])
-
     def density(self) -> FloatArray:
         """Mass per area of each cell [kg/m^2], (cells,)."""
         return np.asarray(self.inertia()[0])
@@ -158,9 +125,9 @@ class MeshShell:
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
         """What rotation about an axis adds to its matrices at rest."""
-        from casingfem.structure.imported.shell_spin import shell_spin
+        from casingfem.structure.imported.shell_spin import shell_inertia, shell_stiffening
 
-        return shell_spin(at_rest, self, rotation)
+        return mesh_spin(at_rest, rotation, partial(shell_inertia, self), partial(shell_stiffening, self))
 
 
 def check_layers(shell: MeshShell) -> None:
@@ -191,13 +158,9 @@ def with_centres(mesh: MeshData) -> MeshData:
     centres = np.einsum("k,ekc->ec", weights[:, 0], mesh.points[mesh.cells[whole]])
     ninth = mesh.cells[:, 3].copy()  # triangles have none of their own
     ninth[whole] = len(mesh.points) + np.arange(len(centres))
-    return replace(
-        mesh,
-        kind="quad9",
-        points=np.vstack([mesh.points, centres]),
-        cells=np.column_stack([mesh.cells, ninth]),
-        node_numbers=np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)]),
-    )
+    points, cells = np.vstack([mesh.points, centres]), np.column_stack([mesh.cells, ninth])
+    numbers = np.concatenate([mesh.node_numbers, np.zeros(len(centres), dtype=np.int64)])
+    return replace(mesh, kind="quad9", points=points, cells=cells, node_numbers=numbers)
 
 
 def check_folds(mesh: MeshData) -> None:
@@ -225,9 +188,8 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     t, E, _, rho = shell.walls()
     motions = rigid_motions(mesh.points, normals, frames)
     sound = float(np.sqrt((E / rho).min()))
-    return assembled(
-        shell, K, M, edge_springs(shell, frames), motions, float(t.min()), sound, tangents=(normals, frames)
-    )
+    springs = edge_springs(shell, frames)
+    return assembled(shell, K, M, springs, motions, float(t.min()), sound, tangents=(normals, frames))
 
 
 def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:

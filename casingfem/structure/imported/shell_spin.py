@@ -13,12 +13,11 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.assembly import MeshSystem
-from casingfem.structure.imported.cells.mapped import shape_products
-from casingfem.structure.imported.cells.scatter import put
+from casingfem.structure.imported.cells.mapped import put, shape_products
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
+    blocks,
     chunks,
     consistent_mass,
     directors,
@@ -28,22 +27,9 @@ from casingfem.structure.imported.cells.shell import (
 from casingfem.structure.imported.cells.tying import local_frame, tied_covariant, tied_strains, to_local, tying
 from casingfem.structure.imported.mesh.cell_kind import rule, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import natives
-from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin
+from casingfem.structure.imported.spin import Inertia, Stiffening
 
 PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
-
-
-def shell_spin(system: MeshSystem, shell: ShellCells, rotation: Rotation) -> MeshSpin:
-    """What rotation adds to an imported shell assembled at rest.
-
-    Raises
-    ------
-    ModelError
-        `static-loose` if the centrifugal force drives a rigid motion that is not held.
-    """
-    return mesh_spin(
-        system, rotation, lambda axis: shell_inertia(shell, axis), lambda fields: shell_stiffening(shell, fields)
-    )
 
 
 def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
@@ -59,24 +45,9 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     lean = np.einsum("ei,ej,eiac,ejbc->eiajb", up, up, e, e, optimize=True) - np.einsum("eia,ejb->eiajb", along, along)
     around = np.einsum("eiac,cd,ejbd->eiajb", e, turn, e, optimize=True)
     moved, turned = shell.inertia()[:, :, None, None] * scalar
-    away = np.concatenate(
-        [(mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)], axis=1
-    )
-    return Inertia(
-        mass=consistent_mass(shell, frames),
-        softening=blocks(moved, P, turned, lean),
-        gyroscopic=blocks(2.0 * moved, turn, 2.0 * turned, around),
-        away=away,
-    )
-
-
-def blocks(moved: FloatArray, B: FloatArray, turned: FloatArray, along: FloatArray) -> FloatArray:
-    """Matrices (cells, 5 k, 5 k) of u.B u from `moved` (cells, k, k), of w_a along w_b from `turned`."""
-    cells, k = moved.shape[:2]
-    matrices = np.zeros((cells, k, DOFS, k, DOFS))
-    matrices[:, :, :3, :, :3] = moved[:, :, None, :, None] * B[:, None, :]
-    matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
-    return matrices.reshape(cells, DOFS * k, DOFS * k)
+    x, lag = (mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)
+    soft, coriolis = blocks(moved, P, turned, lean), blocks(2.0 * moved, turn, 2.0 * turned, around)
+    return Inertia(consistent_mass(shell, frames), soft, coriolis, away=np.concatenate([x, lag], axis=1))
 
 
 def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:

@@ -6,8 +6,7 @@ Geometry and displacements have the same shape functions, so the curved faces of
 integrated in batches; the mass is consistent.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -15,24 +14,19 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rigid_body import rigid_motions
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
-from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
-from casingfem.structure.imported.cells.solid import cell_matrices, consistent_mass, stiffness
+from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, mapped, scatter
+from casingfem.structure.imported.cells.solid import SolidCells, cell_matrices, consistent_mass, stiffness
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
-from casingfem.structure.imported.groups import by_group, constants_of
 from casingfem.structure.imported.mesh.cell_kind import SOLIDS
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, spun
-from casingfem.structure.imported.support import MeshSupport, check_support
-from casingfem.structure.material import Material
+from casingfem.structure.imported.support import check_support
 from contact.io.brief import brief
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solid:
+class Solid(SolidCells):
     """An elastic solid on an imported mesh.
 
     Parameters
@@ -57,17 +51,12 @@ class Solid:
     Examples
     --------
     >>> from casingfem.structure.imported.grid import grid_mesh
+    >>> from casingfem.structure.material import Material
     >>> cube = grid_mesh("tetra10", (1, 1, 1), lambda u: u)
     >>> system = assemble_solid(Solid(mesh=cube, material=Material(E=210e9, nu=0.3, rho=7800.0)))
     >>> system.size, system.rigid, round(float(system.M.sum()), 6)  # three times the mass
     (81, 6, 23400.0)
     """
-
-    mesh: MeshData
-    material: Material
-    materials: Mapping[str, Material] = field(default_factory=dict)
-    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
-    rotation: Rotation | None = None
 
     __repr__ = brief
 
@@ -82,10 +71,6 @@ class Solid:
         object.__setattr__(self, "materials", read_only(self.materials))
         object.__setattr__(self, "supports", read_only(self.supports))
         self.constants()
-
-    def constants(self) -> FloatArray:
-        """E, nu, rho of each cell, (3, cells); a cell in two groups of `materials` is refused."""
-        return by_group(self.mesh, constants_of(self.material), {g: constants_of(m) for g, m in self.materials.items()})
 
     def density(self) -> FloatArray:
         """Mass per volume of each cell [kg/m^3], (cells,)."""
@@ -110,17 +95,8 @@ def assemble_solid(solid: Solid) -> MeshSystem:
     dofs = cell_dofs(mesh.cells, 3)
     constants = solid.constants()
     E, _, rho = constants
-
-    K, M = (
-        scatter(matrices, dofs, size)
-        for matrices in cell_matrices(
-            mesh.kind,
-            mesh.points,
-            mesh.cells,
-            lambda on, rows: stiffness(on, constants[:, rows]),
-            lambda on, rows: consistent_mass(on, rho[rows]),
-        )
-    )
+    of = (lambda on, rows: stiffness(on, constants[:, rows]), lambda on, rows: consistent_mass(on, rho[rows]))
+    K, M = (scatter(matrices, dofs, size) for matrices in cell_matrices(mesh.kind, mesh.points, mesh.cells, *of))
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     volume = mapped(mesh.kind, mesh.points, mesh.cells).measure.sum()
     wall, sound = float(2.0 * volume / area), float(np.sqrt((E / rho).min()))
@@ -134,6 +110,5 @@ def foundations(solid: Solid) -> list[csc_array]:
     for name, support in solid.supports.items():
         if isinstance(support, ElasticEdge):
             products, nodes, _ = facet_shape_products(solid.mesh, solid.mesh.group_facets(name))
-            matrices = support.k_face * np.kron(products, np.eye(3))
-            springs.append(scatter(matrices, cell_dofs(nodes, 3), size))
+            springs.append(scatter(support.k_face * np.kron(products, np.eye(3)), cell_dofs(nodes, 3), size))
     return springs

@@ -7,6 +7,8 @@ tangent is material, stress and spin softening. (Bathe, Finite Element Procedure
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +20,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.turning import attached_spin
-from casingfem.structure.imported.cells.mapped import Mapped, mapped
-from casingfem.structure.imported.cells.scatter import CHUNK, cell_dofs, on_free, put, scatter
+from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, cell_dofs, mapped, on_free, put, scatter
 from casingfem.structure.imported.cells.solid import (
     VOIGT,
     SolidCells,
@@ -43,15 +44,12 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
-    linear = mesh_spin(
-        system, rotation, lambda axis: solid_inertia(solid, axis), lambda fields: solid_stiffening(solid, fields)
-    )
+    linear = mesh_spin(system, rotation, partial(solid_inertia, solid), partial(solid_stiffening, solid))
 
     def steady(omega: float) -> csc_array:
         return steady_stiffness(system, solid, rotation.at(omega), omega**2 * linear.fields)
 
-    nonlinear = None if system.lift is not None else steady  # connections are taken in their shape at rest
-    return MeshSpin(linear.K1, linear.K2, linear.G, linear.fields, linear.nonlinear, nonlinear)
+    return linear if system.lift is not None else replace(linear, steady=steady)  # connections: in their shape at rest
 
 
 def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
@@ -98,10 +96,8 @@ def batches(solid: SolidCells, fields: FloatArray) -> Iterator[Batch]:
             nodes = mesh.cells[part][:, slots]
             on = mapped(kind, mesh.points, nodes)
             slopes = np.linalg.inv(on.tangents) @ on.slopes.transpose(2, 0, 1)
-            moved = fields[nodes].transpose(0, 2, 1)
-            yield Batch(
-                part, nodes, slots, slopes, moved[:, None] @ slopes.swapaxes(2, 3), on.measure[:, :, None], D[part]
-            )
+            gradient = fields[nodes].transpose(0, 2, 1)[:, None] @ slopes.swapaxes(2, 3)
+            yield Batch(part, nodes, slots, slopes, gradient, on.measure[:, :, None], D[part])
 
 
 def geometric(slopes: FloatArray, stress: FloatArray) -> FloatArray:
@@ -173,9 +169,8 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
         if np.linalg.norm(step) <= SETTLED * np.linalg.norm(fields):
             K, _ = tangent(solid, fields)
             return csc_array(on_free(csc_array(K - soft), system.free) - at_rest)
-    raise NumericsError(
-        f"rotation: found no steady state at {omega / (2.0 * np.pi):.4g} turns a second in {STEPS} steps"
-    )
+    turns = omega / (2.0 * np.pi)
+    raise NumericsError(f"rotation: found no steady state at {turns:.4g} turns a second in {STEPS} steps")
 
 
 def tangent(solid: SolidCells, fields: FloatArray) -> tuple[csc_array, FloatArray]:

@@ -24,7 +24,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import attached_spin, carried
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter, symmetric
+from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, symmetric
 from casingfem.structure.shell.prestress import Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
@@ -96,7 +96,8 @@ def mesh_spin(
     extra = None if system.connected is None else attached_spin(system.connected.rows.motions, rotation)
     if extra is not None:
         force = extra.force + np.pad(force, (0, len(extra.force) - size))
-    moved = tied_solution(system, system.K, reduced_force(system, force), solve_held)
+    felt = force[system.free] if system.connected is None else system.connected.whole.T @ force
+    moved = tied_solution(system, system.K, felt, solve_held)
     fields = system.expand(moved[:, None])[:, :, 0]
     added = stiffening(fields)
     parts = [scatter(cells, rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
@@ -106,13 +107,7 @@ def mesh_spin(
         carries = carried(on.rows.motions, on.rows, force - on.K @ (on.whole @ moved))
         parts[0], parts[2] = parts[0] + extra.stiffness + carries - extra.softening, parts[2] + extra.gyroscopic
     first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
-    return MeshSpin(
-        K1=symmetric(first),
-        K2=symmetric(second),
-        G=gyroscopic,
-        fields=fields,
-        nonlinear=added.ratio,
-    )
+    return MeshSpin(K1=symmetric(first), K2=symmetric(second), G=gyroscopic, fields=fields, nonlinear=added.ratio)
 
 
 def reduced(system: MeshSystem, A: csc_array) -> csc_array:
@@ -121,11 +116,6 @@ def reduced(system: MeshSystem, A: csc_array) -> csc_array:
         return csc_array(A[:, system.free][system.free])
     T = system.connected.whole
     return csc_array(T.T @ A @ T)
-
-
-def reduced_force(system: MeshSystem, force: FloatArray) -> FloatArray:
-    """A force on all motions on the unknowns."""
-    return np.asarray(force[system.free] if system.connected is None else system.connected.whole.T @ force)
 
 
 def tied_solution(

@@ -1,11 +1,19 @@
-"""Supports on groups of an imported mesh: directions held. `Clamped` and `ElasticEdge(k_face=...)` serve there too."""
+"""What groups of an imported mesh have of their own: supports, materials, thicknesses.
 
+A support holds directions; `Clamped` and `ElasticEdge(k_face=...)` serve there too.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
+import numpy as np
+
 from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.material import Material
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,3 +58,34 @@ def check_support(mesh: MeshData, name: str, support: MeshSupport) -> None:
             raise ModelError("mesh-group-no-facets", where)
     elif not isinstance(support, Clamped | Fixed):
         raise ModelError("mesh-support", f"{where}: found {type(support).__name__}")
+
+
+Constants = tuple[float, ...]
+
+
+def constants_of(material: Material) -> Constants:
+    """E, nu, rho."""
+    return (material.E, material.nu, material.rho)
+
+
+def by_group(mesh: MeshData, common: Constants, own: Mapping[str, Constants]) -> FloatArray:
+    """Numbers of each cell (numbers, cells): those of its group, or the common ones.
+
+    Raises
+    ------
+    ModelError
+        `mesh-group-no-cells`; `mesh-material-twice` for a cell in two groups with numbers of their own.
+    """
+    values = np.tile(np.array(common)[:, None], len(mesh.cells))
+    owner = np.full(len(mesh.cells), "", dtype=object)
+    for name, numbers in own.items():
+        cells = mesh.groups[name].cells
+        if not len(cells):
+            raise ModelError("mesh-group-no-cells", f"{mesh.source}: material of group {name!r}")
+        taken = cells[owner[cells] != ""]
+        if len(taken):
+            found = f"cell {mesh.cell_numbers[taken[0]]} has the materials of {owner[taken[0]]!r} and {name!r}"
+            raise ModelError("mesh-material-twice", f"{mesh.source}: {found}")
+        owner[cells] = name
+        values[:, cells] = np.array(numbers)[:, None]
+    return values

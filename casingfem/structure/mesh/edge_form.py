@@ -97,11 +97,9 @@ class Sprung(Protocol):
     @property
     def uniform(self) -> bool:
         """Whether the springs are the same all along the edge."""
-        ...
 
     def springs(self, line: EdgeLine) -> PointSprings:
         """The springs on an edge."""
-        ...
 
 
 @runtime_checkable
@@ -110,11 +108,9 @@ class Numbered(Sprung, Protocol):
 
     def number(self, path: tuple[str, ...]) -> Any:
         """The number at a path."""
-        ...
 
     def with_number(self, path: tuple[str, ...], value: Any) -> Self:
         """The same support with that number replaced."""
-        ...
 
 
 def spring_form(springs: PointSprings) -> EdgeForm:
@@ -142,16 +138,9 @@ def places_of(nodes: IntArray, numbers: IntArray) -> IntArray:
 
 def single_place(at: LineFrame) -> EdgeLine:
     """An edge seen at theta = 0 only, per unit angle: what one harmonic of a perfect casing needs."""
-    return EdgeLine(
-        nodes=np.zeros(1, dtype=np.int64),
-        weights=np.ones(1),
-        nodal=at,
-        breaks=np.zeros(1),
-        order=0,
-        closed=True,
-        frame=lambda x: at,
-        interpolate=lambda x: (np.zeros((1, 1), dtype=np.int64), np.ones((1, 1))),
-    )
+    node, whole = np.zeros(1, dtype=np.int64), np.ones(1)
+    alone = node[:, None], whole[:, None]
+    return EdgeLine(node, whole, at, np.zeros(1), order=0, closed=True, frame=lambda x: at, interpolate=lambda x: alone)
 
 
 def along_springs(stiffness: Array, directions: Array) -> Array:

@@ -68,8 +68,7 @@ def lagrange(order: int, x: Array) -> tuple[Array, Array]:
     modal = legendre.legvander(2.0 * np.asarray(x) - 1.0, order)
     to_nodes, slopes_of = _from_legendre(order)
     values = np.moveaxis(modal @ to_nodes, -1, 0)
-    slopes = np.moveaxis(2.0 * (modal @ slopes_of) @ to_nodes, -1, 0)
-    return values, slopes
+    return values, np.moveaxis(2.0 * (modal @ slopes_of) @ to_nodes, -1, 0)
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Quadratic forms on the jets of a displacement -> element matrices, one direction of the element after the other.
+"""Quadratic forms on the jets of a displacement -> element matrices -> matrices on the free dofs, in nodal frames.
 
 The jet of U at a point is (U, d_1 U, d_2 U). With functions f_a(x) f_b(y) on a tensor of points, a form H on the jets
 is summed over the points of one direction, then over those of the other: (p + 1)^5 operations for each couple of dofs
@@ -6,11 +6,15 @@ where sums over all points at once take (p + 1)^6 (sum factorisation: S.A. Orsza
 Forms are symmetric: of the second direction couples of functions are summed once.
 """
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
+from scipy.sparse import bsr_array, csc_array
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.linalg.element_sum import Elements, ElementSum
+from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange
 from casingfem.structure.mesh.kinematics import DOFS
 from casingfem.structure.mesh.shell_mesh import Grid
@@ -43,6 +47,18 @@ def products(order: int) -> tuple[tuple[FloatArray, ...], FloatArray, IntArray]:
     return first, both[low, high].reshape(len(low), -1), place.ravel()
 
 
+def point_jets(grid: Grid, fields: Array) -> Array:
+    """U, d_1 U, d_2 U of nodal fields (nodes, 5, k) at the quadrature points: (elements, points, 15, k)."""
+    local = fields[grid.elements]
+    elements, points = len(grid.elements), grid.table.shape[2]
+    flat = local.reshape(elements, grid.table.shape[1], -1)
+    jets = np.empty((elements, points, 3, flat.shape[2]), dtype=np.result_type(fields, grid.size))
+    for slot, table in enumerate(grid.table):
+        np.matmul(table.T, flat, out=jets[:, :, slot])
+    jets[:, :, 1:] /= grid.size.T[:, None, :, None]
+    return np.asarray(jets.reshape(elements, points, JET, fields.shape[2]))
+
+
 def jet_elements(grid: Grid, H: Array) -> FloatArray:
     """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
     n, elements = grid.mesh.order + 1, len(grid.elements)
@@ -53,9 +69,8 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
     for low in range(0, elements, step):
         own = slice(low, low + step)
         scaled = H[own] * (scale[own, :, None] * scale[own, None, :])[:, None]
-        jets = scaled.reshape(-1, n, n, 3, DOFS, 3, DOFS).transpose(
-            0, 2, 3, 5, 1, 4, 6
-        )  # e, y, slot, slot, x, dof, dof
+        order = (0, 2, 3, 5, 1, 4, 6)  # e, y, slot, slot, x, dof, dof
+        jets = scaled.reshape(-1, n, n, 3, DOFS, 3, DOFS).transpose(order)
         sums = np.empty((len(scaled), 4, n, n * n, DOFS * DOFS))
         for part, table in enumerate(first):
             (rows, _), (columns, _) = SLOTS[part // 2], SLOTS[part % 2]
@@ -65,3 +80,51 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
         for whole, part in zip(matrices[own], half, strict=True):
             np.take(part, place, out=whole, mode="clip")  # without a buffer
     return matrices.reshape(elements, n * n * DOFS, n * n * DOFS)
+
+
+def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
+    """Express the rows and columns of the element matrices in the nodal frames, in place."""
+    turned = np.any(frames != np.eye(DOFS), axis=(1, 2))
+    for e in np.flatnonzero(turned[grid.elements].any(axis=1)):  # only elements on edges with a frame
+        R = frames[grid.elements[e]]
+        K = matrices[e].reshape(len(R), DOFS, len(R), DOFS)
+        K = np.einsum("nji,njmd,mdk->nimk", R, K, R, optimize=True)
+        matrices[e] = K.reshape(matrices[e].shape)
+
+
+def element_sum(
+    matrices: FloatArray, grid: Grid, frames: FloatArray, free: IntArray, forms: Sequence[EdgeForm] = ()
+) -> ElementSum:
+    """Element matrices (elements, 5 functions, 5 functions), turned in place, and what stands on edges, on free dofs.
+
+    Beyond the dofs of the nodes forms may have their own.
+    """
+    rotate_elements(matrices, grid, frames)
+    number = np.full(max(len(frames) * DOFS, int(free.max(initial=0)) + 1), len(free))
+    number[free] = np.arange(len(free))
+    dofs = (grid.elements[:, :, None] * DOFS + np.arange(DOFS)).reshape(len(matrices), -1)
+    walls = Elements(number[dofs], matrices)
+    return ElementSum.of([walls, *(edge_elements(form, frames, number) for form in forms)], len(free))
+
+
+def edge_elements(form: EdgeForm, frames: FloatArray, number: IntArray) -> Elements:
+    """What stands on an edge as elements, one for all points on the same dofs; `number` is a dof's among the free."""
+    dofs, of = np.unique(form.dofs, axis=0, return_inverse=True)
+    B = form.B
+    if np.any(frames != np.eye(DOFS)):
+        node, which = np.divmod(form.dofs, DOFS)
+        own = node >= len(frames)  # not a node's
+        turns = frames[np.where(own, 0, node)[:, :, None], which[:, :, None], which[:, None, :]]
+        turns = np.where(own[:, :, None], np.eye(form.dofs.shape[1]), turns)
+        B = B @ np.where(form.dofs[:, :, None] // DOFS == form.dofs[:, None, :] // DOFS, turns, 0.0)
+    matrices = np.zeros((len(dofs), dofs.shape[1], dofs.shape[1]))
+    np.add.at(matrices, of.ravel(), B.transpose(0, 2, 1) @ (form.D @ B))
+    return Elements(number[dofs], matrices)
+
+
+def scatter_blocks(blocks: FloatArray, frames: FloatArray, free: IntArray) -> csc_array:
+    """Blocks of each node on its own five dofs (nodes, 5, 5), on the free dofs."""
+    turned = np.einsum("nji,njk,nkl->nil", frames, blocks, frames, optimize=True)
+    nodes = np.arange(len(frames) + 1)
+    size = len(frames) * DOFS
+    return csc_array(bsr_array((turned, nodes[:-1], nodes), shape=(size, size)).tocsc()[free][:, free])

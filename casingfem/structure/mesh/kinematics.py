@@ -91,17 +91,12 @@ def strain_slots(surface: Surface) -> tuple[Array, Rates]:
         slot[3, :3] = d1 * normal_slope[0]
         slot[4, :3] = d2 * normal_slope[1]
         slot[5, :3] = d2 * normal_slope[0] + d1 * normal_slope[1]
-        slot[3, 3] = d1
-        slot[4, 4] = d2
-        slot[5, 3] = d2
-        slot[5, 4] = d1
+        slot[3, 3] = slot[5, 4] = d1
+        slot[4, 4] = slot[5, 3] = d2
         slot[6, :3] = d1 * n
         slot[7, :3] = d2 * n
     # e_i . D_j w = D_j w_i + (e_i . D_j e_k) w_k
-    L[0, 3, 4] = turn[0]
-    L[0, 4, 3] = -turn[1]
-    L[0, 5, 4] = turn[1]
-    L[0, 5, 3] = -turn[0]
-    L[0, 6, 3] = 1.0
-    L[0, 7, 4] = 1.0
+    L[0, 3, 4], L[0, 4, 3] = turn[0], -turn[1]
+    L[0, 5, 3], L[0, 5, 4] = -turn[0], turn[1]
+    L[0, 6, 3] = L[0, 7, 4] = 1.0
     return L, rates

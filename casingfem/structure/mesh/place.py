@@ -1,10 +1,12 @@
-"""Values of nodal fields at any place of a shell: which nodes take part, and with what weight."""
+"""Values of nodal fields at any place of a shell, and their Fourier amplitudes on rings of nodes around it."""
 
 import numpy as np
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.mesh.edge_form import places_of
 from casingfem.structure.mesh.element import ElementQuadLobatto, lagrange
-from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.mesh.shell_mesh import Grid, rim_values
 
 
 def interpolation(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -48,3 +50,18 @@ def place_jets(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, Floa
     size = grid.size[:, element]
     jets = np.stack([f[i] * g[j], df[i] * g[j] / size[0], f[i] * dg[j] / size[1]])
     return grid.elements[element], np.asarray(jets.transpose(0, 2, 1))
+
+
+def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Array]:
+    """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes."""
+    z, theta = grid.nodes
+    edge = next(name for name, (held, _) in chart.edges.items() if held == 0)
+    around = len(grid.edges[edge].nodes)
+    rings = np.lexsort((theta, np.round(z / np.ptp(z), 9))).reshape(-1, around)
+    samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
+    nodes, weights = rim_values(grid, edge, samples)
+    spread = np.zeros((len(samples), around))
+    np.add.at(spread, (np.arange(len(samples))[:, None], places_of(grid.edges[edge].nodes, nodes)), weights)
+    kernel = np.exp(-1j * np.outer(np.arange(n_max + 1), samples)) / len(samples)
+    kernel[1:] *= 2.0
+    return rings, kernel @ spread

@@ -132,8 +132,7 @@ class Grid:
 def tensor_rule(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss points of one direction, and the points (2, n^2) and weights (n^2,) of the square."""
     x, w = gauss(order + 1)
-    points = np.stack([np.repeat(x, len(x)), np.tile(x, len(x))])
-    return x, points, np.outer(w, w).ravel()
+    return x, np.stack([np.repeat(x, len(x)), np.tile(x, len(x))]), np.outer(w, w).ravel()
 
 
 @cache
@@ -185,12 +184,10 @@ def make_grid(chart: Chart, mesh: ShellMesh, stations: Mapping[str, float] | Non
     i, j = (index.ravel() for index in np.indices((rows, mesh.around)))
     x, points, weights = tensor_rule(mesh.order)
     ends = ((0.0, float(rows)), (0.0, float(mesh.around)))
-    edges = {
-        name: find_edge(
-            places, held, ends[held][end], np.diff(lines[1 - held]), mesh.order, chart.periodic and held == 0
-        )
-        for name, (held, end) in chart.edges.items()
-    }
+    edges = {}
+    for name, (held, end) in chart.edges.items():
+        wrap = chart.periodic and held == 0
+        edges[name] = find_edge(places, held, ends[held][end], np.diff(lines[1 - held]), mesh.order, wrap)
     for name, at in (stations or {}).items():
         row = float(np.abs(np.real(lines[0]) - at).argmin())
         edges[name] = find_edge(places, 0, row, np.diff(lines[1]), mesh.order, chart.periodic)
@@ -219,10 +216,10 @@ def quads(grid: Grid) -> IntArray:
 
 def edge_breaks(grid: Grid, edge: str) -> Array:
     """Ends of the elements along an edge, in its parameter; a closed edge ends a turn after its start."""
-    places = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
-    return (
-        np.append(places, places[0] + 2.0 * np.pi)[:: grid.mesh.order] if grid.periodic else places[:: grid.mesh.order]
-    )
+    places: Array = grid.nodes[grid.edges[edge].along, grid.edges[edge].nodes]
+    if grid.periodic:
+        places = np.append(places, places[0] + 2.0 * np.pi)
+    return places[:: grid.mesh.order]
 
 
 def rim_values(grid: Grid, edge: str, along: Array) -> tuple[IntArray, Array]:

@@ -23,9 +23,8 @@ from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
-from casingfem.structure.mesh.jet_form import JET, jet_elements
+from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import element_sum
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.parts import ShellParts
@@ -51,8 +50,7 @@ def nodal_mass(shell: ShellParts, grid: Grid) -> Array:
     """
     a, b = grid.nodes[:, grid.elements]
     geometry = shell.geometry(a, b, grid.middle)
-    density = inertia(shell, geometry) * frame(geometry.surface).jacobian
-    return nodal_sums(grid, np.moveaxis(density, 0, -1))
+    return nodal_sums(grid, np.moveaxis(inertia(shell, geometry) * frame(geometry.surface).jacobian, 0, -1))
 
 
 def nodal_sums(grid: Grid, density: Array) -> Array:
@@ -194,9 +192,7 @@ def assemble(shell: Shell) -> System:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))
         mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
         K = csc_array(change.T @ K.tocsc() @ change)
-    system = System(
-        shell=shell, grid=grid, stiffness=K, mass=mass, free=free, frames=frames, change=change, own=forms.own
-    )
+    system = System(shell, grid, K, mass, free, frames, change, own=forms.own)
     if shell.rotation is None:
         return system
     return replace(system, stiffness=csc_array(system.K + spin(system, shell.rotation).stiffness(shell.rotation.omega)))

@@ -46,8 +46,7 @@ class Wall(NamedTuple):
         return np.asarray(self._products(self.strain @ motions[self.dofs][:, None]).sum(axis=0))
 
     def _products(self, strain: Array) -> FloatArray:
-        products = np.einsum("eqsi,steq,eqtj->eij", strain.conj(), self.section, strain, optimize=True)
-        return np.asarray(products.real)
+        return np.asarray(np.einsum("eqsi,steq,eqtj->eij", strain.conj(), self.section, strain, optimize=True).real)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,8 +92,7 @@ class Meridian:
 
     def restrict(self, forces: FloatArray) -> FloatArray:
         """Nodal forces (5 nodes, columns), in the frames -> work-conjugate free dofs (free, columns)."""
-        felt = np.vstack([forces, np.zeros((self.own, forces.shape[1]))])[self.free]
-        return np.asarray(self.change.T @ felt)
+        return np.asarray(self.change.T @ np.vstack([forces, np.zeros((self.own, forces.shape[1]))])[self.free])
 
     def _spread(self, vectors: FloatArray) -> FloatArray:
         full = np.zeros((len(self.z) * DOFS + self.own, vectors.shape[1]))
@@ -111,9 +109,8 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
         If anything varies around the shell.
     """
     if not shell.axisymmetric:
-        raise ModelError(
-            "modes-method", "one problem per harmonic needs a casing at rest on which nothing varies around"
-        )
+        wanted = "a casing at rest on which nothing varies around"
+        raise ModelError("modes-method", f"one problem per harmonic needs {wanted}")
     order = shell.mesh.order
     (z0, z1), _ = shell.chart.bounds
     lines = z0 + (z1 - z0) * shell.mesh.breaks
@@ -133,8 +130,7 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
 
     nodes = rows * order + 1
     at = np.arange(rows)[:, None] * order + np.arange(order + 1)
-    dofs = (at[:, :, None] * DOFS + np.arange(DOFS)).reshape(rows, -1)
-    wall = Wall(strain, D, dofs)
+    wall = Wall(strain, D, (at[:, :, None] * DOFS + np.arange(DOFS)).reshape(rows, -1))
     points, weights = lobatto(order)
     z = lines[:-1, None] + size[:, None] * points
     geometry = shell.geometry(z, np.zeros_like(z), middle)

@@ -3,11 +3,8 @@
 import numpy as np
 
 from casingfem.errors import ModelError, warn
-from casingfem.structure.edge.bolt_mesh import SEEN, following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.stiffener import check_stiffeners
+from casingfem.structure.edge.ring import EdgeMass, Ring, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.geometry.chart import require_positive
@@ -15,10 +12,18 @@ from casingfem.structure.geometry.chart_checks import check_chart, check_symmetr
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import ON_LINE, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, surveys
-from casingfem.structure.shell.extent import check_wall
 from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.plausible import check_wall
 from casingfem.structure.shell.plies import Ply, mirrored
-from casingfem.structure.shell.variation import field_samples, finest_harmonic, outer_supports
+from casingfem.structure.shell.variation import (
+    SEEN,
+    field_samples,
+    finest_harmonic,
+    following,
+    outer_supports,
+    springs_per_wave,
+    spurious_split,
+)
 from contact.io.names import hint
 
 WALLS = ("curved", "linear")
@@ -27,9 +32,9 @@ SUPPORTS: tuple[type, ...] = (Clamped, ShearDiaphragm, Symmetry, ElasticEdge, Bo
 
 def check_parts(shell: ShellParts) -> None:
     """Refuse parts that cannot belong together: what there is to say before a mesh is chosen."""
-    require_positive("shell", thickness=shell.thickness)
+    require_positive("shell", "shell-thickness", thickness=shell.thickness)
     if shell.shear_correction is not None:
-        require_positive("shell", shear_correction=shell.shear_correction)
+        require_positive("shell", "shear-correction", shear_correction=shell.shear_correction)
     if shell.wall not in WALLS:
         raise ModelError("shell-wall", f"shell.wall: expected {' or '.join(WALLS)}, found {shell.wall!r}")
     check_plies(shell)
@@ -40,11 +45,8 @@ def check_parts(shell: ShellParts) -> None:
             found = f"support.{edge}: this chart has no edge {edge!r}; it has {', '.join(known)}{hint(edge, known)}"
             raise ModelError("support-edge", found)
         if not isinstance(support, SUPPORTS):
-            raise ModelError(
-                "support-kind",
-                f"support.{edge}: expected {', '.join(kind.__name__ for kind in SUPPORTS)}, "
-                f"found {type(support).__name__}",
-            )
+            expected = ", ".join(kind.__name__ for kind in SUPPORTS)
+            raise ModelError("support-kind", f"support.{edge}: expected {expected}, found {type(support).__name__}")
         held, _ = known[edge]
         if isinstance(support, Ring) and held != 0:
             raise ModelError("ring-edge", f"support.{edge}: a ring on an edge that runs along the axis")
@@ -112,12 +114,9 @@ def check_bolt_mesh(shell: ShellParts, edge: str, bolts: Bolts) -> None:
     ratio = springs_per_wave(bolts, float(np.real(steel.E)), float(np.real(steel.nu)), float(np.real(wall)))
     split = spurious_split(bolts, shell.mesh, ratio)
     if split > SEEN:
-        warn(
-            "bolt-mesh",
-            f"support.{edge}: {bolts.count} bolts on {shell.mesh.around} elements around split pairs that equal "
-            f"bolts keep whole by some {split:.0e}",
-            stacklevel=6,
-        )
+        found = f"{bolts.count} bolts on {shell.mesh.around} elements around"
+        said = f"{found} split pairs that equal bolts keep whole by some {split:.0e}"
+        warn("bolt-mesh", f"support.{edge}: {said}", stacklevel=6)
 
 
 def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
@@ -145,6 +144,5 @@ def check_field(shell: ShellParts, name: str, defect: Field) -> None:
     nodes = shell.mesh.order * shell.mesh.around
     finest = finest_harmonic(shell, defect) if shell.chart.periodic else 0
     if 2 * finest > nodes:
-        raise ModelError(
-            "field-mesh", f"{name}: {finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
-        )
+        found = f"{finest} waves on {nodes} nodes around; the mesh resolves {nodes // 2} at most"
+        raise ModelError("field-mesh", f"{name}: {found}")

@@ -1,15 +1,28 @@
-"""What a shell carries on its edges, as quadratic forms over its dofs."""
+"""What a shell carries on its edges, as quadratic forms over its dofs: springs, masses, rings.
+
+A ring has stiffness, mass and a support over the shell's dofs and one more a node.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from casingfem.io.arrays import Array, IntArray
+from casingfem.structure.edge.curved_beam import (
+    MOTIONS,
+    beam_strain,
+    make_beam,
+    section_axes,
+    section_inertia,
+    section_stiffness,
+    tie,
+)
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.mesh.edge_form import (
     EdgeForm,
     EdgeLine,
     LineFrame,
+    PointSprings,
     Sprung,
     places_of,
     single_place,
@@ -18,7 +31,93 @@ from casingfem.structure.mesh.edge_form import (
 from casingfem.structure.mesh.kinematics import DOFS, dot, frame
 from casingfem.structure.mesh.shell_mesh import Grid, edge_breaks, rim_values
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.ring_form import harmonic_ring, node_dofs, outward, ring_forms, support_form, ties
+
+SPIN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # e_z x, d/dtheta of cylindrical unit vectors
+PHASE = np.array([1.0, 1j, 1.0, 1.0, 1j, 1j])  # hoop motions and the turn about the normal are in quadrature
+
+
+def outward(shell: ShellParts, name: str) -> int:
+    """Which way an edge looks along its shell: -1 at a base, 1 at a top, 0 between."""
+    return 0 if name in shell.stations else 1 if shell.chart.edges[name][1] else -1
+
+
+def ties(shell: ShellParts, a: Array, b: Array, place: Array) -> tuple[Array, Array, Array]:
+    """At an edge's nodes: motions at a (radial, axial) place from the edge (q, 6, 6), its points and radial axes."""
+    surface = shell.geometry(a, b).surface
+    basis = frame(surface)
+    radial, _, axial = shell.chart.directions(a, b)
+    arm = place[0] * radial + place[1] * axial
+    return tie(basis.e1, basis.e2, basis.normal, arm), (surface.x + arm).T, radial.T
+
+
+def node_dofs(grid: Grid, name: str, own: IntArray) -> IntArray:
+    """Dofs of the nodes along an edge: five of the shell and the ring's own, (nodes, 6)."""
+    return np.concatenate([grid.edges[name].nodes[:, None] * DOFS + np.arange(DOFS), own[:, None]], axis=1)
+
+
+def ring_forms(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray) -> tuple[EdgeForm, EdgeForm]:
+    """Stiffness and mass of a ring; `own` numbers its turns about the normal, one a node."""
+    edge = grid.edges[name]
+    a, b = grid.nodes[:, edge.nodes]
+    G, points, towards = ties(shell, a, b, ring.centre(outward(shell, name)))
+    beam = make_beam(points, towards, edge.parts, grid.mesh.order, ring.section, ring.material or shell.material)
+    dofs = node_dofs(grid, name, own)
+    elements, gauss_points, rows, functions, _ = beam.strain.shape
+    strain = np.einsum("egimk,emkl->egiml", beam.strain, G[edge.parts])
+    at_points = np.repeat(dofs[edge.parts].reshape(elements, -1), gauss_points, axis=0)
+    stiffness = EdgeForm(at_points, strain.reshape(-1, rows, functions * MOTIONS), beam.D.reshape(-1, rows, rows))
+    places = edge.parts.ravel()
+    return stiffness, EdgeForm(dofs=dofs[places], B=G[places], D=beam.inertia.reshape(-1, MOTIONS, MOTIONS))
+
+
+def support_form(shell: ShellParts, grid: Grid, name: str, ring: Ring, own: IntArray, line: EdgeLine) -> EdgeForm:
+    """The springs of a ring's own support, at its foot."""
+    assert isinstance(ring.support, Sprung)
+    springs = ring.support.springs(on_ring(line, ring))
+    nodes = grid.edges[name].nodes
+    a, b = grid.nodes[:, nodes]
+    G, _, radial = ties(shell, a, b, ring.support_point(outward(shell, name)))
+    at = places_of(nodes, springs.nodes)
+    B = np.einsum("qm,qmik->qimk", springs.values, G[at]).reshape(len(at), MOTIONS, -1)
+    dofs = node_dofs(grid, name, own)[at].reshape(len(at), -1)
+    return EdgeForm(dofs=dofs, B=B, D=support_stiffness(springs, np.einsum("qm,qmi->qi", springs.values, radial[at])))
+
+
+def on_ring(line: EdgeLine, ring: Ring) -> EdgeLine:
+    """The edge as the ring's support sees it: as wide as the section."""
+    return line._replace(nodal=line.nodal._replace(thickness=ring.section.width + 0.0 * line.nodal.thickness))
+
+
+def support_stiffness(springs: PointSprings, radial: Array) -> Array:
+    """Springs on (u, phi) at a foot, (q, 6, 6): rotational ones about the hoop and axial directions.
+
+    A line of face does not oppose a turn about the radial axis except by its length, which u already feels.
+    """
+    D = np.zeros((len(radial), MOTIONS, MOTIONS), dtype=np.result_type(springs.blocks, springs.rotation))
+    D[:, :3, :3] = springs.blocks
+    D[:, 3:, 3:] = springs.rotation[:, None, None] * (np.eye(3) - radial[:, :, None] * radial[:, None, :])
+    return D
+
+
+def harmonic_ring(shell: ShellParts, name: str, ring: Ring, n: int, z: Array, line: EdgeLine) -> tuple[Array, Array]:
+    """Stiffness and mass (6, 6) of n nodal diameters of a ring on a perfect casing, per unit angle, at z (1,).
+
+    At theta = 0 d/ds = (i n + e_z x)/R of motions e^(i n theta); phases as in `structure.axisymmetric` make it real.
+    """
+    G, points, towards = ties(shell, z, np.zeros(1), ring.centre(outward(shell, name)))
+    radius, axes = section_axes(np.matmul(SPIN, points[0]), towards[0])
+    derivative = np.kron(np.eye(2), 1j * n * np.eye(3) + SPIN) / radius
+    strain = beam_strain(axes.astype(complex), np.ones(1), np.zeros(1))[:, 0, :]  # what does not differentiate
+    strain = strain + np.kron(np.eye(2), axes) @ derivative
+    material = ring.material or shell.material
+    motions = G[0] * PHASE
+    K = radius * (strain @ motions).conj().T @ section_stiffness(ring.section, material) @ strain @ motions
+    M = radius * motions.conj().T @ section_inertia(ring.section, material, axes) @ motions
+    if ring.support is not None:
+        springs = ring.support.springs(on_ring(line, ring))
+        foot = ties(shell, z, np.zeros(1), ring.support_point(outward(shell, name)))[0][0] * PHASE
+        K = K + foot.conj().T @ support_stiffness(springs, towards)[0] @ foot
+    return K.real, M.real
 
 
 class EdgeForms(NamedTuple):
@@ -54,26 +153,18 @@ def line_frame(shell: ShellParts, along: int, a: Array, b: Array, inside: Array 
     surface = geometry.surface
     tangent, second = (surface.x2, surface.x22) if along == 1 else (surface.x1, surface.x11)
     basis, square = frame(surface), dot(tangent, tangent)
-    return LineFrame(
-        a=a,
-        b=b,
-        directions=shell.chart.directions(a, b),
-        thickness=geometry.thickness,
-        stretch=np.sqrt(square),
-        tangents=np.stack([basis.e1, basis.e2], axis=1),
-        bend=(shell.wall == "curved") * dot(basis.normal, second) / square,
-    )
+    stretch, tangents = np.sqrt(square), np.stack([basis.e1, basis.e2], axis=1)
+    bend = (shell.wall == "curved") * dot(basis.normal, second) / square
+    return LineFrame(a, b, shell.chart.directions(a, b), geometry.thickness, stretch, tangents, bend)
 
 
 def edge_forms(shell: ShellParts, grid: Grid) -> EdgeForms:
     """Stiffness and mass of all that stands on the edges, held dofs included."""
     own = own_dofs(shell, grid)
     rings = [ring_forms(shell, grid, name, ring, own[name]) for name, ring in shell.rings.items()]
-    return EdgeForms(
-        stiffness=[beam for beam, _ in rings] + holding_forms(shell, grid),
-        mass=[inertia for _, inertia in rings] + mass_forms(shell, grid),
-        own=sum(map(len, own.values())),
-    )
+    stiffness = [beam for beam, _ in rings] + holding_forms(shell, grid)
+    mass = [inertia for _, inertia in rings] + mass_forms(shell, grid)
+    return EdgeForms(stiffness, mass, own=sum(map(len, own.values())))
 
 
 def holding_forms(shell: ShellParts, grid: Grid) -> list[EdgeForm]:

@@ -6,17 +6,18 @@ a perfect casing agree to 2e-15 instead of 1e-11 (instead of 1e-8 at R/t 10,000)
 parameter of the shell: complex steps pass through.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from casingfem.io.arrays import Array
+from casingfem.structure.mesh.jet_form import JET, point_jets
+from casingfem.structure.mesh.kinematics import STRAINS, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.assembly import admitted, nodal_mass
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.strains import point_jets, point_strains
-from casingfem.structure.shell.wall import constitutive
+from casingfem.structure.shell.wall import constitutive, curvature
 
 WALL = ("chart", "thickness", "material", "shear_correction", "wall", "plies", "strips", "taper", "radius_defect",
         "thickness_defect", "modulus_defect", "density_defect")  # fmt: skip
@@ -52,18 +53,23 @@ class PointFields:
 def point_fields(shell: ShellParts, grid: Grid, fields: Array, own: Array) -> PointFields:
     """Evaluate modes (nodes, 5, modes) and their parameter derivatives at all quadrature points."""
     jets = point_jets(grid, fields)
-    strain, curvature, jacobian = point_strains(shell, grid, jets)
-    return PointFields(
-        shell=shell, grid=grid, fields=fields, own=own, jets=jets,
-        strain=strain, curvature=curvature, jacobian=jacobian,
-    )  # fmt: skip
+    return PointFields(shell, grid, fields, own, jets, *point_strains(shell, grid, jets))
+
+
+def point_strains(shell: ShellParts, grid: Grid, jets: Array) -> tuple[Array, Array, Array]:
+    """Strains (elements, points, 8, k), curvature (3, elements, points), area Jacobian (elements, points).
+
+    Times the section stiffness they are membrane forces [N/m], moments [N m/m] and transverse shear forces [N/m].
+    """
+    L, rates = strain_slots(shell.geometry(*grid.parameters).surface)
+    coefficients = np.moveaxis(L, (3, 4), (0, 1)).transpose(0, 1, 3, 2, 4)
+    coefficients = coefficients.reshape(*jets.shape[:2], STRAINS, JET)
+    return np.matmul(coefficients, jets), curvature(rates), rates.basis.jacobian
 
 
 def modal_products(shell: ShellParts, at: PointFields) -> ModalProducts:
     """Phi^T K Phi and Phi^T M Phi of a shell whose parameters may be complex, for given modes."""
-    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
-    if not same:
-        at = on_surface(shell, at)
+    at = on_surface(shell, at)
     stress = np.matmul(point_stiffness(shell, at), at.strain)
     modes = at.fields.shape[2]
     K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
@@ -87,8 +93,7 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
     In real arithmetic, Im(S^T D S) = S'^T D_i S' + (S"^T D' S') + its transpose with S = S' + i S"; the wall is left
     out where only what stands on its edges has changed.
     """
-    same = shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect
-    moved = at if same else on_surface(shell, at)
+    moved = on_surface(shell, at)
     modes = at.fields.shape[2]
     flat = moved.fields.reshape(-1, modes)
     forms, motions = edge_forms(shell, moved.grid), np.vstack([flat, moved.own])
@@ -109,10 +114,11 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
 
 def on_surface(shell: ShellParts, at: PointFields) -> PointFields:
     """The modes on another surface, near that of their shell; held directions of an edge's own frame turn with it."""
+    if shell.chart is at.shell.chart and shell.radius_defect is at.shell.radius_defect:
+        return at
     stretched = shell.chart.bounds != at.shell.chart.bounds  # the parameter stretches the mesh itself
     turned = any(support.frame == "edge" for support in shell.supports.values())
     if stretched or turned:
         grid = make_grid(shell.chart, shell.mesh, shell.stations) if stretched else at.grid
         return point_fields(shell, grid, admitted(shell, grid, at.fields) if turned else at.fields, at.own)
-    strain, curvature, jacobian = point_strains(shell, at.grid, at.jets)
-    return replace(at, shell=shell, strain=strain, curvature=curvature, jacobian=jacobian)
+    return PointFields(shell, at.grid, at.fields, at.own, at.jets, *point_strains(shell, at.grid, at.jets))

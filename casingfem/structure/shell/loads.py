@@ -27,7 +27,6 @@ class Load(Protocol):
 
     def nodal(self, shell: Shell, grid: Grid) -> FloatArray:
         """Nodal forces, (nodes, 5)."""
-        ...
 
 
 def node_surface(shell: Shell, grid: Grid) -> FloatArray:

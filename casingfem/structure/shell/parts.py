@@ -7,15 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from casingfem.io.arrays import Array
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.stiffener import Stiffener
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.support import Support
 from casingfem.structure.field.field import Field, relative
 from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, spread
-from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Sprung
 from casingfem.structure.mesh.shell_mesh import ShellMesh
@@ -125,13 +123,9 @@ class ShellParts:
             spread(self.strips, where, getattr(self.material, name), [getattr(m, name) for m in materials])
             for name in ("E", "nu", "rho")
         )
-        return ShellGeometry(
-            surface=self.chart.surface(a, b, defect),
-            thickness=thickness * relative(self.thickness_defect, a, b),
-            E=E * relative(self.modulus_defect, a, b),
-            nu=nu,
-            rho=rho * relative(self.density_defect, a, b),
-        )
+        thickness = thickness * relative(self.thickness_defect, a, b)
+        E, rho = E * relative(self.modulus_defect, a, b), rho * relative(self.density_defect, a, b)
+        return ShellGeometry(self.chart.surface(a, b, defect), thickness, E, nu, rho)
 
 
 def sampled_geometry(shell: ShellParts, around: int) -> ShellGeometry:

@@ -1,18 +1,90 @@
-"""Models that can be computed and are probably not meant: units mixed up, walls too thick or too thin.
+"""How large, how curved and how thick a shell is: walls that no surface can carry, models that are probably not meant.
 
-Nothing here refuses; each warning has its code in `casingfem.faults` and a threshold with its reason beside it.
+The first are refused; of the others, units mixed up, walls too thick or too thin, a warning is given. Each has its code
+in `casingfem.faults` and a threshold with its reason beside it.
 """
 
 from collections.abc import Iterator
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.errors import warn
+from casingfem.errors import ModelError, warn
+from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.geometry.chart_checks import real
+from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.material import Material
-from casingfem.structure.shell.extent import extent
-from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.parts import ShellParts
+
+FOLDED = 2.0  # wall times curvature: the inner face of a bend has no radius left
+
+
+class Extent(NamedTuple):
+    """How large a shell is [m]: diagonal, the lengths of its lines along both parameters, largest curvature [1/m]."""
+
+    diagonal: float
+    sides: FloatArray
+    curvature: FloatArray
+    thickness: FloatArray
+
+
+def stretches(shell: ShellParts) -> FloatArray:
+    """The middle of every stretch between places where the meridian's curvature or the wall jumps: short ones too."""
+    ends = [end for strip in shell.strips for end in (strip.start, strip.end)]
+    breaks = np.unique(np.real([*shell.chart.bounds[0], *chart_lines(shell.chart), *ends]))
+    return np.asarray(0.5 * (breaks[1:] + breaks[:-1]))
+
+
+class Sampled(NamedTuple):
+    """A shell on a grid of points: places (3, along, around), curvature [1/m] and thickness [m], (points,)."""
+
+    x: FloatArray
+    curvature: FloatArray
+    thickness: FloatArray
+
+
+def sampled(shell: ShellParts, along: FloatArray, around: int = 361) -> Sampled:
+    """A shell at some values of its first parameter, and evenly over the second."""
+    b0, b1 = np.real(np.array(shell.chart.bounds[1]))
+    a, b = np.meshgrid(along, np.linspace(b0, b1, around), indexing="ij")
+    geometry = shell.geometry(a.ravel(), b.ravel())
+    s = real(geometry.surface)
+    normal = np.cross(s.x1, s.x2, axis=0)
+    normal = normal / np.linalg.norm(normal, axis=0)
+    g11, g12, g22 = (np.einsum("ip,ip->p", u, v) for u, v in ((s.x1, s.x1), (s.x1, s.x2), (s.x2, s.x2)))
+    b11, b12, b22 = (np.einsum("ip,ip->p", u, normal) for u in (s.x11, s.x12, s.x22))
+    area = g11 * g22 - g12**2
+    mean, gauss = (b11 * g22 - 2.0 * b12 * g12 + b22 * g11) / (2.0 * area), (b11 * b22 - b12**2) / area
+    curvature = np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+    return Sampled(s.x.reshape(3, *a.shape), curvature, np.real(geometry.thickness))
+
+
+def extent(shell: ShellParts) -> Extent:
+    """Sizes on a lattice of points; curvature and thickness at each, (points,)."""
+    a0, a1 = np.real(np.array(shell.chart.bounds[0]))
+    at = sampled(shell, np.linspace(a0, a1, 9))
+    lengths = [np.linalg.norm(np.diff(at.x, axis=k), axis=0).sum(axis=k - 1) for k in (1, 2)]
+    diagonal, sides = float(np.linalg.norm(np.ptp(at.x, axis=(1, 2)))), np.array([own.max() for own in lengths])
+    return Extent(diagonal, sides, at.curvature, at.thickness)
+
+
+def check_wall(shell: ShellParts) -> None:
+    """Refuse a wall as thick as its radius of curvature, or as the structure is long and wide."""
+    size = extent(shell)
+    bent = float((size.thickness * size.curvature).max())
+    if bent > 1.0 + 1e-9:  # a fillet of the wall's thickness stands for a corner
+        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times its smallest radius of curvature")
+    short = sampled(shell, stretches(shell))
+    bent = float((short.thickness * short.curvature).max())
+    if bent > FOLDED + 1e-9:
+        raise ModelError("shell-thickness-size", f"the wall is {bent:.3g} times the radius of a bend, and folds there")
+    thickest = float(size.thickness.max())
+    if thickest >= (longest := size.sides.max()):
+        found = f"the wall is {thickest:.3g} m thick on a surface {longest:.3g} m long"
+        raise ModelError("shell-thickness-size", found)
+
 
 SOUND = (200.0, 20_000.0)  # m/s: sqrt(E/rho) from hard rubber to diamond
 DENSITY = (1.0, 25_000.0)  # kg/m^3: from aerogel to osmium
@@ -31,13 +103,13 @@ DEFECT = {"radius": 0.1}  # relative; others 1: a wall half or twice as thick is
 Concern = tuple[str, str]  # code, message
 
 
-def warn_of(shell: Shell) -> None:
+def warn_of(shell: ShellParts) -> None:
     """Warn of all that is doubtful about a shell."""
     for code, message in chain.from_iterable(look(shell) for look in LOOKS):
         warn(code, message, stacklevel=4)
 
 
-def material_warnings(shell: Shell) -> Iterator[Concern]:
+def material_warnings(shell: ShellParts) -> Iterator[Concern]:
     """Materials no part is made of."""
     others = [strip.material for strip in shell.strips if strip.material is not None]
     for material in dict.fromkeys([shell.material, *others]):
@@ -58,7 +130,7 @@ def warnings_of(material: Material) -> Iterator[Concern]:
         yield "material-poisson-negative", f"material.nu = {nu:g}"
 
 
-def chart_warnings(shell: Shell) -> Iterator[Concern]:
+def chart_warnings(shell: ShellParts) -> Iterator[Concern]:
     """Sizes and shapes that hint at other units, and fields that are no imperfections."""
     size = extent(shell)
     unitless = shell.material.E == shell.material.rho == 1.0
@@ -80,7 +152,7 @@ def chart_warnings(shell: Shell) -> Iterator[Concern]:
             yield "field-large", f"{quantity}_defect reaches {largest:.3g} of the {quantity}"
 
 
-def wall_warnings(shell: Shell) -> Iterator[Concern]:
+def wall_warnings(shell: ShellParts) -> Iterator[Concern]:
     """Walls that are not those of a shell."""
     size = extent(shell)
     bent = float((size.thickness * size.curvature).max())
@@ -97,7 +169,7 @@ def wall_warnings(shell: Shell) -> Iterator[Concern]:
         yield "shear-correction", f"shell.shear_correction = {factor:g}"
 
 
-def spring_warnings(shell: Shell) -> Iterator[Concern]:
+def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
     """Springs that hold nothing beside such a wall."""
     E, t = float(np.real(shell.material.E)), float(np.real(shell.thickness))
     for edge, support in shell.supports.items():

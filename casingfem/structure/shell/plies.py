@@ -130,8 +130,7 @@ def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: 
         if ply.lamina is None:
             C, G = plane_stress(E, nu), np.eye(2).reshape(2, 2, *[1] * t.ndim) * (E / (2.0 * (1.0 + nu)))
         else:
-            both = turned(ply.lamina, ply.angle_deg)
-            C, G = (part.reshape(*part.shape, *[1] * t.ndim) * field for part in both)
+            C, G = (part.reshape(*part.shape, *[1] * t.ndim) * field for part in turned(ply.lamina, ply.angle_deg))
         D[:3, :3] += one * t * C
         D[:3, 3:6] += first * t**2 * C
         D[3:6, 3:6] += second * t**3 * C
@@ -143,8 +142,7 @@ def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: 
 def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array) -> Array:
     """Mass and rotary inertia per area, (2, ...); their moment about the middle, as of a curved wall, is left out."""
     share = moments(faces(plies))
-    field = rho / own.rho
-    density = [rho if ply.lamina is None else ply.lamina.rho * field for ply in plies]
+    density = [rho if ply.lamina is None else ply.lamina.rho * (rho / own.rho) for ply in plies]
     return np.stack([
         sum(one * t * part for (one, _, _), part in zip(share, density, strict=True)),
         sum(second * t**3 * part for (_, _, second), part in zip(share, density, strict=True)),

@@ -30,12 +30,10 @@ from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.mesh.jet_form import JET, jet_elements
+from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
-from casingfem.structure.mesh.scatter import element_sum, scatter_blocks
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.shell import Shell
-from casingfem.structure.shell.strains import point_jets
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
 
@@ -71,9 +69,8 @@ class Spin:
         """
         part = omega**2 * self.nonlinear
         if part > LINEAR:
-            warn(
-                "rotation-large", f"rotation: found quadratic strains of {part:.2g} times the linear ones", stacklevel=4
-            )
+            found = f"quadratic strains of {part:.2g} times the linear ones"
+            warn("rotation-large", f"rotation: found {found}", stacklevel=4)
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 
 
@@ -104,21 +101,16 @@ def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     blocks = softening(rotation, mass, tangents, basis.normal.T)
     at_points, nonlinear = point_stiffness(shell, grid, fields)
     first, second = (element_sum(jet_elements(grid, H), grid, system.frames, system.free).tocsc() for H in at_points)
-    return Spin(
-        K1=csc_array(first - scatter_blocks(blocks, system.frames, system.free)),
-        K2=second,
-        G=scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free),
-        fields=fields[:, :, 0],
-        nonlinear=nonlinear,
-    )
+    linear = csc_array(first - scatter_blocks(blocks, system.frames, system.free))
+    G = scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free)
+    return Spin(K1=linear, K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
 
 
 def centrifugal(rotation: Rotation, mass: FloatArray, x: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
     """Nodal forces and moments at 1 rad/s, (nodes, 5)."""
     P = rotation.plane
     away = (x - np.asarray(rotation.centre)) @ P
-    turn = np.einsum("nik,ij,nj->nk", tangents, P, n)
-    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * turn], axis=1)
+    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * np.einsum("nik,ij,nj->nk", tangents, P, n)], axis=1)
 
 
 def softening(rotation: Rotation, mass: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
@@ -148,8 +140,7 @@ def gradients(rates: Rates) -> Array:
     g = np.zeros((5, 3, 3, DOFS, *turn.shape[1:]))
     for i in range(2):
         for alpha in range(2):
-            for c in range(3):
-                g[i, c, 1 + alpha, c] = D[i, alpha]
+            g[i, range(3), 1 + alpha, range(3)] = D[i, alpha]
             for k in range(2):
                 g[2 + i, :, 1 + alpha, 3 + k] = D[i, alpha] * e[k]
         # D_i e1 = -turn_i e2 - (e1.D_i a3) a3,  D_i e2 = turn_i e1 - (e2.D_i a3) a3
@@ -200,7 +191,5 @@ def point_stiffness(shell: Shell, grid: Grid, fields: FloatArray) -> tuple[tuple
     cross = np.einsum("kieq,kjeq->eqij", L, pulled)
     bowed = 0.5 * np.einsum("kieq,ieq->keq", second, jets)
     energies = [np.einsum("keq,kteq,teq->", part, D, part, optimize=True) for part in (bowed, strain)]
-    return (
-        (H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)),
-        float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0,
-    )
+    stiff = H + cross + cross.swapaxes(2, 3), np.einsum("kieq,kjeq->eqij", second, pulled)
+    return stiff, float(np.sqrt(energies[0] / energies[1])) if energies[1] > 0.0 else 0.0

@@ -8,8 +8,7 @@ import numpy as np
 
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.edge.curved_beam import skew
-from casingfem.structure.geometry.rigid_body import rigid_motions, unfelt
+from casingfem.structure.geometry.rotation import rigid_motions, skew, unfelt
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.assembly import held_dofs, nodal_mass
@@ -72,9 +71,8 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
     expected: int = min(motions.shape[2], fields.shape[2])
     if not expected:
         return 0
-    kinetic = kinetic_products(
-        shell, grid, np.dstack([motions, fields]), np.hstack([ring_turns(shell, grid, motions), own])
-    )
+    turns = np.hstack([ring_turns(shell, grid, motions), own])
+    kinetic = kinetic_products(shell, grid, np.dstack([motions, fields]), turns)
     k = motions.shape[2]  # a mode's energy in rigid motions: its M-orthogonal projection on them
     projected = np.linalg.solve(np.linalg.cholesky(kinetic[:k, :k]), kinetic[:k, k:])
     rigid = np.sum(projected**2, axis=0) > SHARE * np.diag(kinetic)[k:]

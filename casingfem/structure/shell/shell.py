@@ -7,8 +7,8 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import read_only
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.checks import check_on_mesh, check_parts
-from casingfem.structure.shell.default_mesh import default_mesh
 from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.variation import default_mesh
 from contact.io.brief import brief
 
 Parts = TypeVar("Parts", bound=ShellParts)
@@ -102,5 +102,4 @@ def require_shell(structure: object, what: str) -> None:
         `structure-chart`, naming what was found.
     """
     if not isinstance(structure, Shell):
-        found = f"{what}: found {type(structure).__name__}, which has no chart"
-        raise ModelError("structure-chart", found)
+        raise ModelError("structure-chart", f"{what}: found {type(structure).__name__}, which has no chart")

@@ -95,7 +95,6 @@ def solve_static(shell: Shell, loads: Sequence[Load], *, system: System | None =
         raise ModelError("load-none", "solve_static: found no loads, expected at least one")
     system = system or assemble(shell)
     nodal = np.sum([load.nodal(shell, system.grid) for load in loads], axis=0)
-    f = system.restrict(nodal[:, :, None])[:, 0]
-    u = solve_held(system.stiffness, f)
+    u = solve_held(system.stiffness, system.restrict(nodal[:, :, None])[:, 0])
     energy = 0.5 * float(u @ (system.stiffness @ u))
     return Deflection(shell=shell, grid=system.grid, fields=frozen(system.expand(u[:, None])[:, :, 0]), energy=energy)

@@ -1,14 +1,26 @@
-"""What varies around a shell: harmonics of its fields, and the period that all of it shares."""
+"""What varies around a shell, the mesh that it takes where none is given, and what a mesh does to bolts.
 
-from itertools import chain
+Elements around that do not follow bolts see some stiffer than others. Equal bolts at N places split n nodal diameters
+only if N divides 2n. On another number of elements each bolt lies elsewhere in its element and is resolved differently
+well, and pairs split that symmetry keeps whole.
+"""
+
+from itertools import chain, pairwise
 
 import numpy as np
+from scipy.linalg import eigh
 
-from casingfem.io.arrays import Array
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import typical
+from casingfem.structure.geometry.revolved import chart_lines
+from casingfem.structure.geometry.strip import breaks_between
+from casingfem.structure.mesh.edge_form import Sprung
+from casingfem.structure.mesh.element import gauss, lagrange
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts
 
 
@@ -49,3 +61,137 @@ def finest_harmonic(shell: ShellParts, defect: Field, floor: float = 0.02) -> in
     amplitude = harmonic_amplitudes(shell, defect)
     above = np.flatnonzero(amplitude > floor * amplitude.max())
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
+
+
+MANY = 30  # stretches between the ends of strips: more of them are too short for polynomials of high order
+
+
+def default_mesh(shell: ShellParts) -> ShellMesh:
+    """The mesh used when none is given; `python -m reports.modes.frustum` measures the choice.
+
+    Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
+    17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
+    forbids to split stays whole (`reports.verification.splitting`); and 14 nodes a wave of the fields themselves,
+    harmonics below 2 % of their largest left aside. An odd number, since even ones fare worse when fields are turned;
+    where springs vary, a multiple of the common period if that exceeds twice those nodal diameters. Along the meridian:
+    the shear layer of an edge that nothing holds (free, on springs, bolts or a ring), about 2 t wide, takes a row of
+    its own; the rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an
+    element line at each of their ends or places, and each stretch between them is divided on its own; where there are
+    many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps whole what
+    symmetry does, at 8 nodes a wave where nothing else varies.
+    """
+    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
+    t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
+    if not shell.chart.periodic:
+        size = float(np.linalg.norm(np.real(shell.chart.surface(np.array([a0]), np.array([b1]), None).x2))) * span
+        around = int(np.clip(round(2.0 * size / length), 2, 8))
+        rows = int(np.clip(round(2.0 * length / size), 2, 8))
+        return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
+    stretches = len(lines_of(shell)) - 1
+    order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
+    middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
+    radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
+    lowest = 0.46 * radius / np.sqrt(t * length)
+    finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
+    bolted = {edge: support.count for edge, support in outer_supports(shell).items() if isinstance(support, Bolts)}
+    patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in outer_supports(shell).values())
+    only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
+    elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
+    around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
+    springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
+    period = around_period(shell) if springy else 1
+    whole = period * -(-around // period) if period > 1 else 0
+    if 4.4 * lowest < whole <= 1.25 * around:  # what symmetry forbids to split, the mesh leaves whole
+        around = whole
+    if bolted:
+        around = following(around, int(np.lcm.reduce(list(bolted.values()))))
+    held = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
+    at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
+    layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
+    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.modes.locking
+    return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
+
+
+def lines_of(shell: ShellParts) -> list[float]:
+    """Where element lines must be, from 0 to 1: ends of strips and of a meridian's stretches, stiffeners."""
+    return breaks_between(shell.strips, shell.chart.bounds[0], [*chart_lines(shell.chart), *shell.stations.values()])
+
+
+def divided(shell: ShellParts, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
+    """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
+
+    A layer wider than half of its stretch is left out.
+    """
+    breaks = lines_of(shell)
+    rows: set[float] = set()
+    for low, high in pairwise(breaks):
+        first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))
+        last = layers[1] * (high == 1.0 and layers[1] < 0.5 * (high - low))
+        count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
+        rows |= {low, high, *np.linspace(low + first, high - last, count + 1).tolist()}
+    return tuple(sorted(rows))
+
+
+SEEN = 1e-7  # estimated splits below this are not worth a warning
+# a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.modes.loose_bolts
+PULL, TILT = 0.05, 0.5
+MOST = 96  # elements around up to which the default mesh follows every bolt
+
+
+def following(least: int, count: int) -> int:
+    """Elements around, at least so many, that follow `count` bolts: a multiple of them, of an equal share if too many.
+
+    >>> following(21, 24), following(21, 16), following(21, 4), following(21, 200)
+    (24, 32, 24, 50)
+    """
+    shares = [count // part for part in range(1, 5) if count % part == 0]
+    wanted = [share * -(-least // share) for share in shares]
+    return next((around for around in wanted if around <= MOST), wanted[0])
+
+
+def springs_per_wave(bolts: Bolts, E: float, nu: float, thickness: float) -> float:
+    """Stiffness of a bolt over what the shell's edge opposes to a short wave of it, the larger of pull and tilt."""
+    rigidity = E * thickness**3 / (12.0 * (1.0 - nu**2))
+    pull = np.max(np.real(bolts.stiffness)) / (PULL * E * thickness)
+    return float(max(pull, np.real(bolts.k_rot) / (TILT * rigidity)))
+
+
+def spurious_split(bolts: Bolts, mesh: ShellMesh, ratio: float, n_max: int = 12) -> float:
+    """Order of magnitude of the largest relative split that the mesh alone gives pairs which equal bolts keep whole.
+
+    A model of the edge alone: waves e^(i m theta) oppose with |m| (the shell's answer to short waves), bolts add
+    `ratio` times their patches, both on the edge's own spectral elements; half the relative distance of its pairs.
+
+    >>> follows, misses = (spurious_split(Bolts(count=24, k=1e8), ShellMesh(around=n, order=7), 3.0) for n in (24, 21))
+    >>> bool(follows < 1e-10 < 1e-5 < misses)
+    True
+    """
+    K, M, values, weights = edge_model(bolts, mesh)
+    squares, waves = eigh(K, M)
+    order = np.sqrt(np.maximum(squares, 0.0))
+    at_points = values @ waves
+    lam, shapes = eigh(np.diag(order) + ratio * at_points.T @ (weights[:, None] * at_points))
+    splits = [0.0]
+    for n in range(1, n_max + 1):
+        own = np.round(order) == n
+        if 2 * n % bolts.count and own.sum() == 2:  # else the mesh does not carry these waves
+            pair = np.argsort(-(shapes[own] ** 2).sum(axis=0), kind="stable")[:2]
+            splits.append(0.5 * float(np.ptp(lam[pair]) / lam[pair].mean()))
+    return max(splits)
+
+
+def edge_model(bolts: Bolts, mesh: ShellMesh) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Slope and mass matrices of a closed line of spectral elements, values at the patches' points and weights."""
+    p, size = mesh.order, 2.0 * np.pi / mesh.around
+    nodes = (np.arange(mesh.around)[:, None] * p + np.arange(p + 1)) % (mesh.around * p)
+    x, w = gauss(p + 1)
+    shape, slope = lagrange(p, x)
+    K, M = np.zeros((2, mesh.around * p, mesh.around * p))
+    np.add.at(K, (nodes[:, :, None], nodes[:, None, :]), (slope * w) @ slope.T / size)
+    np.add.at(M, (nodes[:, :, None], nodes[:, None, :]), (shape * w) @ shape.T * size)
+    places, weights, _ = bolts.points(size * np.arange(mesh.around + 1), True, p + 4)
+    along = np.mod(places, 2.0 * np.pi) / size
+    cell = np.minimum(along.astype(int), mesh.around - 1)
+    values = np.zeros((len(places), len(K)))
+    np.add.at(values, (np.arange(len(places))[:, None], nodes[cell]), lagrange(p, along - cell)[0].T)
+    return K, M, values, weights

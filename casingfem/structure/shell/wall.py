@@ -106,9 +106,8 @@ def condensed(H: Array) -> Array:
     """The form on eps and chi (..., 6, 6) that is least over s1 and s2, of a form on all eight (..., 8, 8)."""
     a, d, c = H[..., 6, 6], H[..., 7, 7], H[..., 6, 7]
     side = H[..., :6, 6:]
-    inverse = (
-        np.stack([np.stack([d, -c], axis=-1), np.stack([-c, a], axis=-1)], axis=-1) / (a * d - c**2)[..., None, None]
-    )
+    inverse = np.stack([np.stack([d, -c], axis=-1), np.stack([-c, a], axis=-1)], axis=-1)
+    inverse = inverse / (a * d - c**2)[..., None, None]
     return np.asarray(H[..., :6, :6] - side @ inverse @ side.swapaxes(-1, -2))
 
 
@@ -133,8 +132,7 @@ def strain_rows(b: Array, z: Array) -> Array:
     rows[..., 2, 3] = rows[..., 2, 4] = p12
     rows[..., :3] = 2.0 * rows[..., 3:]
     rows[..., 3:] *= z[..., None, None]
-    for k in range(3):
-        rows[..., k, k] -= 1.0
+    rows[..., range(3), range(3)] -= 1.0
     return rows
 
 

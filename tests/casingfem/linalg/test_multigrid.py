@@ -15,7 +15,7 @@ from casingfem.linalg.pencil import make_pencil
 from casingfem.modal.interface.kinds import AtNodes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.solid import Solid, assemble_solid
 

@@ -21,8 +21,7 @@ from casingfem.locate.misfit import Misfit, Point, turning
 from casingfem.locate.shape_check import checked_by_shapes, unlike
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Frustum

@@ -8,8 +8,7 @@ import pytest
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.mesh.shell_mesh import ShellMesh

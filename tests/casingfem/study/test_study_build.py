@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.structure.edge.ring import Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.revolved import Arc
 from casingfem.study.build import build_chart, build_field, build_mesh, build_random, build_shell

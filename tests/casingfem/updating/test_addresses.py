@@ -7,13 +7,12 @@ import pytest
 import casingfem as cf
 from casingfem.errors import InputError
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.blade import Blade
-from casingfem.structure.geometry.taper import Taper
+from casingfem.structure.geometry.stations import Taper
 from casingfem.updating.addresses import address_of, get_value, with_value
 from casingfem.updating.named import named_numbers
 from casingfem.updating.parameters import Parameter, check_parameters

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.regularisation import chosen_weight, corner, trade_off

@@ -11,8 +11,7 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.robust import least_squares, robust_weights
-from casingfem.structure.field.survey.stray import stray_points
+from casingfem.structure.field.survey.stray import least_squares, robust_weights, stray_points
 
 _MOST_HARMONICS = 40
 _MARGIN = 0.8  # of the Nyquist harmonic, and of the number of points: what a fit is asked by default
@@ -63,8 +62,7 @@ def fit_points(
     """
     gap, heights = points.coverage()
     _check_coverage(points, gap, n_max, degree)
-    nyquist = resolved_harmonic(gap)
-    n = min(int(_MARGIN * 180.0 / gap), nyquist, _MOST_HARMONICS) if n_max is None else n_max
+    n = min(int(_MARGIN * 180.0 / gap), resolved_harmonic(gap), _MOST_HARMONICS) if n_max is None else n_max
     d = (0 if heights == 1 else 1 if heights < 4 else 2) if degree is None else degree
     unknowns = (2 * n + 1) * (d + 1)
     if len(points) * unknowns > _MOST_NUMBERS:
@@ -105,10 +103,8 @@ def _check_coverage(points: SurveyPoints, gap: float, n_max: int | None, degree:
             raise ValueError(f"{name} must be a whole number >= {least}, not {value!r}")
     if gap > _WIDEST_GAP_DEG:
         hint = " (are these radians?)" if gap > 350.0 else ""
-        found = f"a gap of {gap:.4g} deg in theta{hint}"
-        raise InputError(
-            points.path, found=found, expected=f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
-        )
+        expected = f"a survey around the circle, gaps <= {_WIDEST_GAP_DEG:g} deg"
+        raise InputError(points.path, found=f"a gap of {gap:.4g} deg in theta{hint}", expected=expected)
     if n_max is not None and gap > 360.0 / (2 * n_max) * (1 + 1e-9):
         expected = f"at most {180.0 / n_max:.4g} deg for n_max = {n_max}"
         expected += f" (these points resolve harmonic {resolved_harmonic(gap)})"

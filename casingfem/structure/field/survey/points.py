@@ -96,8 +96,7 @@ def largest_gap_deg(theta: FloatArray) -> float:
     260.0
     """
     around = np.sort(np.mod(theta, 2 * np.pi))
-    closed = np.append(around, around[0] + 2 * np.pi)
-    return float(np.degrees(np.diff(closed).max()))
+    return float(np.degrees(np.diff(np.append(around, around[0] + 2 * np.pi)).max()))
 
 
 def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
@@ -124,7 +123,8 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
         theta, taken = np.arctan2(y, x) % (2.0 * np.pi), {x_name, y_name, z_name}
     else:
         theta, theta_name = _numbers(table, _THETA)
-        _check_angle_unit(table, theta_name, theta)
+        if theta_name == "theta_rad":
+            _check_angle_unit(table, theta)
         taken = {theta_name, z_name}
     if flat and not set(table.header) & (_RADIUS.keys() | _THICKNESS.keys()):
         value, value_name = np.hypot(x, y), x_name
@@ -144,17 +144,11 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
 
 
 def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, str]:
-    """The numbers of the one column of a quantity, in rad or m, and its name."""
-    name, scale = _column(table, choices)
-    return table.numbers(name) * scale, name
-
-
-def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
-    """Find the one column of a quantity, whose name states the unit."""
+    """The numbers of the one column of a quantity, in rad or m, and its name, which states the unit."""
     found = [name for name in table.header if name in choices]
     wanted = " or ".join(choices)
     if len(found) == 1:
-        return found[0], choices[found[0]]
+        return table.numbers(found[0]) * choices[found[0]], found[0]
     stems = {name.rsplit("_", 1)[0] for name in choices}
     near = [name for name in table.header if name.split("_")[0].split("[")[0].strip().lower() in stems]
     if found:
@@ -166,12 +160,10 @@ def _column(table: StrictCsv, choices: dict[str, float]) -> tuple[str, float]:
     raise InputError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
 
 
-def _check_angle_unit(table: StrictCsv, name: str, theta: FloatArray) -> None:
-    if name != "theta_rad":
-        return
+def _check_angle_unit(table: StrictCsv, theta: FloatArray) -> None:
     for row in np.flatnonzero(np.abs(theta) > 4 * np.pi)[:1]:
         expected = "at most two turns (4 pi); degrees belong in a column theta_deg"
-        raise table.refuse(row=row, column=name, found=f"{theta[row]:g} rad", expected=expected)
+        raise table.refuse(row=row, column="theta_rad", found=f"{theta[row]:g} rad", expected=expected)
 
 
 def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: float) -> None:

@@ -17,10 +17,7 @@ from casingfem.structure.field.fourier import FourierField, SeriesBehind
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
 from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
-from casingfem.structure.field.survey.robust import pure_error
-from casingfem.structure.field.survey.stray import passes_words
-
-__all__ = ["SurveyField", "SurveyPoints"]
+from casingfem.structure.field.survey.stray import passes_words, pure_error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -155,22 +152,20 @@ class SurveyField(SeriesBehind):
             refuse_outside(points)
         points = points if placed is None else placed(points)
         fit = fit_points(points, n_max, degree, robust)
-        stray = ~fit.kept
-        places = zip(np.degrees(points.theta[stray]), points.z[stray], fit.residual[stray], strict=True)
-        set_aside = tuple((float(theta), float(z), float(r)) for theta, z, r in places)
+        none, name = np.zeros(len(points), bool), Path(points.path).name
+        table = np.column_stack([np.degrees(points.theta), points.z, fit.residual])
+        stray = (~fit.kept, none if fit.stray is None else fit.stray)
+        set_aside, doubted = (tuple((theta, z, r) for theta, z, r in table[which].tolist()) for which in stray)
         if set_aside:
-            warn("survey-outliers", f"{Path(points.path).name}: {stray_words(set_aside, len(points))}", stacklevel=4)
-        found = np.zeros(len(points), bool) if fit.stray is None else fit.stray
-        off = zip(np.degrees(points.theta[found]), points.z[found], fit.residual[found], strict=True)
-        doubted = tuple((float(theta), float(z), float(r)) for theta, z, r in off)
+            warn("survey-outliers", f"{name}: {stray_words(set_aside, len(points))}", stacklevel=4)
         if fit.without is not None:
             effect = largest_change(fit.field, fit.without)
             said = f"{stray_words(doubted, len(points), 'contradict all others')}; {effect}"
-            warn("survey-stray", f"{Path(points.path).name}: {said}", stacklevel=4)
+            warn("survey-stray", f"{name}: {said}", stacklevel=4)
         if words := passes_words(points.at(fit.kept)):
-            warn("survey-passes", f"{Path(points.path).name}: {words}", stacklevel=4)
+            warn("survey-passes", f"{name}: {words}", stacklevel=4)
         if axis is None and (beside := eccentric(fit, points)) is not None:
-            warn("survey-eccentric", f"{Path(points.path).name}: the part stood {beside}", stacklevel=4)
+            warn("survey-eccentric", f"{name}: the part stood {beside}", stacklevel=4)
         residual, (scatter, repeats) = fit.residual[fit.kept], pure_error(points.at(fit.kept))
         return cls(
             fit=fit.field,

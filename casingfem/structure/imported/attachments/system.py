@@ -10,8 +10,9 @@ from scipy.sparse.csgraph import connected_components
 
 from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.geometry.rigid_body import unfelt
+from casingfem.structure.geometry.rotation import unfelt
 from casingfem.structure.imported.attachments.ties import Motions, Rows, eliminated, tied_rows
+from casingfem.structure.imported.attachments.turning import as_rows, summed
 from casingfem.structure.imported.mesh.findings import nodes_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
@@ -96,7 +97,7 @@ def attached(
     K, M, unknowns = csc_array(K[:, kept][kept]), csc_array(M[:, kept][kept]), unknowns[kept]
     refuse_loose(motions, K, M, unknowns)
     reactions = [np.asarray(fields.T @ (support @ fields)) for support in supports]
-    rigid = rigid_left(motions, rows, R, springs, held, fields, reactions)
+    rigid = rigid_left(rows, R, springs, held, fields, reactions)
     connected = Connected(rows, csr_array(T[:, kept]), every)
     return Attached(K, M, csr_array(lift[:, kept]), unknowns, rigid, csr_array(lift @ still), connected)
 
@@ -120,8 +121,7 @@ def without_mass(K: csc_array, bare: IntArray) -> tuple[IntArray, csc_array]:
             place = np.repeat(bare[part], still.shape[1]), np.tile(np.arange(still.shape[1]), len(part))
             added = coo_array((still.ravel(), place), shape=(K.shape[0], still.shape[1]))
             idle = csc_array(hstack([idle, added.tocsc()]))
-    gone = np.concatenate([np.zeros(0, dtype=np.int64), *dropped])
-    return np.setdiff1d(np.arange(K.shape[0]), gone), idle
+    return np.setdiff1d(np.arange(K.shape[0]), np.concatenate([np.zeros(0, dtype=np.int64), *dropped])), idle
 
 
 def sorted_parts(A: csc_array) -> tuple[IntArray, IntArray]:
@@ -157,27 +157,14 @@ def enlarged(A: csc_array, size: int) -> csc_array:
 
 def spring_rows(motions: Motions) -> csr_array:
     """What each spring feels of the dofs, (springs, dofs)."""
-    entries = [
-        (k, dof, value)
-        for k, spring in enumerate(motions.mesh.attachments.springs)
-        for dof, value in motions.combined(spring.terms, spring.where).items()
-    ]
-    i, j, value = np.array(entries, dtype=float).reshape(-1, 3).T
-    place = i.astype(np.int64), j.astype(np.int64)
-    return csr_array(coo_array((value, place), shape=(len(motions.mesh.attachments.springs), motions.size)))
+    springs = motions.mesh.attachments.springs
+    return as_rows([motions.combined(spring.terms, spring.where) for spring in springs], motions.size)
 
 
 def mass_matrix(motions: Motions) -> csc_array:
     """Mass of the point masses on all dofs."""
-    total = csc_array((motions.size, motions.size))
-    for mass in motions.mesh.attachments.masses:
-        count = 6 if mass.turns else 3
-        felt = [motions.row(mass.node, component, mass.where) for component in range(count)]
-        places = [(c, dof, value) for c, row in enumerate(felt) for dof, value in row.items()]
-        i, j, value = np.array(places).T
-        six = coo_array((value, (i.astype(np.int64), j.astype(np.int64))), shape=(count, motions.size)).tocsr()
-        total = csc_array(total + six.T @ csr_array(mass.matrix[:count, :count]) @ six)
-    return total
+    masses = [(motions.felt(mass), mass.matrix) for mass in motions.mesh.attachments.masses]
+    return summed([(felt, matrix[: len(felt), : len(felt)]) for felt, matrix in masses], motions.size)
 
 
 def refuse_held(motions: Motions, rows: Rows, held: IntArray) -> None:
@@ -205,16 +192,10 @@ def refuse_loose(motions: Motions, K: csc_array, M: csc_array, unknowns: IntArra
 
 
 def rigid_left(
-    motions: Motions,
-    rows: Rows,
-    R: csr_array,
-    springs: csr_array,
-    held: IntArray,
-    fields: FloatArray,
-    reactions: Sequence[FloatArray],
+    rows: Rows, R: csr_array, springs: csr_array, held: IntArray, fields: FloatArray, reactions: Sequence[FloatArray]
 ) -> int:
     """How many rigid motions neither a support nor a spring nor an equation feels."""
-    mesh = motions.mesh
+    motions, mesh = rows.motions, rows.motions.mesh
     reach = np.abs(mesh.points - mesh.points.mean(axis=0)).max()
     turns = np.hstack([np.zeros((3, 3)), np.eye(3) / reach])
     whole = np.vstack([fields, np.tile(turns, (len(motions.turning), 1))])

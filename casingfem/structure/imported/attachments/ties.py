@@ -18,7 +18,8 @@ from scipy.sparse import coo_array, csr_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.mesh.attachments import Equation, Mean, Rigid, Term, Tie, cross_matrix
+from casingfem.structure.geometry.rotation import skew
+from casingfem.structure.imported.mesh.attachments import Equation, Mean, PointMass, Rigid, Term, Tie
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 LEVELS = 6  # squarings: connections that hang on one another, 64 deep
@@ -75,6 +76,10 @@ class Motions:
         if self.tilts is None:
             raise self.fault(where, node, f"the {DIRECTIONS[component]}, and nodes of solids do not turn")
         return {self.dofs * node + 3 + a: float(self.tilts[node, a, component - 3]) for a in (0, 1)}
+
+    def felt(self, mass: PointMass) -> list[dict[int, float]]:
+        """The components of a node's motion that a mass feels, over the dofs."""
+        return [self.row(mass.node, component, mass.where) for component in range(6 if mass.turns else 3)]
 
     def combined(self, terms: Sequence[Term], where: str) -> dict[int, float]:
         """A sum of terms over the dofs."""
@@ -134,7 +139,7 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
     """Rows of a rigid connection."""
     motions, mesh, dofs = rows.motions, rows.motions.mesh, rows.motions.dofs
     reference, pivot = rigid.reference, rows.motions.turn(rigid.reference)
-    arms = -cross_matrix(mesh.points[rigid.nodes] - mesh.points[reference])  # of theta in theta x r
+    arms = -skew(mesh.points[rigid.nodes] - mesh.points[reference])  # of theta in theta x r
     turning = [c for c in rigid.components if c > 2]
     of_shell = motions.tilts is not None and bool(np.isin(reference, mesh.cells))
     if of_shell and dofs * reference + 3 not in rows.owner:
@@ -152,9 +157,8 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
                 rows.add(own + c - 3, node, {pivot + c - 3: 1.0}, rigid.where)
         elif turning and motions.tilts is not None:
             if len(turning) < 3:
-                raise motions.fault(
-                    rigid.where, node, "some of the turns of a shell's node, expected all three or none"
-                )
+                found = "some of the turns of a shell's node, expected all three or none"
+                raise motions.fault(rigid.where, node, found)
             tie_director(rows, node, pivot, rigid.where)
 
 
@@ -184,7 +188,7 @@ def fitted(motions: Motions, mean: Mean) -> FloatArray:
     mesh = motions.mesh
     arms = mesh.points[mean.nodes] - mesh.points[mean.reference]
     reach = max(float(np.abs(arms).max()), np.finfo(float).tiny)
-    A = np.concatenate([np.broadcast_to(np.eye(3), (len(arms), 3, 3)), -cross_matrix(arms / reach)], axis=2)
+    A = np.concatenate([np.broadcast_to(np.eye(3), (len(arms), 3, 3)), -skew(arms / reach)], axis=2)
     normal = np.einsum("j,jcs,jct->st", mean.weights, A, A)
     size = np.linalg.eigvalsh(normal)
     if not size[0] > FLAT * size[-1]:

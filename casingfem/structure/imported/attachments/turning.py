@@ -19,9 +19,9 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array
 
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, skew
 from casingfem.structure.imported.attachments.ties import Motions, Rows, fitted
-from casingfem.structure.imported.mesh.attachments import PointMass, cross_matrix
+from casingfem.structure.imported.mesh.attachments import PointMass
 
 Entries = list[tuple[list[dict[int, float]], FloatArray]]  # rows over the motions, and a matrix on them
 
@@ -42,18 +42,17 @@ def attached_spin(motions: Motions, rotation: Rotation) -> AttachedSpin:
     parts: tuple[Entries, ...] = ([], [], [], [])
     force = np.zeros(motions.size)
     for mass in motions.mesh.attachments.masses:
-        count = 6 if mass.turns else 3
-        felt = [motions.row(mass.node, component, mass.where) for component in range(count)]
+        felt = motions.felt(mass)
         six = np.zeros((4, 6, 6))
         pull = np.zeros(6)
         for m, r in points_of(mass):
-            A = np.hstack([np.eye(3), -cross_matrix(r)])
+            A = np.hstack([np.eye(3), -skew(r)])
             away = m * P @ (motions.mesh.points[mass.node] + r - np.asarray(rotation.centre))
             six[:3] += m * np.array([A.T @ A, A.T @ P @ A, 2.0 * A.T @ turn @ A])
             six[3, 3:, 3:] += arm_stiffness(away, r)
             pull += A.T @ away
         for entries, matrix in zip(parts, six, strict=True):
-            entries.append((felt, matrix[:count, :count]))
+            entries.append((felt, matrix[: len(felt), : len(felt)]))
         for row, f in zip(felt, pull, strict=False):
             for dof, value in row.items():
                 force[dof] += value * f
@@ -119,10 +118,8 @@ def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
         moment[list(mean.components)] = forces[places]
         on = np.einsum("s,sjc->jc", moment, fit)
         total = -np.sum([arm_stiffness(push, r) for push, r in zip(on, arms, strict=True)], axis=0)
-        turns = [
-            {dofs * node + c: float(fit[3 + k, j, c]) for j, node in enumerate(mean.nodes.tolist()) for c in range(3)}
-            for k in range(3)
-        ]
+        nodes = list(enumerate(mean.nodes.tolist()))
+        turns = [{dofs * node + c: float(fit[3 + k, j, c]) for j, node in nodes for c in range(3)} for k in range(3)]
         entries.append((turns, total))
     return summed(entries, motions.size)
 
@@ -131,8 +128,13 @@ def summed(entries: Entries, size: int) -> csc_array:
     """Matrices on combinations of motions as one on all motions."""
     total = csc_array((size, size))
     for rows, matrix in entries:
-        places = [(k, dof, value) for k, row in enumerate(rows) for dof, value in row.items()]
-        k, dof, value = np.array(places).T
-        of = coo_array((value, (k.astype(np.int64), dof.astype(np.int64))), shape=(len(rows), size)).tocsr()
+        of = as_rows(rows, size)
         total = csc_array(total + of.T @ csr_array(matrix) @ of)
     return total
+
+
+def as_rows(combinations: list[dict[int, float]], size: int) -> csr_array:
+    """Combinations of motions, motion -> coefficient, as rows over all of them."""
+    places = [(k, dof, value) for k, row in enumerate(combinations) for dof, value in row.items()]
+    k, dof, value = np.array(places, dtype=float).reshape(-1, 3).T
+    return coo_array((value, (k.astype(np.int64), dof.astype(np.int64))), shape=(len(combinations), size)).tocsr()

@@ -6,65 +6,59 @@ metric through the wall is right at kinks too. Where cells are so short that it 
 thick, it is taken as bent with its thickness as the radius.
 """
 
-from collections.abc import Iterator
-from typing import Protocol
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.cells.mapped import shape_products
-from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.geometry.rotation import Rotation, Vector
+from casingfem.structure.imported.cells.mapped import CHUNK, put, shape_products
 from casingfem.structure.imported.cells.tying import tied_strains
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
+from casingfem.structure.imported.support import MeshSupport, by_group, constants_of
 from casingfem.structure.material import Material, plane_stress
-from casingfem.structure.shell.plies import Ply, layered_wall
+from casingfem.structure.shell.plies import Ply, layered_inertia, layered_wall
 from casingfem.structure.shell.wall import curved_wall, linear_wall
 
 DOFS = 5
 NEAR = 0.7  # least cosine between tied walls of which one takes the other's director
 
 
-class ShellCells(Protocol):
-    """What the cells of a shell ask of it."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ShellCells:
+    """The fields of a `MeshShell`, which documents them, and what its cells ask of them: nothing is checked."""
 
-    @property
-    def mesh(self) -> MeshData:
-        """Its mesh."""
-        ...
+    mesh: MeshData
+    thickness: float
+    material: Material
+    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
+    shear_correction: float | None = None
+    rotation: Rotation | None = None
+    thicknesses: Mapping[str, float] = field(default_factory=dict)
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    wall: str = "curved"
+    plies: tuple[Ply, ...] = ()
+    angle_from: Vector = (0.0, 0.0, 1.0)
 
-    @property
-    def shear_correction(self) -> float | None:
-        """Factor of the transverse shear stiffness; None for 5/(6 - nu)."""
-        ...
-
-    @property
-    def wall(self) -> str:
-        """Curved or linear."""
-        ...
-
-    @property
-    def plies(self) -> tuple[Ply, ...]:
-        """Layers along the normals of the cells; none of a wall of one material."""
-        ...
-
-    @property
-    def material(self) -> Material:
-        """Its material, that of plies without a lamina."""
-        ...
+    def walls(self) -> FloatArray:
+        """Thickness, E, nu, rho of each cell, (4, cells)."""
+        t = by_group(self.mesh, (self.thickness,), {name: (value,) for name, value in self.thicknesses.items()})
+        own = {name: constants_of(material) for name, material in self.materials.items()}
+        return np.concatenate([t, by_group(self.mesh, constants_of(self.material), own)])
 
     @property
     def fibres(self) -> FloatArray | None:
         """Direction from which the plies' angles count, (3,); None without plies."""
-        ...
-
-    def walls(self) -> FloatArray:
-        """Thickness, E, nu, rho of each cell, (4, cells)."""
-        ...
+        return np.asarray(self.angle_from, dtype=float) if self.plies else None
 
     def inertia(self) -> FloatArray:
-        """Mass and rotary inertia per area of each cell, (2, cells)."""
-        ...
+        """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
+        t, _, _, rho = self.walls()
+        if self.plies:
+            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
+        return np.stack([rho * t, rho * t**3 / 12.0])
 
 
 def cell_normals(mesh: MeshData) -> FloatArray:
@@ -103,8 +97,7 @@ def directors(mesh: MeshData) -> FloatArray:
 
 def tangent_frames(normals: FloatArray) -> FloatArray:
     """Two tangents e1, e2 = n x e1 at each node, (nodes, 2, 3)."""
-    axis = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    e1 = np.cross(axis, normals)
+    e1 = np.cross(np.eye(3)[np.abs(normals).argmin(axis=1)], normals)
     e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
     return np.stack([e1, np.cross(normals, e1)], axis=1)
 
@@ -164,10 +157,13 @@ def consistent_mass(shell: ShellCells, frames: FloatArray) -> FloatArray:
 
 def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> FloatArray:
     """Matrices (cells, 5 k, 5 k) from scalar ones (cells, k, k) on u.v and on w.w, tangents (cells, k, 2, 3)."""
+    return blocks(moved, np.eye(3), turned, np.einsum("eiac,ejbc->eiajb", frames, frames))
+
+
+def blocks(moved: FloatArray, B: FloatArray, turned: FloatArray, along: FloatArray) -> FloatArray:
+    """Matrices (cells, 5 k, 5 k) of u.B u from `moved` (cells, k, k), of w_a along w_b from `turned`."""
     cells, k = moved.shape[:2]
     matrices = np.zeros((cells, k, DOFS, k, DOFS))
-    for i in range(3):
-        matrices[:, :, i, :, i] = moved
-    along = np.einsum("eiac,ejbc->eiajb", frames, frames)
+    matrices[:, :, :3, :, :3] = moved[:, :, None, :, None] * B[:, None, :]
     matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
     return matrices.reshape(cells, DOFS * k, DOFS * k)

@@ -1,31 +1,35 @@
 """Cells of a solid: strains over the dofs of the nodes, stiffness and consistent mass."""
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.cells.mapped import Mapped, mapped
-from casingfem.structure.imported.cells.scatter import CHUNK, put
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, mapped, put
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.support import MeshSupport, by_group, constants_of
+from casingfem.structure.material import Material
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
-class SolidCells(Protocol):
-    """What the cells of a solid ask of it."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SolidCells:
+    """The fields of a `Solid`, which documents them, and what its cells ask of them: nothing is checked."""
 
-    @property
-    def mesh(self) -> MeshData:
-        """Its mesh."""
-        ...
+    mesh: MeshData
+    material: Material
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    supports: Mapping[str, MeshSupport] = field(default_factory=dict)
+    rotation: Rotation | None = None
 
     def constants(self) -> FloatArray:
-        """E, nu, rho of each cell, (3, cells)."""
-        ...
+        """E, nu, rho of each cell, (3, cells); a cell in two groups of `materials` is refused."""
+        return by_group(self.mesh, constants_of(self.material), {g: constants_of(m) for g, m in self.materials.items()})
 
 
 def cell_matrices(

@@ -72,8 +72,7 @@ def in_plane(points: FloatArray) -> list[Tied]:
     rr, ss, rs = (rows[:2] for rows in ROWS.values())
     signs = {("rr", rr): 1.0, ("ss", ss): 1.0, ("qq", rr): -1.0, ("qq", ss): -1.0, ("qq", rs): 1.0}
     sheared = [Tied(rs, of, places[at], frozen(sign * linear[at])) for (at, of), sign in signs.items()]
-    own = [Tied(of, of, places[at], frozen(linear[at])) for at, of in (("rr", rr), ("ss", ss))]
-    return own + sheared
+    return [Tied(of, of, places[at], frozen(linear[at])) for at, of in (("rr", rr), ("ss", ss))] + sheared
 
 
 def linear_weights(places: FloatArray, points: FloatArray) -> FloatArray:

@@ -31,8 +31,7 @@ class Turn(NamedTuple):
 
     def places(self, points: FloatArray, times: int = 1) -> FloatArray:
         """Points (nodes, 3) turned so many times."""
-        turned = (points - self.point) @ np.linalg.matrix_power(self.matrix, times).T
-        return np.asarray(turned + self.point)
+        return np.asarray((points - self.point) @ np.linalg.matrix_power(self.matrix, times).T + self.point)
 
     def across(self, points: FloatArray) -> FloatArray:
         """Components across the axis, x + i y, (nodes,) complex."""
@@ -73,9 +72,8 @@ def paired_faces(mesh: MeshData, turn: Turn, names: tuple[str, str] | None, tole
     """
     edge = spacing(mesh)
     reach = MATCH * edge if tolerance is None else tolerance
-    pairs = (
-        found_pairs(mesh, turn, reach, max(NEAR * edge, reach)) if names is None else named(mesh, turn, names, reach)
-    )
+    near = max(NEAR * edge, reach)
+    pairs = found_pairs(mesh, turn, reach, near) if names is None else named(mesh, turn, names, reach)
     own = pairs.low != pairs.high
     both = names is None and turn.angle >= np.pi  # a half turn lays each face on the other
     if not both and len(np.intersect1d(pairs.low[own], pairs.high[own])):
@@ -93,9 +91,8 @@ def one_way(mesh: MeshData, turn: Turn, pairs: Pairs) -> Pairs:
     turned = partner[mesh.facets[facets[:, 0], facets[:, 1]]]
     on = (turned >= 0).all(axis=1)
     middle = mesh.points[turned[on]].mean(axis=1)
-    here, there = (
-        mesh.points[mesh.cells[cells]].mean(axis=1) for cells in (facets[on, 0], find_facets(mesh, turned[on])[:, 0])
-    )
+    owners = facets[on, 0], find_facets(mesh, turned[on])[:, 0]
+    here, there = (mesh.points[mesh.cells[cells]].mean(axis=1) for cells in owners)
     if np.sum((turn.places(here) - middle) * (there - middle)) > 0.0:
         raise ModelError("cyclic-sectors", f"{mesh.source}: {turn}, the part repeats itself within")
     once = pairs.low <= pairs.high
@@ -112,9 +109,8 @@ def found_pairs(mesh: MeshData, turn: Turn, reach: float, near: float) -> Pairs:
     missed = np.flatnonzero(~hit & (distance <= near))
     if not hit.any() or len(missed):
         k = int(distance.argmin()) if not hit.any() else int(missed[distance[missed].argmax()])
-        raise ModelError(
-            "cyclic-faces", f"{mesh.source}: {turn}, {miss(mesh, nodes[k], nodes[partner[k]], distance[k])}"
-        )
+        found = miss(mesh, nodes[k], nodes[partner[k]], distance[k])
+        raise ModelError("cyclic-faces", f"{mesh.source}: {turn}, {found}")
     return Pairs(nodes[hit], nodes[partner[hit]])
 
 

@@ -72,18 +72,15 @@ class CyclicSector:
     def __post_init__(self) -> None:
         part: object = self.structure
         if not isinstance(part, Solid | MeshShell):
-            found = f"cyclic: found {type(part).__name__}, expected a Solid or MeshShell"
-            raise ModelError("structure-unknown", found)
+            raise ModelError("structure-unknown", f"cyclic: found {type(part).__name__}, expected a Solid or MeshShell")
         if self.sectors < 2:
             raise ModelError("cyclic-sectors", f"cyclic.sectors: found {self.sectors}, expected 2 or more")
         Rotation(omega=0.0, axis=self.axis, centre=self.point)  # refuses an axis without direction
         for name, support in self.structure.supports.items():
             across = np.diag(np.isin(np.arange(3), support.held).astype(float))
             if isinstance(support, Fixed) and not np.allclose(self.turn.matrix @ across, across @ self.turn.matrix):
-                found = (
-                    f"cyclic: support.{name} holds {', '.join(support.directions)}, another direction in each sector"
-                )
-                raise ModelError("cyclic-support", found)
+                found = f"holds {', '.join(support.directions)}, another direction in each sector"
+                raise ModelError("cyclic-support", f"cyclic: support.{name} {found}")
         require_axis(self.structure.rotation, self.turn)
         if attached := self.structure.mesh.attachments:
             raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {attached}")
@@ -182,8 +179,7 @@ def assemble_cyclic(sector: CyclicSector) -> CyclicSystem:
     turns = node_turns(sector, system.dofs)
     if rotation is None:
         return CyclicSystem(sector=sector, system=system, spin=None, turns=turns)
-    resting = replace(system, tie=tie(sector, system, turns, 0))
-    added = structure.spin(resting, rotation)
+    added = structure.spin(replace(system, tie=tie(sector, system, turns, 0)), rotation)
     turning = replace(system, structure=structure, K=csc_array(system.K + added.stiffness(rotation.omega)))
     return CyclicSystem(sector=sector, system=turning, spin=added, turns=turns)
 

@@ -1,12 +1,18 @@
-"""The whole wheel from one sector: its mesh, joined at the faces, and fields on it."""
+"""From one sector to the whole wheel: its mesh, joined at the faces, fields on it, and what its blades are stiff."""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 
+from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.structure.imported.cells.shell import directors, tangent_frames
+from casingfem.structure.imported.assembly import MeshSystem
+from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, scatter
+from casingfem.structure.imported.cells.shell import directors, stiffness, tangent_frames
+from casingfem.structure.imported.cells.solid import cell_stiffness
+from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
@@ -69,3 +75,28 @@ def wheel_fields(sector: CyclicSector, fields: Array, n: IntArray, whole: MeshDa
             found[nodes[j], 3:] = np.einsum("nac,cd,ndm,m->nam", others[nodes[j]], R, leaning, phase)
         R = sector.turn.matrix @ R
     return found.real, found.imag
+
+
+def blade_stiffness(structure: Solid | MeshShell, system: MeshSystem, group: str | None) -> csc_array:
+    """Elastic stiffness of a group's cells, of all cells if left out, on the free dofs (free, free).
+
+    Raises
+    ------
+    ModelError
+        `mesh-no-group`, or `mesh-group-no-cells`.
+    """
+    mesh = structure.mesh
+    if group is None:
+        cells: IntArray = np.arange(len(mesh.cells))
+    else:
+        check_groups(mesh, [group])
+        cells = mesh.groups[group].cells
+        if not len(cells):
+            raise ModelError("mesh-group-no-cells", f"{mesh.source}: blade {group!r}")
+    nodes = mesh.cells[cells]
+    if isinstance(structure, Solid):
+        matrices = cell_stiffness(mesh.kind, mesh.points, nodes, structure.constants()[:, cells])
+    else:
+        normals = directors(mesh)
+        matrices = stiffness(structure, normals, tangent_frames(normals), cells)
+    return on_free(scatter(matrices, cell_dofs(nodes, system.dofs), system.dofs * len(mesh.points)), system.free)

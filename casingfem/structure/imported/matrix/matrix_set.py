@@ -42,17 +42,27 @@ class MatrixSet:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        shapes = {name: A.shape for name, A in (("K", self.K), ("M", self.M), ("C", self.C)) if A is not None}
+        shapes = {name: A.shape for name, A in self.named.items()}
         n = len(self.dofs)
         if set(shapes.values()) != {(n, n)}:
             found = ", ".join(f"{name} {shape[0]} x {shape[1]}" for name, shape in shapes.items())
             raise ModelError("matrix-size", f"{self.source}: found {found} and {n} dofs")
         if not n:
-            raise ModelError("matrix-file", f"{self.source}: found no entries and no dofs")
+            raise fault(self.source, "found no entries and no dofs")
         rows, counts = np.unique(self.dofs, axis=0, return_counts=True)
         if counts.max() > 1:
             node, direction = rows[counts.argmax()].tolist()
             raise ModelError("matrix-dofs", f"{self.source}: found direction {direction} of node {node} twice")
+
+    @property
+    def named(self) -> dict[str, csc_array]:
+        """The matrices there are, by their letters."""
+        return {name: A for name, A in (("K", self.K), ("M", self.M), ("C", self.C)) if A is not None}
+
+
+def fault(source: str, message: str) -> ModelError:
+    """A malformed file."""
+    return ModelError("matrix-file", f"{source}: {message}")
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:

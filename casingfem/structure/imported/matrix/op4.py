@@ -17,7 +17,7 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, role_of
+from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, fault, role_of
 
 FORMAT = re.compile(r"E(\d+)\.", re.IGNORECASE)
 NUMBERS = re.compile(r"\s*[-+]?\d*\.\d")  # how a line of values begins, and no other
@@ -45,9 +45,8 @@ class Entries:
             if not (0 < column <= self.columns and 0 < row and row + len(values) - 1 <= self.rows):
                 found = f"rows {row} to {row + len(values) - 1} of column {column}"
                 raise fault(source, f"{self.name}: found {found} in a matrix of {self.rows} x {self.columns}")
-        count = [len(values) for _, _, values in self.parts]
         rows = [np.arange(row - 1, row - 1 + len(values)) for _, row, values in self.parts]
-        columns = np.repeat([column - 1 for column, _, _ in self.parts], count)
+        columns = np.repeat([column - 1 for column, _, _ in self.parts], [len(own) for own in rows])
         none = np.zeros(0)
         values = np.concatenate([none, *(values for _, _, values in self.parts)])
         places = (np.concatenate([none, *rows]).astype(int), columns.astype(int))
@@ -60,11 +59,6 @@ class Entries:
         for again in ordered[1:][ordered[1:] == ordered[:-1]][:1].tolist():
             column, row = divmod(again, self.rows)
             raise fault(source, f"{self.name}: found row {row + 1} of column {column + 1} again, expected it once")
-
-
-def fault(source: str, message: str) -> ModelError:
-    """A malformed file."""
-    return ModelError("matrix-file", f"{source}: {message}")
 
 
 def read_op4(path: Path) -> dict[str, csc_array]:
@@ -170,8 +164,7 @@ def integers(line: str, at: int, source: str) -> list[int]:
 
 def check_column(source: str, at: int, entries: Entries, column: int, wanted: int) -> None:
     """Refuse a column with fewer or more values than announced; programs differ in what they count beside them."""
-    own = takewhile(lambda part: part[0] == column, reversed(entries.parts))
-    strings = [len(values) for _, _, values in own]
+    strings = [len(values) for _, _, values in takewhile(lambda part: part[0] == column, reversed(entries.parts))]
     found = sum(strings)
     if column and not found <= wanted <= entries.words * found + 4 * len(strings):
         message = f"{entries.name}: found {found} values in column {column}, announced {wanted} words"

@@ -7,34 +7,31 @@ from scipy.sparse import coo_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, roles_of
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, fault, from_triples, roles_of
 
 MOST = 10**8  # rows
+PLAIN = str.maketrans(",Dd", " Ee")  # blanks between numbers, exponents as Python has them
 MOST_NUMBER = 1e15  # of a node: beyond, a float does not tell them apart
 Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are where the file says it
 
 
 def numbers(path: Path, columns: int) -> FloatArray:
     """A table of numbers separated by commas or blanks, lines of `*` and `%` left out, (rows, columns)."""
-    lines = [
-        line.replace(",", " ").replace("D", "E").replace("d", "e")
-        for line in path.read_text(encoding="utf-8", errors="replace").splitlines()
-        if line.strip() and line.lstrip()[0] not in "*%#"
-    ]
+    given = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    lines = [line.translate(PLAIN) for line in given if line.strip() and line.lstrip()[0] not in "*%#"]
     try:
         table = np.loadtxt(lines, ndmin=2) if lines else np.zeros((0, columns))
     except ValueError as error:
-        raise ModelError("matrix-file", f"{path.name}: {error}") from None
+        raise fault(path.name, str(error)) from None
     if table.shape[1] != columns:
-        found = f"{table.shape[1]} columns"
-        raise ModelError("matrix-file", f"{path.name}: found {found}, expected {columns}")
+        raise fault(path.name, f"found {table.shape[1]} columns, expected {columns}")
     return np.asarray(table)
 
 
 def whole(table: FloatArray, path: Path) -> IntArray:
     """Columns of numbers that count."""
     if not (np.isfinite(table).all() and np.all(np.abs(table) < MOST_NUMBER)) or np.any(table % 1.0):
-        raise ModelError("matrix-file", f"{path.name}: found rows or nodes that are not whole numbers")
+        raise fault(path.name, "found rows or nodes that are not whole numbers")
     return table.astype(np.int64)
 
 
@@ -45,8 +42,7 @@ def read_mtx(path: Path) -> Labelled:
     if head == b"%%MatrixMarket":
         return read_market(path), None
     table = numbers(path, 5)
-    ends = whole(table[:, :4], path).reshape(-1, 2, 2)
-    dofs, place = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    dofs, place = np.unique(whole(table[:, :4], path).reshape(-1, 2, 2).reshape(-1, 2), axis=0, return_inverse=True)
     rows, columns = place.ravel().reshape(-1, 2).T
     return from_triples(rows, columns, table[:, 4], len(dofs)), dofs
 
@@ -62,43 +58,40 @@ def read_market(path: Path) -> csc_array:
     head = path.read_text(encoding="utf-8", errors="replace").partition("\n")[0].lower().split()
     shaped = len(head) == 5 and head[1] == "matrix" and head[2] in ("coordinate", "array")
     if not shaped or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
-        found = (
-            f"found {' '.join(head[1:]) or 'no kind'}, expected matrix coordinate or array, real, general or symmetric"
-        )
-        raise ModelError("matrix-file", f"{path.name}: {found}")
+        found = " ".join(head[1:]) or "no kind"
+        raise fault(path.name, f"found {found}, expected matrix coordinate or array, real, general or symmetric")
     if head[2] == "array":
         return dense_market(path, symmetric=head[4] == "symmetric")
     table = numbers(path, 3)
     if not len(table):
-        raise ModelError("matrix-file", f"{path.name}: found no rows, columns and entries: cut short?")
+        raise fault(path.name, "found no rows, columns and entries: cut short?")
     size, columns, count = whole(table[0], path).tolist()
     entries = table[1:]
     check_square(path, size, columns)
     check_count(path, len(entries), count)
     places = whole(entries[:, :2], path) - 1
     if count and not (places.min() >= 0 and places.max() < size):
-        raise ModelError("matrix-file", f"{path.name}: found an entry outside of {size} x {size}")
+        raise fault(path.name, f"found an entry outside of {size} x {size}")
     rows, columns = places.T
     A = coo_array((entries[:, 2], (rows, columns)), shape=(size, size))
     if head[4] == "general":
         return csc_array(A)
     if np.any(columns > rows):
-        raise ModelError("matrix-file", f"{path.name}: found entries above the diagonal of a symmetric matrix")
+        raise fault(path.name, "found entries above the diagonal of a symmetric matrix")
     return from_triples(rows, columns, entries[:, 2], size)
 
 
 def check_square(path: Path, rows: int, columns: int) -> None:
     """Refuse a matrix that is not square, empty or too large."""
     if rows != columns or not 0 < rows <= MOST:
-        found = f"found a matrix of {rows} x {columns}, expected a square one of 1 to {MOST} rows"
-        raise ModelError("matrix-file", f"{path.name}: {found}")
+        raise fault(path.name, f"found a matrix of {rows} x {columns}, expected a square one of 1 to {MOST} rows")
 
 
 def check_count(path: Path, found: int, wanted: int) -> None:
     """Refuse fewer or more entries than a matrix has."""
     if found != wanted:
         short = ": cut short?" if found < wanted else ""
-        raise ModelError("matrix-file", f"{path.name}: found {found} entries, expected {wanted}{short}")
+        raise fault(path.name, f"found {found} entries, expected {wanted}{short}")
 
 
 def real(word: str, path: Path) -> float:
@@ -106,7 +99,7 @@ def real(word: str, path: Path) -> float:
     try:
         return float(word.replace("D", "E").replace("d", "e"))
     except ValueError:
-        raise ModelError("matrix-file", f"{path.name}: found {word!r}, expected a number") from None
+        raise fault(path.name, f"found {word!r}, expected a number") from None
 
 
 def dense_market(path: Path, *, symmetric: bool) -> csc_array:
@@ -114,8 +107,7 @@ def dense_market(path: Path, *, symmetric: bool) -> csc_array:
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
     words = " ".join(line for line in lines if not line.startswith("%")).split()
     if len(words) < 2 or not all(word.isdecimal() and len(word) < 16 for word in words[:2]):
-        found = f"{' '.join(words[:2])!r}, expected rows and columns, whole numbers"
-        raise ModelError("matrix-file", f"{path.name}: found {found}")
+        raise fault(path.name, f"found {' '.join(words[:2])!r}, expected rows and columns, whole numbers")
     size, columns = (int(word) for word in words[:2])
     check_square(path, size, columns)
     check_count(path, len(words) - 2, size * (size + 1) // 2 if symmetric else size * size)
@@ -140,18 +132,13 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
     roles = roles_of(list(named), source)
     read = {role: read_mtx(named[name]) for role, name in roles.items()}
     if dofs is None and any(own is None for _, own in read.values()):
-        dofs = dofs_beside(named[roles["K"]], source)
+        beside = named[roles["K"]].with_suffix(".dof")
+        if not beside.exists():
+            raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
+        dofs = read_dof(beside)
     K, wanted = labelled(read["K"], dofs)
     others = {role: aligned(*labelled(read[role], dofs), wanted, source) for role in read if role != "K"}
     return MatrixSet(K=K, M=others["M"], C=others.get("C"), dofs=wanted, source=source)
-
-
-def dofs_beside(path: Path, source: str) -> IntArray:
-    """The list of dofs beside a file that does not say what its rows are."""
-    beside = path.with_suffix(".dof")
-    if not beside.exists():
-        raise ModelError("matrix-dofs", f"{source}: found no {beside.name} beside it")
-    return read_dof(beside)
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:
@@ -186,8 +173,7 @@ def read_dof(path: Path) -> IntArray:
             continue
         node, point, direction = line.strip().partition(".")
         if not (point and node.isdecimal() and direction.isdecimal() and int(direction) <= 6):
-            found = f"line {number}: found {line.strip()!r}, expected node.direction, such as 6.1"
-            raise ModelError("matrix-file", f"{path.name}: {found}")
+            raise fault(path.name, f"line {number}: found {line.strip()!r}, expected node.direction, such as 6.1")
         rows.append((int(node), int(direction)))
     return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
@@ -197,7 +183,7 @@ def read_calculix(path: Path) -> MatrixSet:
     parts = {suffix: path.with_suffix(suffix) for suffix in (".sti", ".mas", ".dof")}
     for part in parts.values():
         if not part.exists():
-            raise ModelError("matrix-file", f"{path.name}: found no {part.name} beside it")
+            raise fault(path.name, f"found no {part.name} beside it")
     dofs = read_dof(parts[".dof"])
     matrices = []
     for suffix in (".sti", ".mas"):

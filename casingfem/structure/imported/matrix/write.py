@@ -25,11 +25,6 @@ def matrix_files(matrices: MatrixSet, stem: str, form: str) -> dict[str, str | b
     return FORMS[form](matrices, stem)
 
 
-def named(matrices: MatrixSet) -> dict[str, csc_array]:
-    """The matrices there are, by role."""
-    return {name: A for name, A in (("K", matrices.K), ("M", matrices.M), ("C", matrices.C)) if A is not None}
-
-
 def tables(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """Tables of dofs, a line for each row, and of nodes."""
     dofs = "".join(f"{node},{NAMES[direction]}\n" for node, direction in matrices.dofs.tolist())
@@ -46,7 +41,7 @@ def places(matrices: MatrixSet) -> list[tuple[int, list[float]]]:
 def market(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """Matrix Market, one file a matrix."""
     files = tables(matrices, stem)
-    for name, A in named(matrices).items():
+    for name, A in matrices.named.items():
         stream = BytesIO()
         mmwrite(stream, A, symmetry="symmetric", precision=17)
         files[f"{stem}_{name}.mtx"] = stream.getvalue()
@@ -61,7 +56,7 @@ def dmig(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
         out.write(f"GRID*   {node:16d}{'':16}{a}{b}*\n*       {c}\n")
     titles = {"K": "K2GG", "M": "M2GG", "C": "B2GG"}
     dofs = matrices.dofs.tolist()
-    for role, A in named(matrices).items():
+    for role, A in matrices.named.items():
         name = titles[role]
         out.write(f"DMIG    {name:8}{0:8d}{6:8d}{2:8d}{0:8d}\n")
         lower = csc_array(tril(A))
@@ -79,7 +74,7 @@ def dmig(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
 def op4(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """OP4 as text, sparse with long row numbers, all digits of a double."""
     out = StringIO()
-    for name, A in named(matrices).items():
+    for name, A in matrices.named.items():
         n = A.shape[0]
         out.write(f"{n:8d}{-n:8d}{6:8d}{2:8d}{name:8}1P,3E23.16\n")
         ordered = csc_array(A)
@@ -110,7 +105,7 @@ def with_tables(matrices: MatrixSet) -> dict[str, np.ndarray]:
 def npz(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """Compressed columns in an npz."""
     stream = BytesIO()
-    arrays = {key: part for name, A in named(matrices).items() for key, part in to_columns(name, A).items()}
+    arrays = {key: part for name, A in matrices.named.items() for key, part in to_columns(name, A).items()}
     save_npz(stream, {**arrays, **with_tables(matrices)})
     return {f"{stem}.npz": stream.getvalue()}
 
@@ -118,7 +113,7 @@ def npz(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
 def mat(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """MATLAB's .mat, version 5, sparse."""
     stream = BytesIO()
-    savemat(stream, {**named(matrices), **with_tables(matrices)})
+    savemat(stream, {**matrices.named, **with_tables(matrices)})
     return {f"{stem}.mat": stream.getvalue()}
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
+from casingfem.structure.geometry.rotation import skew
 
 Renumbering: TypeAlias = Callable[[IntArray], IntArray]
 
@@ -54,7 +55,7 @@ class PointMass:
     @property
     def matrix(self) -> FloatArray:
         """Mass on the node's six components, (6, 6): m |u + theta x offset|^2 + theta.J theta."""
-        moved = np.hstack([np.eye(3), -cross_matrix(np.asarray(self.offset))])
+        moved = np.hstack([np.eye(3), -skew(np.asarray(self.offset))])
         whole = self.mass * moved.T @ moved
         whole[3:, 3:] += self.inertia
         return np.asarray(whole)
@@ -253,29 +254,13 @@ class Attachments:
                 return spring.terms
             return tuple(t._replace(coefficient=t.coefficient * length) if t.component > 2 else t for t in spring.terms)
 
-        return replace(
-            self,
-            masses=tuple(
-                replace(
-                    m,
-                    mass=m.mass * mass,
-                    inertia=frozen(np.asarray(m.inertia) * mass * length**2),
-                    offset=(m.offset[0] * length, m.offset[1] * length, m.offset[2] * length),
-                )
-                for m in self.masses
-            ),
-            springs=tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs),
-            equations=tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations),
-        )
+        def weighed(m: PointMass) -> PointMass:
+            inertia, (x, y, z) = frozen(np.asarray(m.inertia) * mass * length**2), m.offset
+            return replace(m, mass=m.mass * mass, inertia=inertia, offset=(x * length, y * length, z * length))
 
-
-def cross_matrix(r: FloatArray) -> FloatArray:
-    """Matrix [r] with [r] v = r x v; of places (..., 3), (..., 3, 3).
-
-    >>> cross_matrix(np.array([0.0, 0.0, 1.0])).tolist()
-    [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
-    """
-    return np.cross(np.asarray(r)[..., None, :], np.eye(3)).swapaxes(-1, -2)
+        springs = tuple(replace(s, stiffness=stiff(s), terms=arms(s)) for s in self.springs)
+        equations = tuple(replace(equation, terms=terms(equation.terms)) for equation in self.equations)
+        return replace(self, masses=tuple(map(weighed, self.masses)), springs=springs, equations=equations)
 
 
 NOTHING = Attachments()

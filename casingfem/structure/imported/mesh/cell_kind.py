@@ -11,20 +11,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from skfem.element import (
-    ElementHex1,
-    ElementHex2,
-    ElementHexS2,
-    ElementLineP1,
-    ElementLineP2,
-    ElementQuad1,
-    ElementQuad2,
-    ElementQuadS2,
-    ElementTetP1,
-    ElementTetP2,
-    ElementTriP1,
-    ElementTriP2,
-)
+from skfem import element as fem
 from skfem.quadrature import get_quadrature
 
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
@@ -120,18 +107,18 @@ def _kinds() -> dict[str, CellKind]:
     tetra = Outline(TETRA, TETRA_EDGES, TETRA_FACETS)
     cube = Outline(CUBE, CUBE_EDGES, CUBE_FACETS)
     rows: list[tuple[str, Outline, type, int, str, int]] = [
-        ("line", line, ElementLineP1, 0, "", 3),
-        ("line3", line, ElementLineP2, 1, "", 5),
-        ("triangle", tri, ElementTriP1, 0, "line", 2),
-        ("triangle6", tri, ElementTriP2, 1, "line3", 4),
-        ("quad", quad, ElementQuad1, 0, "line", 3),
-        ("quad8", quad, ElementQuadS2, 1, "line3", 5),
-        ("quad9", quad, ElementQuad2, 2, "line3", 5),
-        ("tetra", tetra, ElementTetP1, 0, "triangle", 2),
-        ("tetra10", tetra, ElementTetP2, 1, "triangle6", 5),
-        ("hexahedron", cube, ElementHex1, 0, "quad", 3),
-        ("hexahedron20", cube, ElementHexS2, 1, "quad8", 5),
-        ("hexahedron27", cube, ElementHex2, 2, "quad9", 5),
+        ("line", line, fem.ElementLineP1, 0, "", 3),
+        ("line3", line, fem.ElementLineP2, 1, "", 5),
+        ("triangle", tri, fem.ElementTriP1, 0, "line", 2),
+        ("triangle6", tri, fem.ElementTriP2, 1, "line3", 4),
+        ("quad", quad, fem.ElementQuad1, 0, "line", 3),
+        ("quad8", quad, fem.ElementQuadS2, 1, "line3", 5),
+        ("quad9", quad, fem.ElementQuad2, 2, "line3", 5),
+        ("tetra", tetra, fem.ElementTetP1, 0, "triangle", 2),
+        ("tetra10", tetra, fem.ElementTetP2, 1, "triangle6", 5),
+        ("hexahedron", cube, fem.ElementHex1, 0, "quad", 3),
+        ("hexahedron20", cube, fem.ElementHexS2, 1, "quad8", 5),
+        ("hexahedron27", cube, fem.ElementHex2, 2, "quad9", 5),
         ("wedge15", Outline(Wedge15.corners, Wedge15.edges, ()), Wedge15, 1, "", 5),
         ("pyramid13", Outline(Pyramid13.corners, Pyramid13.edges, ()), Pyramid13, 1, "", 5),
     ]
@@ -156,11 +143,9 @@ def shape_functions(name: str, points: Array) -> tuple[FloatArray, FloatArray]:
     kind = KINDS[name]
     element = kind.element()
     distance = np.abs(kind.places[:, None, :] - np.array(element.doflocs)[None]).sum(axis=2)
-    order = distance.argmin(axis=1)
-    tables = [element.lbasis(points, int(i)) for i in order]
+    tables = [element.lbasis(points, int(i)) for i in distance.argmin(axis=1)]
     values = np.stack([value * np.ones(points.shape[1]) for value, _ in tables])
-    slopes = np.stack([slope * np.ones(points.shape[1]) for _, slope in tables], axis=1)
-    return values, slopes
+    return values, np.stack([slope * np.ones(points.shape[1]) for _, slope in tables], axis=1)
 
 
 @cache

@@ -1,8 +1,9 @@
-"""Cells of several kinds written as cells of one: wedges, pyramids and tetrahedra as bricks, triangles as squares.
+"""Cells written as another kind, or numbered the other way round.
 
-A brick or square with two corners at one node has, on the linear kinds, exactly the shape functions of what it
-collapses to (Hughes, The Finite Element Method, 1987, section 3.6). On quadratic kinds it has not: these are written so
-for what meshes share, facets and groups, and integrated as what they are (`native`).
+Wedges, pyramids and tetrahedra become bricks, triangles squares. A brick or square with two corners at one node has, on
+the linear kinds, exactly the shape functions of what it collapses to (Hughes, The Finite Element Method, 1987, section
+3.6). On quadratic kinds it has not: these are written so for what meshes share, facets and groups, and integrated as
+what they are (`native`). Solid cells are left-handed where Nastran allows it, and where VTK has wedges so.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -12,21 +13,18 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.handed import right_handed
 
-CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {
-    "hexahedron": {
-        "hexahedron": (0, 1, 2, 3, 4, 5, 6, 7), "wedge": (0, 1, 2, 2, 3, 4, 5, 5), "pyramid": (0, 1, 2, 3, 4, 4, 4, 4),
-        "tetra": (0, 1, 2, 2, 3, 3, 3, 3),
-    },
+BRICK = {
+    "hexahedron": (0, 1, 2, 3, 4, 5, 6, 7), "wedge": (0, 1, 2, 2, 3, 4, 5, 5), "pyramid": (0, 1, 2, 3, 4, 4, 4, 4),
+    "tetra": (0, 1, 2, 2, 3, 3, 3, 3),
+}  # fmt: skip
+CORNERS: Mapping[str, Mapping[str, Sequence[int]]] = {  # of a kind, written as a brick or square
+    "hexahedron": BRICK,
     "quad": {"quad": (0, 1, 2, 3), "triangle": (0, 1, 2, 2)},
-    "hexahedron20": {
-        "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7), "wedge15": (0, 1, 2, 2, 3, 4, 5, 5),
-        "pyramid13": (0, 1, 2, 3, 4, 4, 4, 4), "tetra10": (0, 1, 2, 2, 3, 3, 3, 3),
-    },
+    "hexahedron20": dict(zip(("hexahedron20", "wedge15", "pyramid13", "tetra10"), BRICK.values(), strict=True)),
     "quad8": {"quad8": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
     "quad9": {"quad9": (0, 1, 2, 3), "triangle6": (0, 1, 2, 2)},
-}  # of a kind, written as a brick or square  # fmt: skip
+}
 LEAST = {"hexahedron": 4, "quad": 3, "hexahedron20": 10, "quad8": 6, "quad9": 6}  # nodes that a collapsed cell keeps
 
 
@@ -118,3 +116,33 @@ def distinct(corners: IntArray) -> IntArray:
     again = np.zeros(ordered.shape, dtype=bool)
     again[..., 1:] = ordered[..., 1:] == ordered[..., :-1]
     return np.sort(np.where(again, -1, ordered), axis=-1)
+
+
+MIRRORED = {"tetra": (0, 2, 1, 3), "wedge": (3, 4, 5, 0, 1, 2), "hexahedron": (4, 5, 6, 7, 0, 1, 2, 3),
+            "pyramid": (0, 3, 2, 1, 4), "triangle": (0, 2, 1), "quad": (0, 3, 2, 1)}  # corners  # fmt: skip
+UP = {"tetra": (1, 2, 3), "wedge": (1, 2, 3), "hexahedron": (1, 3, 4), "pyramid": (1, 3, 4)}  # ends of three edges
+
+
+def right_handed(kind: str, cells: IntArray, points: FloatArray) -> IntArray:
+    """Cells (m, nodes) in VTK's order, those that are left-handed at their first corner mirrored, middle nodes too.
+
+    >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> right_handed("tetra", np.array([[0, 2, 1, 3]]), corners).tolist()
+    [[0, 1, 2, 3]]
+    """
+    shape = kind.rstrip("0123456789")
+    if shape not in UP or not (kind in ("wedge", "pyramid") or kind in KINDS):
+        return cells
+    x = points[cells[:, [0, *UP[shape]]]]
+    left = np.linalg.det(x[:, 1:] - x[:, :1]) < 0.0
+    return np.where(left[:, None], cells[:, mirror(kind)], cells) if left.any() else cells
+
+
+def mirror(kind: str) -> list[int]:
+    """Which node takes the place of each when the corners are those of `MIRRORED`."""
+    corners = MIRRORED[kind.rstrip("0123456789")]
+    if kind not in KINDS:
+        return list(corners)
+    stands = KINDS[kind].supports_of_nodes
+    number = {frozenset(nodes): k for k, nodes in enumerate(stands)}
+    return [number[frozenset(corners[i] for i in nodes)] for nodes in stands]

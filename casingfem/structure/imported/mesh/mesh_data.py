@@ -99,8 +99,7 @@ class MeshData:
             raise ValueError(f"{self.source}: attachments name nodes outside 0 to {len(points) - 1}")
         for name, values, count in (("cell_numbers", self.cell_numbers, len(cells)),
                                     ("node_numbers", self.node_numbers, len(points))):  # fmt: skip
-            numbers = values if len(values) == count else np.arange(1, count + 1)
-            object.__setattr__(self, name, frozen(numbers))
+            object.__setattr__(self, name, frozen(values if len(values) == count else np.arange(1, count + 1)))
         object.__setattr__(self, "points", frozen(points))
         object.__setattr__(self, "cells", frozen(cells))
         object.__setattr__(self, "groups", MappingProxyType(dict(self.groups)))
@@ -146,8 +145,7 @@ class MeshData:
     @property
     def boundary(self) -> IntArray:
         """Facets that one cell alone has, as pairs (cell, local facet), (m, 2)."""
-        single = self.sharing == 1
-        return np.argwhere(single)
+        return np.argwhere(self.sharing == 1)
 
     @property
     def sharing(self) -> IntArray:
@@ -160,8 +158,7 @@ class MeshData:
 
     def facet_nodes(self, facets: IntArray) -> IntArray:
         """Nodes of facets (m, 2) in the order of the facet's kind, (m, facet nodes)."""
-        local = self.cell_kind.facet_nodes[facets[:, 1]]
-        return np.take_along_axis(self.cells[facets[:, 0]], local, axis=1)
+        return np.take_along_axis(self.cells[facets[:, 0]], self.cell_kind.facet_nodes[facets[:, 1]], axis=1)
 
     def group_facets(self, name: str) -> IntArray:
         """Facets of a group; for a group of nodes, the boundary facets whose nodes all belong to it."""
@@ -195,18 +192,14 @@ def beside(meshes: Mapping[str, MeshData]) -> MeshData:
     cells = np.cumsum([0, *(len(mesh.cells) for mesh in parts)])
     groups = {}
     for (name, mesh), first, start in zip(meshes.items(), nodes.tolist(), cells.tolist(), strict=False):
-        own = np.arange(len(mesh.cells))
-        groups[name] = Group(nodes=first + mesh.used, cells=start + own)
+        groups[name] = Group(nodes=first + mesh.used, cells=start + np.arange(len(mesh.cells)))
         for inner, group in mesh.groups.items():
             facets = None if group.facets is None else group.facets + np.array([start, 0])
             groups[f"{name}.{inner}"] = Group(nodes=first + group.nodes, cells=start + group.cells, facets=facets)
-    return MeshData(
-        kind=parts[0].kind,
-        points=np.concatenate([mesh.points for mesh in parts]),
-        cells=np.concatenate([first + mesh.cells for mesh, first in zip(parts, nodes, strict=False)]),
-        groups=groups,
-        source=" and ".join(dict.fromkeys(mesh.source for mesh in parts)),
-    )
+    points = np.concatenate([mesh.points for mesh in parts])
+    whole = np.concatenate([first + mesh.cells for mesh, first in zip(parts, nodes, strict=False)])
+    source = " and ".join(dict.fromkeys(mesh.source for mesh in parts))
+    return MeshData(kind=parts[0].kind, points=points, cells=whole, groups=groups, source=source)
 
 
 def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
@@ -216,9 +209,7 @@ def find_facets(mesh: MeshData, corners: IntArray) -> IntArray:
     if missing < 0:
         return np.full((len(corners), 2), -1)
     asked = np.pad(distinct(corners), ((0, 0), (missing, 0)), constant_values=-1)
-    both = np.concatenate([own, asked])
-    _, code = np.unique(both, axis=0, return_inverse=True)
-    code = code.ravel()
+    code = np.unique(np.concatenate([own, asked]), axis=0, return_inverse=True)[1].ravel()
     first = np.full(code.max() + 1, -1)
     first[code[: len(own)][::-1]] = np.arange(len(own))[::-1]
     place = first[code[len(own) :]]

@@ -65,11 +65,8 @@ class Wedge15(Serendipity):
         L, t = (1.0 - x - y, x, y), 2.0 * z - 1.0
         low, high, bow = 1.0 - t, 1.0 + t, 1.0 - t**2
         across = [L[i] * L[(i + 1) % 3] for i in range(3)]
-        return np.array(
-            [0.5 * a * ((2.0 * a - 1.0) * side - bow) for side in (low, high) for a in L]
-            + [2.0 * product * side for side in (low, high) for product in across]
-            + [a * bow for a in L]
-        )
+        corners = [0.5 * a * ((2.0 * a - 1.0) * side - bow) for side in (low, high) for a in L]
+        return np.array(corners + [2.0 * ab * side for side in (low, high) for ab in across] + [a * bow for a in L])
 
     @staticmethod
     def quadrature() -> tuple[FloatArray, FloatArray]:
@@ -102,14 +99,8 @@ class Pyramid13(Serendipity):
         out = [-a - b, a - b, a + b, b - a]
         corners = [part / near * (way - 1.0) for part, way in zip(base, out, strict=True)]
         middles = [left * right * front, right * front * back, left * right * back, left * front * back]
-        return np.array(
-            [
-                *corners,
-                z * (2.0 * z - 1.0),
-                *(4.0 * part / near for part in middles),
-                *(4.0 * z * part / near for part in base),
-            ]
-        )
+        top, sides = z * (2.0 * z - 1.0), [4.0 * z * part / near for part in base]
+        return np.array([*corners, top, *(4.0 * part / near for part in middles), *sides])
 
     @staticmethod
     def quadrature() -> tuple[FloatArray, FloatArray]:

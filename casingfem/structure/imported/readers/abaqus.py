@@ -46,16 +46,11 @@ class AbaqusAttachments:
             if name in card.parameters and not (name == "ELSET" and card.keyword in PROPERTIES):
                 raise self.names.fault(card.line, f"*{card.keyword}: found {name}, which is not read here")
         if card.keyword in PROPERTIES:
-            owner = card.parameters.get("ELSET", "")
-            self.properties.append((card, self.names.elements_of(owner, card.line)))
+            self.properties.append((card, self.names.elements_of(card.parameters.get("ELSET", ""), card.line)))
             if card.keyword == "DISTRIBUTING COUPLING":
                 self.weights[card.line] = self.weighted(card)
         elif card.keyword == "COUPLING":
             self.coupling = card
-        elif card.keyword == "DISTRIBUTING":
-            self.take_distributing(card)
-        elif card.keyword == "KINEMATIC":
-            self.take_kinematic(card)
         elif card.keyword == "KINEMATIC COUPLING":
             for line, cells in self.rows(card):
                 reach = self.span(line, cells[1:]) if cells[1:] else range(6)
@@ -63,10 +58,9 @@ class AbaqusAttachments:
         elif card.keyword == "RIGID BODY":
             name = card.parameters.get("NSET", card.parameters.get("TIE NSET", ""))
             self.add_rigid(card, self.names.nodes_of(name, card.line), tuple(range(6)))
-        elif card.keyword == "MPC":
-            self.take_mpc(card)
         else:
-            self.take_equations(card)
+            takers = {"DISTRIBUTING": self.take_distributing, "KINEMATIC": self.take_kinematic, "MPC": self.take_mpc}
+            takers.get(card.keyword, self.take_equations)(card)
 
     @property
     def by_direction(self) -> bool:
@@ -109,19 +103,20 @@ class AbaqusAttachments:
         """Nodes that follow the card's reference."""
         reference = self.reference(card)
         followers = np.setdiff1d(nodes, [reference])
-        rigid = Rigid(
-            reference=reference, nodes=followers, components=components, where=f"*{card.keyword} (line {card.line})"
-        )
-        self.rigids.append(lambda: rigid)
+        where = f"*{card.keyword} (line {card.line})"
+        self.rigids.append(lambda: Rigid(reference=reference, nodes=followers, components=components, where=where))
+
+    def coupled(self, card: Card) -> Card:
+        """The *COUPLING before a card, which belongs to it alone."""
+        coupling, self.coupling = self.coupling, None
+        if coupling is None:
+            raise self.names.fault(card.line, f"*{card.keyword} without *COUPLING before it")
+        return coupling
 
     def take_kinematic(self, card: Card) -> None:
         """*KINEMATIC of the *COUPLING before it: lines of first and last degree of freedom, all without any."""
-        coupling = self.coupling
-        if coupling is None:
-            raise self.names.fault(card.line, "*KINEMATIC without *COUPLING before it")
-        self.coupling = None
-        rows = self.rows(card)
-        components = sorted({c for line, cells in rows for c in self.span(line, cells)}) or range(6)
+        coupling = self.coupled(card)
+        components = sorted({c for line, cells in self.rows(card) for c in self.span(line, cells)}) or range(6)
         reference, name = self.reference(coupling), coupling.parameters.get("SURFACE", "")
 
         def rigid() -> Rigid:
@@ -146,9 +141,7 @@ class AbaqusAttachments:
 
     def take_distributing(self, card: Card) -> None:
         """*DISTRIBUTING of the *COUPLING before it, nodes of equal weight."""
-        coupling, self.coupling = self.coupling, None
-        if coupling is None:
-            raise self.names.fault(card.line, "*DISTRIBUTING without *COUPLING before it")
+        coupling = self.coupled(card)
         nodes = self.names.node_surface(coupling.parameters.get("SURFACE", ""))
         if nodes is None:
             self.names.leave_out("DISTRIBUTING on a surface of elements", card.line)
@@ -156,10 +149,8 @@ class AbaqusAttachments:
         if card.parameters.get("WEIGHTING METHOD", "UNIFORM").upper() != "UNIFORM" or card.data:
             found = "a weighting method or degrees of freedom"
             raise self.names.fault(card.line, f"*DISTRIBUTING: found {found}, expected neither")
-        where = f"*COUPLING (line {coupling.line})"
-        self.means.append(
-            Mean(reference=self.reference(coupling), nodes=nodes, weights=np.ones(len(nodes)), where=where)
-        )
+        where, reference = f"*COUPLING (line {coupling.line})", self.reference(coupling)
+        self.means.append(Mean(reference=reference, nodes=nodes, weights=np.ones(len(nodes)), where=where))
 
     def take_mpc(self, card: Card) -> None:
         """*MPC: kind, the node that follows, the node it follows."""
@@ -175,11 +166,10 @@ class AbaqusAttachments:
         """One node that follows another: rigidly, or as if it stood there."""
         where = f"*MPC {kind} (line {line})"
         if kind == "BEAM":
-            rigid = Rigid(reference=reference, nodes=np.array([node]), where=where)
-            self.rigids.append(lambda: rigid)
+            self.rigids.append(lambda: Rigid(reference=reference, nodes=np.array([node]), where=where))
             return
-        for c in range(3):
-            self.equations.append(Equation(terms=(Term(node, c, 1.0), Term(reference, c, -1.0)), where=where))
+        pairs = ((Term(node, c, 1.0), Term(reference, c, -1.0)) for c in range(3))
+        self.equations += [Equation(terms=pair, where=where) for pair in pairs]
 
     def take_equations(self, card: Card) -> None:
         """*EQUATION: number of terms, then node, degree of freedom, coefficient of each, as often as given."""
@@ -191,9 +181,8 @@ class AbaqusAttachments:
             while rows and len(cells) < 3 * count:
                 cells, rows = cells + rows[0][1], rows[1:]
             if count < 2 or len(cells) != 3 * count:
-                raise self.names.fault(
-                    line, f"*EQUATION: found {len(cells)} cells, expected 3 for each of {count} terms"
-                )
+                found = f"*EQUATION: found {len(cells)} cells, expected 3 for each of {count} terms"
+                raise self.names.fault(line, found)
             terms = []
             for k in range(0, len(cells), 3):
                 nodes = self.names.nodes_of(cells[k], line)
@@ -204,8 +193,7 @@ class AbaqusAttachments:
 
     def attachments(self, points: FloatArray, index: Callable[[IntArray], IntArray]) -> Attachments:
         """All of them by indices of nodes."""
-        masses: list[PointMass] = []
-        springs: list[Spring] = []
+        masses, springs = list[PointMass](), list[Spring]()
         means, owned = list(self.means), set[int]()
         for card, numbers in self.properties:
             for number in numbers.tolist():
@@ -270,10 +258,6 @@ class AbaqusAttachments:
         if not length > 0.0:
             which = where.removesuffix(f" (line {card.line})")
             raise self.names.fault(card.line, f"{which}: found two nodes at one place, which have no line between them")
-        terms = [
-            Term(int(node), c, sign * float(axis[c] / length))
-            for node, sign in zip(nodes, (1.0, -1.0), strict=True)
-            for c in range(3)
-            if axis[c]
-        ]
+        ends = zip(nodes.tolist(), (1.0, -1.0), strict=True)
+        terms = [Term(node, c, sign * float(axis[c] / length)) for node, sign in ends for c in range(3) if axis[c]]
         return Spring(terms=tuple(terms), stiffness=stiffness, where=where)

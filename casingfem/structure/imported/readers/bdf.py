@@ -14,7 +14,7 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import IntArray
 from casingfem.io.included import NumberedLine, read_lines
-from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.mesh.collapsed import right_handed
 from casingfem.structure.imported.readers.bdf_cards import Card, Numbers, cards
 from casingfem.structure.imported.readers.coordinates import BY_GRIDS, KINDS_OF_SYSTEMS, CardSystems
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
@@ -68,21 +68,13 @@ class Parser(Numbers):
         """Take every card in turn; GRDSET, which may stand anywhere, first."""
         if any(line.upper().startswith("GRDSET") for _, line in lines):
             self.defaults = next(([*card.fields, *BLANK] for card in cards(lines) if card.name == "GRDSET"), BLANK)
+        takers = {"GRID": self.take_grid, "SPCADD": self.sums.append, "SPC": self.take_constraint}
+        takers |= {"SPC1": self.take_constraint} | dict.fromkeys((*PLACES, *SHELLS), self.take_element)
+        takers |= dict.fromkeys(KINDS_OF_SYSTEMS, self.systems.take) | dict.fromkeys(CARDS, self.connections.take)
+        takers |= dict.fromkeys(BY_GRIDS, self.systems.take_by_grids)
         for card in cards(lines):
-            if card.name == "GRID":
-                self.take_grid(card)
-            elif card.name in PLACES or card.name in SHELLS:
-                self.take_element(card)
-            elif card.name in ("SPC", "SPC1"):
-                self.take_constraint(card)
-            elif card.name == "SPCADD":
-                self.sums.append(card)
-            elif card.name in KINDS_OF_SYSTEMS:
-                self.systems.take(card)
-            elif card.name in BY_GRIDS:
-                self.systems.take_by_grids(card)
-            elif card.name in CARDS:
-                self.connections.take(card)
+            if card.name in takers:
+                takers[card.name](card)
             elif LEFT_OUT.match(card.name):
                 self.leave_out(card, card.name)
         draft = self.draft()
@@ -93,8 +85,7 @@ class Parser(Numbers):
 
     def take_grid(self, card: Card) -> None:
         """GRID: number, coordinate system, x, y, z, ..."""
-        given = [*card.fields, *BLANK]
-        fields = [cell or default for cell, default in zip(given, self.defaults, strict=False)]
+        fields = [cell or default for cell, default in zip([*card.fields, *BLANK], self.defaults, strict=False)]
         if fields[1] not in ("", "0"):
             self.placed.append((len(self.grids), self.integer(card, fields[1]), card))
         if card.room < 5:
@@ -156,20 +147,18 @@ class Parser(Numbers):
             found = f"{len(self.grids)} grids and no elements"
             raise ModelError("mesh-no-cells", f"{self.source}: found {found}")
         table = np.array(self.grids)
-        numbers = table[:, 0].astype(np.int64)
+        numbers, points = table[:, 0].astype(np.int64), table[:, 1:]
         nodes = Lookup(numbers, self.source, "grid")
-        blocks: list[Block] = []
-        cell_sets: dict[str, list[tuple[int, IntArray]]] = {}
+        blocks, sets = list[Block](), dict[str, list[tuple[int, IntArray]]]()
         for kind, rows in self.elements.items():
             table_of = np.array([row[2] for row in rows])
-            cells = np.full(table_of.shape, -1)  # middle nodes that are left out
-            cells[table_of != 0] = nodes(table_of[table_of != 0])
+            cells = nodes.some(table_of, table_of != 0)
             if kind in ("hexahedron20", "wedge15"):
                 cells = cells[:, BRICK20 if kind == "hexahedron20" else WEDGE15]
-            cells = right_handed(kind, cells, table[:, 1:])  # Nastran asks for neither way
+            cells = right_handed(kind, cells, points)  # Nastran asks for neither way
             owners = np.array([row[1] for row in rows])
             for owner in np.unique(owners):
-                cell_sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))
+                sets.setdefault(f"PID {owner}", []).append((len(blocks), np.flatnonzero(owners == owner)))
             blocks.append(Block(kind, cells, np.array([row[0] for row in rows])))
         Lookup(np.concatenate([b.numbers for b in blocks]), self.source, "element")
         node_sets: dict[str, list[int]] = {}
@@ -184,11 +173,8 @@ class Parser(Numbers):
                 for own, members in list(node_sets.items()):
                     if own == f"SPC {part}" or own.startswith(f"SPC {part} "):
                         node_sets.setdefault(own.replace(part, card.fields[0], 1), []).extend(members)
+        held = {name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()}
+        attached = self.connections.attachments(points, nodes, self.turned)
         return Draft(
-            points=table[:, 1:],
-            node_numbers=numbers,
-            blocks=blocks,
-            node_sets={name: nodes(np.array(members, dtype=np.int64)) for name, members in node_sets.items()},
-            cell_sets=cell_sets,
-            attachments=self.connections.attachments(table[:, 1:], nodes, self.turned),
+            points=points, node_numbers=numbers, blocks=blocks, node_sets=held, cell_sets=sets, attachments=attached
         )

@@ -101,15 +101,10 @@ def read_cdb(path: Path) -> Draft:
     return draft(archive)
 
 
-def announced(fields: list[str]) -> int | None:
-    """How many items a block says it has."""
-    return int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() and int(fields[-1]) else None
-
-
 def check_count(archive: Archive, at: int, fields: list[str], found: int) -> None:
     """Refuse a block with fewer or more items than it says."""
-    wanted = announced(fields)
-    if wanted is not None and found != wanted:
+    wanted = int(fields[-1]) if len(fields) > 2 and fields[-1].isdecimal() else 0
+    if wanted and found != wanted:
         short = ": cut short?" if found < wanted else ""
         raise archive.fault(at, f"found {found} of the {wanted} items that the block announces{short}")
 
@@ -248,14 +243,11 @@ def draft(archive: Archive) -> Draft:
         warn("mesh-left-out", f"{source}: {found}", stacklevel=5)
     if not rows:
         raise ModelError("mesh-no-cells", f"{source}: found {len(numbers)} nodes and no solid or shell elements")
-    blocks: list[Block] = []
-    sets: dict[str, list[tuple[int, IntArray]]] = {}
+    blocks, sets = list[Block](), dict[str, list[tuple[int, IntArray]]]()
     for k, (kind, entries) in enumerate(rows.items()):
         own_numbers = np.array([entry[0] for entry in entries])
         given = np.array([entry[2] for entry in entries])
-        cells = np.full(given.shape, -1)  # middle nodes that are left out
-        cells[given > 0] = nodes(given[given > 0])
-        blocks.append(Block(kind, cells, own_numbers))
+        blocks.append(Block(kind, nodes.some(given, given > 0), own_numbers))
         materials = np.array([entry[1] for entry in entries])
         for material in np.unique(materials):
             sets.setdefault(f"MAT {material}", []).append((k, np.flatnonzero(materials == material)))
@@ -263,14 +255,6 @@ def draft(archive: Archive) -> Draft:
             if what == "ELEM":
                 sets.setdefault(name, []).append((k, np.flatnonzero(np.isin(own_numbers, members))))
     Lookup(np.concatenate([block.numbers for block in blocks]), source, "element")
-    return Draft(
-        points=table[:, 1:],
-        node_numbers=numbers,
-        blocks=blocks,
-        node_sets={
-            name: nodes(np.array(members, dtype=np.int64))
-            for name, (what, members) in archive.components.items()
-            if what == "NODE"
-        },
-        cell_sets=sets,
-    )
+    on_nodes = {name: members for name, (what, members) in archive.components.items() if what == "NODE"}
+    node_sets = {name: nodes(np.array(members, dtype=np.int64)) for name, members in on_nodes.items()}
+    return Draft(points=table[:, 1:], node_numbers=numbers, blocks=blocks, node_sets=node_sets, cell_sets=sets)

@@ -130,8 +130,7 @@ class CardSystems:
 
     def take(self, card: Card) -> None:
         """CORD2R, CORD2C, CORD2S: number, system of the points, origin A, B on the z axis, C in the x-z plane."""
-        given: list[str] = card.fields
-        number, *fields = [*given, *[""] * 11]
+        number, *fields = [*card.fields, *[""] * 11]
         values = np.array([self.numbers.real(card, text) for text in fields[1:10]]).reshape(3, 3)
         within = self.numbers.integer(card, fields[0] or "0")
         self.systems[self.new(card, number)] = System(KINDS_OF_SYSTEMS[card.name], within, values)

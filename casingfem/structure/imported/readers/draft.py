@@ -9,16 +9,14 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from casingfem.errors import ModelError, warn
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 from casingfem.structure.imported.attachments.glue import Gluing, tied
 from casingfem.structure.imported.mesh.attachments import NOTHING, Attachments
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.collapsed import common_kind, written_as
+from casingfem.structure.imported.mesh.collapsed import common_kind, mirror, written_as
 from casingfem.structure.imported.mesh.findings import named
-from casingfem.structure.imported.mesh.handed import mirror
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData, find_facets
 from casingfem.structure.imported.readers.middles import filled, raised
-from casingfem.structure.imported.readers.oriented import against
 from contact.io.names import names_fault
 
 DIMENSIONS = {"vertex": 0, "wedge": 3, "pyramid": 3, "polygon": 2} | {name: kind.dim for name, kind in KINDS.items()}
@@ -77,6 +75,12 @@ class Lookup:
             raise ModelError("mesh-file", f"{self.source}: {self.what} {missing[0]} is named but not given")
         return np.asarray(self.order[place])
 
+    def some(self, wanted: IntArray, given: BoolArray) -> IntArray:
+        """Indices of the numbers that are given, of their shape; -1 for the others, middle nodes that are left out."""
+        cells = np.full(wanted.shape, -1)
+        cells[given] = self(wanted[given])
+        return cells
+
 
 def build(draft: Draft, source: str) -> MeshData:
     """The mesh of a draft.
@@ -89,10 +93,9 @@ def build(draft: Draft, source: str) -> MeshData:
     draft = with_middles(draft)
     dims = [block.dim for block in draft.blocks]
     top = max(dims, default=0)
-    kinds = Counter({b.kind: 0 for b in draft.blocks if b.dim == top})
-    for block in draft.blocks:
-        if block.dim == top:
-            kinds[block.kind] += len(block.cells)
+    kinds = Counter[str]()
+    for block in (block for block in draft.blocks if block.dim == top):
+        kinds[block.kind] += len(block.cells)
     found = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
     if top < 2:
         raise ModelError("mesh-no-cells", f"{source}: found {found or 'no cells'}")
@@ -132,10 +135,9 @@ def alike(blocks: Sequence[Block], kind: str, source: str) -> list[Block]:
     numbers = np.concatenate([block.numbers for block in blocks])
     found = f"{named('cell', numbers[turned])} turned round, with normals against their neighbours'"
     warn("mesh-turned-shell", f"{source}: {found}", stacklevel=5)
-    return [
-        replace(block, cells=np.where(part[:, None], block.cells[:, mirror(block.kind)], block.cells))
-        for block, part in zip(blocks, parts, strict=True)
-    ]
+    others = [block.cells[:, mirror(block.kind)] for block in blocks]
+    both = zip(blocks, parts, others, strict=True)
+    return [replace(block, cells=np.where(part[:, None], other, block.cells)) for block, part, other in both]
 
 
 def with_middles(draft: Draft) -> Draft:
@@ -154,10 +156,8 @@ def with_middles(draft: Draft) -> Draft:
     numbers = np.concatenate([draft.node_numbers, np.zeros(len(tie.nodes), dtype=np.int64)])
     whole = replace(draft, points=points, node_numbers=numbers, blocks=blocks)
     if top < 3:  # shells bend along their edges; what holds both ends of one holds its middle
-        sets = {
-            name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]])
-            for name, nodes in draft.node_sets.items()
-        }
+        own = draft.node_sets.items()
+        sets = {name: np.concatenate([nodes, tie.nodes[np.isin(tie.others, nodes).all(axis=1)]]) for name, nodes in own}
         return replace(whole, node_sets=sets)
     return replace(whole, attachments=replace(draft.attachments, glued=(tie, *draft.attachments.glued)))
 
@@ -178,9 +178,8 @@ def make_group(name: str, draft: Draft, mesh: MeshData, start: Mapping[int, int]
         corners.append(draft.facet_sets[name])
     facets = [locate(name, part, mesh) for part in corners]
     nodes += [mesh.facet_nodes(part).ravel() for part in facets]
-    return Group(
-        nodes=np.concatenate(nodes), cells=np.concatenate(cells), facets=np.concatenate(facets) if facets else None
-    )
+    on = np.concatenate(facets) if facets else None
+    return Group(nodes=np.concatenate(nodes), cells=np.concatenate(cells), facets=on)
 
 
 def locate(name: str, corners: IntArray, mesh: MeshData) -> IntArray:
@@ -204,11 +203,34 @@ def joined(mesh: MeshData, distance: float) -> MeshData:
     _, part = connected_components(graph, directed=False)
     _, first, place = np.unique(part, return_index=True, return_inverse=True)
     groups = {name: replace(group, nodes=place[group.nodes]) for name, group in mesh.groups.items()}
-    return replace(
-        mesh,
-        points=mesh.points[first],
-        cells=place[mesh.cells],
-        groups=groups,
-        node_numbers=mesh.node_numbers[first],
-        attachments=mesh.attachments.renumbered(lambda nodes: place[nodes]),
-    )
+    points, cells, numbers = mesh.points[first], place[mesh.cells], mesh.node_numbers[first]
+    attached = mesh.attachments.renumbered(lambda nodes: place[nodes])
+    return replace(mesh, points=points, cells=cells, groups=groups, node_numbers=numbers, attachments=attached)
+
+
+def against(edges: IntArray) -> BoolArray:
+    """Cells to turn so that all normals agree with their neighbours', (cells,): of each connected part the fewer ones.
+
+    `edges` (cells, edges, 2) are the ends of each cell's edges on its way round. Edges of more than two cells join
+    nothing; a part without two sides (a Moebius strip) is left as it is.
+
+    >>> against(np.array([[[0, 1], [1, 2], [2, 0]], [[1, 2], [2, 3], [3, 1]], [[2, 3], [3, 4], [4, 2]]])).tolist()
+    [False, True, False]
+    """
+    count = len(edges)
+    ends = edges.reshape(-1, 2)
+    _, place, shared = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(place.ravel(), kind="stable")
+    first = np.cumsum(shared)[(shared == 2) & (np.ptp(ends[order[np.cumsum(shared) - 1]], axis=1) > 0)] - 2
+    one, other = order[first], order[first + 1]
+    a, b = one // edges.shape[1], other // edges.shape[1]
+    alike = (ends[one] != ends[other]).all(axis=1)  # they run along their common edge in opposite ways
+    # each cell stands twice, as it is and turned; neighbours are joined where they agree
+    i, j = np.concatenate([a, a + count]), np.concatenate([b + count * ~alike, b + count * alike])
+    graph = coo_array((np.ones(len(i)), (i, j)), shape=(2 * count, 2 * count))
+    part = connected_components(graph, directed=False)[1].reshape(2, count)
+    kept = np.bincount(part[0], minlength=part.max() + 1)  # cells that stay as they are if this copy of a part is taken
+    turned: BoolArray = kept[part[1]] > kept[part[0]]
+    even = (kept[part[1]] == kept[part[0]]) & (part[0] != part[1])
+    turned |= even & (part[1] < part[0])
+    return turned

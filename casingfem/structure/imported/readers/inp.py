@@ -1,7 +1,7 @@
 """Read the mesh of an Abaqus or CalculiX input file: nodes, elements, node sets, element sets, element surfaces.
 
 A parser of our own: it keeps the file's numbers, every block of nodes, nested sets and surfaces, places instances of
-parts (`instances.py`), follows *INCLUDE, and refuses what would move or merge nodes behind the reader's back
+parts (`inp_cards.py`), follows *INCLUDE, and refuses what would move or merge nodes behind the reader's back
 (coordinate systems). What is not geometry (materials, steps) is passed over.
 """
 
@@ -17,9 +17,8 @@ from casingfem.io.included import NumberedLine, read_lines
 from casingfem.structure.imported.attachments.glue import Gluing
 from casingfem.structure.imported.readers.abaqus import CONNECTIONS, ELEMENTS, PROPERTIES, AbaqusAttachments
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
-from casingfem.structure.imported.readers.inp_cards import Card, cards
+from casingfem.structure.imported.readers.inp_cards import Card, cards, laid_out
 from casingfem.structure.imported.readers.inp_names import NODES, Names
-from casingfem.structure.imported.readers.instances import laid_out
 
 FAMILIES = {
     "C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "wedge",

@@ -1,5 +1,9 @@
-"""Sets and surfaces of an Abaqus or CalculiX input file by their names, in its numbers of nodes and elements."""
+"""Sets and surfaces of an Abaqus or CalculiX input file by their names, in its numbers of nodes and elements.
 
+Faces of elements are S1, S2, ... of solids; SPOS, SNEG, E1, ... of shells.
+"""
+
+import re
 from typing import Any
 
 import numpy as np
@@ -8,13 +12,40 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.readers.draft import Block
-from casingfem.structure.imported.readers.faces import face_corners
-from casingfem.structure.imported.readers.inp_cards import Card
-from casingfem.structure.imported.readers.instances import DIGITS, Frame
+from casingfem.structure.imported.readers.inp_cards import DIGITS, MOST, Card, Frame, values
+
+TETRA = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))  # S1 to S4
+WEDGE = ((0, 1, 2), (3, 5, 4), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))  # S1 to S5
+CUBE = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))  # S1 to S6
+SOLID = {"tetra": TETRA, "wedge": WEDGE, "hexahedron": CUBE}
+FLAT = {"triangle": 3, "quad": 4}
+NAMED = re.compile(r"(SPOS|SNEG)|([SE])(\d)")
+
+
+def face_corners(kind: str, face: str, *, plane: bool = False) -> tuple[int, ...]:
+    """Local corners of a face of an element; of a shell's sides all of them, of its edges two; () where it has none.
+
+    Edges are E1 to E4 (Abaqus) or S3 to S6 (CalculiX, whose S1 and S2 are the sides), and S1 to S4 of elements in a
+    `plane`.
+
+    >>> face_corners("hexahedron20", "S1"), face_corners("quad8", "SPOS"), face_corners("triangle", "E3")
+    ((0, 1, 2, 3), (0, 1, 2, 3), (2, 0))
+    """
+    shape, found = kind.rstrip("0123456789"), NAMED.fullmatch(face)
+    if found is None:
+        return ()
+    if shape in SOLID:
+        faces = SOLID[shape]
+        return faces[int(found[3]) - 1] if found[2] == "S" and 1 <= int(found[3]) <= len(faces) else ()
+    count = FLAT.get(shape, 0)
+    if found[1] or (found[2] == "S" and not plane and found[3] in "12"):
+        return tuple(range(count))
+    edge = int(found[3]) - (1 if plane or found[2] == "E" else 3)
+    return (edge, (edge + 1) % count) if 0 <= edge < count else ()
+
 
 NODES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15, "quad": 4,
          "quad8": 8, "quad9": 9, "triangle": 3, "triangle6": 6, "line": 2, "line3": 3}  # fmt: skip
-MOST = 10.0**DIGITS
 NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -44,15 +75,7 @@ class Names:
 
     def values(self, card: Card, kind: type) -> list[list[Any]]:
         """The numbers on each data line."""
-        rows = []
-        for line, text in card.data:
-            try:
-                rows.append([kind(cell) for cell in text.rstrip(",").split(",")])
-            except ValueError:
-                raise self.fault(line, f"found {text!r}, expected numbers") from None
-            if not all(abs(value) < MOST for value in rows[-1]):
-                raise self.fault(line, f"found {text!r}, expected numbers below {MOST:g}")
-        return rows
+        return values(card, kind, self.fault)
 
     def named(self, name: str) -> str:
         """The name of a set or surface in the assembly."""

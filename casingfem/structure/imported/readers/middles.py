@@ -13,7 +13,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Tie
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.handed import right_handed
+from casingfem.structure.imported.mesh.collapsed import right_handed
 
 QUADRATIC = {
     "tetra": "tetra10", "wedge": "wedge15", "pyramid": "pyramid13", "hexahedron": "hexahedron20",
@@ -32,8 +32,7 @@ def raised(kind: str, cells: IntArray, points: FloatArray, beside: Collection[st
         return kind, cells
     name = QUADRATIC[kind]
     upright = right_handed(kind, cells, points) if kind in ("wedge", "pyramid") else cells
-    missing = KINDS[name].nodes - cells.shape[1]
-    return name, np.pad(upright, ((0, 0), (0, missing)), constant_values=-1)
+    return name, np.pad(upright, ((0, 0), (0, KINDS[name].nodes - cells.shape[1])), constant_values=-1)
 
 
 def filled(

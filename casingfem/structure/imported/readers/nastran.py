@@ -1,6 +1,6 @@
 """Point masses, springs and connections of a Nastran bulk data file (MSC Nastran Quick Reference Guide).
 
-CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`bush.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
+CONM2; CELAS1, CELAS2 with PELAS; CBUSH with PBUSH (`nastran_cards.py`); RBE2, RBE3, RBAR; one set of MPC; PARAM WTMASS.
 Variants that are not understood are refused by card and line.
 """
 
@@ -12,8 +12,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
 from casingfem.structure.imported.readers.bdf_cards import Card
-from casingfem.structure.imported.readers.bush import bush_springs
-from casingfem.structure.imported.readers.nastran_cards import NastranCards
+from casingfem.structure.imported.readers.nastran_cards import NastranCards, bush_springs
 
 WHOLE = ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})  # components that mean the same in every system of coordinates
 ROUND = 1e-12  # components of a unit vector that are round-off
@@ -38,15 +37,11 @@ class NastranAttachments(NastranCards):
         masses = tuple(self.point_mass(card, scale) for card in self.cards["CONM2"])
         cards = [card for name in ("CELAS1", "CELAS2") for card in self.cards[name] if not self.is_scalar(card)]
         springs = [self.spring(card, self.pelas()) for card in cards]
-        bushes = [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
+        springs += [spring for card in self.cards["CBUSH"] for spring in bush_springs(self, card)]
         rigids = [self.rigid(card) for card in self.cards["RBE2"]] + [self.bar(card) for card in self.cards["RBAR"]]
-        given = Attachments(
-            masses=masses,
-            springs=(*springs, *bushes),
-            rigids=tuple(rigids),
-            means=tuple(self.mean(card) for card in self.cards["RBE3"]),
-            equations=self.equations(),
-        )
+        means, equations = tuple(self.mean(card) for card in self.cards["RBE3"]), self.equations()
+        rigid, elastic = tuple(rigids), tuple(springs)
+        given = Attachments(masses=masses, springs=elastic, rigids=rigid, means=means, equations=equations)
         return given.renumbered(index)
 
     def components(self, card: Card, text: str) -> tuple[int, ...]:
@@ -65,11 +60,8 @@ class NastranAttachments(NastranCards):
 
     def mass_factor(self) -> float:
         """PARAM, WTMASS: what masses are multiplied by."""
-        found = 1.0
-        for card in self.cards["PARAM"]:
-            if self.field(card, 0).upper() == "WTMASS":
-                found = self.numbers.real(card, self.field(card, 1))
-        return found
+        given = [card for card in self.cards["PARAM"] if self.field(card, 0).upper() == "WTMASS"]
+        return [1.0, *(self.numbers.real(card, self.field(card, 1)) for card in given)][-1]
 
     def point_mass(self, card: Card, scale: float) -> PointMass:
         """CONM2: number, grid, system, mass, offset, then I11, I21, I22, I31, I32, I33."""
@@ -90,12 +82,9 @@ class NastranAttachments(NastranCards):
 
     def pelas(self) -> dict[int, float]:
         """Stiffness of each PELAS, two on a card."""
-        return {
-            self.numbers.integer(card, card.fields[k]): self.numbers.real(card, self.field(card, k + 1))
-            for card in self.cards["PELAS"]
-            for k in (0, 4)
-            if self.field(card, k)
-        }
+        given = [(card, k) for card in self.cards["PELAS"] for k in (0, 4) if self.field(card, k)]
+        integer, real = self.numbers.integer, self.numbers.real
+        return {integer(card, card.fields[k]): real(card, self.field(card, k + 1)) for card, k in given}
 
     def is_scalar(self, card: Card) -> bool:
         """Whether a spring ends at a scalar point, component 0: it is left out."""
@@ -156,21 +145,16 @@ class NastranAttachments(NastranCards):
             raise self.numbers.fault(card, "found independent components at both ends, expected 123456 at one")
         components = self.components(card, by_b or "123456")
         nodes = np.array([self.grid(card, b, components)])
-        return Rigid(
-            reference=self.numbers.integer(card, a), nodes=nodes, components=components, where=self.where(card)
-        )
+        reference = self.numbers.integer(card, a)
+        return Rigid(reference=reference, nodes=nodes, components=components, where=self.where(card))
 
     def mean(self, card: Card) -> Mean:
         """RBE3: number, -, reference, components, then groups of a weight, components and grids."""
         components = self.components(card, self.field(card, 3))
-        weights: list[float] = []
-        grids: list[int] = []
+        weights, grids = list[float](), list[int]()
         rest = [text for text in card.fields[4:] if text]
         weight, place = 0.0, 0
-        while place < len(rest):
-            text = rest[place]
-            if text.upper() == "ALPHA":
-                break
+        while place < len(rest) and (text := rest[place]).upper() != "ALPHA":
             if text[0].isalpha():
                 raise self.numbers.fault(card, f"found {text}, expected weights, components and grids")
             if not text.isdecimal():  # a real number begins a group
@@ -186,13 +170,9 @@ class NastranAttachments(NastranCards):
             place += 1
         if not grids:
             raise self.numbers.fault(card, "found no grid to follow")
-        return Mean(
-            reference=self.grid(card, self.field(card, 2), components),
-            nodes=np.array(grids, dtype=np.int64),
-            weights=np.array(weights),
-            components=components,
-            where=self.where(card),
-        )
+        reference, where = self.grid(card, self.field(card, 2), components), self.where(card)
+        nodes, shares = np.array(grids, dtype=np.int64), np.array(weights)
+        return Mean(reference=reference, nodes=nodes, weights=shares, components=components, where=where)
 
     def equations(self) -> tuple[Equation, ...]:
         """MPC: set, then grid, component, coefficient, two on each line."""

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.edge.bolt_mesh import edge_model, following, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.mesh.edge_form import EdgeLine, LineFrame
 from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.structure.shell.variation import edge_model, following, spurious_split
 
 TURN = 2.0 * np.pi
 

@@ -8,13 +8,13 @@ import pytest
 
 from casingfem.errors import InputError, ModelError, ModelWarning
 from casingfem.modal.modes import modes
-from casingfem.structure.edge.bolt_mesh import following, springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.edges import edge_line
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.variation import following, springs_per_wave, spurious_split
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.sensitivity import eigen_derivatives

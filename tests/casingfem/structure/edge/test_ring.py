@@ -13,8 +13,7 @@ from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart import Cylinder, Panel
@@ -23,9 +22,8 @@ from casingfem.structure.mesh.edge_form import PointSprings, single_place
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import assemble, nodal_mass
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.edges import edge_forms, line_frame
+from casingfem.structure.shell.edges import edge_forms, harmonic_ring, line_frame, support_stiffness
 from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
-from casingfem.structure.shell.ring_form import harmonic_ring, support_stiffness
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter

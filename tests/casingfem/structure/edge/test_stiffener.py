@@ -8,8 +8,8 @@ import pytest
 from casingfem.errors import ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.modes import modes
+from casingfem.structure.edge.ring import Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel
 from casingfem.structure.geometry.rotation import Rotation

@@ -11,8 +11,7 @@ from casingfem.modal.modes import modes
 from casingfem.structure.field.field import Field, FieldValues
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.robust import robust_weights
-from casingfem.structure.field.survey.stray import passes_words, shifted_points
+from casingfem.structure.field.survey.stray import passes_words, robust_weights, shifted_points
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.chart import Frustum
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian

@@ -5,8 +5,16 @@ import pytest
 from scipy import stats
 
 from casingfem.structure.field.survey.points import SurveyPoints, largest_gap_deg
-from casingfem.structure.field.survey.robust import least_squares, pure_error, robust_weights
-from casingfem.structure.field.survey.stray import beyond, passes_words, shifted_points, significant, stray_points
+from casingfem.structure.field.survey.stray import (
+    beyond,
+    least_squares,
+    passes_words,
+    pure_error,
+    robust_weights,
+    shifted_points,
+    significant,
+    stray_points,
+)
 
 NOISE = np.random.default_rng(5).normal(size=60)
 

@@ -5,15 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.blade import Blade
+from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate, require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry, real
 from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel, chart_lines
-from casingfem.structure.geometry.stations import along, coefficients, lowest, stations
+from casingfem.structure.geometry.stations import Taper, along, coefficients, lowest, stations
 from casingfem.structure.geometry.strip import Strip, breaks_between, check_strips, spread
 from casingfem.structure.geometry.survey_check import mean_radius
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
 
 TUBE = Cylinder(radius=0.4, height=0.6)
 

@@ -8,8 +8,7 @@ from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.geometry.pieces import Bend, Piece, PiecewiseMeridian, fillet_between, joined, unjoined
 from casingfem.structure.geometry.revolved import Arc, Revolved, chart_lines
-from casingfem.structure.geometry.rigid_body import rigid_left, rigid_motions, unfelt
-from casingfem.structure.geometry.rotation import Rotation, blade_frame
+from casingfem.structure.geometry.rotation import Rotation, blade_frame, rigid_left, rigid_motions, unfelt
 from casingfem.structure.geometry.survey_check import on_meridian
 
 X = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 4.0, 0.0], [2.0, 4.0, 8.0]])

@@ -12,6 +12,7 @@ import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.interface.kinds import AtNodes
 from casingfem.modal.mesh_modes import mesh_modes
+from casingfem.structure.geometry.rotation import skew
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import NodeLoad
 from casingfem.structure.imported.mesh.attachments import (
@@ -22,7 +23,6 @@ from casingfem.structure.imported.mesh.attachments import (
     Rigid,
     Spring,
     Term,
-    cross_matrix,
 )
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import joined
@@ -134,7 +134,7 @@ def test_a_rigid_block_with_an_eccentric_mass_on_springs_is_the_six_by_six_penci
     own = 7800.0 * 0.1 * 0.2 * 0.3
     sides = np.array([0.1, 0.2, 0.3])
     M = np.diag([own] * 3 + [own * (sides @ sides - side**2) / 12.0 for side in sides])
-    arm = cross_matrix(off)
+    arm = skew(off)
     M += np.block([[7.0 * np.eye(3), -7.0 * arm], [7.0 * arm, J - 7.0 * arm @ arm]])
     assert system.size == 6
     assert system.rigid == 0

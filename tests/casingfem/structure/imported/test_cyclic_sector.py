@@ -9,9 +9,8 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
-from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.sector import CyclicSector
-from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
+from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_mesh, wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData

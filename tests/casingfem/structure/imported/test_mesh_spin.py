@@ -9,7 +9,7 @@ import casingfem as cf
 from casingfem.errors import ModelError, NumericsError
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.structure.imported import solid_spin
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.shell_spin import shell_stiffening

@@ -12,8 +12,7 @@ from casingfem.structure.imported.cells.mapped import facet_shape_products, mapp
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import FacetPressure, nodal_loads
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.collapsed import native, written_as
-from casingfem.structure.imported.mesh.handed import mirror, right_handed
+from casingfem.structure.imported.mesh.collapsed import mirror, native, right_handed, written_as
 from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import Block, Draft, build

@@ -8,8 +8,7 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.imported.attachments.glue import Gluing, tied
-from casingfem.structure.imported.attachments.projection import nearest_places
+from casingfem.structure.imported.attachments.glue import Gluing, nearest_places, tied
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import Group, beside

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.structure.geometry.chart import Cylinder
-from casingfem.structure.mesh.rings import ring_transform
+from casingfem.structure.mesh.place import ring_transform
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 
 CHART = Cylinder(radius=0.5, height=3.0)

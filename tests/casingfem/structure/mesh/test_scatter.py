@@ -10,7 +10,7 @@ from casingfem.structure.edge.support import ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.mesh.edge_form import EdgeForm
-from casingfem.structure.mesh.scatter import element_sum, scatter_blocks
+from casingfem.structure.mesh.jet_form import element_sum, scatter_blocks
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.energies import modal_products, point_fields

@@ -5,23 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from casingfem.structure.edge.ring import Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge, Symmetry
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Plate, Surface
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
 from casingfem.structure.geometry.rotation import blade_frame
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, breaks_between
 from casingfem.structure.geometry.survey_check import mean_radius
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.extent import extent, sampled, stretches
 from casingfem.structure.shell.parts import sampled_geometry
-from casingfem.structure.shell.plausible import chart_warnings
+from casingfem.structure.shell.plausible import chart_warnings, extent, sampled, stretches
 from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.variation import harmonic_amplitudes
 

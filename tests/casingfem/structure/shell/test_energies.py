@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Frustum, Panel
@@ -26,10 +24,10 @@ from casingfem.structure.shell.assembly import (
     joint_frame,
 )
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.edges import outward, ties
 from casingfem.structure.shell.energies import modal_products, point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.rigid import free_motions, kinetic_products, rigid_fields, rigid_modes, ring_turns
-from casingfem.structure.shell.ring_form import outward, ties
 from casingfem.structure.shell.shell import Shell, remade
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
 from casingfem.structure.geometry.rotation import Rotation

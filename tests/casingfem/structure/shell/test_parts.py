@@ -4,25 +4,23 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelWarning
-from casingfem.structure.edge.bolt_mesh import springs_per_wave, spurious_split
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
 from casingfem.structure.geometry.chart import Frustum, Panel, Plate
 from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.geometry.taper import Taper
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
 from casingfem.structure.shell.edges import edge_line
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.variation import springs_per_wave, spurious_split
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 BRASS = Material(E=90e9, nu=0.34, rho=8400.0)

@@ -4,24 +4,24 @@ import numpy as np
 import pytest
 
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Clamped, ElasticEdge, Symmetry
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.extent import extent, sampled, stretches
 from casingfem.structure.shell.plausible import (
     chart_warnings,
+    extent,
     material_warnings,
+    sampled,
     spring_warnings,
+    stretches,
     wall_warnings,
     warn_of,
     warnings_of,

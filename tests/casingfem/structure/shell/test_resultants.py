@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.geometry.taper import Taper
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts, sampled_geometry

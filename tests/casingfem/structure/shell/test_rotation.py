@@ -10,11 +10,10 @@ from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.chart import Surface
+from casingfem.structure.mesh.jet_form import point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import frame, strain_slots
-from casingfem.structure.mesh.scatter import scatter_blocks
 from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
 from casingfem.structure.shell.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
-from casingfem.structure.shell.strains import point_jets
 from casingfem.structure.shell.wall import constitutive, curvature
 from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification.rotation import FACTORS, rotating_beam, strip, strip_factors

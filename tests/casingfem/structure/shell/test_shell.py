@@ -10,18 +10,17 @@ import pytest
 
 from casingfem.modal.modes import modes
 from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.point_mass import EdgeMass
-from casingfem.structure.edge.ring import Ring
+from casingfem.structure.edge.ring import EdgeMass, Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.field.field import FieldValues
 from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.geometry.blade import TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.geometry.twisted import TwistedPlate
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.extent import extent
+from casingfem.structure.shell.plausible import extent
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import finest_harmonic
 

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.point_mass import EdgeMass
+from casingfem.structure.edge.ring import EdgeMass, Stiffener
 from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.stiffener import Stiffener
 from casingfem.structure.edge.support import Symmetry
 from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.extent import extent
+from casingfem.structure.shell.plausible import extent
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.rigid import free_motions, rigid_fields
 from tests.probed import probed

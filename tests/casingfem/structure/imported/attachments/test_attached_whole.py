@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.structure.geometry.rigid_body import rigid_motions
+from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.attachments.system import attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term

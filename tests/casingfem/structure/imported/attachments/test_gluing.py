@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.attachments.glue import Gluing, faces_of, glued, tied
-from casingfem.structure.imported.attachments.projection import inside, nearest_places, projected
+from casingfem.structure.imported.attachments.glue import (
+    Gluing,
+    faces_of,
+    glued,
+    inside,
+    nearest_places,
+    projected,
+    tied,
+)
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.mesh_data import Group, beside
 from tests.casingfem.structure.imported.parts import box, flat

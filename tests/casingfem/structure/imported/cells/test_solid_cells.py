@@ -7,8 +7,17 @@ import pytest
 from scipy.sparse import csc_array
 
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped, mapped_parts, shape_products
-from casingfem.structure.imported.cells.scatter import cell_dofs, on_free, put, scatter, symmetric
+from casingfem.structure.imported.cells.mapped import (
+    cell_dofs,
+    facet_shape_products,
+    mapped,
+    mapped_parts,
+    on_free,
+    put,
+    scatter,
+    shape_products,
+    symmetric,
+)
 from casingfem.structure.imported.cells.solid import (
     cell_stiffness,
     consistent_mass,

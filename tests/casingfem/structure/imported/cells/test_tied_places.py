@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.structure.imported.cells import scatter as summing
-from casingfem.structure.imported.cells.scatter import cell_dofs, scatter
+from casingfem.structure.imported.cells import mapped as summing
+from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors
 from casingfem.structure.imported.cells.tying import across, in_plane, tied_strains, tying
 from casingfem.structure.imported.mesh.attachments import Attachments, Tie

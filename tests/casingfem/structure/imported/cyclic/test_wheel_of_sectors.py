@@ -10,7 +10,6 @@ import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.cyclic.blade import blade_stiffness
 from casingfem.structure.imported.cyclic.faces import Turn
 from casingfem.structure.imported.cyclic.sector import (
     CyclicSector,
@@ -21,7 +20,7 @@ from casingfem.structure.imported.cyclic.sector import (
     still_motions,
     tied,
 )
-from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_mesh, wheel_nodes
+from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_fields, wheel_mesh, wheel_nodes
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import Group
 from tests.casingfem.structure.imported.parts import STEEL

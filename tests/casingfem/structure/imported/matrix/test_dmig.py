@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.matrix.dmig import read_dmig
+from casingfem.structure.imported.matrix.read import read_dmig
 
 HEAD = "DMIG,KAA,0,{form},{kind},0\n"
 MASS = "DMIG,MAA,0,6,2,0\nDMIG,MAA,7,1,,7,1,2.\nDMIG,MAA,7,3,,7,3,3.\nDMIG,MAA,4,,,4,,5.\n"

@@ -6,10 +6,9 @@ from scipy.io import loadmat
 from scipy.sparse import csc_array
 
 from casingfem.structure.imported.matrix.arrays import read_arrays
-from casingfem.structure.imported.matrix.dmig import read_dmig
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_dofs, read_nodes
+from casingfem.structure.imported.matrix.read import read_dmig, read_dofs, read_nodes
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, dmig, market, mat, matrix_files, npz, op4, tables
 

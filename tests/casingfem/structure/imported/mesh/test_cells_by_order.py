@@ -5,8 +5,7 @@ import pytest
 from meshio._vtk_common import meshio_to_vtk_type
 
 from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, SOLIDS, VTK, shape_functions
-from casingfem.structure.imported.mesh.collapsed import distinct, native, spread, written_as
-from casingfem.structure.imported.mesh.handed import mirror, right_handed
+from casingfem.structure.imported.mesh.collapsed import distinct, mirror, native, right_handed, spread, written_as
 
 CUBE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
 CUBE_EDGES = [[0.5, 0, 0], [1, 0.5, 0], [0.5, 1, 0], [0, 0.5, 0], [0.5, 0, 1], [1, 0.5, 1], [0.5, 1, 1], [0, 0.5, 1],

@@ -8,9 +8,8 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad
+from casingfem.structure.imported.loads import NodeLoad, solve_mesh_static
 from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.imported.static import solve_mesh_static
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, box, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")

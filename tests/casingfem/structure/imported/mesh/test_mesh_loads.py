@@ -8,9 +8,15 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import FacetPressure, NodeLoad, group_facets, nodal_loads, spread
+from casingfem.structure.imported.loads import (
+    FacetPressure,
+    NodeLoad,
+    group_facets,
+    nodal_loads,
+    solve_mesh_static,
+    spread,
+)
 from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.imported.static import solve_mesh_static
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")

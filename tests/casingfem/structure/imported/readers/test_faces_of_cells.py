@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.imported.readers.faces import face_corners
+from casingfem.structure.imported.readers.inp_names import face_corners
 
 TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

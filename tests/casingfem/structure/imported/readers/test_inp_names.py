@@ -5,9 +5,8 @@ import pytest
 
 from casingfem.errors import ModelError
 from casingfem.structure.imported.readers.inp import read_inp
-from casingfem.structure.imported.readers.inp_cards import Card
+from casingfem.structure.imported.readers.inp_cards import Card, Frame
 from casingfem.structure.imported.readers.inp_names import Names
-from casingfem.structure.imported.readers.instances import Frame
 
 PART = """*PART, NAME=P
 *NODE, NSET=Own

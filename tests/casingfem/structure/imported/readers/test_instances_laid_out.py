@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.readers.inp_cards import Card, cards
-from casingfem.structure.imported.readers.instances import laid_out, largest, motion, split_parts
+from casingfem.structure.imported.readers.inp_cards import Card, cards, laid_out, largest, motion, split_parts
 
 PART = """*PART, NAME=p
 *NODE

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from casingfem.structure.imported.readers.oriented import against
+from casingfem.structure.imported.readers.draft import against
 
 
 def edges_of(cells):

@@ -1,4 +1,4 @@
-"""Isotropic linear elastic material."""
+"""Of what a wall is made: isotropic, linear elastic."""
 
 from dataclasses import dataclass
 
@@ -34,9 +34,8 @@ class Material:
         for name in ("E", "rho"):
             value = np.real(getattr(self, name))
             if not 1e-25 <= value <= 1e25:  # beyond, products of stiffness and mass leave the range of floats
-                raise ModelError(
-                    f"material-{NAMES[name]}", f"material.{name} must lie between 1e-25 and 1e25, found {value!r}"
-                )
+                found = f"material.{name} must lie between 1e-25 and 1e25, found {value!r}"
+                raise ModelError(f"material-{NAMES[name]}", found)
         nu = np.real(self.nu)
         if not -1.0 < nu < 0.5:
             raise ModelError("material-poisson", f"material.nu must lie between -1 and 0.5 (exclusive), found {nu!r}")
