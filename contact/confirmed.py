@@ -19,9 +19,8 @@ from contact.io.reported import Reported
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair, rub_contact
-from contact.model.gaps.rub import ContactPoint, Rub, Start
+from contact.model.gaps.rub import ContactPoint, Rub, Start, rub_of
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
 from contact.model.law import Coulomb, Unilateral
 from contact.record.record import Record

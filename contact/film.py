@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array
-from contact.model.gaps.one_tip import rub_of
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.problem import What
 from contact.recovery import at_channels, rub_forces
 from contact.result import Result

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.model.gaps.one_tip import rub_of
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
 from contact.problem import What
 from contact.recovery import at_channels, rub_forces

@@ -24,9 +24,8 @@ from contact.growth.perfect_mean import mean_contact
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 
 TURNS = 1000.0  # from a ten-thousandth of the wall to a tenth of it
 DRAWN = 161  # speeds at which poles are kept for a picture

@@ -9,9 +9,8 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
-from contact.model.gaps.rub import Rub, Start
+from contact.model.gaps.rub import Rub, Start, rub_of
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:

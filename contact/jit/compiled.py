@@ -19,10 +19,8 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from contact.jit.bundle import bundled
-from contact.jit.frames import with_room
-from contact.jit.known_calls import calls_looked_up_once
 from contact.jit.linking import PartPipeline, SealedPipeline, VectorPipeline
-from contact.jit.progress import Announcement, Uncollected, announce
+from contact.jit.progress import Announcement, Uncollected, announce, calls_looked_up_once, with_room
 
 config: Any = numba.config
 unliteral: Any = types.unliteral

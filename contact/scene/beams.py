@@ -11,9 +11,8 @@ from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.ring_modes import ThinRing, ring_modes
 from contact.model.gaps.cantilever import Cantilever
-from contact.scene.basis import read_basis
+from contact.scene.parts import RecordTable, read_basis
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table
 
 

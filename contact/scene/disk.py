@@ -15,11 +15,9 @@ from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
 from contact.model.gaps.rub_laws import RimProfile, Speed
-from contact.scene.basis import read_basis
-from contact.scene.coating import CoatingTable, rub_built
 from contact.scene.pair import CasingPairTable
+from contact.scene.parts import CoatingTable, RecordTable, read_basis, rub_built
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.roundness import GapTable
 from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, SceneFile, SpeedTable, Table
 

@@ -12,10 +12,8 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
-from contact.scene.basis import read_basis
-from contact.scene.coating import contact_law
+from contact.scene.parts import RecordTable, contact_law, read_basis
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.scheme import Built, NotNegative, Positive, RunHead, SceneFile, Table
 from contact.scheme.modal.exact_modal import ExactModal
 

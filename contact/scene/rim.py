@@ -9,10 +9,8 @@ from pydantic import Field, FiniteFloat
 
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.scene.basis import read_basis
-from contact.scene.coating import CoatingTable, contact_law
+from contact.scene.parts import CoatingTable, RecordTable, contact_law, read_basis
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.roundness import GapTable
 from contact.scene.scheme import Built, ModalScheme, Positive, RunHead, SceneFile, SpeedTable, Table
 from contact.scheme.modal.exact_modal import ExactModal

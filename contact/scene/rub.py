@@ -18,10 +18,8 @@ from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_forces import settled
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
-from contact.scene.basis import read_basis
-from contact.scene.coating import CoatingTable, rub_built
+from contact.scene.parts import CoatingTable, RecordTable, read_basis, rub_built
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.roundness import GapTable
 from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, ScanTable, SceneFile, Table
 

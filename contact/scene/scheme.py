@@ -8,17 +8,10 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
-from contact.scheme.linear.cd_lagrange import CDLagrange
-from contact.scheme.linear.central_difference import CentralDifference
-from contact.scheme.linear.hht import HHT
+from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
+from contact.scheme.linear.leapfrog import CDLagrange, CentralDifference, PaoliSchatzman, PenaltyDifference
 from contact.scheme.linear.massless_boundary import MasslessBoundary
-from contact.scheme.linear.moreau_jean import MoreauJean
-from contact.scheme.linear.newmark import Newmark
-from contact.scheme.linear.nonsmooth_alpha import NonsmoothAlpha
-from contact.scheme.linear.paoli_schatzman import PaoliSchatzman
-from contact.scheme.linear.penalty import PenaltyDifference
-from contact.scheme.linear.projected_alpha import ProjectedAlpha
-from contact.scheme.linear.stabilised_newmark import StabilisedNewmark
+from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 

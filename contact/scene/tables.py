@@ -12,9 +12,9 @@ from contact.model.bodies.chain import assemble
 from contact.scene.beams import BeamFile, CantileverFile
 from contact.scene.disk import DiskFile
 from contact.scene.pair import PairFile
+from contact.scene.parts import RecordTable
 from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
 from contact.scene.rim import RimFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.scene.coating import CoatingTable
 from contact.scene.disk import DiskCasingTable, DiskTable
+from contact.scene.parts import CoatingTable
 from contact.scene.rim import BladeTable, CasingTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl

@@ -13,18 +13,25 @@ from typing import NamedTuple
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
 from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate, weighted
 from contact.loop.modal.stick import INSIDE
-from contact.loop.tally import note_contact, note_stick, state_due, store, store_state
+from contact.loop.tally import (
+    note_contact,
+    note_stick,
+    outgrown,
+    rim_amplitude,
+    state_due,
+    store,
+    store_state,
+    tip_motion,
+)
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.one_tip import Coating, crush, first_bar, force_on, machined, surface
 from contact.solver.dense import assign
-from contact.solver.friction.one_contact import drag_ratio
-from contact.solver.unilateral.scalar import scalar_force
+from contact.solver.friction.one_contact import drag_ratio, scalar_force
 
 
 class RimRows(NamedTuple):

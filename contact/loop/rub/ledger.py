@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit
-from contact.loop.limits import tip_motion
 from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.modal.stick import INSIDE
 from contact.loop.rub.compliance import strains_before
 from contact.loop.rub.rows import RubRows, blade_dot, blade_dot_of_sum
 from contact.loop.rub.state import RubState, Work
-from contact.loop.tally import note_contact, note_stick
+from contact.loop.tally import note_contact, note_stick, tip_motion
 from contact.record.record import Samples, Tally
 
 

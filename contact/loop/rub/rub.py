@@ -5,21 +5,54 @@ Two loops come of it: with `coats` None tips meet a rigid surface, else they pre
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit_vectors
-from contact.loop.limits import outgrown, rim_amplitude
-from contact.loop.rub.abradable import flow, stand
+import math
+
+from contact.jit.compiled import jit, jit_vectors
+from contact.loop.modal.rows import rotate
 from contact.loop.rub.alone import alone
 from contact.loop.rub.compliance import fill_few, strains
 from contact.loop.rub.ledger import add_works, advance_modes, note
 from contact.loop.rub.predict import find_near, propagate
-from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, look_at, turned
+from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, hermite, look_at, polynomial, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
-from contact.loop.tally import due, state_due, store, store_state
+from contact.loop.tally import due, outgrown, rim_amplitude, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.tips import Coats
+from contact.solver.abradable.one_tip import first_bar, machined, surface, wear
+from contact.solver.abradable.tips import Coats, coating_of
 from contact.solver.dense import assign
+
+
+@jit
+def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
+    """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
+    apart = 0
+    for j in range(s.mu.size):
+        coats.memory[j, 1] = 0.0
+        if s.inside[j] == 0:
+            continue
+        tip, phi, cut = coating_of(coats, j), rows.angle[j] - angle, 0.0
+        if tip.round > -math.inf:
+            rotate(w.turn, phi)
+            cut = machined(tip, polynomial(laws.terms, w.turn) + hermite(laws.table, phi))
+        coats.first[j], coats.cut[j] = first_bar(tip, phi / (2.0 * math.pi)), cut
+        s.skin[j] = surface(tip, coats.first[j], cut)
+        s.test[j] += s.skin[j]
+        s.motion[j * dim] = s.test[j]
+        if s.inside[j] == 2 and s.test[j] >= 0.0 and not s.lam[j * dim] > 0.0:
+            s.inside[j] = 1
+            apart += 1
+    return apart
+
+
+@jit
+def flow(s: RubState, w: Work, coats: Coats, count: int, dim: int) -> None:
+    """Let the bars under the chosen tips flow, each to the depth that was found."""
+    for a in range(count):
+        j = w.chosen[a]
+        if s.lam[j * dim] > 0.0:
+            wear(coating_of(coats, j), coats.first[j], coats.cut[j], coats.memory[j, 2])
 
 
 @jit_vectors

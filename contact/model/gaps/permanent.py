@@ -18,8 +18,7 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import RubSystem, rub_system
 
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field
+from functools import singledispatch
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 
@@ -229,3 +232,36 @@ def _require_start(name: str, body: ModalBody, start: Start) -> None:
         values = getattr(start, what)
         if values is not None:
             require_shape(f"{name}.{what}", np.asarray(values, dtype=float), (body.omega.size,))
+
+
+@singledispatch
+def rub_of(what: object) -> Any:
+    """The rub that a problem is, a rotating rim the same scene in other words, with one tip; None of other problems.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> casing = ct.ModalBody(
+    ...     omega=[700.0], zeta=[0.0], channels=("radial.cos0", "tangential.cos0"), rows=[[1.0], [0.0]],
+    ...     S=np.zeros((2, 2)), kind="rim", n_max=0, radius=0.45,
+    ... )
+    >>> blade = ct.ModalBody(
+    ...     omega=[900.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.0], [1.0]], S=np.zeros((2, 2))
+    ... )
+    >>> rub_of(ct.RotatingRim(casing, blade, clearance=1e-4, speed_hz=5.0, lean_deg=10.0)).tips[0].lean_deg
+    10.0
+    """
+    return None
+
+
+@rub_of.register
+def _(rub: Rub) -> Rub:
+    return rub
+
+
+@rub_of.register
+def _(rim: RotatingRim) -> Rub:
+    return Rub(
+        rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
+        clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),
+        casing_start=Start(velocity=rim.casing_velocity), blade_starts=(Start(velocity=rim.blade_velocity),),
+    )  # fmt: skip

@@ -23,7 +23,7 @@ from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, 
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
-    from contact.loop.linear.massless import Massless
+    from contact.loop.linear.leapfrog import Massless
     from contact.solver.unilateral.complementarity import LawNumbers
 
 
@@ -37,7 +37,7 @@ class MasslessBoundary:
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError where a contact has no elastic side, LimitError."""
-        from contact.loop.linear.massless import advance_massless
+        from contact.loop.linear.leapfrog import advance_massless
 
         name = "MasslessBoundary"
         run = setup(name, problem, law, ("Unilateral",), dt, courant)
@@ -111,7 +111,7 @@ def _moved(A: Band, K: Band, bare: Indices) -> Band:
 
 def _massless(system: LinearSystem, bare: Indices) -> Massless:
     """Rows of K, K_cc^-1 and what contact forces lift."""
-    from contact.loop.linear.massless import Massless
+    from contact.loop.linear.leapfrog import Massless
 
     lists = [_pull(system.K, int(i)) for i in bare]
     width = max(others.size for others, _ in lists)
@@ -148,7 +148,7 @@ def _closed_stiffness(system: LinearSystem, static: Massless) -> Band:
 
 def _settle_start(stepper: LinearStepper, static: Massless, law: LawNumbers) -> None:
     """Bring the massless coordinates to rest at t = 0 and one step before; D of second order."""
-    from contact.loop.linear.massless import settle
+    from contact.loop.linear.leapfrog import settle
 
     system, parts, s, h = stepper.system, stepper.parts, stepper.state, stepper.dt
     load, speed = system.amplitudes(0, 0, h)[0], s.v / h

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.remembered import remembered
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 

@@ -32,8 +32,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import rub_system
 from contact.model.law import Law
 from contact.model.trig import Trig
-from contact.scheme.modal.energy_stepper import energy_stepper
-from contact.scheme.modal.modal_stepper import modal_stepper
+from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
 from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.modal.rub_stepper import rub_delassus, rub_stepper

@@ -14,8 +14,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.base.remembered import remembered
 from contact.model.gaps.modal_system import ModalSystem
-from contact.model.trig import Trig
-from contact.model.waves import Terms
+from contact.model.trig import Terms, Trig
 from contact.scheme.modal.propagator import Propagator
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The forward and averaged laws on the exact propagation: state, loop and readings; see `exact_modal`."""
+"""The forward, averaged and energy laws on the exact propagation: state, loop and readings; see `exact_modal`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.base.arrays import Array, aligned, readonly
+from contact.base.errors import InputError
 from contact.base.remembered import remembered
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, RowTable
 from contact.model.law import Abradable
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
@@ -23,7 +24,7 @@ from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
 
 if TYPE_CHECKING:
-    from contact.loop.modal.modal import ModalState
+    from contact.loop.modal.modal import EnergyState, ModalState
     from contact.loop.modal.rim import RimRows
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
@@ -178,3 +179,51 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limi
         angle=system.angle, speed=system.speed, surface=system.radius * system.speed, mu=mu,
         seen=np.zeros(m + (2 if mu > 0.0 else 1)), waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip
+
+
+def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
+    """Stepper of the discrete gradient law: energy kept to round-off at any step, at a fixed undamped contact point.
+
+    Over one step the force is constant and the modes move exactly under it; lam = -(phi(g_1) - phi(g_0))/(g_1 - g_0),
+    phi = <-g>^2/(2 S) the energy in the residual compliance (Gonzalez, J. Nonlinear Sci. 6, 1996, 449): a scalar
+    quadratic. Exact energy is not exact phase: some (modes, dt) drift in phase after several impacts. In the step of
+    closing or opening complementarity holds on average only, which `Result.residual` shows.
+    Raises InputError for a rim, damping, or S = 0.
+    """
+    from contact.loop.modal.modal import EnergyState, advance_energy
+
+    S, h, Q = system.S_nn(0.0), parts.h, system.Q
+    if system.table is not None:
+        raise InputError("law: found 'energy' on a rotating rim, expected 'averaged' or 'forward'")
+    if system.zeta.any():
+        raise InputError("law: found 'energy' with damped modes, expected zeta = 0 or another law")
+    if S <= 0.0:
+        raise InputError(f"law: found 'energy' with S = {S:g} m/N, expected residual compliance > 0")
+    turn = parts.turn
+    clearance, b = system.clearance(0.0), float(np.sum(0.5 * parts.c * Q * Q))
+    state = EnergyState(
+        q=np.zeros(Q.size), v=system.velocity.copy(), cos=np.cos(turn), drift=h * np.sinc(turn / np.pi),
+        pull=-system.omega * np.sin(turn), lift=0.5 * parts.c, load=system.load, memory=np.array([clearance]),
+        force=np.zeros(1), gap=np.zeros(1),
+    )  # fmt: skip
+
+    def loop(sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_energy(state, Q, clearance, S, b, sums, out, h, first, steps)
+
+    top = float(system.omega.max(initial=0.0))
+    label = f"exact modal, energy law, dt omega_max = {h * top:.3g} (no limit)"
+    return ModalRun(
+        system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=[0],
+        energy=lambda _: _energy_stored(system, state), velocity=lambda: state.v,
+        failure=lambda: "the gap is not a number",
+    )  # fmt: skip
+
+
+def _energy_stored(system: ModalSystem, state: EnergyState) -> Stored:
+    """Energy at t_n; phi(g) counts as residual."""
+    q, v = state.q, state.v
+    kinetic, strain = 0.5 * float(v @ v), 0.5 * float(np.sum((system.omega * q) ** 2))
+    potential = system.potential - float(system.load @ q)
+    residual = 0.5 * min(float(state.memory[0]), 0.0) ** 2 / system.S_nn(0.0)
+    total = kinetic + strain + potential
+    return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=residual, discrete=total)

@@ -22,8 +22,7 @@ from contact.record.record import Samples, Tally, tally
 from contact.record.wear import Wear
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
 from contact.scheme.modal.propagator import Propagator, window
-from contact.scheme.modal.rub_tracks import rub_tracks
-from contact.scheme.modal.wear_track import Tracks
+from contact.scheme.modal.wear_track import Tracks, rub_tracks
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
@@ -202,8 +201,7 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
 
 
 def _laws(rub: Rub, system: RubSystem) -> RubLaws:
-    from contact.loop.rub.body_force import Pulls
-    from contact.loop.rub.rows import RubLaws, Terms
+    from contact.loop.rub.rows import Pulls, RubLaws, Terms
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]

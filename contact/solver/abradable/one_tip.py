@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
-from contact.solver.unilateral.scalar import JAMMED
+from contact.solver.friction.one_contact import JAMMED
 
 MOST = 100  # Newton steps: piecewise linear, so a few do
 ROUND_OFF = 1e-14

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.closed_contact import floor_of, growth, poles, poles_each, rim_stability, state_matrix
+from contact.growth.closed_contact import closed_poles, floor_of, growth, poles, poles_each, rim_stability, state_matrix
 from contact.growth.coincidence import Waves
 from contact.growth.growth_map import StabilityMap, scan
 from contact.growth.perfect_mean import mean_contact, perfect_mean
-from contact.growth.secular import closed_poles
 from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.permanent import (
     ClosedContact,

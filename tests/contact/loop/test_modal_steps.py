@@ -8,7 +8,7 @@ import pytest
 from tests.contact.plain import names
 
 N = names("loop.modal.modal", "record.record")
-ENERGY = names("loop.modal.energy")
+ENERGY = names("loop.modal.modal")
 STICK = names("loop.modal.stick")
 H = 0.02
 

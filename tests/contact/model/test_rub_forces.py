@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from contact.loop.rub.body_force import Pulls, body_force
 from contact.loop.rub.ledger import advance_modes
+from contact.loop.rub.predict import body_force
+from contact.loop.rub.rows import Pulls
 from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.rub_forces import place, plane_participation
 from tests.contact.synthetic_rub import N_MAX, SIZE

@@ -6,12 +6,11 @@ import pytest
 from pydantic import ValidationError
 
 from contact.scene.beams import BeamTable, CantileverTable, CircleTable, RingTable, StopTable
-from contact.scene.coating import CoatingTable
 from contact.scene.cycles import CyclesContact, DriveTable
 from contact.scene.disk import DiskCasingTable, DiskPairTable, DiskTable
 from contact.scene.pair import BladeModeTable, CasingPairTable, PairContact
+from contact.scene.parts import CoatingTable, RecordTable
 from contact.scene.patch import GroundTable, PatchBodyTable, PatchContact
-from contact.scene.record import RecordTable
 from contact.scene.rim import BladeTable, CasingTable, RimContact, RimHead
 from contact.scene.roundness import GapTable, RandomRoundness, SpectrumLine
 from contact.scene.rub import RubBlade, RubCasing, RubGravity, RubNode, RubSpeed, RubWhirl
