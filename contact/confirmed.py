@@ -14,7 +14,7 @@ from contact.base.errors import InputError
 from contact.growth.closed_contact import poles_each, state_matrix
 from contact.growth.interaction_table import Interactions
 from contact.growth.interaction_table import interactions as by_theory
-from contact.growth.perfect_mean import mean_contact, perfect_mean
+from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.io.reported import Reported
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, read_npz, readonly
 from contact.base.errors import InputError
-from contact.base.npz import read_npz
 from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite

@@ -1,7 +1,7 @@
 """Does a contact that stays closed diverge? Poles and growth rates over speed, no time stepping.
 
 A perfect casing in the blade's frame has constant coefficients: its growth is the largest real part of the
-eigenvalues. A split casing's coefficients are periodic in time in either frame: Floquet (`contact.growth.floquet`).
+eigenvalues. A split casing's coefficients are periodic in time in either frame: Floquet (`split_casing`).
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def rim_stability(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> Stab
     try:
         contact = rim_contact(rim, mu=mu)
     except SplitError:
-        from contact.growth.floquet import floquet_growth
+        from contact.growth.split_casing import floquet_growth
 
         floor = FLOOR * float(max(rim.casing.omega.max(initial=0.0), rim.blade.omega.max(initial=0.0)))
         found = scan(lambda at: floquet_growth(rim, at, mu=mu), np.asarray(speed_hz, dtype=float), floor=floor)

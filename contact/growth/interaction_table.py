@@ -20,7 +20,7 @@ from contact.base.errors import InputError
 from contact.growth.closed_contact import floor_of, poles_each, stability
 from contact.growth.coincidence import Coincidence, coincidences, free_coincidences, waves
 from contact.growth.growth_map import StabilityMap
-from contact.growth.perfect_mean import mean_contact
+from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim

@@ -34,6 +34,7 @@ MOVED = {  # modules that files of before name, and where their classes stand no
     "casingfem.updating.prediction": "casingfem.updating.uncertainty.prediction",
     "casingfem.updating.sampling": "casingfem.updating.uncertainty.sampling",
     "contact.growth.cycles.checkpoint": "contact.growth.cycles.follow",
+    "contact.growth.cycles.course": "contact.growth.cycles.branch",
 }
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}

@@ -10,7 +10,7 @@ from pydantic import Field, FiniteFloat, model_validator
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.ring_modes import ThinRing, ring_modes
-from contact.model.gaps.cantilever import Cantilever
+from contact.model.gaps.rod_modes import Cantilever
 from contact.scene.parts import RecordTable, read_basis
 from contact.scene.problems import Problems
 from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table

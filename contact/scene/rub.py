@@ -16,8 +16,8 @@ from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
-from contact.model.gaps.rub_forces import settled
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
+from contact.model.gaps.rub_system import settled
 from contact.scene.parts import CoatingTable, RecordTable, read_basis, rub_built
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.io.brief import brief
-from contact.io.checked_json import digest_of
+from contact.io.outfiles import digest_of
 from contact.io.toml import entries
 from contact.scene.load import scene_data, scene_of
 from contact.scene.problems import SceneError, problem_text

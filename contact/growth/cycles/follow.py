@@ -12,8 +12,7 @@ import numpy as np
 
 from contact.base.arrays import require_count, require_finite, require_positive
 from contact.base.errors import InputError, NumericsError
-from contact.growth.cycles.branch import Way, begun, followed
-from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.branch import Course, Tangent, Way, begun, followed
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, orbit, settled

@@ -26,8 +26,7 @@ from contact.loop.batch.state import (
 )
 from contact.loop.batch.step import add_up, fly, move_lanes, touch
 from contact.loop.batch.waves import land, rotate_lanes, skip_in_batch
-from contact.loop.modal.stick import INSIDE
-from contact.loop.tally import closing, note_event, note_stick
+from contact.loop.tally import INSIDE, closing, note_event, note_stick
 from contact.model.gaps.limits import LOOK, REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
 

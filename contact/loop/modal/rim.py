@@ -16,8 +16,8 @@ from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
 from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate, weighted
-from contact.loop.modal.stick import INSIDE
 from contact.loop.tally import (
+    INSIDE,
     note_contact,
     note_stick,
     outgrown,
@@ -29,7 +29,7 @@ from contact.loop.tally import (
 )
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.one_tip import Coating, crush, first_bar, force_on, machined, surface
+from contact.solver.abradable.tips import Coating, crush, first_bar, force_on, machined, surface
 from contact.solver.dense import assign
 from contact.solver.friction.one_contact import drag_ratio, scalar_force
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from contact.base.arrays import Array, keep_readonly, require_not_negative, require_positive, require_shape
+from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
-from contact.base.npz import read_npz
 from contact.io.names import hint, names_fault
 from contact.io.npz import compliance_fault, whole, write_npz
 

@@ -205,7 +205,7 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Every pair must be
     equal to 1e-8 and turn into itself but for 1e-3, and S must not depend on the angle.
 
-    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.floquet`).
+    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.split_casing`).
     """
     rub: Rub = rub_of(what)
     system = rub_system(rub, 2)

@@ -14,20 +14,23 @@ from contact.base.remembered import remembered
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, RowTable
 from contact.model.law import Abradable
-from contact.model.trig import Terms
+from contact.model.trig import Terms, Trig
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
-from contact.scheme.modal.free_flight import rim_free_flight
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
 
 if TYPE_CHECKING:
+    from contact.loop.modal.free_flight import FreeFlight
     from contact.loop.modal.modal import EnergyState, ModalState
     from contact.loop.modal.rim import RimRows
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
+BITS = 24  # a skip is shorter than 2^BITS steps
+CELLS = 720  # of the contact angle
+POINTS = 8  # where the clearance is looked at in each cell
 
 
 def modal_stepper(
@@ -227,3 +230,64 @@ def _energy_stored(system: ModalSystem, state: EnergyState) -> Stored:
     residual = 0.5 * min(float(state.memory[0]), 0.0) ** 2 / system.S_nn(0.0)
     total = kinetic + strain + potential
     return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=residual, discrete=total)
+
+
+def rim_free_flight(system: ModalSystem, parts: Propagator, normal: Terms, *, skip: bool) -> FreeFlight:
+    """What skipping needs: powers (none unless `skip`), amplitudes (those of `normal`) and clearances of a rim.
+
+    A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q). The powers are
+    formed in extended precision from the very coefficients that the steps use, so that a run with skips and a run
+    without differ by the round-off of the steps alone.
+    """
+    from contact.loop.modal.free_flight import FreeFlight
+
+    m = system.omega.size
+    rows = normal.first(m)
+    return FreeFlight(
+        powers=powers(parts.al, parts.be) if skip else readonly(np.zeros((0, 4, m))), fade=parts.fade,
+        cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=rows.start, wave=rows.wave,
+        row=rows.value, floor=least_clearance(system.clearance),
+        reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
+    )  # fmt: skip
+
+
+@remembered
+def powers(al: Array, be: Array) -> Array:
+    """Maps over 1, 2, 4, ... 2^(BITS-1) steps, (BITS, 4, m): entries 11, 12, 21, 22.
+
+    >>> powers(np.array([1.0]), np.array([0.0]))[3, :2].ravel().tolist()
+    [1.0, 8.0]
+    """
+    fade, stiff = al.astype(np.longdouble), be.astype(np.longdouble)
+    a, b, c, d = 1 - stiff, fade, -stiff, fade
+    found = np.empty((BITS, 4, al.size))
+    for j in range(BITS):
+        found[j] = np.array([a, b, c, d], dtype=np.float64)
+        a, b, c, d = a * a + b * c, a * b + b * d, c * a + d * c, c * b + d * d
+    return readonly(found)
+
+
+@remembered
+def least_clearance(clearance: Trig) -> Array:
+    """A lower bound of the clearance in each cell of the contact angle, (CELLS,).
+
+    Between two points h apart a function lies above the lower one by no less than -h^2 max|f''|/8.
+
+    >>> from contact.model.trig import fourier
+    >>> floor = least_clearance(fourier([(0, 1.0, 0.0), (2, 0.25, 0.0)]))
+    >>> round(float(floor.min()), 6), round(float(floor.max()), 6)
+    (0.75, 1.249962)
+    """
+    cos, sin = _waves(tuple(clearance.harmonic.tolist()))
+    values = clearance.cos @ cos + clearance.sin @ sin
+    bend = float(np.sum(clearance.harmonic**2 * np.hypot(clearance.cos, clearance.sin)))
+    low = np.minimum(values[:-1], values[1:]).reshape(CELLS, POINTS).min(axis=1)
+    return readonly(low - bend * (2.0 * np.pi / (CELLS * POINTS)) ** 2 / 8.0)
+
+
+@remembered
+def _waves(harmonics: tuple[int, ...]) -> tuple[Array, Array]:
+    """Cosines and sines at all points of all cells, (harmonics, points) each."""
+    points = CELLS * POINTS
+    phases = np.multiply.outer(harmonics, 2.0 * np.pi * np.arange(points + 1) / points)
+    return np.cos(phases), np.sin(phases)

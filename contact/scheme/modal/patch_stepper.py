@@ -103,7 +103,7 @@ class PatchStepper:
 def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part."""
     from contact.loop.modal.patch import PatchState, patch_work
-    from contact.loop.modal.stick import Sticking
+    from contact.loop.tally import Sticking
 
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions

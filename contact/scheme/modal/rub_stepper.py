@@ -13,8 +13,7 @@ from contact.base.errors import LimitError
 from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_forces import force_at_start, plane_participation
-from contact.model.gaps.rub_system import RubSystem, waves_of_tips
+from contact.model.gaps.rub_system import RubSystem, force_at_start, plane_participation, waves_of_tips
 from contact.model.law import Abradable
 from contact.model.trig import PRUNE, fourier, harmonics, turned_back
 from contact.record.energy import Stored

@@ -19,8 +19,7 @@ from contact.model.law import Abradable
 from contact.record.wear import Wear
 
 if TYPE_CHECKING:
-    from contact.solver.abradable.one_tip import Coating
-    from contact.solver.abradable.tips import Coats
+    from contact.solver.abradable.tips import Coating, Coats
 
 MOST_MAPS = 400  # stored maps: beyond, every second one is dropped
 FIRST_EVERY = 100  # steps between maps at first
@@ -29,7 +28,7 @@ MOST_AROUND = 1_000_000  # bars of a track: the maps of more fill the memory
 
 def bare() -> Coating:
     """No coating."""
-    from contact.solver.abradable.one_tip import Coating
+    from contact.solver.abradable.tips import Coating
 
     return Coating(np.zeros(0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1, np.zeros(3))
 
@@ -53,7 +52,7 @@ class Track:
 
         Raises InputError when the tip is longer than a quarter of the rim, or so short that there are too many bars.
         """
-        from contact.solver.abradable.one_tip import Coating
+        from contact.solver.abradable.tips import Coating
 
         if law.tip > 0.5 * math.pi * radius:
             raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")

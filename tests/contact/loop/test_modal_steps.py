@@ -9,7 +9,7 @@ from tests.contact.plain import names
 
 N = names("loop.modal.modal", "record.record")
 ENERGY = names("loop.modal.modal")
-STICK = names("loop.modal.stick")
+STICK = names("loop.tally")
 H = 0.02
 
 

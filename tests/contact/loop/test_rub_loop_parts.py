@@ -8,7 +8,7 @@ import pytest
 
 from tests.contact.plain import names, plain
 
-N = names("loop.rub.rows", "loop.rub.predict", "loop.rub.ledger")
+N = names("loop.rub.rows", "loop.rub.predict", "loop.rub.rub")
 RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.alone", "loop.rub.rows")
 LIMITS = names("loop.tally", "model.gaps.limits")
 

@@ -8,10 +8,9 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
-from contact.model.gaps.cantilever import Cantilever
 from contact.model.gaps.modal_system import point_system, rim_system
 from contact.model.gaps.permanent import ModalPair
-from contact.model.gaps.rod_modes import chain_gap, rod_modes, side
+from contact.model.gaps.rod_modes import Cantilever, chain_gap, rod_modes, side
 from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 

@@ -10,8 +10,7 @@ import pytest
 
 import contact as ct
 from contact.growth.cycles import branch as way_along
-from contact.growth.cycles.branch import Signs, kinds, signs
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Signs, Tangent, kinds, signs
 from contact.growth.cycles.follow import Found
 from contact.growth.cycles.shooting import map_of
 from reports.contact.cycles import mass_on_stop, rod

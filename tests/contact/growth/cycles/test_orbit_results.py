@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.branch import Way, passed, signs
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Tangent, Way, passed, signs
 from contact.growth.cycles.follow import Checkpoint
 from contact.growth.cycles.passage import Event, Extremes, pressing
 from contact.growth.cycles.result import Branch, Cycles, Special

@@ -10,7 +10,7 @@ import pytest
 import contact as ct
 from contact.growth.cycles import passage, shooting
 from contact.growth.cycles.basins import _start
-from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.branch import Course, Tangent
 from contact.growth.cycles.follow import Checkpoint, digest
 from contact.growth.cycles.passage import Event, pressing
 from contact.growth.cycles.switched import Plant, phase_of
