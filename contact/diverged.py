@@ -13,8 +13,7 @@ from contact.growth.split_casing import mean_contact
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.permanent import ClosedContact
 from contact.model.gaps.rub import Rub, rub_of
-from contact.record.divergence import Divergence
-from contact.record.energy import EnergyBudget
+from contact.record.energy import Divergence, EnergyBudget
 from contact.result import Result
 from contact.scheme.protocol import Problem
 

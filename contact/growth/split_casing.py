@@ -138,7 +138,7 @@ def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
 
 def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
     """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed."""
-    from contact.loop.modal.floquet import revolve
+    from contact.loop.modal.rows import revolve
     from contact.scheme.modal.modal_stepper import padded, rim_rows
 
     m, period = system.omega.size, 2.0 * math.pi / abs(system.speed)

@@ -144,13 +144,10 @@ class Terms:
 
     def followed_by(self, other: Terms) -> Terms:
         """These sums, then those of the other."""
-        pairs = zip(
-            (self.start[:-1], self.wave, self.value),
-            (other.start + self.value.size, other.wave, other.value),
-            strict=True,
-        )
-        start, wave, value = (np.concatenate(pair) for pair in pairs)
-        return Terms(start=start, wave=wave, value=value)
+        return Terms(
+            start=np.concatenate([self.start[:-1], other.start + self.value.size]),
+            wave=np.concatenate([self.wave, other.wave]), value=np.concatenate([self.value, other.value]),
+        )  # fmt: skip
 
     def full(self, waves: int) -> Array:
         """Dense table (sums, waves)."""

@@ -54,9 +54,8 @@ class Record:
         require_count(every=self.every)
         require_count(0, state_every=self.state_every)
         if self.state_every % self.every:
-            raise InputError(
-                f"state_every: found {self.state_every!r}, expected 0 or a multiple of every = {self.every}"
-            )
+            expected = f"0 or a multiple of every = {self.every}"
+            raise InputError(f"state_every: found {self.state_every!r}, expected {expected}")
 
     def _require_instants(self) -> None:
         instants = readonly(np.atleast_1d(np.asarray(self.at, dtype=float)))
@@ -84,9 +83,8 @@ class Record:
             return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
         rows = np.asarray(self.channels)
         if rows.shape[1] != coordinates:
-            raise InputError(
-                f"channels: found rows of {rows.shape[1]} numbers, expected {coordinates}, the coordinates of the run"
-            )
+            expected = f"{coordinates}, the coordinates of the run"
+            raise InputError(f"channels: found rows of {rows.shape[1]} numbers, expected {expected}")
         return rows
 
     def chunk(self, contacts: int, coordinates: int) -> int:

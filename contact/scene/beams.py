@@ -66,9 +66,8 @@ class RingTable(Table):
     def _whole(self) -> RingTable:
         given = [name for name in ("width", "height", "E", "rho") if getattr(self, name) is not None]
         if (self.basis is None) != (len(given) == 4) or (self.basis is not None and given):
-            raise ValueError(
-                f"{', '.join(given) or 'nothing'} found, expected a basis, or all of width, height, E, rho"
-            )
+            expected = "a basis, or all of width, height, E, rho"
+            raise ValueError(f"{', '.join(given) or 'nothing'} found, expected {expected}")
         return self
 
     def body(self, folder: Path, radius: float) -> ModalBody:

@@ -16,18 +16,20 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.record.record import Record
 from contact.scene.problems import Problems
+from contact.scene.roundness import Whole
 from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, Table
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
+
+Lean = Annotated[FiniteFloat, Field(gt=-90, lt=90)]
+Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
 
 
 class RecordTable(Table):
     """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
 
     every: Annotated[int, Field(ge=1)] = Field(default=1, description="one of so many steps is stored as a sample")
-    state_every: Annotated[int, Field(ge=0)] = Field(
-        default=0, description="one of so many steps stores the state; 0 for none"
-    )
+    state_every: Whole = Field(default=0, description="one of so many steps stores the state; 0 for none")
     at: Annotated[list[NotNegative], Field(min_length=1)] | None = Field(
         default=None, description="instants at which sample and state are stored [s], instead of every"
     )

@@ -9,8 +9,13 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
-from contact.scheme.linear.leapfrog import CDLagrange, CentralDifference, PaoliSchatzman, PenaltyDifference
-from contact.scheme.linear.massless_boundary import MasslessBoundary
+from contact.scheme.linear.leapfrog import (
+    CDLagrange,
+    CentralDifference,
+    MasslessBoundary,
+    PaoliSchatzman,
+    PenaltyDifference,
+)
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
@@ -18,6 +23,7 @@ from contact.scheme.protocol import Scheme
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
 FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
 
@@ -132,10 +138,8 @@ class SchemeTable(Table):
     )
     dt: Positive | None = Field(default=None, description="time step [s]")
     stiffness: Positive | None = Field(default=None, description="of a penalty or an augmented Lagrangian [N/m]")
-    updates: Annotated[int, Field(ge=1)] | None = Field(
-        default=None, description="most updates of an augmented Lagrangian in a step"
-    )
-    modes: Annotated[int, Field(ge=1)] | None = Field(default=None, description="number of modes of a bar on a wall")
+    updates: Count | None = Field(default=None, description="most updates of an augmented Lagrangian in a step")
+    modes: Count | None = Field(default=None, description="number of modes of a bar on a wall")
     law: ModalLaw | ContactLaw | None = Field(default=None, description="how contact is enforced in a step")
     beta: Positive | None = Field(default=None, description="Newmark's beta [-]")
     gamma: Positive | None = Field(default=None, description="Newmark's gamma [-]")

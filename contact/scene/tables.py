@@ -10,12 +10,11 @@ from pydantic import BeforeValidator, Field, FiniteFloat
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
 from contact.scene.beams import BeamFile, CantileverFile
-from contact.scene.disk import DiskFile
 from contact.scene.pair import PairFile
 from contact.scene.parts import RecordTable
 from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
-from contact.scene.rim import RimFile
+from contact.scene.rim import DiskFile, RimFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table
 

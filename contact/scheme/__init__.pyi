@@ -1,6 +1,5 @@
 from .linear.alpha import HHT, Newmark, StabilisedNewmark
-from .linear.leapfrog import CDLagrange, CentralDifference, PaoliSchatzman, PenaltyDifference
-from .linear.massless_boundary import MasslessBoundary
+from .linear.leapfrog import CDLagrange, CentralDifference, MasslessBoundary, PaoliSchatzman, PenaltyDifference
 from .linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from .modal.exact_modal import ExactModal
 

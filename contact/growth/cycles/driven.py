@@ -76,10 +76,8 @@ class DrivenBody:
         k, body = self.patch.contacts, self.patch.body
         require_not_negative(amplitude=self.amplitude, mu=self.mu)
         if self.mu > 0.0 and (self.patch.dimensions != 2 or not np.all(np.asarray(self.patch.slide) != 0.0)):
-            raise InputError(
-                "mu: found friction, expected one tangent and a slide other than 0 for each contact; long runs "
-                "(ct.run) take the rest"
-            )
+            expected = "one tangent and a slide other than 0 for each contact; long runs (ct.run) take the rest"
+            raise InputError(f"mu: found friction, expected {expected}")
         for name in (self.channel, *self.shown):
             body.channel(name)
         stiffness = readonly(np.broadcast_to(np.asarray(self.stiffness, float), (k,)))

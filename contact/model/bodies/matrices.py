@@ -232,13 +232,7 @@ class MatrixReport:
 
 
 def report_of(
-    matrices: Matrices,
-    lam: Array,
-    rigid: int,
-    kept: int,
-    residual: float,
-    coupling: float | None,
-    undamped: int | None,
+    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None, undamped: int | None
 ) -> MatrixReport:
     """The facts of matrices and of the modes kept."""
     motions = matrices.rigid_motions()

@@ -76,9 +76,8 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
         try:
             theta, X = eigh(M.toarray(), (K + shift * M).toarray())
         except np.linalg.LinAlgError:
-            raise InputError(
-                "K: found an indefinite or singular stiffness, expected one without negative modes"
-            ) from None
+            expected = "one without negative modes"
+            raise InputError(f"K: found an indefinite or singular stiffness, expected {expected}") from None
         if theta[0] < -1e-9 * theta[-1]:
             raise InputError("M: found negative modal masses, expected a mass matrix without negative eigenvalues")
         theta, X = theta[::-1], X[:, ::-1]

@@ -181,9 +181,8 @@ def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blade
     """Raise InputError unless both have the same n >= 1 and there are more than 2 n blades."""
     require_positive(stiffness=stiffness)
     if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
-        raise InputError(
-            f"n: found casing {casing.n}, disk {disk.n}, {blades} blades, expected the same n >= 1 and blades > 2 n"
-        )
+        found = f"casing {casing.n}, disk {disk.n}, {blades} blades"
+        raise InputError(f"n: found {found}, expected the same n >= 1 and blades > 2 n")
 
 
 def turning(n: list[int], size: int) -> Array:

@@ -162,10 +162,8 @@ class Rub:
     def _require_participation(self, force: BodyForce) -> None:
         for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
             if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
-                raise InputError(
-                    f"{name}: found a basis without participation, which gravity and whirl need, expected one of "
-                    "casingfem reduce"
-                )
+                found = "a basis without participation, which gravity and whirl need"
+                raise InputError(f"{name}: found {found}, expected one of casingfem reduce")
 
     def _require_tip(self, j: int, tip: ContactPoint) -> None:
         if not _counts(tip.blade, len(self.blades)):
@@ -177,16 +175,14 @@ class Rub:
         except InputError as error:
             raise InputError(f"tips[{j}]: {error}") from error
         if (tip.axial is None) != (self.tips[0].axial is None):
-            raise InputError(
-                f"tips[{j}].axial: found {tip.axial!r} beside {self.tips[0].axial!r}, expected all or none"
-            )
+            found = f"{tip.axial!r} beside {self.tips[0].axial!r}"
+            raise InputError(f"tips[{j}].axial: found {found}, expected all or none")
         if tip.axial is not None and self.casing.directions < 3:
             raise InputError(f"tips[{j}].axial: found a casing basis without axial channels, expected Rim(axial=True)")
         radius, total = self.casing.line_radius(tip.line), self.clearance + tip.clearance
         if not (radius > 0.0 and abs(total) <= FAR * radius):
-            raise InputError(
-                f"clearance: found {total:g} m at tip {j} on a radius of {radius:g} m, expected at most a tenth of it"
-            )
+            found = f"{total:g} m at tip {j} on a radius of {radius:g} m"
+            raise InputError(f"clearance: found {found}, expected at most a tenth of it")
 
     @property
     def wall(self) -> float:

@@ -131,10 +131,8 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
     assert dt is not None
     require_positive(dt=dt)
     if dt > limit * (1.0 + 1e-9):
-        raise LimitError(
-            f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected <= 2 (stability of central "
-            f"differences): take dt <= {rounded_down(limit, 11)} s"
-        )
+        expected = f"<= 2 (stability of central differences): take dt <= {rounded_down(limit, 11)} s"
+        raise LimitError(f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected {expected}")
     return dt
 
 

@@ -129,9 +129,8 @@ def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Array]:
     pull = np.array([product(system.C, row) + 0.5 * h * product(system.K, row) for row in jump])
     response = -implicit * solve(factored, pull.T.copy()).T
     W = Q @ jump.T + w.gamma * h * (Q @ response.T)
-    return parts._replace(response=np.ascontiguousarray(response), W=np.ascontiguousarray(W)), np.ascontiguousarray(
-        jump
-    )
+    parts = parts._replace(response=np.ascontiguousarray(response), W=np.ascontiguousarray(W))
+    return parts, np.ascontiguousarray(jump)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

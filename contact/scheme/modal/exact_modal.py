@@ -75,9 +75,8 @@ class ExactModal:
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
         if law.stiffness > 0.0:
-            raise InputError(
-                f"law: found {law!r}, expected Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
-            )
+            expected = "Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
+            raise InputError(f"law: found {law!r}, expected {expected}")
         if law.coating is not None and not hasattr(problem, "casing"):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         return _prepared(problem, self, law, dt, courant)
@@ -108,9 +107,8 @@ class ExactModal:
         if self.law in ("averaged", "energy"):
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
         if mu > 0.0 and problem.dimensions == 1:
-            raise InputError(
-                "law: found Coulomb friction on a Patch without tangent, expected channels along the ground"
-            )
+            found = "Coulomb friction on a Patch without tangent"
+            raise InputError(f"law: found {found}, expected channels along the ground")
         omega = problem.body.omega
         h = _step(omega, dt, courant)
         self._require_slow(omega, h)
@@ -165,10 +163,8 @@ class ExactModal:
 def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
     angle = n_max * abs(speed) * h
     if angle > 0.3:
-        raise LimitError(
-            f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
-            f"take dt <= {rounded_down(0.3 * h / angle, 4)} s"
-        )
+        found = f"n_max Omega dt = {angle:.4g} rad with n_max = {n_max}"
+        raise LimitError(f"dt: found {found}, expected <= 0.3: take dt <= {rounded_down(0.3 * h / angle, 4)} s")
 
 
 def delassus(system: ModalSystem, parts: Propagator, mu: float) -> Numbers:

@@ -25,7 +25,7 @@ from contact.scheme.modal.wear_track import Tracks, bare
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
     from contact.loop.modal.modal import EnergyState, ModalState
-    from contact.loop.modal.rim import RimRows
+    from contact.loop.modal.rows import RimRows
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 BITS = 24  # a skip is shorter than 2^BITS steps
@@ -167,8 +167,7 @@ def padded(modes: int) -> int:
 
 def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limits: Array) -> RimRows:
     """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, limits, work space."""
-    from contact.loop.modal.rim import RimRows
-    from contact.loop.modal.rows import RowBlocks
+    from contact.loop.modal.rows import RimRows, RowBlocks
 
     assert system.table is not None
     m = system.omega.size

@@ -58,10 +58,8 @@ class Track:
             raise InputError(f"tip: found {law.tip:g} m, expected at most a quarter of the rim of {radius:g} m")
         around = 2.0 * math.pi * radius * law.bars / law.tip
         if around > MOST_AROUND:
-            raise InputError(
-                f"tip: found {law.tip:g} m with {law.bars} bars under it, {around:.3g} bars around the rim of "
-                f"{radius:g} m, expected at most {MOST_AROUND}: take a longer tip or fewer bars"
-            )
+            found = f"{law.tip:g} m with {law.bars} bars under it, {around:.3g} bars around the rim of {radius:g} m"
+            raise InputError(f"tip: found {found}, expected at most {MOST_AROUND}: take a longer tip or fewer bars")
         cells = round(around)
         radial = np.array([profile(float(phi)) for phi in _angles(cells)])
         mean = float(radial.mean())

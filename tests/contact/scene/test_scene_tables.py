@@ -7,11 +7,10 @@ from pydantic import ValidationError
 
 from contact.scene.beams import BeamTable, CantileverTable, CircleTable, RingTable, StopTable
 from contact.scene.cycles import CyclesContact, DriveTable
-from contact.scene.disk import DiskCasingTable, DiskPairTable, DiskTable
 from contact.scene.pair import BladeModeTable, CasingPairTable, PairContact
 from contact.scene.parts import CoatingTable, RecordTable
 from contact.scene.patch import GroundTable, PatchBodyTable, PatchContact
-from contact.scene.rim import BladeTable, CasingTable, RimContact, RimHead
+from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskPairTable, DiskTable, RimContact, RimHead
 from contact.scene.roundness import GapTable, RandomRoundness, SpectrumLine
 from contact.scene.rub import RubBlade, RubCasing, RubGravity, RubNode, RubSpeed, RubWhirl
 from contact.scene.scheme import ModalScheme, ScanTable, SchemeTable, SpeedTable, Waviness
