@@ -56,10 +56,9 @@ class Checkpoint:
         except StoredError as error:
             raise InputError(f"checkpoint: {error}; remove it to begin anew") from error
         if self.found.asked != asked:
-            raise InputError(
-                f"checkpoint: {self.path}: found that of another body, range or way to continue, expected this one's; "
-                "name another file, or remove it"
-            )
+            found = "that of another body, range or way to continue"
+            expected = "this one's; name another file, or remove it"
+            raise InputError(f"checkpoint: {self.path}: found {found}, expected {expected}")
 
     def keep(self, done: list[Branch], way: Way | None = None) -> None:
         """Write what there is: at the end of a branch, within one when it is time."""

@@ -9,9 +9,8 @@ import math
 
 from contact.jit.compiled import jit, jit_vectors
 from contact.loop.modal.rows import move, product_of_sum, rotate
-from contact.loop.rub.alone import alone
 from contact.loop.rub.compliance import fill_few, strains, strains_before
-from contact.loop.rub.predict import find_near, propagate
+from contact.loop.rub.predict import alone, find_near, propagate
 from contact.loop.rub.rows import (
     AHEAD,
     BEFORE,

@@ -215,10 +215,9 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
     S, varies = mean_compliance(system, rub.casing.n_max)
     if left > TURNS or varies > TURNS:
-        raise SplitError(
-            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
-            "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
-        )
+        found = f"pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on the angle"
+        expected = "a perfect casing; a split one is a matter for Floquet's theory"
+        raise SplitError(f"casing: found {found}, expected {expected}")
     rows = np.zeros((2, K, system.omega.size))
     for j in range(K):
         for i in (0, 1):

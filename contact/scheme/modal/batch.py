@@ -222,17 +222,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
     arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
-    arrays |= {
-        name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
-        for name in ("waves", "waves_next")
-    }
-    lanes = BatchState(
-        away=np.full(WIDTH, AWAY),
-        memory=aligned(10, WIDTH),
-        limits=aligned(4, WIDTH),
-        work=aligned(18, WIDTH),
-        **arrays,
-    )
+    waves = max(layout.top for layout in layouts.values()) // 2 + 1
+    arrays |= {name: aligned(waves, 2, WIDTH) for name in ("waves", "waves_next")}
+    arrays |= {"memory": aligned(10, WIDTH), "limits": aligned(4, WIDTH), "work": aligned(18, WIDTH)}
+    lanes = BatchState(away=np.full(WIDTH, AWAY), **arrays)
     lanes.limits[:] = NONE[:, None]
     return Batch(
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),

@@ -192,10 +192,9 @@ def _largest(angle: Array, H: Array, S: Array, mu: float) -> Numbers:
     jammed = np.flatnonzero(H + S <= 0.0)
     if jammed.size:
         k = int(jammed[0])
-        raise LimitError(
-            f"law: found H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}, expected "
-            "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
-        )
+        found = f"H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}"
+        expected = "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
+        raise LimitError(f"law: found {found}, expected {expected}")
     rho = np.divide(np.abs(H), S, out=np.full(H.shape, math.inf), where=S > 0.0)
     k = int(rho.argmax())
     return float(H[k]), float(S[k]), float(rho[k])

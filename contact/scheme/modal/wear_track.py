@@ -14,7 +14,6 @@ from contact.base.arrays import Array, Indices
 from contact.base.errors import InputError
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_laws import hermite
 from contact.model.law import Abradable
 from contact.record.wear import Wear
 
@@ -153,13 +152,9 @@ def track_tips(rub: Rub, length: float) -> list[list[int]]:
 
 def rub_tracks(rub: Rub, law: Abradable) -> tuple[Tracks, Coats]:
     """The tracks of a rub's tips, and what the compiled loop changes of them. Raises as `track_tips` and `Track.of`."""
-    memory, table = np.zeros((len(rub.tips), 3)), rub.profile.table
-
-    def profile(phi: float) -> float:
-        return rub.profile.smooth(phi) + hermite(table, phi)
-
+    memory = np.zeros((len(rub.tips), 3))
     tracks = [
-        Track.of(law, rub.casing.line_radius(rub.tips[tips[0]].line), profile, tips, memory)
+        Track.of(law, rub.casing.line_radius(rub.tips[tips[0]].line), rub.profile, tips, memory)
         for tips in track_tips(rub, law.tip)
     ]
     start = np.cumsum([0, *(track.coating.worn.size for track in tracks)])
@@ -195,7 +190,6 @@ def _require_apart(rub: Rub, number: int, tips: list[int], length: float) -> Non
     for (low, a), (high, b) in zip(around, [*around[1:], (around[0][0] + 360.0, around[0][1])], strict=True):
         apart = radius * math.radians(high - low)
         if apart < length * (1.0 - 1e-9):
-            raise InputError(
-                f"tips[{max(a, b)}].track: found {apart:.3g} m to tips[{min(a, b)}] on one track {number}, expected "
-                f"at least the tip's length of {length:g} m, or another track"
-            )
+            found = f"{apart:.3g} m to tips[{min(a, b)}] on one track {number}"
+            expected = f"at least the tip's length of {length:g} m, or another track"
+            raise InputError(f"tips[{max(a, b)}].track: found {found}, expected {expected}")

@@ -18,8 +18,7 @@ Pivoted = Callable[[Array, Array, Array, int, Array], tuple[Array, float]]  # W,
 
 # rows of `vectors`; methods that follow one another share them
 U, MISS, STEP, TRIAL, TRIAL_MISS, BASE, RIGHT = 0, 1, 2, 3, 4, 5, 6  # Newton's method
-OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # contacts that slide; these use U and TRIAL too,
-ADDED, RATE, FALL = 12, 13, 14  # and those which the path to them takes
+# 1, 2, 4 to 8 and 12 to 14 are those of contacts that slide (`all_sliding`), which use U and TRIAL too
 BEHIND, GUESS, MOTION = 9, 10, 11  # coatings, around both
 JACOBIAN, INNER, SOFT = 0, 1, 2  # matrices: Newton's and the part of it that presses; W behind a coating
 CLOSED, AT = 0, 1  # rows of `whole`

@@ -9,7 +9,7 @@ import pytest
 from tests.contact.plain import names, plain
 
 N = names("loop.rub.rows", "loop.rub.predict", "loop.rub.rub")
-RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.alone", "loop.rub.rows")
+RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.predict", "loop.rub.rows")
 LIMITS = names("loop.tally", "model.gaps.limits")
 
 
