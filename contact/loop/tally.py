@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, load, same, total
-from contact.model.gaps.limits import REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
 
 INSIDE = 1e-9  # of the cone's radius: a force nearer to the edge slips
@@ -116,28 +114,6 @@ def store_state(sums: Tally, out: Samples, step: int, time: float, state: Array)
                 total += out.rows[c, i] * state[i]
             out.state[row, c] = total
         sums.filled[1] = row + 1
-
-
-@jit_inside
-def rim_amplitude(limits: Array, reach: Array, q: Array) -> None:
-    """Note how far the rim swings: sqrt(sum (reach q)^2), `reach` what a mode moves it at most; exact for one wave."""
-    part = same(0.0)
-    for i in range(0, reach.size, WIDTH):
-        moved = load(reach, i) * load(q, i)
-        part = part + moved * moved
-    limits[REACHED + RIM] = max(limits[REACHED + RIM], total(part) ** 0.5)
-
-
-@jit_inside
-def tip_motion(limits: Array, moved: float) -> None:
-    """Note how far a tip has moved against the rim."""
-    limits[REACHED + TIP] = max(limits[REACHED + TIP], abs(moved))
-
-
-@jit_inside
-def outgrown(limits: Array) -> bool:
-    """Whether rim or tip moved too far, which ends a run that diverges; what is no number the energies tell (`run`)."""
-    return not (limits[REACHED + RIM] <= limits[RIM] and limits[REACHED + TIP] <= limits[TIP])
 
 
 class Sticking(NamedTuple):

@@ -8,14 +8,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
+from contact.scheme.linear import leapfrog
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
-from contact.scheme.linear.leapfrog import (
-    CDLagrange,
-    CentralDifference,
-    MasslessBoundary,
-    PaoliSchatzman,
-    PenaltyDifference,
-)
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
@@ -46,14 +40,14 @@ ModalLaw = Literal["auto", "forward", "averaged", "energy"]
 ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
 
 SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
-    "forward-lagrange": (CentralDifference, ()),
-    "penalty": (PenaltyDifference, ()),
+    "forward-lagrange": (leapfrog.CentralDifference, ()),
+    "penalty": (leapfrog.PenaltyDifference, ()),
     "newmark": (Newmark, ("beta", "gamma")),
     "hht": (HHT, ("alpha",)),
     "moreau-jean": (MoreauJean, ("theta", "restitution")),
-    "cd-lagrange": (CDLagrange, ("restitution",)),
-    "paoli-schatzman": (PaoliSchatzman, ("restitution",)),
-    "massless-boundary": (MasslessBoundary, ()),
+    "cd-lagrange": (leapfrog.CDLagrange, ("restitution",)),
+    "paoli-schatzman": (leapfrog.PaoliSchatzman, ("restitution",)),
+    "massless-boundary": (leapfrog.MasslessBoundary, ()),
     "stabilised-newmark": (StabilisedNewmark, ()),
     "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
     "projected-alpha": (ProjectedAlpha, ("rho_inf", "restitution")),

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from contact.jit.compiled import jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same
-from contact.loop.batch.state import (
+from contact.loop.batch.step import add_up, fly, move_lanes, touch
+from contact.loop.batch.waves import (
     BEFORE,
     DRAG,
     FORCE,
@@ -23,9 +24,10 @@ from contact.loop.batch.state import (
     BatchFreeFlight,
     BatchSamples,
     BatchState,
+    land,
+    rotate_lanes,
+    skip_in_batch,
 )
-from contact.loop.batch.step import add_up, fly, move_lanes, touch
-from contact.loop.batch.waves import land, rotate_lanes, skip_in_batch
 from contact.loop.tally import INSIDE, closing, note_event, note_stick
 from contact.model.gaps.limits import LOOK, REACHED, RIM, TIP
 from contact.record.record import Samples, Tally

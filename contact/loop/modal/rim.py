@@ -12,20 +12,11 @@ import math
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
 from contact.loop.modal.rows import RimRows, fill, move, product, rotate, weighted
-from contact.loop.tally import (
-    INSIDE,
-    note_contact,
-    note_stick,
-    outgrown,
-    rim_amplitude,
-    state_due,
-    store,
-    store_state,
-    tip_motion,
-)
+from contact.loop.tally import INSIDE, note_contact, note_stick, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.tips import Coating, crush, first_bar, force_on, machined, surface

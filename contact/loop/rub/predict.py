@@ -7,7 +7,7 @@ import math
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.modal.rows import bound, product, product_of_sum, weighted
+from contact.loop.modal.rows import bound, product, product_of_sum, rotate, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.rows import (
     AHEAD,
@@ -20,12 +20,15 @@ from contact.loop.rub.rows import (
     blade_dot_of_sum,
     fill_block,
     gap_of,
+    hermite,
     least_gap,
+    polynomial,
     rigid_gap,
     straight,
 )
 from contact.loop.rub.solve import place_now
 from contact.loop.rub.state import RubState, Work
+from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
 from contact.solver.friction.one_contact import one_contact
 
 
@@ -187,3 +190,34 @@ def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, 
     for i in range(0, w.strained.size, WIDTH):
         strained = load(w.soft, i) * to
         put(w.strained, i, strained + load(w.soft, w.strained.size + i) * along if rubs else strained)
+
+
+@jit
+def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
+    """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
+    apart = 0
+    for j in range(s.mu.size):
+        coats.memory[j, 1] = 0.0
+        if s.inside[j] == 0:
+            continue
+        tip, phi, cut = coating_of(coats, j), rows.angle[j] - angle, 0.0
+        if tip.round > -math.inf:
+            rotate(w.turn, phi)
+            cut = machined(tip, polynomial(laws.terms, w.turn) + hermite(laws.table, phi))
+        coats.first[j], coats.cut[j] = first_bar(tip, phi / (2.0 * math.pi)), cut
+        s.skin[j] = surface(tip, coats.first[j], cut)
+        s.test[j] += s.skin[j]
+        s.motion[j * dim] = s.test[j]
+        if s.inside[j] == 2 and s.test[j] >= 0.0 and not s.lam[j * dim] > 0.0:
+            s.inside[j] = 1
+            apart += 1
+    return apart
+
+
+@jit
+def flow(s: RubState, w: Work, coats: Coats, count: int, dim: int) -> None:
+    """Let the bars under the chosen tips flow, each to the depth that was found."""
+    for a in range(count):
+        j = w.chosen[a]
+        if s.lam[j * dim] > 0.0:
+            wear(coating_of(coats, j), coats.first[j], coats.cut[j], coats.memory[j, 2])

@@ -8,39 +8,17 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit, jit_vectors
-from contact.loop.modal.rows import move, product_of_sum, rotate
+from contact.loop.limits import outgrown, rim_amplitude, tip_motion
+from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.rub.compliance import fill_few, strains, strains_before
-from contact.loop.rub.predict import alone, find_near, propagate
-from contact.loop.rub.rows import (
-    AHEAD,
-    BEFORE,
-    NOW,
-    RubLaws,
-    RubRows,
-    blade_dot,
-    blade_dot_of_sum,
-    hermite,
-    look_at,
-    polynomial,
-    turned,
-)
+from contact.loop.rub.predict import alone, find_near, flow, propagate, stand
+from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
-from contact.loop.tally import (
-    INSIDE,
-    due,
-    note_contact,
-    note_stick,
-    outgrown,
-    rim_amplitude,
-    state_due,
-    store,
-    store_state,
-    tip_motion,
-)
+from contact.loop.tally import INSIDE, due, note_contact, note_stick, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
+from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
 
 
@@ -121,37 +99,6 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
     for i in range(row + 1, row + dim):
         pull += s.lam[i] * s.lam[i]
     return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[j] * s.lam[row] * (1.0 - INSIDE))
-
-
-@jit
-def stand(s: RubState, laws: RubLaws, rows: RubRows, w: Work, coats: Coats, dim: int, angle: float) -> int:
-    """Bars under the tips that are near; their gaps become those of the surface. How many no longer close."""
-    apart = 0
-    for j in range(s.mu.size):
-        coats.memory[j, 1] = 0.0
-        if s.inside[j] == 0:
-            continue
-        tip, phi, cut = coating_of(coats, j), rows.angle[j] - angle, 0.0
-        if tip.round > -math.inf:
-            rotate(w.turn, phi)
-            cut = machined(tip, polynomial(laws.terms, w.turn) + hermite(laws.table, phi))
-        coats.first[j], coats.cut[j] = first_bar(tip, phi / (2.0 * math.pi)), cut
-        s.skin[j] = surface(tip, coats.first[j], cut)
-        s.test[j] += s.skin[j]
-        s.motion[j * dim] = s.test[j]
-        if s.inside[j] == 2 and s.test[j] >= 0.0 and not s.lam[j * dim] > 0.0:
-            s.inside[j] = 1
-            apart += 1
-    return apart
-
-
-@jit
-def flow(s: RubState, w: Work, coats: Coats, count: int, dim: int) -> None:
-    """Let the bars under the chosen tips flow, each to the depth that was found."""
-    for a in range(count):
-        j = w.chosen[a]
-        if s.lam[j * dim] > 0.0:
-            wear(coating_of(coats, j), coats.first[j], coats.cut[j], coats.memory[j, 2])
 
 
 @jit_vectors

@@ -13,9 +13,9 @@ from contact.base.errors import InputError
 from contact.model.bodies.band import combine, factor, solve
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.law import Law
-from contact.scheme.beam.beam_stepper import ImplicitBeamStepper, prepare_beam_newmark, require_rigid
-from contact.scheme.linear.linear_stepper import LinearStepper, linear_stepper, parts_of, setup
-from contact.scheme.protocol import Problem
+from contact.scheme.beam.beam_stepper import prepare_beam_newmark, require_rigid
+from contact.scheme.linear.stepper import LinearStepper, linear_stepper, parts_of, setup
+from contact.scheme.protocol import Problem, Stepper
 
 if TYPE_CHECKING:
     from contact.loop.linear.alpha import Weights
@@ -99,9 +99,7 @@ class Newmark:
         if not 0.5 <= self.gamma <= 1.0:
             raise InputError(f"gamma: found {self.gamma!r}, expected between 1/2 and 1: below, energy grows")
 
-    def prepare(
-        self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
-    ) -> LinearStepper | ImplicitBeamStepper:
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
         """Check law and step; raises InputError, LimitError."""
         from contact.loop.linear.alpha import Weights
 

@@ -13,17 +13,9 @@ from contact.model.bodies.band import Band, band, combine, diagonal, lumped, pai
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.linear_system import LinearSystem, omega_max
 from contact.model.law import Law
-from contact.scheme.beam.beam_stepper import BeamStepper, prepare_beam, require_rigid
-from contact.scheme.linear.linear_stepper import (
-    LinearStepper,
-    linear_stepper,
-    parts_of,
-    product,
-    require_restitution,
-    setup,
-    start,
-)
-from contact.scheme.protocol import Problem
+from contact.scheme.beam.beam_stepper import prepare_beam, require_rigid
+from contact.scheme.linear.stepper import LinearStepper, Rebound, linear_stepper, parts_of, product, setup, start
+from contact.scheme.protocol import Problem, Stepper
 
 if TYPE_CHECKING:
     from contact.loop.linear.leapfrog import Massless
@@ -66,9 +58,7 @@ class CentralDifference:
     CentralDifference()
     """
 
-    def prepare(
-        self, problem: Problem, law: Law, *, dt: float | None, courant: float | None
-    ) -> LinearStepper | BeamStepper:
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
         """Check law and step; raises InputError, LimitError."""
         from contact.loop.linear.leapfrog import FORWARD
 
@@ -100,7 +90,7 @@ class PenaltyDifference:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CDLagrange:
+class CDLagrange(Rebound):
     """CD-Lagrange: an impact law on velocities, Newton's restitution e (law: Unilateral).
 
     u_{n+1} = u_n + h v_{n+1/2};  M (v_{n+1/2} - v_{n-1/2}) = h (f - K u_n) + Q^T P_n;  where g(u_n) <= 0:
@@ -114,11 +104,6 @@ class CDLagrange:
     0.8
     """
 
-    restitution: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_restitution(self.restitution)
-
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError, LimitError."""
         from contact.loop.linear.leapfrog import IMPULSE
@@ -129,7 +114,7 @@ class CDLagrange:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PaoliSchatzman:
+class PaoliSchatzman(Rebound):
     """Paoli-Schatzman: the gap kept at an average of next and last position, restitution e (law: Unilateral).
 
     M (u_{n+1} - 2 u_n + u_{n-1})/h^2 + K u_n = f + Q^T force_n;  g((u_{n+1} + e u_{n-1})/(1 + e)) >= 0, force_n >= 0,
@@ -140,11 +125,6 @@ class PaoliSchatzman:
     >>> PaoliSchatzman(restitution=1.0).restitution
     1.0
     """
-
-    restitution: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_restitution(self.restitution)
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
         """Check law and step; raises InputError, LimitError."""

@@ -11,14 +11,7 @@ from contact.base.errors import InputError
 from contact.model.bodies.band import combine, factor, solve
 from contact.model.bodies.linear_system import LinearSystem
 from contact.model.law import Law
-from contact.scheme.linear.linear_stepper import (
-    LinearStepper,
-    linear_stepper,
-    parts_of,
-    product,
-    require_restitution,
-    setup,
-)
+from contact.scheme.linear.stepper import LinearStepper, linear_stepper, parts_of, product, require_restitution, setup
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
-    from contact.loop.batch.state import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
+    from contact.loop.batch.waves import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
     from contact.loop.modal.modal import ModalState
 
 WIDTH = 8
@@ -76,7 +76,7 @@ class Layout:
 
     def empty(self, one: Terms) -> BatchTerms:
         """Terms with the values that all runs have in common, or without any as yet."""
-        from contact.loop.batch.state import BatchTerms
+        from contact.loop.batch.waves import BatchTerms
 
         if not self.alike:
             return BatchTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
@@ -212,7 +212,7 @@ class Batch:
 
 def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
-    from contact.loop.batch.state import BatchState
+    from contact.loop.batch.waves import BatchState
 
     m = jobs[0].run.system.omega.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
@@ -244,7 +244,7 @@ def _alike(states: Sequence[ModalState]) -> Array:
 
 
 def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
-    from contact.loop.batch.state import BatchFreeFlight
+    from contact.loop.batch.waves import BatchFreeFlight
 
     kinds = [job.rim.flight for job in jobs]
     size, powers = max(flight.row.size for flight in kinds), [flight.powers for flight in kinds if flight.powers.size]
@@ -260,7 +260,7 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
 
 
 def _kept(jobs: Sequence[Job]) -> BatchSamples:
-    from contact.loop.batch.state import BatchSamples
+    from contact.loop.batch.waves import BatchSamples
 
     rows, size = max(job.steps // job.record.every + 1 for job in jobs), max(job.run.size for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)

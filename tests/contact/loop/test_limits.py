@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact.jit.compiled import jit
-from contact.loop.tally import outgrown, tip_motion
+from contact.loop.limits import outgrown, tip_motion
 from contact.model.gaps.limits import REACHED, RIM, TIP, motion_limits
 
 

@@ -9,7 +9,7 @@ import pytest
 from tests.contact.plain import names
 
 N = names("loop.tally", "record.record")
-IMPLICIT, LIMITS = names("loop.beam.implicit"), names("loop.tally")
+IMPLICIT, LIMITS = names("loop.beam.implicit"), names("loop.limits")
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,20 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
-from contact.loop.batch.state import FORCE, FREE, SCALE, TEST
 from contact.loop.batch.step import add_up, touch
-from contact.loop.batch.waves import cosine, fill_lanes, half_turns, sign_of, sine, skip_in_batch, within
+from contact.loop.batch.waves import (
+    FORCE,
+    FREE,
+    SCALE,
+    TEST,
+    cosine,
+    fill_lanes,
+    half_turns,
+    sign_of,
+    sine,
+    skip_in_batch,
+    within,
+)
 from contact.loop.modal.rows import fill, rotate
 from contact.model.gaps.limits import REACHED, TIP, motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system

@@ -129,6 +129,16 @@ def require_restitution(e: float) -> None:
         raise InputError(f"restitution: found {e!r}, expected between 0 and 1")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rebound:
+    """A scheme with Newton's restitution e."""
+
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_restitution(self.restitution)
+
+
 def linear_step(problem: Linear, dt: float | None, courant: float | None) -> float:
     """Time step from `dt`, or `courant` times the crossing time of the smallest element."""
     if (dt is None) == (courant is None):

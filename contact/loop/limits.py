@@ -1,0 +1,30 @@
+"""Whether a rim or a tip before it has moved too far: looked at in passing, so that a run that diverges ends there."""
+
+from __future__ import annotations
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit_inside
+from contact.jit.vector import WIDTH, load, same, total
+from contact.model.gaps.limits import REACHED, RIM, TIP
+
+
+@jit_inside
+def rim_amplitude(limits: Array, reach: Array, q: Array) -> None:
+    """Note how far the rim swings: sqrt(sum (reach q)^2), `reach` what a mode moves it at most; exact for one wave."""
+    part = same(0.0)
+    for i in range(0, reach.size, WIDTH):
+        moved = load(reach, i) * load(q, i)
+        part = part + moved * moved
+    limits[REACHED + RIM] = max(limits[REACHED + RIM], total(part) ** 0.5)
+
+
+@jit_inside
+def tip_motion(limits: Array, moved: float) -> None:
+    """Note how far a tip has moved against the rim."""
+    limits[REACHED + TIP] = max(limits[REACHED + TIP], abs(moved))
+
+
+@jit_inside
+def outgrown(limits: Array) -> bool:
+    """Whether rim or tip moved too far, which ends a run that diverges; what is no number the energies tell (`run`)."""
+    return not (limits[REACHED + RIM] <= limits[RIM] and limits[REACHED + TIP] <= limits[TIP])
