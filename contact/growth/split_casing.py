@@ -45,8 +45,9 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
     """
     N, size = casing.n_max, 2 * casing.n_max + 1
     rows = casing.rows.reshape(-1, size, casing.omega.size)  # blocks of lines and directions
-    content = _by_order(np.sum(rows**2, axis=0), N)
-    order = content.argmax(axis=0)
+    content = np.sum(rows**2, axis=0)
+    content[1 : N + 1] += content[N + 1 :]  # cosine and sine
+    order = content[: N + 1].argmax(axis=0)
     kept: list[tuple[float, float, Array]] = []
     gone = []
     for n in range(N + 1):
@@ -78,13 +79,6 @@ def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedCont
         # neither how it starts nor what loads it matters to growth, and both belong to the casing's own modes
         mean = replace(rub_of(rub), casing=perfect_mean(rub.casing), casing_start=Start(), forces=())
         return rub_contact(mean, mu=mu), True
-
-
-def _by_order(values: Array, N: int) -> Array:
-    """Cosine and sine of each n added up, (N + 1, ...)."""
-    found = values[: N + 1].copy()
-    found[1:] += values[N + 1 :]
-    return found
 
 
 def _pair(first: Array, second: Array, n: int, N: int) -> tuple[Array, Array]:

@@ -238,7 +238,7 @@ class Unpacking:
         if "same" in part:
             return self._met[part["same"]]
         if "number_of" in part:
-            found = self._array(part["array"]) if "array" in part else self._whole(part)
+            found = read_only(self._arrays[part["array"]]) if "array" in part else self._whole(part)
             self._met[part["number_of"]] = found
             return found
         ((word, inside),) = part.items()
@@ -249,9 +249,6 @@ class Unpacking:
         if word == "complex":
             return complex(*(self.unpacked(entry) for entry in inside))
         return Path(inside) if word == "path" else WORDS[inside]
-
-    def _array(self, name: str) -> Any:
-        return read_only(self._arrays[name])
 
     def _whole(self, part: Mapping[str, Any]) -> Any:
         if "sparse" not in part:

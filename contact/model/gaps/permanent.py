@@ -61,7 +61,9 @@ class ClosedContact:
         for name, shape in shapes.items():
             require_shape(name, getattr(self, name), shape)
         require_not_negative(mu=self.mu)
-        _require_compliance(self.S_nn)
+        lowest = float(np.linalg.eigvalsh(0.5 * (self.S_nn + self.S_nn.T))[0])
+        if not lowest > 0.0:
+            raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")
 
     def pushes(self, sense: float) -> Array:
         """W = Q - mu s T, (r, m): what unit contact forces do to the modes, s the sense of rotation."""
@@ -259,9 +261,3 @@ def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, f
         G[np.ix_(group, group)] = 0.5 * (block - block.T)
     size = float(np.linalg.norm(slope))
     return G, float(np.linalg.norm(slope - rows @ G)) / size if size else 0.0
-
-
-def _require_compliance(S: Array) -> None:
-    lowest = float(np.linalg.eigvalsh(0.5 * (S + S.T))[0])
-    if not lowest > 0.0:
-        raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")

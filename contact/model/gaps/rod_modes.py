@@ -35,7 +35,8 @@ def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None =
     beta = _roots(alpha, modes, free=free)
     tip = np.cos(beta) if free else np.sin(beta)
     far = np.ones(modes) if free else np.zeros(modes)
-    norm = np.sqrt(rod.mass * (_mean_square(beta, free=free) + alpha * tip**2))
+    ripple = np.sinc(2.0 * beta / math.pi) / 2.0  # of the mean of cos^2 or sin^2 over the length
+    norm = np.sqrt(rod.mass * ((0.5 + ripple if free else 0.5 - ripple) + alpha * tip**2))
     omega = beta * rod.wave_speed / rod.length
     compliance = rod.length / (rod.E * rod.area)
     static = compliance / (3.0 * (1.0 + alpha) ** 2) if free else compliance
@@ -68,12 +69,6 @@ def _roots(alpha: float, count: int, *, free: bool) -> Array:
     if free:
         roots[0] = 0.0
     return roots
-
-
-def _mean_square(beta: Array, *, free: bool) -> Array:
-    """Mean over the length of cos^2 or sin^2 of beta xi."""
-    ripple = np.sinc(2.0 * beta / math.pi) / 2.0
-    return 0.5 + ripple if free else 0.5 - ripple
 
 
 def chain_gap(chain: Chain, *, modes: int) -> PointGap:
