@@ -1,7 +1,7 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
 Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, BeamInCircle, Patch), laws
-(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (one file each in `contact.scheme`) are frozen values;
+(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (`contact.scheme`) are frozen values;
 `run` brings them together and returns a Result. Scene files: `load_scene`. What is needed less often stands in rooms:
 `ct.bodies`, `ct.gaps`, `ct.scheme`, `ct.growth`, `ct.scene`, `ct.record`.
 

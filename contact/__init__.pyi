@@ -17,10 +17,9 @@ from .result import Result
 from .run import Scene, run
 from .run_many import run_many
 from .scene.load import load_scene
-from .scheme.linear.central_difference import CentralDifference
-from .scheme.linear.moreau_jean import MoreauJean
-from .scheme.linear.newmark import Newmark
-from .scheme.linear.penalty import PenaltyDifference
+from .scheme.linear.alpha import Newmark
+from .scheme.linear.leapfrog import CentralDifference, PenaltyDifference
+from .scheme.linear.nonsmooth_alpha import MoreauJean
 from .scheme.modal.exact_modal import ExactModal
 
 __version__: str

@@ -14,14 +14,13 @@ from contact.base.errors import InputError
 from contact.growth.closed_contact import poles_each, state_matrix
 from contact.growth.interaction_table import Interactions
 from contact.growth.interaction_table import interactions as by_theory
-from contact.growth.perfect_mean import mean_contact, perfect_mean
+from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.io.reported import Reported
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair, rub_contact
-from contact.model.gaps.rub import ContactPoint, Rub, Start
+from contact.model.gaps.rub import ContactPoint, Rub, Start, rub_of
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
 from contact.model.law import Coulomb, Unilateral
 from contact.record.record import Record
@@ -187,11 +186,7 @@ def _start(
     push = W.T @ np.linalg.solve(S, overlap - contact.Q @ q)
     none = np.zeros(m)
     pushed, free = (propagator(contact.omega, contact.zeta, load, dt) for load in (push, none))
-    return (
-        press,
-        q,
-        (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m)),
-    )
+    return press, q, (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m))
 
 
 def _step(rub: Rub, leading: complex) -> float:
@@ -208,7 +203,7 @@ def closed_rub(what: RotatingRim | Rub | HandPair, speed_hz: float, mu: float) -
 
 @closed_rub.register
 def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
-    casing = _perfect(what)
+    casing = perfect_mean(what.casing) if mean_contact(what)[1] else what.casing  # of split pairs the mean
     tips = tuple(replace(tip, clearance=0.0, axial=None) for tip in what.tips)
     return replace(
         what, casing=casing, tips=tips, clearance=-PRESS * casing.radius, speed=Speed.constant(speed_hz),
@@ -232,8 +227,3 @@ def _(what: HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
     )  # fmt: skip
     casing = pair_rim(what.casing, radius=0.5)
     return closed_rub(Rub(casing, (blade,), (ContactPoint(lean_deg=what.lean_deg),)), speed_hz, what.friction)
-
-
-def _perfect(what: Rub) -> ModalBody:
-    """The casing of a rub, or the mean of its split pairs."""
-    return perfect_mean(what.casing) if mean_contact(what)[1] else what.casing

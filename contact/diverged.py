@@ -9,13 +9,11 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.growth.closed_contact import floor_of, growth
-from contact.growth.perfect_mean import mean_contact
+from contact.growth.split_casing import mean_contact
 from contact.model.gaps.limits import WALL
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact
-from contact.model.gaps.rub import Rub
-from contact.record.divergence import Divergence
-from contact.record.energy import EnergyBudget
+from contact.model.gaps.rub import Rub, rub_of
+from contact.record.energy import Divergence, EnergyBudget
 from contact.result import Result
 from contact.scheme.protocol import Problem
 

@@ -15,8 +15,7 @@ from contact.base.errors import InputError
 from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
 from contact.result import Result
 

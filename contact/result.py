@@ -11,16 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, read_npz, readonly
 from contact.base.errors import InputError
-from contact.base.npz import read_npz
 from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.law import pressure
-from contact.record.divergence import Divergence
-from contact.record.energy import EnergyBudget, Stored
+from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.record import MOST_SAMPLES
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 from contact.scheme.protocol import Block, Motion, Notes
@@ -118,11 +116,8 @@ class Result(Reported):
         """Force averaged over `window` [s] centred on each sample, (n, K); default 1/f_max of the model."""
         width = max(self.window if window is None else window, self.dt)
         ends = self.time + 0.5 * self.dt
-        grid, early, late = (
-            np.concatenate(([-0.5 * self.dt], ends)),
-            self.time - 0.5 * width,
-            self.time + 0.5 * width,
-        )
+        grid = np.concatenate(([-0.5 * self.dt], ends))
+        early, late = self.time - 0.5 * width, self.time + 0.5 * width
         columns = []
         for k in range(self.force.shape[1]):
             history = np.concatenate(([0.0], self.impulse_history[:, k]))

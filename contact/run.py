@@ -181,10 +181,9 @@ def _count(end: float, dt: float) -> int:
     """Steps to the first one at or after `end`; raises InputError beyond MOST_STEPS."""
     ratio = end / dt * (1.0 - 1e-12) - 1e-9
     if ratio > MOST_STEPS:
-        raise InputError(
-            f"t_end: found {end:g} s with dt = {dt:.4g} s, which is {ratio:.4g} steps, expected at most "
-            f"{MOST_STEPS:.0e}: shorten t_end to {MOST_STEPS * dt:.4g} s, or take a longer dt"
-        )
+        found = f"{end:g} s with dt = {dt:.4g} s, which is {ratio:.4g} steps"
+        expected = f"at most {MOST_STEPS:.0e}: shorten t_end to {MOST_STEPS * dt:.4g} s, or take a longer dt"
+        raise InputError(f"t_end: found {found}, expected {expected}")
     return max(1, math.ceil(ratio))
 
 

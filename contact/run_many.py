@@ -99,7 +99,7 @@ def _fits(ready: Prepared) -> bool:
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
     """Outcomes of prepared runs of one size in the order in which lanes end; None where no force was found."""
-    jobs = [_job(ready) for _, ready in group]
+    jobs = [Job(run=cast(ModalRun, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
     lanes: dict[int, int] = {}
@@ -122,10 +122,6 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
                 del lanes[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
                 yield i, None if failed == 1 else _result(ready, kept, taken, seconds, taken if failed else -1)
-
-
-def _job(ready: Prepared) -> Job:
-    return Job(run=cast(ModalRun, ready.stepper), steps=ready.count, record=ready.record)
 
 
 def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int) -> Outcome | None:

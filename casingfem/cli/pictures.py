@@ -129,7 +129,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     from casingfem.plot.interaction import figure_interactions
     from casingfem.plot.pages.scene import scene_page, scene_verdict
     from contact.base.errors import InputError
-    from contact.film import rub_film
+    from contact.histories import rub_film
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
     from contact.scene.stability import load_interactions

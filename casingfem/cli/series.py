@@ -19,7 +19,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     """
     from casingfem.export.meshes import frames, motion_files, point_files
     from contact.base.errors import InputError
-    from contact.model.gaps.one_tip import rub_of
+    from contact.model.gaps.rub import rub_of
     from contact.recovery import at_points, rub_forces
 
     rub: Rub = rub_of(what)

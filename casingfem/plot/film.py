@@ -16,7 +16,7 @@ TRACE = 1500  # points of force and gap over the whole run
 
 
 def rub_film(film: Any, run: Run) -> Picture:
-    """A film, as `contact.film.RubFilm` holds it, as a picture of the page: a slider, the whole run's force and gap."""
+    """A film, a `contact.histories.RubFilm`, as a picture of the page: a slider, the whole run's force and gap."""
     scale = exaggeration(film)
     data: dict[str, Any] = {
         "time": coded(film.time.astype("<f4")), "turned": coded(film.turned.astype("<f4")),

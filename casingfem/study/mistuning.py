@@ -27,8 +27,7 @@ from casingfem.modal.mistuning import (
 from casingfem.modal.mode_set import Modes
 from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
-from contact.io.checked_json import read_checked, write_checked
-from contact.io.outfiles import json_text, write_atomic
+from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
 from contact.io.workers import worker_pool
 
 CHUNK = 5  # draws a file: what a killed run loses at most, for each process

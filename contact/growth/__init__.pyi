@@ -2,7 +2,7 @@ from . import cycles
 from .closed_contact import poles, rim_stability, stability
 from .growth_map import StabilityMap
 from .interaction_table import Interactions, interactions
-from .perfect_mean import perfect_mean
+from .split_casing import perfect_mean
 
 __all__ = [
     "Interactions",

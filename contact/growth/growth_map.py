@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
@@ -94,7 +95,7 @@ def _peak(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[floa
 
 
 def _bands(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[tuple[float, float], ...]:
-    """Intervals of speed with growth above `floor`; those that reach the range's ends are cut there."""
+    """Intervals of speed with growth above `floor`."""
     from scipy.optimize import brentq
 
     above = values > floor
@@ -102,8 +103,10 @@ def _bands(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[tup
         float(brentq(lambda at: float(rate(np.array([at]))[0]) - floor, speed[k], speed[k + 1], xtol=1e-10))
         for k in np.flatnonzero(above[1:] != above[:-1])
     ]
-    if above[0]:
-        edges.insert(0, float(speed[0]))
-    if above[-1]:
-        edges.append(float(speed[-1]))
-    return tuple(zip(edges[::2], edges[1::2], strict=True))
+    return between(speed, above, edges)
+
+
+def between(speed: Array, above: NDArray[np.bool_], edges: list[float]) -> tuple[tuple[float, float], ...]:
+    """The bands between edges where speeds are `above`; those that reach the range's ends are cut there."""
+    ends = [*([float(speed[0])] if above[0] else []), *edges, *([float(speed[-1])] if above[-1] else [])]
+    return tuple(zip(ends[::2], ends[1::2], strict=True))

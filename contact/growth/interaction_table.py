@@ -19,14 +19,13 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.growth.closed_contact import floor_of, poles_each, stability
 from contact.growth.coincidence import Coincidence, coincidences, free_coincidences, waves
-from contact.growth.growth_map import StabilityMap
-from contact.growth.perfect_mean import mean_contact
+from contact.growth.growth_map import StabilityMap, between
+from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, HandPair
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 
 TURNS = 1000.0  # from a ten-thousandth of the wall to a tenth of it
 DRAWN = 161  # speeds at which poles are kept for a picture
@@ -211,11 +210,7 @@ def turns(speed_hz: float, growth: float, floor: float = 0.0) -> float:
 
 
 def pulse_ratio(
-    contact: ClosedContact,
-    speed_hz: Array,
-    press: Array,
-    terms: list[tuple[int, float, float]],
-    angle: ArrayLike = 0.0,
+    contact: ClosedContact, speed_hz: Array, press: Array, terms: list[tuple[int, float, float]], angle: ArrayLike = 0.0
 ) -> Array:
     """Sum of |F_p| of an out-of-round rim over the least contact force at rest, (speeds,); infinite where none presses.
 
@@ -255,14 +250,12 @@ def _waves(contact: ClosedContact) -> tuple[tuple[int, float, float], ...]:
 def _above(speed: Array, ratio: Array) -> tuple[tuple[float, float], ...]:
     """Bands of speed in which a ratio is 1 or more, ends straight between the speeds looked at."""
     above = ratio >= 1.0
-    edges = [float(speed[0])] if above[0] else []
+    edges = []
     for k in np.flatnonzero(above[1:] != above[:-1]):
         a, b = ratio[k] - 1.0, ratio[k + 1] - 1.0
         part = a / (a - b) if np.isfinite(a) and np.isfinite(b) else 0.5
         edges.append(float(speed[k] + part * (speed[k + 1] - speed[k])))
-    if above[-1]:
-        edges.append(float(speed[-1]))
-    return tuple(zip(edges[::2], edges[1::2], strict=True))
+    return between(speed, above, edges)
 
 
 @singledispatch

@@ -111,11 +111,8 @@ def _member(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
             raise ValueError(f"found {info.file_size} bytes, expected those of {dtype} of shape {shape}")
         stream.seek(0)
         array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
-    if (
-        dtype.kind == "U"
-        and array.size
-        and int(array.astype(dtype.newbyteorder("=")).ravel().view(np.uint32).max()) > LAST
-    ):
+    text = array.astype(dtype.newbyteorder("=")).ravel() if dtype.kind == "U" and array.size else np.array("0")
+    if text.view(np.uint32).max() > LAST:
         raise ValueError("found characters that are none, expected text")
     return array
 

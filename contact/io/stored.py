@@ -33,6 +33,8 @@ MOVED = {  # modules that files of before name, and where their classes stand no
     "casingfem.updating.posterior": "casingfem.updating.uncertainty.posterior",
     "casingfem.updating.prediction": "casingfem.updating.uncertainty.prediction",
     "casingfem.updating.sampling": "casingfem.updating.uncertainty.sampling",
+    "contact.growth.cycles.checkpoint": "contact.growth.cycles.follow",
+    "contact.growth.cycles.course": "contact.growth.cycles.branch",
 }
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}
@@ -236,7 +238,7 @@ class Unpacking:
         if "same" in part:
             return self._met[part["same"]]
         if "number_of" in part:
-            found = self._array(part["array"]) if "array" in part else self._whole(part)
+            found = read_only(self._arrays[part["array"]]) if "array" in part else self._whole(part)
             self._met[part["number_of"]] = found
             return found
         ((word, inside),) = part.items()
@@ -247,9 +249,6 @@ class Unpacking:
         if word == "complex":
             return complex(*(self.unpacked(entry) for entry in inside))
         return Path(inside) if word == "path" else WORDS[inside]
-
-    def _array(self, name: str) -> Any:
-        return read_only(self._arrays[name])
 
     def _whole(self, part: Mapping[str, Any]) -> Any:
         if "sparse" not in part:

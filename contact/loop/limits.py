@@ -26,5 +26,5 @@ def tip_motion(limits: Array, moved: float) -> None:
 
 @jit_inside
 def outgrown(limits: Array) -> bool:
-    """Whether either is more than allowed; what is no number passes here, and the energies tell it (`run`)."""
+    """Whether rim or tip moved too far, which ends a run that diverges; what is no number the energies tell (`run`)."""
     return not (limits[REACHED + RIM] <= limits[RIM] and limits[REACHED + TIP] <= limits[TIP])

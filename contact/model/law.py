@@ -190,14 +190,12 @@ class Abradable:
         require_positive(tip=self.tip)
         require_not_negative(hardening=self.hardening, machined=self.machined, mu=self.mu)
         if self.machined > self.thickness:
-            raise InputError(
-                f"machined: found {self.machined:g} m, expected at most the thickness {self.thickness:g} m"
-            )
+            expected = f"at most the thickness {self.thickness:g} m"
+            raise InputError(f"machined: found {self.machined:g} m, expected {expected}")
         require_count(bars=self.bars)
         if self.bars > MOST_BARS:
-            raise InputError(
-                f"bars: found {self.bars!r}, expected a whole number under the tip from 1 to {MOST_BARS:,}"
-            )
+            expected = f"a whole number under the tip from 1 to {MOST_BARS:,}"
+            raise InputError(f"bars: found {self.bars!r}, expected {expected}")
 
     @property
     def coating(self) -> Abradable:

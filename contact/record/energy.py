@@ -1,7 +1,8 @@
-"""The energy budget of a run: what was stored, what came in, what went out, and what nobody accounts for."""
+"""The energy budget of a run: what was stored, came in, went out, what nobody accounts for; and why a run diverged."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, replace
 
 from contact.io.brief import brief
@@ -98,23 +99,16 @@ class EnergyBudget:
     def since(self, earlier: EnergyBudget) -> EnergyBudget:
         """What changed since an earlier budget of the same run."""
         works = ("contact", "rotation", "friction", "damping", "external", "body_force", "algorithmic")
-        return replace(
-            self, start=earlier.end, **{name: getattr(self, name) - getattr(earlier, name) for name in works}
-        )
+        since = {name: getattr(self, name) - getattr(earlier, name) for name in works}
+        return replace(self, start=earlier.end, **since)
 
     @property
     def scale(self) -> float:
         """Largest energy of the budget [J], to compare `unaccounted` with."""
         ends = (self.start, self.end)
         parts = [value for s in ends for value in (s.kinetic, s.strain, s.potential)]
-        return max(
-            *map(abs, parts),
-            abs(self.contact),
-            abs(self.rotation),
-            abs(self.friction),
-            abs(self.external),
-            abs(self.body_force),
-        )
+        parts += (self.contact, self.rotation, self.friction, self.external, self.body_force)
+        return max(map(abs, parts))
 
     def to_dict(self) -> dict[str, object]:
         """Return totals first, parts after; JSON-ready."""
@@ -125,3 +119,31 @@ class EnergyBudget:
             "numerical": self.numerical,
             "parts": {"start": asdict(self.start), "end": asdict(self.end)},
         }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Divergence:
+    """Which limit a run passed after `step` steps, at `time` [s], and how it got there.
+
+    `limit`: "wall" half of its thickness, "radius" a tenth of it, "gap" of contacts on the ground, "energy", or
+    "overflow". `reached` and `allowed` in metres, of the energy in joules, nan of an overflow. `growth` [1/s] of the
+    force's variation just before, nan where too few samples tell it; `theory` [1/s] of a contact that stays closed at
+    this speed, nan where no poles tell it. `words`: all this, and what ends such a motion in reality.
+
+    >>> Divergence(limit="wall", step=5, time=1e-3, reached=2e-3, allowed=1.5e-3, words="").to_dict()["growth_1_s"]
+    """
+
+    limit: str
+    step: int
+    time: float
+    reached: float
+    allowed: float
+    words: str
+    growth: float = math.nan
+    theory: float = math.nan
+
+    def to_dict(self) -> dict[str, object]:
+        """JSON-ready."""
+        named = {"reached": self.reached, "allowed": self.allowed, "growth_1_s": self.growth, "theory_1_s": self.theory}
+        found: dict[str, object] = {name: value if math.isfinite(value) else None for name, value in named.items()}
+        return {"limit": self.limit, "step": self.step, "time": self.time, **found, "words": self.words}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,9 +54,8 @@ class Record:
         require_count(every=self.every)
         require_count(0, state_every=self.state_every)
         if self.state_every % self.every:
-            raise InputError(
-                f"state_every: found {self.state_every!r}, expected 0 or a multiple of every = {self.every}"
-            )
+            expected = f"0 or a multiple of every = {self.every}"
+            raise InputError(f"state_every: found {self.state_every!r}, expected {expected}")
 
     def _require_instants(self) -> None:
         instants = readonly(np.atleast_1d(np.asarray(self.at, dtype=float)))
@@ -84,9 +83,8 @@ class Record:
             return readonly(np.zeros((0, coordinates)))  # as channels are: the same type compiles once
         rows = np.asarray(self.channels)
         if rows.shape[1] != coordinates:
-            raise InputError(
-                f"channels: found rows of {rows.shape[1]} numbers, expected {coordinates}, the coordinates of the run"
-            )
+            expected = f"{coordinates}, the coordinates of the run"
+            raise InputError(f"channels: found rows of {rows.shape[1]} numbers, expected {expected}")
         return rows
 
     def chunk(self, contacts: int, coordinates: int) -> int:
@@ -155,19 +153,10 @@ class Tally(NamedTuple):
 
 def tally(contacts: int) -> Tally:
     """Empty sums for this many contacts."""
-
-    def real() -> Array:
-        return np.zeros(contacts)
-
-    def whole() -> Indices:
-        return np.zeros(contacts, dtype=np.int64)
-
-    return Tally(
-        impulse=real(), work=real(), rotation=real(), friction=real(), damping=np.zeros(1),
-        external=np.zeros(1), body_force=np.zeros(1), algorithmic=np.zeros(1), peak=real(),
-        penetration=real(), residual=real(), closed=whole(), stuck=whole(), contact_steps=whole(), reversals=whole(),
-        filled=np.zeros(3, dtype=np.int64),
-    )  # fmt: skip
+    whole, one = ("closed", "stuck", "contact_steps", "reversals"), ("damping", "external", "body_force", "algorithmic")
+    arrays: dict[str, Any] = {name: np.zeros(1 if name in one else contacts) for name in Tally._fields}
+    arrays |= {name: np.zeros(contacts, dtype=np.int64) for name in whole}
+    return Tally(**arrays | {"filled": np.zeros(3, dtype=np.int64)})
 
 
 def samples(record: Record, steps: int, contacts: int, size: int, at: Indices = NO_STEPS) -> Samples:

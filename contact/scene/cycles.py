@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import numpy as np
-from pydantic import Field, FiniteFloat, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.errors import InputError
 from contact.growth.cycles.basins import Basins, basins
@@ -21,7 +21,7 @@ from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
 from contact.scene.load import scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
-from contact.scene.problems import SceneError, problem_text
+from contact.scene.problems import SceneError, validated
 from contact.scene.scheme import Positive, Table, Unit
 from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
 
@@ -155,11 +155,8 @@ def load_cycles(path: str | Path) -> CyclesScene:
     file = Path(path)
     data, _ = scene_data(file)
     kind = str(entries(data.get("scene")).get("kind"))
-    model = TURNING.get(kind, CyclesFile)
     try:
         return _turning(data, file, TURNING[kind]) if kind in TURNING else _driven(data, file)
-    except ValidationError as error:
-        raise SceneError([problem_text(file, detail, data, model) for detail in error.errors()]) from error
     except SceneError:
         raise
     except InputError as error:
@@ -167,7 +164,7 @@ def load_cycles(path: str | Path) -> CyclesScene:
 
 
 def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
-    table = CyclesFile.model_validate(data)
+    table = validated(CyclesFile, data, file)
     drive = table.drive
     about = drive.freq_hz or 0.5 * sum(drive.between)
     family = table.driven(file.parent).over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
@@ -177,7 +174,7 @@ def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
 
 def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> CyclesScene:
     """The bodies as a run has them, without its time."""
-    table = model.model_validate(data)
+    table = validated(model, data, file)
     speed, vary = table.speed, table.vary
     bodies = {key: part for key, part in data.items() if key not in ("vary", "continuation", "basins")}
     run = scene_of(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from contact.io.toml import entries, read_toml
 from contact.run import Scene
-from contact.scene.problems import Problems, SceneError, problem_text
+from contact.scene.problems import Problems, SceneError, validated
 
 if TYPE_CHECKING:
     from contact.scene.tables import File
@@ -41,7 +41,6 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
         raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     problems = Problems(file)
     what, law, scheme = table.built(file.parent, problems)
-    record = None
     with problems.at("record"):
         record = None if table.record is None else table.record.record(file.parent)
     problems.check()
@@ -49,16 +48,9 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     if text is not None:
         contents = [text, *((file.parent / name).read_bytes() for name in table.files())]
         source["sha256"] = hashlib.sha256(b"\0".join(contents)).hexdigest()
-    given = {
-        name: getattr(part, name)
-        for part in (table.scene, table.scheme)
-        for name in GIVEN
-        if name in type(part).model_fields
-    }
-    return Scene(
-        what=what, law=law, scheme=scheme, record=record, **given,
-        source=source,
-    )  # fmt: skip
+    heads = table.scene, table.scheme
+    given = {name: getattr(part, name) for part in heads for name in GIVEN if name in type(part).model_fields}
+    return Scene(what=what, law=law, scheme=scheme, record=record, source=source, **given)
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:
@@ -79,16 +71,10 @@ def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
 
 
 def _validated(data: dict[str, Any], file: Path) -> File:
-    from pydantic import ValidationError
-
     from contact.scene.tables import FILES
 
     kind = entries(data.get("scene")).get("kind")
     if str(kind) not in FILES:
         found = "nothing" if kind is None else repr(kind)
         raise SceneError([f"{file}: scene.kind: found {found}, expected one of {', '.join(map(repr, FILES))}"])
-    model = FILES[str(kind)]
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise SceneError([problem_text(file, detail, data, model) for detail in error.errors()]) from error
+    return validated(FILES[str(kind)], data, file)

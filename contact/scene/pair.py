@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
+from contact.scene.parts import Lean
 from contact.scene.scheme import NotNegative, Positive, ScanTable, Table
 
 
@@ -35,9 +36,7 @@ class PairContact(Table):
     stiffness: Positive | None = Field(default=None, description="of the contact [N/m]")
     compliance: Positive | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
     friction: NotNegative = Field(default=0.0, description="coefficient of Coulomb friction [-]")
-    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
-        default=0.0, description="lean of the blade into the motion [degrees]"
-    )
+    lean_deg: Lean = Field(default=0.0, description="lean of the blade into the motion [degrees]")
 
     @model_validator(mode="after")
     def _one_of_both(self) -> PairContact:

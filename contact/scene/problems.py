@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from contact.base.errors import InputError
 from contact.io.toml import written
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
+
+Model = TypeVar("Model", bound="BaseModel")
 
 
 class SceneError(InputError):
@@ -48,6 +50,16 @@ class Problems(list[str]):
         """Raise SceneError if there are any."""
         if self:
             raise SceneError(list(self))
+
+
+def validated(model: type[Model], data: Any, file: Path, table: str = "") -> Model:
+    """A table of a file by its model; raises SceneError, which lists all that is wrong with it."""
+    from pydantic import ValidationError
+
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise SceneError([problem_text(file, detail, data, model, table) for detail in error.errors()]) from error
 
 
 def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:

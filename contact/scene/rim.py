@@ -1,20 +1,26 @@
-"""Scene files of kind "rim": a turning casing rim against one fixed blade."""
+"""Scene files of kinds "rim", a turning casing rim against one fixed blade, and "disk", against a disk of blades."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, FiniteFloat
+import numpy as np
+from pydantic import Field, FiniteFloat, model_validator
 
+from contact.base.arrays import readonly
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.gap import RotatingRim
-from contact.scene.basis import read_basis
-from contact.scene.coating import CoatingTable, contact_law
+from contact.model.gaps.permanent import ModalPair
+from contact.model.gaps.rub import Rub, Start
+from contact.model.gaps.rub_laws import RimProfile, Speed
+from contact.scene.pair import CasingPairTable
+from contact.scene.parts import CoatingTable, Lean, Ratio, RecordTable, contact_law, read_basis, rub_built
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
-from contact.scene.roundness import GapTable
-from contact.scene.scheme import Built, ModalScheme, Positive, RunHead, SceneFile, SpeedTable, Table
+from contact.scene.roundness import GapTable, Whole
+from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, SceneFile, SpeedTable, Table
 from contact.scheme.modal.exact_modal import ExactModal
 
 
@@ -31,7 +37,7 @@ class CasingTable(Table):
     scatter: Annotated[FiniteFloat, Field(ge=0, le=0.2)] = Field(
         default=0.0, description="standard deviation of a random relative detuning of its modes [-]"
     )
-    seed: Annotated[int, Field(ge=0)] = Field(default=0, description="of that detuning")
+    seed: Whole = Field(default=0, description="of that detuning")
 
     def body(self, folder: Path) -> ModalBody:
         """The rim, detuned."""
@@ -46,9 +52,7 @@ class BladeTable(Table):
     freq_hz: Positive | None = Field(
         default=None, description="first frequency it is tuned to [Hz]; as it is if left out"
     )
-    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
-        default=0.0, description="lean from the radius, into the motion [degrees]"
-    )
+    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
 
     def body(self, folder: Path) -> ModalBody:
         """The blade, retuned."""
@@ -95,3 +99,84 @@ class RimFile(SceneFile):
             law = contact_law(self.coating, contact.friction)
         problems.check()
         return rim, law, ExactModal(law=self.scheme.law)
+
+
+class DiskHead(RunHead):
+    """[scene] of kind "disk"."""
+
+    kind: Literal["disk"] = Field(description="which kind of scene this is")
+
+
+class DiskPairTable(CasingPairTable):
+    """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
+
+    radius: Positive = Field(description="of the rim [m]")
+    kick: FiniteFloat = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
+
+
+class DiskCasingTable(Table):
+    """[casing]: a modal basis file of kind "rim", or a pair."""
+
+    basis: str | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
+    pair: DiskPairTable | None = Field(default=None, description="one pair of modes instead of a basis")
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> DiskCasingTable:
+        if (self.basis is None) == (self.pair is None):
+            raise ValueError(f"{'nothing' if self.basis is None else 'basis and pair'} found, expected one of both")
+        return self
+
+    def modes(self, folder: Path) -> ModalBody:
+        """The casing; a basis file is found in `folder`. Raises InputError."""
+        if self.pair is None:
+            return read_basis(folder / str(self.basis))
+        pair = ModalPair(**self.pair.model_dump(exclude={"radius", "kick"}))
+        return pair_rim(pair, radius=self.pair.radius)
+
+
+class DiskTable(Table):
+    """[disk]: the fields of `BladedDisk`."""
+
+    blades: Annotated[int, Field(ge=2, le=1000)] = Field(description="number of blades")
+    freq_hz: Positive = Field(description="frequency of one blade alone [Hz]")
+    modal_mass: Positive = Field(description="of one blade for unit motion along the normal [kg]")
+    coupling: NotNegative = Field(default=0.0, description="of neighbours, over a blade's stiffness [-]")
+    mistuning: list[FiniteFloat] | None = Field(
+        default=None, description="relative deviation of each blade's frequency [-]"
+    )
+    zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
+    compliance: NotNegative = Field(default=0.0, description="residual compliance of a tip [m/N]")
+    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
+
+
+class DiskFile(SceneFile):
+    """A disk of blades before a turning casing."""
+
+    scene: DiskHead = Field(description="what this scene is")
+    casing: DiskCasingTable = Field(description="the rim")
+    disk: DiskTable = Field(description="the blades")
+    contact: GapTable = Field(description="the gap")
+    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    speed: SpeedTable = Field(description="how fast the casing turns")
+    scheme: ModalScheme = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
+
+    def files(self) -> list[str]:
+        """The basis file, if the casing has one."""
+        return [] if self.casing.basis is None else [self.casing.basis]
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        rub = partial(self.rub, folder)
+        return rub_built(rub, self.coating, self.contact.friction, self.scheme, problems)
+
+    def rub(self, folder: Path) -> Rub:
+        """The scene; a basis file is found in `folder`. Raises InputError."""
+        casing, disk = self.casing.modes(folder), BladedDisk(**self.disk.model_dump())
+        kick = np.zeros(casing.omega.size)
+        kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
+        return Rub(
+            casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
+            speed=Speed.constant(self.speed.hz), profile=RimProfile.fourier(self.contact.terms(casing)),
+            casing_start=Start(velocity=readonly(kick)),
+        )  # fmt: skip

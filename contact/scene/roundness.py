@@ -121,11 +121,8 @@ class Roundness(Table):
             given = casing.roundness()
         else:
             given = [term.model_dump() for term in self.out_of_roundness]
-        return (
-            given
-            if self.random_out_of_roundness is None
-            else given + self.random_out_of_roundness.terms(self.draw or 0)
-        )
+        drawn = self.random_out_of_roundness
+        return given if drawn is None else given + drawn.terms(self.draw or 0)
 
 
 class GapTable(Roundness):

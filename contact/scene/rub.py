@@ -16,13 +16,11 @@ from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
-from contact.model.gaps.rub_forces import settled
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
-from contact.scene.basis import read_basis
-from contact.scene.coating import CoatingTable, rub_built
+from contact.model.gaps.rub_system import settled
+from contact.scene.parts import CoatingTable, Lean, RecordTable, read_basis, rub_built
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
-from contact.scene.roundness import GapTable
+from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, ScanTable, SceneFile, Table
 
 
@@ -53,11 +51,9 @@ class RubNode(Table):
     flap: str = Field(description="channel along its flap")
     axial: str | None = Field(default=None, description="channel along the axis, for sliding there")
     angle_deg: FiniteFloat = Field(default=0.0, description="from the blade's angle [degrees]")
-    line: Annotated[int, Field(ge=0)] = Field(default=0, description="number of the rim line it meets, from 0")
+    line: Whole = Field(default=0, description="number of the rim line it meets, from 0")
     clearance: FiniteFloat = Field(default=0.0, description="of its own, added to that of the contact [m]")
-    track: Annotated[int, Field(ge=0)] | None = Field(
-        default=None, description="number of the strip of a coating that it wears, from 0"
-    )
+    track: Whole | None = Field(default=None, description="number of the strip of a coating that it wears, from 0")
 
 
 class RubBlade(Table):
@@ -70,9 +66,7 @@ class RubBlade(Table):
     basis: str = Field(description="modal basis of kind point, npz, relative to this file")
     angle_deg: FiniteFloat = Field(default=0.0, description="where the first blade stands [degrees]")
     count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="number of equal blades around")
-    lean_deg: Annotated[FiniteFloat, Field(gt=-90, lt=90)] = Field(
-        default=0.0, description="lean from the radius, into the motion [degrees]"
-    )
+    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
     axial: bool = Field(default=False, description="whether its places slide along the axis too")
     stiffening: bool = Field(default=False, description="whether the speed stiffens it, as its basis says")
     node: list[RubNode] = Field(
@@ -87,9 +81,8 @@ class RubBlade(Table):
         chord = [name.removesuffix(".span") + "." for name in names if name.endswith(".span")] or [""]
         axial = "chord" if self.axial else None
         found = [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
-        return [node for j in range(body.sectors) for node in turned(self.node or found, j, body.sectors)] or (
-            self.node or found
-        )
+        own = self.node or found
+        return [node for j in range(body.sectors) for node in turned(own, j, body.sectors)] or own
 
     def require_channels(self, body: ModalBody, nodes: list[RubNode]) -> None:
         """Raise InputError, naming the basis, where it has not the channels of the places that touch."""
@@ -103,10 +96,8 @@ class RubBlade(Table):
         if self.node:
             near = hint(missing, body.channels)
             raise InputError(f"blade.node: found {missing!r}, expected a channel of {self.basis}: {there}{near}")
-        raise InputError(
-            f"blade.basis: {self.basis}: found the channels {there}, expected {', '.join(named)}; or give a "
-            "[[blade.node]] for each place, with its channels along span and flap"
-        )
+        expected = f"{', '.join(named)}; or give a [[blade.node]] for each place, with its channels along span and flap"
+        raise InputError(f"blade.basis: {self.basis}: found the channels {there}, expected {expected}")
 
 
 def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:

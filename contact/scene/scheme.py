@@ -8,23 +8,16 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, 
 
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
-from contact.scheme.linear.cd_lagrange import CDLagrange
-from contact.scheme.linear.central_difference import CentralDifference
-from contact.scheme.linear.hht import HHT
-from contact.scheme.linear.massless_boundary import MasslessBoundary
-from contact.scheme.linear.moreau_jean import MoreauJean
-from contact.scheme.linear.newmark import Newmark
-from contact.scheme.linear.nonsmooth_alpha import NonsmoothAlpha
-from contact.scheme.linear.paoli_schatzman import PaoliSchatzman
-from contact.scheme.linear.penalty import PenaltyDifference
-from contact.scheme.linear.projected_alpha import ProjectedAlpha
-from contact.scheme.linear.stabilised_newmark import StabilisedNewmark
+from contact.scheme.linear import leapfrog
+from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
+from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
 Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
 FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
 
@@ -47,14 +40,14 @@ ModalLaw = Literal["auto", "forward", "averaged", "energy"]
 ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
 
 SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
-    "forward-lagrange": (CentralDifference, ()),
-    "penalty": (PenaltyDifference, ()),
+    "forward-lagrange": (leapfrog.CentralDifference, ()),
+    "penalty": (leapfrog.PenaltyDifference, ()),
     "newmark": (Newmark, ("beta", "gamma")),
     "hht": (HHT, ("alpha",)),
     "moreau-jean": (MoreauJean, ("theta", "restitution")),
-    "cd-lagrange": (CDLagrange, ("restitution",)),
-    "paoli-schatzman": (PaoliSchatzman, ("restitution",)),
-    "massless-boundary": (MasslessBoundary, ()),
+    "cd-lagrange": (leapfrog.CDLagrange, ("restitution",)),
+    "paoli-schatzman": (leapfrog.PaoliSchatzman, ("restitution",)),
+    "massless-boundary": (leapfrog.MasslessBoundary, ()),
     "stabilised-newmark": (StabilisedNewmark, ()),
     "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
     "projected-alpha": (ProjectedAlpha, ("rho_inf", "restitution")),
@@ -139,10 +132,8 @@ class SchemeTable(Table):
     )
     dt: Positive | None = Field(default=None, description="time step [s]")
     stiffness: Positive | None = Field(default=None, description="of a penalty or an augmented Lagrangian [N/m]")
-    updates: Annotated[int, Field(ge=1)] | None = Field(
-        default=None, description="most updates of an augmented Lagrangian in a step"
-    )
-    modes: Annotated[int, Field(ge=1)] | None = Field(default=None, description="number of modes of a bar on a wall")
+    updates: Count | None = Field(default=None, description="most updates of an augmented Lagrangian in a step")
+    modes: Count | None = Field(default=None, description="number of modes of a bar on a wall")
     law: ModalLaw | ContactLaw | None = Field(default=None, description="how contact is enforced in a step")
     beta: Positive | None = Field(default=None, description="Newmark's beta [-]")
     gamma: Positive | None = Field(default=None, description="Newmark's gamma [-]")

@@ -1,23 +1,166 @@
-"""Scene files of kind "rods", bodies on one axis; and scene files of every kind, imported when one is read."""
+"""Scene files of kinds "rods", "beam" and "cantilever"; and of every kind, imported when one is read."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, FiniteFloat
+from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
+from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
-from contact.scene.beams import BeamFile, CantileverFile
-from contact.scene.disk import DiskFile
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.ring_modes import ThinRing, ring_modes
+from contact.model.gaps.rod_modes import Cantilever
 from contact.scene.pair import PairFile
+from contact.scene.parts import RecordTable, read_basis
 from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
-from contact.scene.record import RecordTable
-from contact.scene.rim import RimFile
+from contact.scene.rim import DiskFile, RimFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table
+
+
+class BeamHead(Table):
+    """[scene] of kind "beam"."""
+
+    kind: Literal["beam"] = Field(description="which kind of scene this is")
+    t_end: Positive = Field(description="time at which the run ends [s]")
+
+
+class SectionTable(Table):
+    """A straight beam of rectangular section."""
+
+    length: Positive = Field(description="length [m]")
+    width: Positive = Field(description="width of the section [m]")
+    height: Positive = Field(description="height of the section in the plane of motion [m]")
+    E: Positive = Field(description="Young's modulus [Pa]")
+    rho: Positive = Field(description="density [kg/m^3]")
+
+
+class BeamTable(SectionTable):
+    """[beam]: the fields of `HingedBeam`."""
+
+    elements: Annotated[int, Field(ge=1)] = Field(default=40, description="number of elements")
+    torque: FiniteFloat = Field(default=0.0, description="on the hinge [N m]")
+    angle_deg: FiniteFloat = Field(default=0.0, description="angle at t = 0 [degrees]")
+    spin: FiniteFloat = Field(default=0.0, description="rate of turning at t = 0 [rad/s]")
+
+
+class CircleTable(Table):
+    """[circle]: radius and offset of its centre from the hinge [m]."""
+
+    radius: Positive = Field(description="radius [m]")
+    offset: NotNegative = Field(default=0.0, description="of its centre from the hinge [m]")
+
+
+class RingTable(Table):
+    """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
+
+    basis: str | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
+    width: Positive | None = Field(default=None, description="width of the section along the axis [m]")
+    height: Positive | None = Field(default=None, description="height of the section along the radius [m]")
+    E: Positive | None = Field(default=None, description="Young's modulus [Pa]")
+    rho: Positive | None = Field(default=None, description="density [kg/m^3]")
+    k_r: NotNegative = Field(default=0.0, description="radial springs around [N/m^2]")
+    k_t: NotNegative = Field(default=0.0, description="tangential springs around [N/m^2]")
+    zeta: NotNegative = Field(default=0.0, description="damping ratio of all modes [-]")
+    n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
+
+    @model_validator(mode="after")
+    def _whole(self) -> RingTable:
+        given = [name for name in ("width", "height", "E", "rho") if getattr(self, name) is not None]
+        if (self.basis is None) != (len(given) == 4) or (self.basis is not None and given):
+            expected = "a basis, or all of width, height, E, rho"
+            raise ValueError(f"{', '.join(given) or 'nothing'} found, expected {expected}")
+        return self
+
+    def body(self, folder: Path, radius: float) -> ModalBody:
+        """The ring from its file, or by its section on the circle's radius."""
+        if self.basis is not None:
+            return read_basis(folder / self.basis)
+        return ring_modes(ThinRing(radius=radius, **self.model_dump(exclude={"basis", "n_max"})), self.n_max)
+
+
+class BeamFile(SceneFile):
+    """A hinged beam in an eccentric circle, rigid or an elastic ring."""
+
+    scene: BeamHead = Field(description="what this scene is")
+    beam: BeamTable = Field(description="the beam")
+    circle: CircleTable = Field(description="the circle")
+    ring: RingTable | None = Field(default=None, description="an elastic ring instead of a rigid circle")
+    scheme: SchemeTable = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
+
+    def files(self) -> list[str]:
+        """Files the scene is made of, beside its own."""
+        return [] if self.ring is None or self.ring.basis is None else [self.ring.basis]
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        circle = self.circle
+        with problems.at("beam"):
+            beam = HingedBeam(**self.beam.model_dump())
+        with problems.at("ring"):
+            ring = None if self.ring is None else self.ring.body(folder, circle.radius)
+        with problems.at("scheme"):
+            law, scheme = self.scheme.method()
+        problems.check()
+        with problems.at():
+            what = BeamInCircle(beam, radius=circle.radius, offset=circle.offset, ring=ring)
+        problems.check()
+        return what, law, scheme
+
+
+class CantileverHead(Table):
+    """[scene] of kind "cantilever"."""
+
+    kind: Literal["cantilever"] = Field(description="which kind of scene this is")
+    t_end: Positive = Field(description="time at which the run ends [s]")
+
+
+class CantileverTable(SectionTable):
+    """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
+
+    zeta: Annotated[FiniteFloat, Field(ge=0, lt=1)] = Field(default=0.0, description="damping ratio of all modes [-]")
+    load: FiniteFloat = Field(default=0.0, description="line load towards the stop [N/m]")
+    velocity: FiniteFloat = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
+
+
+class StopTable(Table):
+    """[stop]: its distance from the tip of the straight beam [m]."""
+
+    clearance: NotNegative = Field(description="from the tip of the straight beam [m]")
+
+
+class CantileverFile(SceneFile):
+    """A clamped beam whose tip meets a stop."""
+
+    scene: CantileverHead = Field(description="what this scene is")
+    beam: CantileverTable = Field(description="the beam")
+    stop: StopTable = Field(description="the stop")
+    scheme: SchemeTable = Field(description="method and time step")
+    record: RecordTable | None = Field(default=None, description="what is stored")
+
+    @model_validator(mode="after")
+    def _modal(self) -> CantileverFile:
+        if self.scheme.kind != "exact-modal":
+            raise ValueError(f"scheme.kind {self.scheme.kind!r} found, expected 'exact-modal'")
+        return self
+
+    def built(self, folder: Path, problems: Problems) -> Built:
+        """What the file describes; raises SceneError."""
+        given = self.beam
+        with problems.at():
+            beam = Cantilever(**given.model_dump(exclude={"load", "velocity"}))
+            gap = beam.before_stop(
+                clearance=self.stop.clearance, load=given.load, velocity=given.velocity, modes=self.scheme.modes or 20
+            )
+        with problems.at("scheme"):
+            law, scheme = self.scheme.method()
+        problems.check()
+        return gap, law, scheme
 
 
 class RodTable(Table):

@@ -6,9 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.scene.coating import CoatingTable
-from contact.scene.disk import DiskCasingTable, DiskTable
-from contact.scene.rim import BladeTable, CasingTable, RimContact
+from contact.scene.parts import CoatingTable
+from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
 from contact.scene.scheme import NotNegative, Positive, Table
@@ -54,9 +53,8 @@ class SpeedRange(Table):
         given = self.from_hz, self.to_hz, self.hz
         if self.from_hz is not None and self.to_hz is not None and self.hz is None:
             if not self.from_hz * self.to_hz > 0.0 or self.from_hz == self.to_hz:
-                raise ValueError(
-                    f"{self.from_hz:g} to {self.to_hz:g} found, expected two different speeds of one sense"
-                )
+                expected = "two different speeds of one sense"
+                raise ValueError(f"{self.from_hz:g} to {self.to_hz:g} found, expected {expected}")
         elif not self.hz or given[:2] != (None, None):
             found = ", ".join(name for name, one in zip(("from_hz", "to_hz", "hz"), given, strict=True) if one)
             raise ValueError(f"{found or 'nothing'} found, expected from_hz and to_hz, or hz beside [vary]")

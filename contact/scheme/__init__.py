@@ -1,4 +1,4 @@
-"""Time schemes, one file each."""
+"""Time schemes, one file for each family."""
 
 import lazy_loader
 

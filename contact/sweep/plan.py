@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.io.brief import brief
-from contact.io.checked_json import digest_of
+from contact.io.outfiles import digest_of
 from contact.io.toml import entries
 from contact.scene.load import scene_data, scene_of
-from contact.scene.problems import SceneError, problem_text
+from contact.scene.problems import SceneError, validated
 from contact.version import versions
 
 if TYPE_CHECKING:
@@ -86,18 +86,11 @@ def load_sweep(path: str | Path) -> SweepPlan:
 
 
 def _table(data: object, file: Path) -> SweepTable:
-    from pydantic import ValidationError
-
     from contact.sweep.tables import SweepTable
 
     if entries(data) is not data:  # no table
         raise SceneError([f"{file}: sweep: missing, expected [sweep] with [[sweep.vary]]"])
-    try:
-        return SweepTable.model_validate(data)
-    except ValidationError as error:
-        raise SceneError(
-            [problem_text(file, detail, data, SweepTable, "sweep") for detail in error.errors()]
-        ) from error
+    return validated(SweepTable, data, file, "sweep")
 
 
 def _combinations(table: SweepTable, file: Path) -> Iterator[tuple[Value, ...]]:

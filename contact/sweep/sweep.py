@@ -22,8 +22,7 @@ from contact.run import Scene
 from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
 from contact.sweep.plan import SweepPlan, Value, changed
-from contact.sweep.row import COLUMNS, row_of, sweep_record
-from contact.sweep.store import Row, Store, read_run, run_path, write_run
+from contact.sweep.row import COLUMNS, Row, Store, read_run, row_of, run_path, sweep_record, write_run
 
 MOST = 64  # runs a task holds at most
 BATCH = 8  # runs that share one compiled loop

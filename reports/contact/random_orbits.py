@@ -18,8 +18,7 @@ import numpy as np
 import contact as ct
 from casingfem.io.arrays import FloatArray
 from contact.growth.cycles import Branch, DrivenBody, Orbit
-from contact.growth.cycles.branch import begun, followed
-from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.branch import Course, Tangent, begun, followed
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.shooting import map_of, settled
 from reports.contact.cycles import left

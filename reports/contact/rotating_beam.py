@@ -18,8 +18,7 @@ from casingfem.plot.style import AFTER, BEFORE, GREEN, new_figure, png, styled
 from contact.io.outfiles import write_atomic
 from contact.loop.beam.beam import strain_energy_and_forces
 from contact.record.record import samples
-from contact.scheme.beam.beam_implicit import ImplicitBeamStepper
-from contact.scheme.beam.beam_stepper import BeamStepper
+from contact.scheme.beam.beam_stepper import BeamStepper, ImplicitBeamStepper
 from reports.tables import Row, command_line, show, write
 
 BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)

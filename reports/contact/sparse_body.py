@@ -19,7 +19,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import contact as ct
 from contact.model.bodies import linear_system
-from contact.scheme.linear.linear_stepper import LinearStepper
+from contact.scheme.linear.stepper import LinearStepper
 from reports.tables import Row, command_line, show, write
 
 SCHEMES = {"explicit": ct.CentralDifference(), "Moreau-Jean": ct.MoreauJean()}

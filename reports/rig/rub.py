@@ -12,8 +12,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.modes import Modes
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
-from contact.film import RubFilm, rub_film
 from contact.growth.coincidence import coincidences
+from contact.histories import RubFilm, rub_film
 from contact.io.outfiles import write_atomic
 from reports.rub.rim_levels import excess_db, rim_levels
 

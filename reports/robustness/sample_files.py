@@ -23,7 +23,7 @@ from casingfem.structure.imported.matrix.write import matrix_files
 from casingfem.structure.imported.read import read_mesh
 from casingfem.study.cyclic import read_deviations
 from casingfem.study.load import load_any
-from contact.io.checked_json import read_checked, write_checked
+from contact.io.outfiles import read_checked, write_checked
 from contact.result import Result
 from contact.scene.cycles import load_cycles
 from contact.scene.rub import read_profile

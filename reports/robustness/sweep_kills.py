@@ -20,7 +20,7 @@ import numpy as np
 
 import contact as ct
 from contact.sweep.plan import SweepPlan, load_sweep
-from contact.sweep.store import Store
+from contact.sweep.row import Store
 from contact.sweep.sweep import SweepResult, run_sweep, table
 from reports.tables import ROOT, Row, command_line, show, write
 

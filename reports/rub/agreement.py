@@ -18,7 +18,7 @@ from casingfem.plot.style import png
 from contact.confirmed import confirming_run
 from contact.growth.closed_contact import poles
 from contact.growth.interaction_table import Interactions
-from contact.growth.perfect_mean import mean_contact
+from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import HandPair
 from reports.rub.bases import casing, steel_strip

@@ -18,7 +18,7 @@ from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.style import png
 from contact.growth.cycles import Cycles, Orbit, RimFamily, Special, as_worn
 from contact.io.outfiles import write_atomic
-from contact.model.gaps.one_tip import rub_of
+from contact.model.gaps.rub import rub_of
 from reports.rub.section_44 import first_touch, make_blades, make_casing
 from reports.tables import Row, check, command_line, show, write
 

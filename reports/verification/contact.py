@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import contact as ct
-from contact.reference.impacts import Bounces, stopped_period
+from contact.reference.exact import Bounces, stopped_period
 from reports.contact.cases import methods, rod_wall_case, run, two_rods_case
 from reports.tables import Row, check
 

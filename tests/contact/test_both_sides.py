@@ -8,14 +8,13 @@ import pytest
 
 import contact as ct
 from contact.growth.cycles.driven import DrivenBody
-from contact.growth.floquet import fastest
+from contact.growth.split_casing import fastest
 from contact.model.gaps.gap import require_term
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub_laws import Closing, Whirl
 from contact.model.law import MOST_BARS
-from contact.reference.exact import bouncing_bar
-from contact.reference.impacts import driven_orbit, stopped_period
+from contact.reference.exact import bouncing_bar, driven_orbit, stopped_period
 from contact.reference.waves import impact_by_characteristics
 from contact.scheme.beam.beam_stepper import beam_step
 from contact.solver.friction.coulomb import coulomb

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 import contact as ct
 from contact.confirmed import ConfirmingRun, _start, _step, closed_rub, exponent
 from contact.growth.closed_contact import poles
-from contact.growth.perfect_mean import mean_contact
+from contact.growth.split_casing import mean_contact
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from tests.contact.synthetic_rim import blade, ring

@@ -12,8 +12,8 @@ import contact as ct
 from contact.collect import _intervals
 from contact.diverged import AT_ONCE, IN_REALITY, UNTOLD, divergence, recent_growth, theory_of
 from contact.growth.closed_contact import growth
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import rim_contact
+from contact.model.gaps.rub import rub_of
 from contact.problem import default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import NO_STEPS, Record, samples

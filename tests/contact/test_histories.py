@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact import film
+from contact import histories as film
 from contact.histories import force_table, strain_energy, tip_motion
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact import film
+from contact import histories as film
 from contact.base.errors import InputError
 from contact.histories import force_table, strain_energy, tip_motion
 from contact.record.energy import EnergyBudget, Stored

@@ -11,7 +11,7 @@ import pytest
 
 import contact as ct
 from contact.model.bodies.chain import assemble
-from contact.model.gaps.one_tip import rub_of
+from contact.model.gaps.rub import rub_of
 from contact.run import steps
 from contact.scheme.modal.modal_run import ModalRun
 from tests.contact.synthetic_rim import blade, ring

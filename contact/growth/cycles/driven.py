@@ -76,10 +76,8 @@ class DrivenBody:
         k, body = self.patch.contacts, self.patch.body
         require_not_negative(amplitude=self.amplitude, mu=self.mu)
         if self.mu > 0.0 and (self.patch.dimensions != 2 or not np.all(np.asarray(self.patch.slide) != 0.0)):
-            raise InputError(
-                "mu: found friction, expected one tangent and a slide other than 0 for each contact; long runs "
-                "(ct.run) take the rest"
-            )
+            expected = "one tangent and a slide other than 0 for each contact; long runs (ct.run) take the rest"
+            raise InputError(f"mu: found friction, expected {expected}")
         for name in (self.channel, *self.shown):
             body.channel(name)
         stiffness = readonly(np.broadcast_to(np.asarray(self.stiffness, float), (k,)))
@@ -197,27 +195,17 @@ def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     soft = np.diag(S) > 0.0
     springs = (N[soft].T / np.diag(S)[soft]) @ W[soft]
     held = omega.max() ** 2 + (float(np.linalg.norm(springs, 2)) if np.isfinite(springs).all() else math.inf)
-    D, T = _shown(body), rows[1::d] if body.mu > 0.0 else rows[:0]
+    at = [modes.channel(name) for name in body.shown]
+    moved = modes.S[np.ix_(at, body.patch.channels())] @ pushes  # by forces on the patch's rows
+    D, T = modes.rows[at], rows[1::d] if body.mu > 0.0 else rows[:0]
     away = -np.sign(np.asarray(body.patch.slide))[: len(T)]  # the slip's
     return Plant(
         A=A, B=np.vstack([np.zeros_like(W.T), W.T / scale[:, None]]), C=np.hstack([N, np.zeros_like(N)]), S=S,
         D=np.block([[D, np.zeros_like(D)], [np.zeros_like(T), away * T * scale]]),
-        E=np.vstack([_shown_by(body) @ pushes, np.zeros((len(T), len(N)))]), restitution=np.asarray(body.restitution),
+        E=np.vstack([moved, np.zeros((len(T), len(N)))]), restitution=np.asarray(body.restitution),
         rate=max(math.sqrt(held), 2.0 * math.pi * freq_hz), slips=tuple((i, len(D) + i) for i in range(len(T))),
         hidden=len(T),
     )  # fmt: skip
-
-
-def _shown(body: DrivenBody) -> Array:
-    """Rows of the channels shown, (o, m)."""
-    modes = body.patch.body
-    return np.asarray(modes.rows[[modes.channel(name) for name in body.shown]])
-
-
-def _shown_by(body: DrivenBody) -> Array:
-    """What forces on the patch's rows move the channels shown by, through S, (o, k dimensions)."""
-    modes = body.patch.body
-    return np.asarray(modes.S[np.ix_([modes.channel(name) for name in body.shown], body.patch.channels())])
 
 
 def _drive(body: DrivenBody, scale: Array, freq_hz: float) -> Drive:

@@ -40,6 +40,9 @@ class Event(NamedTuple):
     rests: bool = False
 
 
+After = tuple[Array, Array | None, Closed, Event]  # state, derivative and closed contacts after an event, and the event
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Passage:
     """Where a period ends: state, derivative (n, n) if asked for, events, contacts closed at `first`.
@@ -184,9 +187,7 @@ def passage(
     )  # fmt: skip
 
 
-def _switched(
-    motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float
-) -> tuple[Array, Array | None, Closed, Event]:
+def _switched(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float) -> After:
     """State, derivative and closed contacts after an event."""
     if hit in closed:
         return x, M, tuple(i for i in closed if i != hit), Event(time, hit, False, False, 0.0)
@@ -195,9 +196,7 @@ def _switched(
     return _impact(motion, x, M, closed, hit, time)
 
 
-def _impact(
-    motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float
-) -> tuple[Array, Array | None, Closed, Event]:
+def _impact(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float) -> After:
     """Newton's impact at one rigid contact; the rigid ones closed already take their share."""
     plant, H = motion.plant, motion.plant.impulse
     velocity, rows, faster = motion.gap_velocity(x, time)
@@ -220,9 +219,7 @@ def _impact(
     return after, M, now, Event(time, hit, True, hit in now, speed)
 
 
-def _at_rest(
-    motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float, still: Array
-) -> tuple[Array, Array | None, Closed, Event]:
+def _at_rest(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int, time: float, still: Array) -> After:
     """The end of a series of ever smaller hits: all rigid contacts that touch come to rest together."""
     plant = motion.plant
     velocity, _, _ = motion.gap_velocity(x, time)

@@ -21,9 +21,8 @@ from contact.growth.cycles.driven import looks_of
 from contact.growth.cycles.passage import Motion
 from contact.growth.cycles.switched import Complex, Drive, Forcing, Plant
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ClosedContact, rub_contact
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import RimProfile, Speed
 from contact.model.law import Abradable
 from contact.record.wear import Wear

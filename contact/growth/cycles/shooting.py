@@ -133,9 +133,8 @@ def require_state(x: Array, family: Family, name: str) -> Array:
     """A state of a family's motion, or sizes of one; raises InputError for anything else."""
     x = np.asarray(x, dtype=float)
     if x.shape != family.begin.shape:
-        raise InputError(
-            f"{name}: found shape {x.shape}, expected {family.begin.shape}, displacements and then velocities"
-        )
+        expected = f"{family.begin.shape}, displacements and then velocities"
+        raise InputError(f"{name}: found shape {x.shape}, expected {expected}")
     if not np.all(np.abs(x) < HUGE):
         raise InputError(f"{name}: found entries that are NaN or infinite or huge, expected numbers below {HUGE:g}")
     return x

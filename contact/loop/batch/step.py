@@ -7,7 +7,7 @@ import math
 from contact.base.arrays import Array
 from contact.jit.compiled import jit_inside
 from contact.jit.vector import WIDTH, below_zero, entry, larger, load, put, same
-from contact.loop.batch.state import (
+from contact.loop.batch.waves import (
     DAMPING,
     DRAG,
     DRIVE,
@@ -28,8 +28,8 @@ from contact.loop.batch.state import (
     TANGENT,
     TEST,
     BatchState,
+    fill_lanes,
 )
-from contact.loop.batch.waves import fill_lanes
 from contact.loop.modal.free_flight import PAUSE
 from contact.model.gaps.limits import REACHED, TIP
 from contact.record.record import Tally

@@ -1,14 +1,151 @@
-"""Waves and rows of eight rims at their angles; skips over free flight, and where they land."""
+"""What eight rims at once work on, (m, 8) and (8,) arrays; waves and rows at their angles; skips over free flight."""
 
 from __future__ import annotations
 
-from contact.base.arrays import Array
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.batch.state import ANGLE, FREE, STRAIN, BatchFreeFlight, BatchState, BatchTerms
-from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
 from contact.loop.modal.free_flight import LEAST, FreeFlight, largest_share, open_steps
 from contact.record.record import Tally
+
+FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, N_T, BEFORE, GAP = range(15)
+T_N, T_T, SLIP = 15, 16, 17
+STRAIN, HEAT, DRIVE = 7, 8, 9  # rows of `memory`; 4 .. 6 are S_nn, S_nt, S_tt
+WHOLE = 6755399441055744.0  # 1.5 2^52: added and taken away again, it rounds to a whole number
+HIGH = math.floor(math.pi * 2.0**24) / 2.0**24  # n HIGH is exact for n < 2^27
+LOW = math.pi - HIGH
+REST = 1.2246467991473532e-16  # of pi, beyond double precision
+COS = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(12)])  # of |x| <= pi/2: Taylor, to 1e-17
+SIN = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(12)])
+
+
+class BatchTerms(NamedTuple):
+    """Sums of waves: block b of rows has those at wave[start[b]] .. wave[start[b + 1] - 1]; all count single numbers.
+
+    Where all lanes have the same coefficients a block is four rows with most of their waves in common, so that a wave
+    is read once for them, and coefficient 4 j + r is that of wave j in row[4 b + r]; else it is one row.
+    """
+
+    row: Indices
+    start: Indices
+    wave: Indices
+    value: Array  # (terms, 8)
+    alike: Array  # (terms,), empty where lanes differ: an eighth of the memory
+
+
+class BatchFreeFlight(NamedTuple):
+    """The fields of `FreeFlight`, one row a lane; `powers` (1, bits, 4, m) where all lanes have the same."""
+
+    powers: Array
+    fade: Array
+    cos: Array
+    sin: Array
+    start: Indices
+    wave: Indices
+    row: Array
+    floor: Array
+    reach: Array
+    taken: Indices
+    open: Indices  # (8,): steps whose gap is surely open, up to this one
+
+
+class BatchSamples(NamedTuple):
+    """What lanes store: samples (8, rows), states (8, states, m); `due` (2, 8) the next steps that are stored."""
+
+    time: Array
+    force: Array
+    gap: Array
+    impulse: Array
+    state_time: Array
+    state: Array
+    due: Indices
+    every: Indices  # (2, 8)
+    filled: Indices  # (2, 8)
+
+
+class BatchState(NamedTuple):
+    """State and coefficients of eight runs (m, 8), what differs between them (8,), and work space."""
+
+    q: Array
+    d: Array
+    old: Array
+    al: Array
+    be: Array
+    c: Array
+    weight: Array
+    alike: Array  # (4, m): al, be, c, weight where all runs have the same, else empty
+    normal: BatchTerms  # rows of the modes, then clearance, S_nn, S_nt, S_tt
+    tangent: BatchTerms
+    angle: Array
+    speed: Array
+    surface: Array
+    mu: Array
+    h: Array
+    averaged: Array  # 1, or 0 for the forward law
+    turns: Array  # 1 where S depends on the angle, else 0
+    away: Array  # 0, or a gap that never closes where no run is
+    live: Indices
+    step: Indices
+    end: Indices
+    retry: Indices
+    failed: Indices  # 1 no force was found, 2 the motion passed a limit
+    reach: Array  # (m, 8), as `RimRows.reach`
+    limits: Array  # (4, 8), of `motion_limits`
+    memory: Array  # (10, 8), as on a rim alone
+    Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
+    Q_next: Array
+    T: Array  # (m + 1, 8)
+    waves: Array  # (harmonics, 2, 8): cos n phi, sin n phi
+    waves_next: Array
+    work: Array  # (18, 8)
+
+
+@jit_inside
+def half_turns(phi: float) -> float:
+    """Nearest whole number of half turns."""
+    turns: float = (phi * same(1.0 / math.pi) + same(WHOLE)) - same(WHOLE)
+    return turns
+
+
+@jit_inside
+def within(phi: float, turns: float) -> float:
+    """Angle less these half turns."""
+    left: float = ((phi - turns * same(HIGH)) - turns * same(LOW)) - turns * same(REST)
+    return left
+
+
+@jit_inside
+def sign_of(turns: float) -> float:
+    """Sign by which sine and cosine differ after these half turns: 1 - 2 for odd ones."""
+    half = turns * same(0.5)
+    odd = half - ((half + same(WHOLE)) - same(WHOLE))  # 0 or +-1/2
+    sign: float = same(1.0) - same(8.0) * odd * odd
+    return sign
+
+
+@jit_inside
+def cosine(x: float) -> float:
+    """Of |x| <= pi/2."""
+    y, total = x * x, same(entry(COS, 11))
+    for k in range(10, -1, -1):
+        total = total * y + same(entry(COS, k))
+    result: float = total
+    return result
+
+
+@jit_inside
+def sine(x: float) -> float:
+    """Of |x| <= pi/2."""
+    y, total = x * x, same(entry(SIN, 11))
+    for k in range(10, -1, -1):
+        total = total * y + same(entry(SIN, k))
+    result: float = total * x
+    return result
 
 
 @jit_inside

@@ -25,7 +25,7 @@ class FreeFlight(NamedTuple):
     fade: Array  # (m,) e^{-a h}
     cos: Array  # (m,) cos w_d h
     sin: Array
-    start: Indices  # terms of mode i, as in `contact.model.waves.Terms`
+    start: Indices  # terms of mode i, as in `contact.model.trig.Terms`
     wave: Indices
     row: Array
     floor: Array  # (cells,) least clearance of each cell of the contact angle

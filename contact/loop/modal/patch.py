@@ -10,8 +10,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
 from contact.loop.limits import outgrown, tip_motion
-from contact.loop.modal.stick import Sticking, note_sticking
-from contact.loop.tally import note_contact, store, store_state
+from contact.loop.tally import Sticking, note_contact, note_sticking, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.dense import assign, dot
 from contact.solver.friction.coulomb import friction_forces, solver_room

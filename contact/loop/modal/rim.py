@@ -8,7 +8,6 @@ drag over it, S_nn, S_nt, S_tt at phi_{n-1}, tangential S lam, heat, work of the
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside, jit_vectors
@@ -16,33 +15,13 @@ from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.free_flight import FOREVER, PAUSE, FreeFlight, discrete_energy, skip_free_flight
 from contact.loop.modal.modal import ModalState
-from contact.loop.modal.rows import RowBlocks, fill, move, product, rotate, weighted
-from contact.loop.modal.stick import INSIDE
-from contact.loop.tally import note_contact, note_stick, state_due, store, store_state
+from contact.loop.modal.rows import RimRows, fill, move, product, rotate, weighted
+from contact.loop.tally import INSIDE, note_contact, note_stick, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
-from contact.solver.abradable.one_tip import Coating, crush, first_bar, force_on, machined, surface
+from contact.solver.abradable.tips import Coating, crush, first_bar, force_on, machined, surface
 from contact.solver.dense import assign
-from contact.solver.friction.one_contact import drag_ratio
-from contact.solver.unilateral.scalar import scalar_force
-
-
-class RimRows(NamedTuple):
-    """Rows of the modes with clearance and compliance, the speeds of the rim, and work space."""
-
-    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
-    tangent: RowBlocks
-    modes: int
-    reach: Array  # how far each of the casing's modes moves the rim at most, zero for others
-    S_turns: bool  # S depends on the angle
-    angle: float
-    speed: float
-    surface: float  # R Omega
-    mu: float
-    seen: Array  # what is stored of an instant: displacements, forces
-    limits: Array  # of `motion_limits`
-    waves: Array  # (2, harmonics): cos n phi, sin n phi, n = 0, 1, ..., whole vectors of them
-    waves_next: Array
+from contact.solver.friction.one_contact import drag_ratio, scalar_force
 
 
 @jit_inside

@@ -9,7 +9,6 @@ from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH
 from contact.loop.modal.rows import RowBlocks, fill_some, multiples, product
-from contact.loop.rub.body_force import Pulls
 
 BEFORE, NOW, AHEAD = 0, 1, 2  # rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, with cosine and sine
 
@@ -30,6 +29,14 @@ def polynomial(terms: Terms, waves: Array) -> float:
         n = terms.harmonic[j]
         total += terms.cos[j] * waves[0, n] + terms.sin[j] * waves[1, n]
     return total
+
+
+class Pulls(NamedTuple):
+    """Body forces by their rows (`BodyForce.row`), and the modes' share of them along x and y."""
+
+    laws: Array  # (forces, 8)
+    plane: Array  # (2, m)
+    casing: int  # modes of the casing, which come first
 
 
 class RubLaws(NamedTuple):

@@ -57,9 +57,7 @@ def band(A: Any, order: Indices, *, wide: bool = False) -> Band:
     >>> band(np.array([[2.0, -1.0], [-1.0, 1.0]]), np.arange(2)).ground.tolist()
     [1.0, 0.0]
     """
-    n = order.size
-    place = np.empty(n, dtype=np.int64)
-    place[order] = np.arange(n)
+    n, place = order.size, np.argsort(order)
     rows, columns, values = _entries(A)
     rows, columns = place[rows], place[columns]
     upper = columns > rows

@@ -140,9 +140,8 @@ class BeamInCircle:
         """
         L, c, R = self.beam.length, self.offset, self.radius
         if not L - c < R < L + c:
-            raise InputError(
-                f"radius: found {R:g} m, expected between {L - c:g} and {L + c:g} m for the tip to meet it"
-            )
+            expected = f"between {L - c:g} and {L + c:g} m for the tip to meet it"
+            raise InputError(f"radius: found {R:g} m, expected {expected}")
         return math.acos((L * L + c * c - R * R) / (2.0 * L * c))
 
     @property

@@ -82,8 +82,7 @@ def linear_system(problem: Linear) -> LinearSystem:
     body = problem.linear_form()
     n = body.size
     order, wide = (np.arange(n), False) if problem.in_order else _ordered(body)
-    place = np.empty(n, dtype=np.int64)
-    place[order] = np.arange(n)
+    place = np.argsort(order)
     columns, value = _lists(body, place)
     assert body.load is not None
     system = LinearSystem(
@@ -103,8 +102,7 @@ def _ordered(body: LinearBody) -> tuple[Indices, bool]:
 
     pattern = csr_array(abs(body.M)) + csr_array(abs(body.K)) + csr_array(abs(body.C))
     order = np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True), dtype=np.int64)
-    place = np.empty(body.size, dtype=np.int64)
-    place[order] = np.arange(body.size)
+    place = np.argsort(order)
     entries = pattern.tocoo()
     width = int(np.max(np.abs(place[entries.row] - place[entries.col]), initial=0))
     if width * body.size > EMPTY * max(entries.nnz - body.size, 1) // 2:
@@ -144,13 +142,12 @@ def omega_max(system: LinearSystem, *, contact_stiffness: float = 0.0, free: Arr
             root = np.where(free, root, 0.0)
         return _top_lumped(K, root)
     if system.size > DENSE:
-        raise InputError(
-            f"M: found a consistent mass matrix of {system.size} coordinates, expected at most {DENSE}, or lumped"
-        )
+        found = f"a consistent mass matrix of {system.size} coordinates"
+        raise InputError(f"M: found {found}, expected at most {DENSE}, or lumped")
     from scipy.linalg import eigh
 
     n = system.size
-    dense_M, dense_K = _dense(M), _dense(K)
+    dense_M, dense_K = sparse_form(M).toarray(), sparse_form(K).toarray()
     return math.sqrt(max(float(eigh(dense_K, dense_M, eigvals_only=True, subset_by_index=(n - 1, n - 1))[0]), 0.0))
 
 
@@ -180,13 +177,6 @@ def _top_lumped(K: Band, root: Array) -> float:
     scaled[0] *= root**2
     for d in range(1, scaled.shape[0]):
         scaled[d, : n - d] *= root[: n - d] * root[d:]
-    top = (
-        scaled[0]
-        if scaled.shape[0] == 1
-        else eigvals_banded(scaled, lower=True, select="i", select_range=(n - 1, n - 1))
-    )
-    return math.sqrt(max(float(np.max(top)), 0.0))
-
-
-def _dense(A: Band) -> Array:
-    return np.asarray(sparse_form(A).toarray())
+    if scaled.shape[0] > 1:
+        scaled = eigvals_banded(scaled, lower=True, select="i", select_range=(n - 1, n - 1))
+    return math.sqrt(max(float(np.max(scaled)), 0.0))

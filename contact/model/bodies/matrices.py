@@ -1,4 +1,4 @@
-"""Someone's matrices M, K, C, checked and in SI: what their rows mean, and the unit forces on a contact."""
+"""Someone's matrices M, K, C, checked and in SI: what their rows mean, unit forces on a contact, their facts."""
 
 from __future__ import annotations
 
@@ -171,3 +171,95 @@ def asymmetry(A: Any) -> float:
     largest = np.maximum(largest, np.median(largest[largest > 0.0]))
     rows, columns = odd.coords
     return float((np.abs(odd.data) / np.sqrt(largest[rows] * largest[columns])).max(initial=0.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MatrixReport:
+    """What to know of matrices before anything is done with them.
+
+    `mass` [kg] along x, y, z (equal for a whole body without scalar dofs left out); `centre` [m] and `inertia` [kg m^2]
+    about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the
+    same rows; `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual`
+    the share of S in the static compliance at the contact; `coupling` the largest damping between two modes over their
+    own; `undamped` rigid modes that C damps and the body does not.
+    """
+
+    size: int
+    mass: tuple[float, float, float]
+    centre: tuple[float, ...] | None
+    inertia: tuple[tuple[float, ...], ...] | None
+    rigid: int
+    massless: int
+    skew: tuple[float, float]
+    freq_hz: tuple[float, ...]
+    kept: int
+    residual: float
+    coupling: float | None
+    undamped: int | None
+
+    def __str__(self) -> str:
+        """The lines of the printout."""
+        lines = [
+            f"{self.size} unknowns, {self.massless} of them without mass, {self.rigid} rigid modes",
+            f"mass [kg]: {' '.join(f'{m:.6g}' for m in self.mass)} along x, y, z",
+        ]
+        if self.centre is not None and self.inertia is not None:
+            lines.append(f"centre [m]: {' '.join(f'{x:.6g}' for x in self.centre)}")
+            rows = "; ".join(" ".join(f"{x:.6g}" for x in row) for row in self.inertia)
+            lines.append(f"inertia about it [kg m^2]: {rows}")
+        else:
+            lines.append("inertia: not known without the positions of the nodes")
+        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
+        lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
+        if self.coupling is not None:
+            lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, left out")
+        if self.undamped:
+            lines.append(f"damping of rigid modes: left out in {self.undamped} of {self.rigid}, which move on undamped")
+        return "\n".join([*lines, self.words])
+
+    @property
+    def words(self) -> str:
+        """Whether the basis has residual compliance, and what that means."""
+        if self.residual > 0.0:
+            return (
+                f"residual compliance: present, {100 * self.residual:.3g} % of the static compliance at the contact; "
+                f"without it the {self.kept} modes would be so much too stiff there"
+            )
+        return (
+            "residual compliance: none, all modes are kept; statics are exact, but the contact then carries mass and "
+            "the step must resolve the highest mode: keep fewer modes, and S takes the rest"
+        )
+
+
+def report_of(
+    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None, undamped: int | None
+) -> MatrixReport:
+    """The facts of matrices and of the modes kept."""
+    motions = matrices.rigid_motions()
+    inertia = motions.T @ (matrices.M @ motions)
+    mass = np.diag(inertia)[:3]
+    known = all(node in matrices.points for node, axis in matrices.dofs if axis != "q") and mass.min() > 0.0
+    centre = about = None
+    if known:
+        # the mean of the diagonal's three masses: the part of the first moment that is skew gives the centre
+        m = float(mass.mean())
+        first = inertia[:3, 3:]
+        x = np.array([first[1, 2] - first[2, 1], first[2, 0] - first[0, 2], first[0, 1] - first[1, 0]]) / (2.0 * m)
+        steiner = m * (x @ x * np.eye(3) - np.outer(x, x))
+        centre = tuple(x.tolist())
+        about = tuple(map(tuple, (inertia[3:, 3:] - steiner).tolist()))
+    a, b, c = mass.tolist()
+    return MatrixReport(
+        size=matrices.size,
+        mass=(a, b, c),
+        centre=centre,
+        inertia=about,
+        rigid=rigid,
+        massless=int(np.count_nonzero(matrices.M.diagonal() == 0.0)),
+        skew=matrices.skew,
+        freq_hz=tuple((np.sqrt(lam[rigid : rigid + 6]) / (2.0 * np.pi)).tolist()),
+        kept=kept,
+        residual=residual,
+        coupling=coupling,
+        undamped=undamped,
+    )

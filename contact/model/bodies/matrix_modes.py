@@ -18,8 +18,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.model.bodies.matrices import Contact, Matrices
-from contact.model.bodies.matrix_report import MatrixReport, report_of
+from contact.model.bodies.matrices import Contact, Matrices, MatrixReport, report_of
 
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
@@ -77,9 +76,8 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
         try:
             theta, X = eigh(M.toarray(), (K + shift * M).toarray())
         except np.linalg.LinAlgError:
-            raise InputError(
-                "K: found an indefinite or singular stiffness, expected one without negative modes"
-            ) from None
+            expected = "one without negative modes"
+            raise InputError(f"K: found an indefinite or singular stiffness, expected {expected}") from None
         if theta[0] < -1e-9 * theta[-1]:
             raise InputError("M: found negative modal masses, expected a mass matrix without negative eigenvalues")
         theta, X = theta[::-1], X[:, ::-1]

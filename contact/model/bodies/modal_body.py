@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from contact.base.arrays import Array, keep_readonly, require_not_negative, require_positive, require_shape
+from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
-from contact.base.npz import read_npz
 from contact.io.names import hint, names_fault
 from contact.io.npz import compliance_fault, whole, write_npz
 
@@ -169,30 +168,23 @@ class ModalBody:
     def channel(self, name: str) -> int:
         """Row number of a channel; raises InputError listing the channels there are."""
         if name not in self.channels:
-            raise InputError(
-                f"channel: found {name!r}, expected one of {', '.join(self.channels)}{hint(name, self.channels)}"
-            )
+            expected = f"one of {', '.join(self.channels)}{hint(name, self.channels)}"
+            raise InputError(f"channel: found {name!r}, expected {expected}")
         return self.channels.index(name)
 
     def truncated(self, omega_max: float) -> ModalBody:
         """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S."""
         keep = self.omega <= omega_max
         gone = self.rows[:, ~keep] / self.omega[~keep]
-        recovery, recovery_S = self.recovery, self.recovery_S
-        if recovery is not None:
-            lost = recovery[:, ~keep] / self.omega[~keep] @ gone.T
-            recovery_S = lost if recovery_S is None else recovery_S + lost
-            recovery = recovery[:, keep]
-        outputs, output_S = self.output_rows, self.output_S
-        if outputs is not None:
-            lost = outputs[:, ~keep] / self.omega[~keep] @ gone.T
-            output_S = lost if output_S is None else output_S + lost
-            outputs = outputs[:, keep]
+        elsewhere: dict[str, Any] = {}
+        for name, soft in (("recovery", "recovery_S"), ("output_rows", "output_S")):
+            if (rows := getattr(self, name)) is not None:
+                lost, had = rows[:, ~keep] / self.omega[~keep] @ gone.T, getattr(self, soft)
+                elsewhere |= {name: rows[:, keep], soft: lost if had is None else had + lost}
         return replace(
-            self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep],
-            S=self.S + gone @ gone.T, recovery=recovery, recovery_S=recovery_S, output_rows=outputs,
+            self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep], S=self.S + gone @ gone.T,
             participation=None if self.participation is None else self.participation[:, keep],
-            output_S=output_S, K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)],
+            K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)], **elsewhere,
         )  # fmt: skip
 
     def retuned(self, freq_hz: float) -> ModalBody:

@@ -1,12 +1,11 @@
 from .bladed_disk import BladedDisk
 from .body_force import BodyForce
-from .cantilever import Cantilever
 from .gap import PointGap, RotatingRim, Side
 from .permanent import HandPair, ModalPair, rim_contact
-from .rod_modes import rod_modes
+from .rod_modes import Cantilever, rod_modes
 from .rub import ContactPoint, Rub, Start, Stiffening
-from .rub_forces import settled
 from .rub_laws import Closing, RimProfile, Speed, Whirl
+from .rub_system import settled
 
 __all__ = [
     "BladedDisk",

@@ -8,14 +8,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from contact.base.arrays import (
-    Array,
-    readonly,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    require_shape,
-)
+from contact.base.arrays import Array, readonly, require_finite, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
@@ -107,16 +100,13 @@ class RotatingRim:
         if self.casing.kind != "rim":
             raise InputError(f"casing: found a basis of kind {self.casing.kind!r}, expected 'rim'")
         if self.casing.directions > 2 or self.casing.rim_lines > 1:
-            raise InputError(
-                f"casing: found {self.casing.rim_lines} rim lines in {self.casing.directions} directions, expected one "
-                "line, radial and tangential (Rub takes them all)"
-            )
+            found = f"{self.casing.rim_lines} rim lines in {self.casing.directions} directions"
+            raise InputError(f"casing: found {found}, expected one line, radial and tangential (Rub takes them all)")
         if self.blade.kind != "point":
             raise InputError(f"blade: found a basis of kind {self.blade.kind!r}, expected 'point'")
         if not {"span", "flap"} <= set(self.blade.channels):
-            raise InputError(
-                f"blade: found the channels {', '.join(self.blade.channels)}, expected span and flap (Rub takes others)"
-            )
+            found = f"the channels {', '.join(self.blade.channels)}"
+            raise InputError(f"blade: found {found}, expected span and flap (Rub takes others)")
         require_positive(radius=self.casing.radius)
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)
         if abs(self.clearance) > FAR * self.casing.radius:

@@ -57,7 +57,5 @@ def require_near(radius: float, **lengths: float) -> None:
     """Raise InputError for the first length [m] beyond a tenth of the radius: a mistyped unit."""
     for name, value in lengths.items():
         if not abs(value) <= FAR * radius:
-            raise InputError(
-                f"{name}: found {value:g} m on a radius of {radius:g} m, expected at most a tenth of it: millimetres "
-                f"are written {1e-3 * value:g}"
-            )
+            expected = f"at most a tenth of it: millimetres are written {1e-3 * value:g}"
+            raise InputError(f"{name}: found {value:g} m on a radius of {radius:g} m, expected {expected}")

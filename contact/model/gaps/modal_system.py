@@ -11,8 +11,7 @@ from contact.base.arrays import Array, Indices, readonly
 from contact.base.remembered import remembered
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import PointGap, RotatingRim
-from contact.model.trig import Trig, fourier, pruned, quadratic
-from contact.model.waves import Terms, terms
+from contact.model.trig import Terms, Trig, fourier, pruned, quadratic, terms
 
 NOISE = 1e-10  # of the largest entry of rows or of S: smaller ones come from the eigen solver, not from the casing
 

@@ -18,8 +18,7 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.one_tip import rub_of
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import RubSystem, rub_system
 
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
@@ -62,7 +61,9 @@ class ClosedContact:
         for name, shape in shapes.items():
             require_shape(name, getattr(self, name), shape)
         require_not_negative(mu=self.mu)
-        _require_compliance(self.S_nn)
+        lowest = float(np.linalg.eigvalsh(0.5 * (self.S_nn + self.S_nn.T))[0])
+        if not lowest > 0.0:
+            raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")
 
     def pushes(self, sense: float) -> Array:
         """W = Q - mu s T, (r, m): what unit contact forces do to the modes, s the sense of rotation."""
@@ -182,9 +183,8 @@ def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blade
     """Raise InputError unless both have the same n >= 1 and there are more than 2 n blades."""
     require_positive(stiffness=stiffness)
     if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
-        raise InputError(
-            f"n: found casing {casing.n}, disk {disk.n}, {blades} blades, expected the same n >= 1 and blades > 2 n"
-        )
+        found = f"casing {casing.n}, disk {disk.n}, {blades} blades"
+        raise InputError(f"n: found {found}, expected the same n >= 1 and blades > 2 n")
 
 
 def turning(n: list[int], size: int) -> Array:
@@ -206,7 +206,7 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Every pair must be
     equal to 1e-8 and turn into itself but for 1e-3, and S must not depend on the angle.
 
-    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.floquet`).
+    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.split_casing`).
     """
     rub: Rub = rub_of(what)
     system = rub_system(rub, 2)
@@ -217,10 +217,9 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
     S, varies = mean_compliance(system, rub.casing.n_max)
     if left > TURNS or varies > TURNS:
-        raise SplitError(
-            f"casing: found pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on "
-            "the angle, expected a perfect casing; a split one is a matter for Floquet's theory"
-        )
+        found = f"pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on the angle"
+        expected = "a perfect casing; a split one is a matter for Floquet's theory"
+        raise SplitError(f"casing: found {found}, expected {expected}")
     rows = np.zeros((2, K, system.omega.size))
     for j in range(K):
         for i in (0, 1):
@@ -262,9 +261,3 @@ def _generator(omega: Array, zeta: Array, tables: list[Array]) -> tuple[Array, f
         G[np.ix_(group, group)] = 0.5 * (block - block.T)
     size = float(np.linalg.norm(slope))
     return G, float(np.linalg.norm(slope - rows @ G)) / size if size else 0.0
-
-
-def _require_compliance(S: Array) -> None:
-    lowest = float(np.linalg.eigvalsh(0.5 * (S + S.T))[0])
-    if not lowest > 0.0:
-        raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")

@@ -1,8 +1,9 @@
-"""Exact modes of a rod, with the exact compliance of the modes left out."""
+"""Modes of rods and clamped beams in closed form, with the exact compliance of the modes left out."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
@@ -34,7 +35,8 @@ def rod_modes(rod: Rod, *, modes: int = 50, zeta: float = 0.0, end: str | None =
     beta = _roots(alpha, modes, free=free)
     tip = np.cos(beta) if free else np.sin(beta)
     far = np.ones(modes) if free else np.zeros(modes)
-    norm = np.sqrt(rod.mass * (_mean_square(beta, free=free) + alpha * tip**2))
+    ripple = np.sinc(2.0 * beta / math.pi) / 2.0  # of the mean of cos^2 or sin^2 over the length
+    norm = np.sqrt(rod.mass * ((0.5 + ripple if free else 0.5 - ripple) + alpha * tip**2))
     omega = beta * rod.wave_speed / rod.length
     compliance = rod.length / (rod.E * rod.area)
     static = compliance / (3.0 * (1.0 + alpha) ** 2) if free else compliance
@@ -67,12 +69,6 @@ def _roots(alpha: float, count: int, *, free: bool) -> Array:
     if free:
         roots[0] = 0.0
     return roots
-
-
-def _mean_square(beta: Array, *, free: bool) -> Array:
-    """Mean over the length of cos^2 or sin^2 of beta xi."""
-    ripple = np.sinc(2.0 * beta / math.pi) / 2.0
-    return 0.5 + ripple if free else 0.5 - ripple
 
 
 def chain_gap(chain: Chain, *, modes: int) -> PointGap:
@@ -143,3 +139,82 @@ def _momentum(rod: Rod, basis: ModalBody) -> Array:
         return rigid
     scale = basis.rows[0] / np.sin(beta)
     return np.asarray(scale * (rod.mass * (1.0 - np.cos(beta)) / beta) + rod.end_mass * basis.rows[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cantilever:
+    """Uniform beam clamped at one end, bending along `height`; lengths [m], E [Pa], rho [kg/m^3], `zeta` of all modes.
+
+    E I w,xxxx + rho A w,tt = p,  w = w,x = 0 at the clamp; cos(b) cosh(b) = -1, omega = b^2/L^2 sqrt(E I/(rho A)),
+    X = cosh(b x/L) - cos(b x/L) - s (sinh(b x/L) - sin(b x/L)) (Blevins, Formulas for Natural Frequency and Mode Shape,
+    1979, table 8-1).
+    Raises InputError for values that are not physical.
+
+    >>> beam = Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
+    >>> (beam.modes(3).omega / (2 * np.pi)).round(2).tolist()
+    [16.76, 105.06, 294.16]
+    """
+
+    length: float
+    width: float
+    height: float
+    E: float
+    rho: float
+    zeta: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(length=self.length, width=self.width, height=self.height, E=self.E, rho=self.rho)
+        require_not_negative(zeta=self.zeta)
+
+    @property
+    def line_mass(self) -> float:
+        """Mass per length [kg/m]."""
+        return self.rho * self.width * self.height
+
+    @property
+    def EI(self) -> float:
+        """Bending stiffness [N m^2]."""
+        return self.E * self.width * self.height**3 / 12.0
+
+    def modes(self, count: int = 20) -> ModalBody:
+        """First modes with the channels "tip" (its displacement) and "uniform" (integral of w, moved by a line load).
+
+        S is what the modes left out give under static loads: L^3/(3 E I) and so on, less the kept modes.
+        """
+        if not 1 <= count <= 200:
+            raise InputError(f"modes: found {count!r}, expected a whole number from 1 to 200")
+        b, s = roots(count)
+        L = self.length
+        omega = (b / L) ** 2 * math.sqrt(self.EI / self.line_mass)
+        rows = np.stack([2.0 * (-1.0) ** np.arange(count), 2.0 * L * s / b]) / math.sqrt(self.line_mass * L)
+        static = np.array([[L**3 / 3.0, L**4 / 8.0], [L**4 / 8.0, L**5 / 20.0]]) / self.EI
+        return ModalBody(
+            omega=omega, zeta=np.full(count, self.zeta), channels=("tip", "uniform"), rows=rows,
+            S=static - (rows / omega**2) @ rows.T,
+        )  # fmt: skip
+
+    def before_stop(self, *, clearance: float, load: float = 0.0, velocity: float = 0.0, modes: int = 20) -> PointGap:
+        """The tip `clearance` [m] from a rigid stop; line `load` [N/m] and `velocity` [m/s] of all points towards it.
+
+        At rest it is a propped cantilever: the stop bears 3 load L/8 - 3 E I clearance/L^3 where that is positive.
+
+        >>> beam = Cantilever(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
+        >>> beam.before_stop(clearance=1e-3, load=10.0).sides[0].sign
+        -1
+        """
+        body = self.modes(modes)
+        uniform = body.rows[1]
+        side = Side(
+            body=body, channel="tip", sign=-1, load=load * uniform, velocity=velocity * self.line_mass * uniform
+        )
+        return PointGap(sides=(side,), clearance=max(clearance - float(body.S[0, 1]) * load, 0.0))
+
+
+def roots(count: int) -> tuple[Array, Array]:
+    """Roots of cos b = -1/cosh b and the shape factors s = (sinh b - sin b)/(cosh b + cos b), (count,) each."""
+    b: Array = (np.arange(count, dtype=np.float64) + 0.5) * math.pi
+    for _ in range(30):
+        small = 1.0 / np.cosh(b)
+        b -= (np.cos(b) + small) / (-np.sin(b) - small * np.tanh(b))
+    fade = np.exp(-b)  # free of overflow
+    return b, np.asarray((1.0 - fade**2 - 2.0 * fade * np.sin(b)) / (1.0 + fade**2 + 2.0 * fade * np.cos(b)))

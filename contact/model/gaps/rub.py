@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field
+from functools import singledispatch
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 
@@ -159,10 +162,8 @@ class Rub:
     def _require_participation(self, force: BodyForce) -> None:
         for k, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
             if body.participation is None and (force.on == "both" or (force.on == "casing") == (k == 0)):
-                raise InputError(
-                    f"{name}: found a basis without participation, which gravity and whirl need, expected one of "
-                    "casingfem reduce"
-                )
+                found = "a basis without participation, which gravity and whirl need"
+                raise InputError(f"{name}: found {found}, expected one of casingfem reduce")
 
     def _require_tip(self, j: int, tip: ContactPoint) -> None:
         if not _counts(tip.blade, len(self.blades)):
@@ -174,16 +175,14 @@ class Rub:
         except InputError as error:
             raise InputError(f"tips[{j}]: {error}") from error
         if (tip.axial is None) != (self.tips[0].axial is None):
-            raise InputError(
-                f"tips[{j}].axial: found {tip.axial!r} beside {self.tips[0].axial!r}, expected all or none"
-            )
+            found = f"{tip.axial!r} beside {self.tips[0].axial!r}"
+            raise InputError(f"tips[{j}].axial: found {found}, expected all or none")
         if tip.axial is not None and self.casing.directions < 3:
             raise InputError(f"tips[{j}].axial: found a casing basis without axial channels, expected Rim(axial=True)")
         radius, total = self.casing.line_radius(tip.line), self.clearance + tip.clearance
         if not (radius > 0.0 and abs(total) <= FAR * radius):
-            raise InputError(
-                f"clearance: found {total:g} m at tip {j} on a radius of {radius:g} m, expected at most a tenth of it"
-            )
+            found = f"{total:g} m at tip {j} on a radius of {radius:g} m"
+            raise InputError(f"clearance: found {found}, expected at most a tenth of it")
 
     @property
     def wall(self) -> float:
@@ -229,3 +228,36 @@ def _require_start(name: str, body: ModalBody, start: Start) -> None:
         values = getattr(start, what)
         if values is not None:
             require_shape(f"{name}.{what}", np.asarray(values, dtype=float), (body.omega.size,))
+
+
+@singledispatch
+def rub_of(what: object) -> Any:
+    """The rub that a problem is, a rotating rim the same scene in other words, with one tip; None of other problems.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> casing = ct.ModalBody(
+    ...     omega=[700.0], zeta=[0.0], channels=("radial.cos0", "tangential.cos0"), rows=[[1.0], [0.0]],
+    ...     S=np.zeros((2, 2)), kind="rim", n_max=0, radius=0.45,
+    ... )
+    >>> blade = ct.ModalBody(
+    ...     omega=[900.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.0], [1.0]], S=np.zeros((2, 2))
+    ... )
+    >>> rub_of(ct.RotatingRim(casing, blade, clearance=1e-4, speed_hz=5.0, lean_deg=10.0)).tips[0].lean_deg
+    10.0
+    """
+    return None
+
+
+@rub_of.register
+def _(rub: Rub) -> Rub:
+    return rub
+
+
+@rub_of.register
+def _(rim: RotatingRim) -> Rub:
+    return Rub(
+        rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
+        clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),
+        casing_start=Start(velocity=rim.casing_velocity), blade_starts=(Start(velocity=rim.blade_velocity),),
+    )  # fmt: skip

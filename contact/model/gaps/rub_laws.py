@@ -170,10 +170,8 @@ class RimProfile:
         _require_table("profile", self.theta, self.depth)
         span = float(self.theta[-1] - self.theta[0])
         if len(self.theta) < 3 or span >= 2.0 * math.pi:
-            raise InputError(
-                f"profile: found {len(self.theta)} angles over {span:g} rad, expected three or more within one turn, "
-                "the last before the first comes round again"
-            )
+            expected = "three or more within one turn, the last before the first comes round again"
+            raise InputError(f"profile: found {len(self.theta)} angles over {span:g} rad, expected {expected}")
 
     @staticmethod
     def fourier(terms: Sequence[Mapping[str, float]]) -> RimProfile:

@@ -1,8 +1,10 @@
-"""A hinged beam in a circle, in progress: central differences with forward increment Lagrange multipliers.
+"""A hinged beam in a circle, in progress: central differences with forward increment Lagrange multipliers, or Newmark.
 
-M (x_{n+1} - 2 x_n + x_{n-1})/h^2 = f - f_int(x_n) + force_n, lumped M; each node that would leave the circle is pushed
-back along its radius until it lies on the (moved) rim exactly. Angular momentum about the hinge changes by the impulse
-of the moments, to round-off, whatever the step: internal forces of co-rotational elements are in equilibrium.
+Explicit: M (x_{n+1} - 2 x_n + x_{n-1})/h^2 = f - f_int(x_n) + force_n, lumped M; each node that would leave the
+circle is pushed back along its radius until it lies on the (moved) rim exactly. Angular momentum about the hinge
+changes by the impulse of the moments, to round-off, whatever the step: internal forces of co-rotational elements are
+in equilibrium. Newmark, in a rigid circle: multipliers at t_{n+1}, Newton in each step. Unconditionally stable for
+linear motion when gamma >= 1/2, beta >= gamma/2; second order for gamma = 1/2 only. Samples stand at the step's end.
 """
 
 from __future__ import annotations
@@ -13,17 +15,57 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.base.arrays import require_positive
+from contact.base.arrays import Array, require_positive
 from contact.base.errors import InputError, LimitError, rounded_down
-from contact.model.bodies.beam import BeamInCircle, ring_table
+from contact.model.bodies.beam import BeamInCircle, HingedBeam, ring_table
+from contact.model.law import Law, kind
 from contact.record.energy import Stored
-from contact.record.record import Samples, tally
-from contact.scheme.beam.beam_run import BeamRun
+from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, propagator
-from contact.scheme.protocol import Motion
+from contact.scheme.protocol import Block, Motion
 
 if TYPE_CHECKING:
     from contact.loop.beam.beam import BeamState, BeamWork
+    from contact.loop.beam.implicit import ImplicitBeam, ImplicitWork
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class BeamRun:
+    """The scene, its sums and step; contacts are the nodes 1, 2, ... from the hinge outwards."""
+
+    problem: BeamInCircle
+    sums: Tally
+    dt: float
+    window: float
+    label: str
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates of the beam: x, y, theta of each node."""
+        return 3 * (self.problem.beam.elements + 1)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The beam alone."""
+        return (("beam 1", 0, self.size),)
+
+    def motion(self, velocity: Array) -> tuple[Motion, ...]:
+        """Momentum along x of nodes that move at `velocity` (nodes, 3)."""
+        mass = self.problem.beam.lumped()[:, 0]
+        momentum = float(mass @ velocity[:, 0])
+        return (Motion(kind="beam", number=0, mean_velocity=momentum / float(mass.sum()), momentum=momentum),)
+
+    def spin(self, x: Array, velocity: Array) -> float:
+        """Angular momentum about the hinge [kg m^2/s]."""
+        mass = self.problem.beam.lumped()
+        orbit = mass[:, 0] * (x[:, 0] * velocity[:, 1] - x[:, 1] * velocity[:, 0])
+        return float((orbit + mass[:, 2] * velocity[:, 2]).sum())
+
+
+def require_rigid(law: Law) -> None:
+    """Raise InputError for any law but that of rigid contact without friction."""
+    if kind(law) != "Unilateral":
+        raise InputError(f"law: found {law!r}, expected Unilateral() for a beam in a circle")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -89,11 +131,17 @@ def beam_step(problem: BeamInCircle, dt: float | None, courant: float | None) ->
     assert dt is not None
     require_positive(dt=dt)
     if dt > limit * (1.0 + 1e-9):
-        raise LimitError(
-            f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected <= 2 (stability of central "
-            f"differences): take dt <= {rounded_down(limit, 11)} s"
-        )
+        expected = f"<= 2 (stability of central differences): take dt <= {rounded_down(limit, 11)} s"
+        raise LimitError(f"dt: found {dt:.11g} s, dt * omega_max = {2.0 * dt / limit:.11g}, expected {expected}")
     return dt
+
+
+def _start(beam: HingedBeam) -> tuple[Array, Array, Array, Array]:
+    """Nodes, masses, loads and velocities at t = 0, (nodes, 3) each."""
+    x = beam.nodes()
+    load = np.zeros_like(x)
+    load[0, 2] = beam.torque
+    return x, beam.lumped(), load, beam.spin * np.stack([-x[:, 1], x[:, 0], np.ones(len(x))], axis=1)
 
 
 def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None) -> BeamStepper:
@@ -101,12 +149,9 @@ def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None)
     from contact.loop.beam.beam import BeamState, beam_work
 
     beam, h = problem.beam, beam_step(problem, dt, courant)
-    x, mass = beam.nodes(), beam.lumped()
+    x, mass, load, velocity = _start(beam)
     rate = h * h / mass
     rate[0, :2] = 0.0
-    load = np.zeros_like(x)
-    load[0, 2] = beam.torque
-    velocity = beam.spin * np.stack([-x[:, 1], x[:, 0], np.ones(len(x))], axis=1)
     rows, S = ring_table(problem.ring)
     m, n = rows.shape[1], len(x)
     omega, zeta = (np.zeros(0), np.zeros(0)) if problem.ring is None else (problem.ring.omega, problem.ring.zeta)
@@ -125,4 +170,66 @@ def prepare_beam(problem: BeamInCircle, dt: float | None, courant: float | None)
     return BeamStepper(
         problem=problem, state=state, work=beam_work(state), ring=ring, sums=tally(n - 1), dt=h, label=label,
         window=max(2.0 * math.pi / beam.omega_max(), h),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ImplicitBeamStepper(BeamRun):
+    """State of an implicit beam run."""
+
+    state: ImplicitBeam
+    work: ImplicitWork
+
+    def advance(self, out: Samples, first: int, steps: int) -> int:
+        """Advance by whole steps; -1, or the step that failed."""
+        from contact.loop.beam.implicit import advance_implicit
+
+        return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
+
+    def why(self) -> str:
+        """Explain a failed step."""
+        return "Newton's method found no state that satisfies motion and contact: reduce dt"
+
+    def stored(self) -> Stored:
+        """Energies at t_n; the discrete form leaves out what Newmark itself added or took."""
+        from contact.loop.beam.beam import strain_energy_and_forces
+
+        s = self.state
+        kinetic = 0.5 * float(np.sum(s.mass * s.v**2))
+        strain = strain_energy_and_forces(s.x, s.rest, s.EA, s.EI, np.zeros_like(s.x))
+        potential = -self.problem.beam.torque * float(s.x[0, 2])
+        discrete = kinetic + strain + potential - float(s.ledger[0])
+        return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=0.0, discrete=discrete)
+
+    def motions(self) -> tuple[Motion, ...]:
+        """Momentum of the beam along x."""
+        return self.motion(self.state.v)
+
+    def angular_momentum(self) -> tuple[float, float]:
+        """About the hinge, and the impulse of the contacts' moment so far [kg m^2/s, N m s]."""
+        return self.spin(self.state.x, self.state.v), float(self.state.ledger[1])
+
+
+def prepare_beam_newmark(problem: BeamInCircle, beta: float, gamma: float, dt: float | None) -> ImplicitBeamStepper:
+    """Stepper at t = 0; raises InputError for a flexible ring or a missing dt."""
+    from contact.loop.beam.implicit import ImplicitBeam, implicit_work
+
+    if problem.ring is not None:
+        raise InputError("ring: found a flexible ring with Newmark, expected CentralDifference or a rigid circle")
+    if dt is None:
+        raise InputError("dt: found none, expected a time step in seconds (an implicit scheme has no Courant number)")
+    require_positive(dt=dt)
+    beam = problem.beam
+    x, mass, load, velocity = _start(beam)
+    gaps, n = problem.gaps(x)[1:], len(x)
+    state = ImplicitBeam(
+        x=x, v=velocity, a=load / mass, mass=mass, load=load, rest=beam.length / beam.elements,
+        EA=beam.E * beam.area, EI=beam.E * beam.second_moment, beta=beta, gamma=gamma, radius=problem.radius,
+        offset=problem.offset, force=np.zeros(n - 1), gap=gaps.copy(), last=np.zeros(n - 1), before=gaps.copy(),
+        ledger=np.zeros(3),
+    )  # fmt: skip
+    label = f"Newmark({beta:g}, {gamma:g}) + Lagrange, dt omega_max = {dt * beam.omega_max():.3g} (no limit)"
+    return ImplicitBeamStepper(
+        problem=problem, state=state, work=implicit_work(n), sums=tally(n - 1), dt=dt, label=label,
+        window=max(2.0 * np.pi / beam.omega_max(), dt),
     )  # fmt: skip

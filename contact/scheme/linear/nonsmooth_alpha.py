@@ -1,12 +1,4 @@
-"""Nonsmooth generalised-alpha: second order between impacts, an impact law on velocities at them.
-
-Smooth: (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n), with Chung and Hulbert's weights for the spectral
-radius rho_inf at high frequency (J. Appl. Mech. 60, 1993, 371). Impact: M w = Q^T P, v_{n+1} = ... + w,
-u_{n+1} = ... + h w/2; where the free step closes the gap: Q v_{n+1} + e Q v_n >= 0, P >= 0, complementary; force = P/h
-(Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is held by velocities only;
-`projected_alpha` also projects positions).
-Unconditionally stable; takes energy from high frequencies, more for a smaller rho_inf.
-"""
+"""Schemes with an impact law on velocities: Moreau-Jean, nonsmooth generalised-alpha, the same projected."""
 
 from __future__ import annotations
 
@@ -19,21 +11,49 @@ from contact.base.errors import InputError
 from contact.model.bodies.band import combine, factor, solve
 from contact.model.bodies.linear_system import LinearSystem
 from contact.model.law import Law
-from contact.scheme.linear.linear_stepper import (
-    LinearStepper,
-    linear_stepper,
-    parts_of,
-    product,
-    require_restitution,
-    setup,
-)
+from contact.scheme.linear.stepper import LinearStepper, linear_stepper, parts_of, product, require_restitution, setup
 from contact.scheme.protocol import Problem
 
 if TYPE_CHECKING:
     from contact.base.arrays import Array
     from contact.loop.linear.alpha import Weights
     from contact.loop.linear.linear import Parts
+    from contact.loop.linear.moreau import Corrections
     from contact.model.bodies.band import Factor
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoreauJean:
+    """Moreau-Jean: impulses, weight theta in [1/2, 1] and Newton's restitution e (law: Unilateral).
+
+    M (v_{n+1} - v_n) = h (theta F_{n+1} + (1 - theta) F_n) + Q^T P,
+    u_{n+1} = u_n + h (theta v_{n+1} + (1 - theta) v_n); where g_n + h Q v_n/2 <= 0: Q v_{n+1} + e Q v_n >= 0,
+    P >= 0, complementary; force = P/h (Moreau, in Nonsmooth Mechanics and Applications, CISM 302, 1988, 1; Jean,
+    Comput. Methods Appl. Mech. Eng. 177, 1999, 235). Unconditionally stable for theta >= 1/2; order 2 in smooth motion
+    at 1/2, else 1; theta = 1/2 keeps the energy between impacts, and through them with e = 1 (Acary, Z. Angew. Math.
+    Mech. 96, 2016, 585). Penetrates by part of a step.
+
+    >>> MoreauJean(restitution=0.5).theta
+    0.5
+    """
+
+    theta: float = 0.5
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_restitution(self.restitution)
+        if not 0.5 <= self.theta <= 1.0:
+            raise InputError(f"theta: found {self.theta!r}, expected between 1/2 and 1: below, energy grows")
+
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
+        """Check law and step; raises InputError."""
+        from contact.loop.linear.moreau import advance_moreau
+
+        run = setup("MoreauJean", problem, law, ("Unilateral",), dt, courant)
+        system, step = run.system, run.h * self.theta
+        parts = parts_of(system, combine((1.0, system.M), (step, system.C), (step**2, system.K)), 1.0)
+        words = f"Moreau-Jean, theta = {self.theta:g}, e = {self.restitution:g}"
+        return linear_stepper(run, parts, advance_moreau, (run.law, self.theta, self.restitution), words)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +71,14 @@ class ImpactAlpha:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NonsmoothAlpha(ImpactAlpha):
-    """Nonsmooth generalised-alpha with spectral radius rho_inf in [0, 1] and restitution e (law: Unilateral).
+    """Nonsmooth generalised-alpha: order 2 between impacts, an impact law on velocities at them (law: Unilateral).
+
+    Smooth: (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n), with Chung and Hulbert's weights for the
+    spectral radius rho_inf in [0, 1] at high frequency (J. Appl. Mech. 60, 1993, 371). Impact: M w = Q^T P,
+    v_{n+1} = ... + w, u_{n+1} = ... + h w/2; where the free step closes the gap: Q v_{n+1} + e Q v_n >= 0, P >= 0,
+    complementary; force = P/h (Chen, Acary, Virlez, Bruels, Int. J. Numer. Meth. Eng. 96, 2013, 487: the gap is held
+    by velocities only; `ProjectedAlpha` also projects positions). Unconditionally stable; takes energy from
+    high frequencies, more for a smaller rho_inf.
 
     >>> NonsmoothAlpha(rho_inf=0.8).restitution
     0.0
@@ -95,6 +122,54 @@ def _parts(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Array]:
     pull = np.array([product(system.C, row) + 0.5 * h * product(system.K, row) for row in jump])
     response = -implicit * solve(factored, pull.T.copy()).T
     W = Q @ jump.T + w.gamma * h * (Q @ response.T)
-    return parts._replace(response=np.ascontiguousarray(response), W=np.ascontiguousarray(W)), np.ascontiguousarray(
-        jump
+    parts = parts._replace(response=np.ascontiguousarray(response), W=np.ascontiguousarray(W))
+    return parts, np.ascontiguousarray(jump)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProjectedAlpha(ImpactAlpha):
+    """Nonsmooth generalised-alpha that closes a contact in position and in velocity at once (law: Unilateral).
+
+    Smooth motion as in `NonsmoothAlpha`, u~, v~ and (1 - am) a_{n+1} + am a_n = M^-1 ((1 - af) F_{n+1} + af F_n)
+    without contact forces; then two corrections of their own,
+
+        u_{n+1} = u~ + M^-1 Q^T nu,   0 <= gap0 + Q u_{n+1},  nu >= 0, complementary,
+        v_{n+1} = v~ + M^-1 Q^T P,    where nu > 0: 0 <= Q (v_{n+1} + e v_n),  P >= 0, complementary;  force = P/h
+
+    (Bruels, Acary, Cardona, Comput. Methods Appl. Mech. Eng. 281, 2014, 131). No penetration at the end of a step,
+    which the velocity form alone leaves behind; nu does work, which the ledger counts as the scheme's own.
+    Unconditionally stable without contact; takes energy from high frequencies, more for a smaller rho_inf.
+
+    >>> ProjectedAlpha(rho_inf=0.9).restitution
+    0.0
+    """
+
+    def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> LinearStepper:
+        """Check law and step; raises InputError."""
+        from contact.loop.linear.moreau import advance_projected
+
+        run, w = setup("ProjectedAlpha", problem, law, ("Unilateral",), dt, courant), chung_hulbert(self.rho_inf)
+        parts, corrections = _projected(run.system, w, run.h)
+        words = f"projected nonsmooth generalised-alpha, rho_inf = {self.rho_inf:g}, e = {self.restitution:g}"
+        return linear_stepper(run, parts, advance_projected, (run.law, w, corrections, self.restitution), words)
+
+
+def _projected(system: LinearSystem, w: Weights, h: float) -> tuple[Parts, Corrections]:
+    """Arrays of the run; what unit corrections nu and P do to u, v and a, and so to gaps and their rates."""
+    from contact.loop.linear.moreau import Corrections
+
+    parts, factored, jump = smooth_parts(system, w, h)
+    jump, Q, implicit = np.ascontiguousarray(jump), system.rows(), 1.0 - w.af
+    of_nu, of_impulse = (
+        np.ascontiguousarray(-implicit * solve(factored, np.array([product(pull, row) for row in jump]).T.copy()).T)
+        for pull in (system.K, system.C)
     )
+    k, W = len(Q), Q @ jump.T
+    return parts, Corrections(
+        jump=jump, of_nu=of_nu, of_impulse=of_impulse,
+        gap_nu=np.ascontiguousarray(W + w.beta * h * h * (Q @ of_nu.T)),
+        gap_impulse=np.ascontiguousarray(w.beta * h * h * (Q @ of_impulse.T)),
+        rate_nu=np.ascontiguousarray(w.gamma * h * (Q @ of_nu.T)),
+        rate_impulse=np.ascontiguousarray(W + w.gamma * h * (Q @ of_impulse.T)),
+        nu=np.zeros(k), impulse=np.zeros(k), rate=np.zeros(k), given=np.zeros(k), last=np.zeros(k),
+    )  # fmt: skip

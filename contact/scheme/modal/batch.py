@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.remembered import remembered
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 
 if TYPE_CHECKING:
-    from contact.loop.batch.state import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
+    from contact.loop.batch.waves import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
     from contact.loop.modal.modal import ModalState
 
 WIDTH = 8
@@ -76,7 +76,7 @@ class Layout:
 
     def empty(self, one: Terms) -> BatchTerms:
         """Terms with the values that all runs have in common, or without any as yet."""
-        from contact.loop.batch.state import BatchTerms
+        from contact.loop.batch.waves import BatchTerms
 
         if not self.alike:
             return BatchTerms(self.row, self.start, self.wave, aligned(self.wave.size, WIDTH), np.zeros(0))
@@ -212,7 +212,7 @@ class Batch:
 
 def batch(jobs: Sequence[Job]) -> Batch:
     """Empty lanes for runs of one number of modes."""
-    from contact.loop.batch.state import BatchState
+    from contact.loop.batch.waves import BatchState
 
     m = jobs[0].run.system.omega.size
     layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
@@ -222,17 +222,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
     arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
-    arrays |= {
-        name: aligned(max(layout.top for layout in layouts.values()) // 2 + 1, 2, WIDTH)
-        for name in ("waves", "waves_next")
-    }
-    lanes = BatchState(
-        away=np.full(WIDTH, AWAY),
-        memory=aligned(10, WIDTH),
-        limits=aligned(4, WIDTH),
-        work=aligned(18, WIDTH),
-        **arrays,
-    )
+    waves = max(layout.top for layout in layouts.values()) // 2 + 1
+    arrays |= {name: aligned(waves, 2, WIDTH) for name in ("waves", "waves_next")}
+    arrays |= {"memory": aligned(10, WIDTH), "limits": aligned(4, WIDTH), "work": aligned(18, WIDTH)}
+    lanes = BatchState(away=np.full(WIDTH, AWAY), **arrays)
     lanes.limits[:] = NONE[:, None]
     return Batch(
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
@@ -251,7 +244,7 @@ def _alike(states: Sequence[ModalState]) -> Array:
 
 
 def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
-    from contact.loop.batch.state import BatchFreeFlight
+    from contact.loop.batch.waves import BatchFreeFlight
 
     kinds = [job.rim.flight for job in jobs]
     size, powers = max(flight.row.size for flight in kinds), [flight.powers for flight in kinds if flight.powers.size]
@@ -267,7 +260,7 @@ def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
 
 
 def _kept(jobs: Sequence[Job]) -> BatchSamples:
-    from contact.loop.batch.state import BatchSamples
+    from contact.loop.batch.waves import BatchSamples
 
     rows, size = max(job.steps // job.record.every + 1 for job in jobs), max(job.run.size for job in jobs)
     states = max(job.steps // job.record.state_every + 1 if job.record.state_every else 0 for job in jobs)

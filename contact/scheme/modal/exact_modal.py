@@ -32,8 +32,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import rub_system
 from contact.model.law import Law
 from contact.model.trig import Trig
-from contact.scheme.modal.energy_stepper import energy_stepper
-from contact.scheme.modal.modal_stepper import modal_stepper
+from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
 from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.modal.rub_stepper import rub_delassus, rub_stepper
@@ -52,7 +51,7 @@ class ExactModal:
     `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
     result says which) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
     `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: on a rotating rim, skip
-    over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.free_flight`).
+    over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.modal_stepper`).
 
     >>> ExactModal(law="averaged").modes
     50
@@ -76,9 +75,8 @@ class ExactModal:
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
         if law.stiffness > 0.0:
-            raise InputError(
-                f"law: found {law!r}, expected Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
-            )
+            expected = "Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
+            raise InputError(f"law: found {law!r}, expected {expected}")
         if law.coating is not None and not hasattr(problem, "casing"):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         return _prepared(problem, self, law, dt, courant)
@@ -109,9 +107,8 @@ class ExactModal:
         if self.law in ("averaged", "energy"):
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
         if mu > 0.0 and problem.dimensions == 1:
-            raise InputError(
-                "law: found Coulomb friction on a Patch without tangent, expected channels along the ground"
-            )
+            found = "Coulomb friction on a Patch without tangent"
+            raise InputError(f"law: found {found}, expected channels along the ground")
         omega = problem.body.omega
         h = _step(omega, dt, courant)
         self._require_slow(omega, h)
@@ -166,10 +163,8 @@ class ExactModal:
 def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
     angle = n_max * abs(speed) * h
     if angle > 0.3:
-        raise LimitError(
-            f"dt: found n_max Omega dt = {angle:.4g} rad with n_max = {n_max}, expected <= 0.3: "
-            f"take dt <= {rounded_down(0.3 * h / angle, 4)} s"
-        )
+        found = f"n_max Omega dt = {angle:.4g} rad with n_max = {n_max}"
+        raise LimitError(f"dt: found {found}, expected <= 0.3: take dt <= {rounded_down(0.3 * h / angle, 4)} s")
 
 
 def delassus(system: ModalSystem, parts: Propagator, mu: float) -> Numbers:
@@ -197,10 +192,9 @@ def _largest(angle: Array, H: Array, S: Array, mu: float) -> Numbers:
     jammed = np.flatnonzero(H + S <= 0.0)
     if jammed.size:
         k = int(jammed[0])
-        raise LimitError(
-            f"law: found H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}, expected "
-            "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
-        )
+        found = f"H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}"
+        expected = "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
+        raise LimitError(f"law: found {found}, expected {expected}")
     rho = np.divide(np.abs(H), S, out=np.full(H.shape, math.inf), where=S > 0.0)
     k = int(rho.argmax())
     return float(H[k]), float(S[k]), float(rho[k])

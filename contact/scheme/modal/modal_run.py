@@ -12,7 +12,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.model.gaps.limits import REACHED, RIM, wall_flags
 from contact.model.gaps.modal_system import ModalSystem
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
 from contact.record.wear import Wear

@@ -1,4 +1,4 @@
-"""The forward and averaged laws on the exact propagation: state, loop and readings; see `exact_modal`."""
+"""The forward, averaged and energy laws on the exact propagation: state, loop and readings; see `exact_modal`."""
 
 from __future__ import annotations
 
@@ -9,24 +9,28 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.base.arrays import Array, aligned, readonly
+from contact.base.errors import InputError
 from contact.base.remembered import remembered
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, RowTable
 from contact.model.law import Abradable
-from contact.model.waves import Terms
+from contact.model.trig import Terms, Trig
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
-from contact.scheme.modal.free_flight import rim_free_flight
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
 
 if TYPE_CHECKING:
-    from contact.loop.modal.modal import ModalState
-    from contact.loop.modal.rim import RimRows
+    from contact.loop.modal.free_flight import FreeFlight
+    from contact.loop.modal.modal import EnergyState, ModalState
+    from contact.loop.modal.rows import RimRows
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
+BITS = 24  # a skip is shorter than 2^BITS steps
+CELLS = 720  # of the contact angle
+POINTS = 8  # where the clearance is looked at in each cell
 
 
 def modal_stepper(
@@ -163,8 +167,7 @@ def padded(modes: int) -> int:
 
 def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limits: Array) -> RimRows:
     """What the compiled loops need of a rim: its `sums()` in blocks, its speeds, limits, work space."""
-    from contact.loop.modal.rim import RimRows
-    from contact.loop.modal.rows import RowBlocks
+    from contact.loop.modal.rows import RimRows, RowBlocks
 
     assert system.table is not None
     m = system.omega.size
@@ -178,3 +181,112 @@ def rim_rows(system: ModalSystem, mu: float, normal: Terms, tangent: Terms, limi
         angle=system.angle, speed=system.speed, surface=system.radius * system.speed, mu=mu,
         seen=np.zeros(m + (2 if mu > 0.0 else 1)), waves=aligned(2, count), waves_next=aligned(2, count),
     )  # fmt: skip
+
+
+def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
+    """Stepper of the discrete gradient law: energy kept to round-off at any step, at a fixed undamped contact point.
+
+    Over one step the force is constant and the modes move exactly under it; lam = -(phi(g_1) - phi(g_0))/(g_1 - g_0),
+    phi = <-g>^2/(2 S) the energy in the residual compliance (Gonzalez, J. Nonlinear Sci. 6, 1996, 449): a scalar
+    quadratic. Exact energy is not exact phase: some (modes, dt) drift in phase after several impacts. In the step of
+    closing or opening complementarity holds on average only, which `Result.residual` shows.
+    Raises InputError for a rim, damping, or S = 0.
+    """
+    from contact.loop.modal.modal import EnergyState, advance_energy
+
+    S, h, Q = system.S_nn(0.0), parts.h, system.Q
+    if system.table is not None:
+        raise InputError("law: found 'energy' on a rotating rim, expected 'averaged' or 'forward'")
+    if system.zeta.any():
+        raise InputError("law: found 'energy' with damped modes, expected zeta = 0 or another law")
+    if S <= 0.0:
+        raise InputError(f"law: found 'energy' with S = {S:g} m/N, expected residual compliance > 0")
+    turn = parts.turn
+    clearance, b = system.clearance(0.0), float(np.sum(0.5 * parts.c * Q * Q))
+    state = EnergyState(
+        q=np.zeros(Q.size), v=system.velocity.copy(), cos=np.cos(turn), drift=h * np.sinc(turn / np.pi),
+        pull=-system.omega * np.sin(turn), lift=0.5 * parts.c, load=system.load, memory=np.array([clearance]),
+        force=np.zeros(1), gap=np.zeros(1),
+    )  # fmt: skip
+
+    def loop(sums: Tally, out: Samples, first: int, steps: int) -> int:
+        return advance_energy(state, Q, clearance, S, b, sums, out, h, first, steps)
+
+    top = float(system.omega.max(initial=0.0))
+    label = f"exact modal, energy law, dt omega_max = {h * top:.3g} (no limit)"
+    return ModalRun(
+        system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=[0],
+        energy=lambda _: _energy_stored(system, state), velocity=lambda: state.v,
+        failure=lambda: "the gap is not a number",
+    )  # fmt: skip
+
+
+def _energy_stored(system: ModalSystem, state: EnergyState) -> Stored:
+    """Energy at t_n; phi(g) counts as residual."""
+    q, v = state.q, state.v
+    kinetic, strain = 0.5 * float(v @ v), 0.5 * float(np.sum((system.omega * q) ** 2))
+    potential = system.potential - float(system.load @ q)
+    residual = 0.5 * min(float(state.memory[0]), 0.0) ** 2 / system.S_nn(0.0)
+    total = kinetic + strain + potential
+    return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=residual, discrete=total)
+
+
+def rim_free_flight(system: ModalSystem, parts: Propagator, normal: Terms, *, skip: bool) -> FreeFlight:
+    """What skipping needs: powers (none unless `skip`), amplitudes (those of `normal`) and clearances of a rim.
+
+    A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q, al D - be q). The powers are
+    formed in extended precision from the very coefficients that the steps use, so that a run with skips and a run
+    without differ by the round-off of the steps alone.
+    """
+    from contact.loop.modal.free_flight import FreeFlight
+
+    m = system.omega.size
+    rows = normal.first(m)
+    return FreeFlight(
+        powers=powers(parts.al, parts.be) if skip else readonly(np.zeros((0, 4, m))), fade=parts.fade,
+        cos=np.cos(parts.turn), sin=np.sin(parts.turn), start=rows.start, wave=rows.wave,
+        row=rows.value, floor=least_clearance(system.clearance),
+        reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
+    )  # fmt: skip
+
+
+@remembered
+def powers(al: Array, be: Array) -> Array:
+    """Maps over 1, 2, 4, ... 2^(BITS-1) steps, (BITS, 4, m): entries 11, 12, 21, 22.
+
+    >>> powers(np.array([1.0]), np.array([0.0]))[3, :2].ravel().tolist()
+    [1.0, 8.0]
+    """
+    fade, stiff = al.astype(np.longdouble), be.astype(np.longdouble)
+    a, b, c, d = 1 - stiff, fade, -stiff, fade
+    found = np.empty((BITS, 4, al.size))
+    for j in range(BITS):
+        found[j] = np.array([a, b, c, d], dtype=np.float64)
+        a, b, c, d = a * a + b * c, a * b + b * d, c * a + d * c, c * b + d * d
+    return readonly(found)
+
+
+@remembered
+def least_clearance(clearance: Trig) -> Array:
+    """A lower bound of the clearance in each cell of the contact angle, (CELLS,).
+
+    Between two points h apart a function lies above the lower one by no less than -h^2 max|f''|/8.
+
+    >>> from contact.model.trig import fourier
+    >>> floor = least_clearance(fourier([(0, 1.0, 0.0), (2, 0.25, 0.0)]))
+    >>> round(float(floor.min()), 6), round(float(floor.max()), 6)
+    (0.75, 1.249962)
+    """
+    cos, sin = _waves(tuple(clearance.harmonic.tolist()))
+    values = clearance.cos @ cos + clearance.sin @ sin
+    bend = float(np.sum(clearance.harmonic**2 * np.hypot(clearance.cos, clearance.sin)))
+    low = np.minimum(values[:-1], values[1:]).reshape(CELLS, POINTS).min(axis=1)
+    return readonly(low - bend * (2.0 * np.pi / (CELLS * POINTS)) ** 2 / 8.0)
+
+
+@remembered
+def _waves(harmonics: tuple[int, ...]) -> tuple[Array, Array]:
+    """Cosines and sines at all points of all cells, (harmonics, points) each."""
+    points = CELLS * POINTS
+    phases = np.multiply.outer(harmonics, 2.0 * np.pi * np.arange(points + 1) / points)
+    return np.cos(phases), np.sin(phases)

@@ -15,8 +15,8 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.model.bodies.patch import Patch
 from contact.record.energy import Stored
-from contact.record.record import Samples, Tally, tally
-from contact.scheme.modal.propagator import Propagator, window
+from contact.record.record import Samples, tally
+from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
@@ -29,26 +29,13 @@ STEPS = 1e6
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class PatchStepper:
+class PatchStepper(ExactRun):
     """State of a run with several contacts; `state.counts` tells the solver's iterations."""
 
     problem: Patch
-    parts: Propagator
     state: PatchState
     work: PatchWork
     rough: bool
-    sums: Tally
-    label: str
-
-    @property
-    def dt(self) -> float:
-        """Time step [s]."""
-        return self.parts.h
-
-    @property
-    def window(self) -> float:
-        """Period of the highest mode [s]."""
-        return window(self.parts.omega, self.dt)
 
     @property
     def size(self) -> int:
@@ -103,7 +90,7 @@ class PatchStepper:
 def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part."""
     from contact.loop.modal.patch import PatchState, patch_work
-    from contact.loop.modal.stick import Sticking
+    from contact.loop.tally import Sticking
 
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions

@@ -15,6 +15,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.base.remembered import remembered
 from contact.record.energy import Stored
+from contact.record.record import Tally
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -68,6 +69,25 @@ class Propagator:
             potential=potential - float(self.load @ q), residual=residual,
             discrete=float(potential + discrete - 0.5 * self.load @ (q + old)),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ExactRun:
+    """What exact-modal runs with several contacts share."""
+
+    parts: Propagator
+    sums: Tally
+    label: str
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self.parts.h
+
+    @property
+    def window(self) -> float:
+        """Period of the highest mode [s]."""
+        return window(self.parts.omega, self.dt)
 
 
 def window(omega: Array, dt: float) -> float:

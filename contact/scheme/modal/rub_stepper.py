@@ -13,17 +13,15 @@ from contact.base.errors import LimitError
 from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_forces import force_at_start, plane_participation
-from contact.model.gaps.rub_system import RubSystem, waves_of_tips
+from contact.model.gaps.rub_system import RubSystem, force_at_start, plane_participation, waves_of_tips
 from contact.model.law import Abradable
 from contact.model.trig import PRUNE, fourier, harmonics, turned_back
 from contact.record.energy import Stored
-from contact.record.record import Samples, Tally, tally
+from contact.record.record import Samples, tally
 from contact.record.wear import Wear
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
-from contact.scheme.modal.propagator import Propagator, window
-from contact.scheme.modal.rub_tracks import rub_tracks
-from contact.scheme.modal.wear_track import Tracks
+from contact.scheme.modal.propagator import ExactRun, Propagator
+from contact.scheme.modal.wear_track import Tracks, rub_tracks
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
@@ -38,12 +36,11 @@ NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class RubStepper:
+class RubStepper(ExactRun):
     """State of a rub; `state.counts` tells the solver's iterations, `state.heat` what slip dissipated."""
 
     rub: Rub
     system: RubSystem
-    parts: Propagator
     state: RubState  # views of `wide`
     wide: RubState  # in whole blocks of eight
     laws: RubLaws
@@ -51,21 +48,9 @@ class RubStepper:
     work: Work
     dimensions: int
     averaged: bool
-    sums: Tally
-    label: str
     steps: list[int]
     worn: tuple[Tracks, Coats] | None = None
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
-
-    @property
-    def dt(self) -> float:
-        """Time step [s]."""
-        return self.parts.h
-
-    @property
-    def window(self) -> float:
-        """Period of the highest mode [s]."""
-        return window(self.system.omega, self.dt)
 
     @property
     def size(self) -> int:
@@ -202,8 +187,7 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
 
 
 def _laws(rub: Rub, system: RubSystem) -> RubLaws:
-    from contact.loop.rub.body_force import Pulls
-    from contact.loop.rub.rows import RubLaws, Terms
+    from contact.loop.rub.rows import Pulls, RubLaws, Terms
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]

@@ -18,32 +18,13 @@ from contact.base.arrays import Array
 from contact.jit.bundle import Bundle
 from contact.jit.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.solver.dense import affine, assign, solve_in_place
-from contact.solver.friction.room import (
-    ADDED,
-    AT,
-    CLOSED,
-    FALL,
-    GAP,
-    INNER,
-    JACOBIAN,
-    LAST,
-    LEFT,
-    NORMAL,
-    OWN,
-    PHI,
-    RATE,
-    SHORT,
-    TRIAL,
-    Room,
-    U,
-    friction_room,
-)
+from contact.solver.friction.room import AT, CLOSED, INNER, JACOBIAN, TRIAL, Room, U, friction_room
 
+OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # rows of `vectors`
+ADDED, RATE, FALL = 12, 13, 14  # those which the path to the set of closed contacts takes
 ROUNDS = 8
-CONTINUED, NEAR = (
-    9,
-    0.3,
-)  # rounds of `continue_direction`; the angle [rad] to the slip's direction from where Newton's method goes on
+CONTINUED = 9  # rounds of `continue_direction`
+NEAR = 0.3  # angle [rad] to the slip's direction from where Newton's method goes on
 SHORT_STEP, LONG_STEP = 0.1, 2.0  # bounds of Aitken's factor
 STILL = 1e-13  # change of direction at which the rounds end
 MOST_CHANGES = 10  # of the set of closed contacts, and four times their number

@@ -1,4 +1,4 @@
-"""One contact with Coulomb friction along one line, in closed form: what nearly every step of one tip asks for.
+"""One contact, frictionless or with Coulomb friction along one line, in closed form: what nearly every step asks for.
 
 u = W force + b with b_N < 0. It sticks where W force = -b lies inside the cone; else it slips, u_N = 0,
 force_T = -mu s force_N and force_N = -b_N/(W_NN - mu s W_NT), s the sign of u_T. W_NN > mu |W_NT| leaves one answer.
@@ -8,7 +8,21 @@ from __future__ import annotations
 
 import math
 
-from contact.jit.compiled import jit
+from contact.jit.compiled import jit, jit_inside
+
+JAMMED = -1.0
+
+
+@jit_inside
+def scalar_force(H: float, gap: float) -> float:
+    """Force of one closed contact, -gap/H; JAMMED where H <= 0. Call only when gap < 0.
+
+    H is the Delassus number Q c W: the gap that a unit force opens within a step. Friction makes it nonsymmetric
+    (W = Q - mu s T) and, for a digging blade, negative: then no force opens the gap, and the step has no solution.
+    """
+    if H > 0.0:
+        return -gap / H
+    return JAMMED
 
 
 @jit

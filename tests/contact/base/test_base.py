@@ -9,6 +9,7 @@ from contact.base.arrays import (
     aligned,
     is_whole,
     keep_readonly,
+    read_npz,
     readonly,
     require_count,
     require_finite,
@@ -17,7 +18,6 @@ from contact.base.arrays import (
     require_shape,
 )
 from contact.base.errors import InputError, rounded_down
-from contact.base.npz import read_npz
 from contact.base.remembered import remembered
 from contact.io.npz import write_npz
 from contact.model.gaps.rub import Start

@@ -5,8 +5,7 @@ import pytest
 
 import contact as ct
 from contact.growth.closed_contact import growth, poles
-from contact.growth.floquet import floquet_growth
-from contact.growth.perfect_mean import perfect_mean
+from contact.growth.split_casing import floquet_growth, perfect_mean
 from contact.model.gaps.permanent import HandPair, ModalPair, disk_contact, rim_contact, rub_contact
 from tests.contact.growth.cycles.bodies import random_body
 from tests.contact.synthetic_rim import blade, ring

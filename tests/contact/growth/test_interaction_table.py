@@ -10,11 +10,10 @@ from scipy.optimize import linear_sum_assignment
 
 import contact as ct
 from contact.confirmed import confirming_run
-from contact.growth.closed_contact import growth, poles, poles_each
+from contact.growth.closed_contact import closed_poles, growth, poles, poles_each
 from contact.growth.coincidence import loaded, waves
 from contact.growth.interaction_table import _above, _pressed, pulse_ratio
-from contact.growth.perfect_mean import mean_contact, perfect_mean
-from contact.growth.secular import closed_poles
+from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact, rub_contact
 from contact.scene.stability import load_interactions
 from tests.contact.synthetic_rim import blade, ring

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.closed_contact import floor_of, growth, poles, poles_each, rim_stability, state_matrix
+from contact.growth.closed_contact import closed_poles, floor_of, growth, poles, poles_each, rim_stability, state_matrix
 from contact.growth.coincidence import Waves
 from contact.growth.growth_map import StabilityMap, scan
-from contact.growth.perfect_mean import mean_contact, perfect_mean
-from contact.growth.secular import closed_poles
+from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.permanent import (
     ClosedContact,
@@ -218,7 +217,7 @@ def test_a_rim_without_friction_is_a_perfect_contact_where_nothing_is_said():
 
 @pytest.mark.parametrize("blade_hz", [100.0, 1500.0])
 def test_a_band_of_a_split_casing_begins_at_1e_8_of_the_highest_frequency_of_both(blade_hz, monkeypatch):
-    monkeypatch.setattr("contact.growth.floquet.floquet_growth", lambda _, speed, mu: 1e-5 * mu * (speed - 50.0))
+    monkeypatch.setattr("contact.growth.split_casing.floquet_growth", lambda _, speed, mu: 1e-5 * mu * (speed - 50.0))
     casing, tip = ring(imperfect=0.01), blade()
     tip = replace(tip, omega=[TURN * 0.5 * blade_hz, TURN * blade_hz])
     rim = ct.RotatingRim(casing, tip, clearance=-1e-5, speed_hz=5.0)

@@ -13,11 +13,11 @@ from scipy.linalg import expm
 
 import contact as ct
 from casingfem.cli import main
-from contact.growth import floquet
+from contact.growth import split_casing as floquet
 from contact.growth.closed_contact import growth
 from contact.growth.coincidence import Coincidence, coincidences, in_words, loaded
-from contact.growth.floquet import floquet_growth
 from contact.growth.growth_map import scan
+from contact.growth.split_casing import floquet_growth
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import SplitError, disk_contact
 from tests.contact.synthetic_rim import blade, ring

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth import floquet
-from contact.growth.floquet import fastest, floquet_growth
+from contact.growth import split_casing as floquet
+from contact.growth.split_casing import fastest, floquet_growth
 from contact.model.gaps.modal_system import rim_system
 from tests.contact.synthetic_rim import blade, ring
 

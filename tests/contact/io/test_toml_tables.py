@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from contact.io import tables
 from contact.io.brief import brief
-from contact.io.checked_json import read_checked, write_checked
 from contact.io.names import hint, names_fault
+from contact.io.outfiles import read_checked, write_checked
 from contact.io.tables import keys, type_words
 from contact.io.toml import entries, read_toml, spelling, written
 from contact.io.units import units_of

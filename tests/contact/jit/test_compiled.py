@@ -14,7 +14,7 @@ import pytest
 import contact
 from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit, jit_entry
 from contact.jit.progress import WORDS, Announcement, Uncollected
-from contact.solver.unilateral.scalar import scalar_force
+from contact.solver.friction.one_contact import scalar_force
 from tests.conftest import PLACE, Groups
 
 ROOT = Path(contact.__file__).parent

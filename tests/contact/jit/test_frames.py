@@ -4,7 +4,7 @@ import resource
 
 import pytest
 
-from contact.jit.frames import with_room
+from contact.jit.progress import with_room
 
 CALLS, DEPTHS = 500, 200
 

@@ -4,8 +4,8 @@ import numba
 import pytest
 from numba.core import types
 
-from contact.jit import known_calls
-from contact.jit.known_calls import calls_looked_up_once
+from contact.jit import progress
+from contact.jit.progress import calls_looked_up_once
 
 
 @pytest.fixture
@@ -17,9 +17,9 @@ def looked_up(monkeypatch):
         asked.append((function, args))
         return original(function, context, args, kws)
 
-    original = known_calls.LOOK_UP
-    monkeypatch.setattr(known_calls, "LOOK_UP", look_up)
-    monkeypatch.setattr(known_calls, "KNOWN", {})
+    original = progress.LOOK_UP
+    monkeypatch.setattr(progress, "LOOK_UP", look_up)
+    monkeypatch.setattr(progress, "KNOWN", {})
     return asked
 
 

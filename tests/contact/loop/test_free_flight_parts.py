@@ -9,7 +9,7 @@ import pytest
 from tests.contact.plain import names, plain
 
 FLIGHT = names("loop.modal.free_flight")
-FLOQUET = names("loop.modal.floquet")
+FLOQUET = names("loop.modal.rows")
 
 
 @pytest.mark.parametrize("turn", [0.013, -0.013, 0.11, -0.11])

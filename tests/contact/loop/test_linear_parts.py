@@ -7,7 +7,7 @@ import pytest
 
 from tests.contact.plain import names, plain
 
-N = names("loop.linear.linear", "loop.tally", "record.record", "loop.linear.leapfrog", "loop.linear.massless")
+N = names("loop.linear.linear", "loop.tally", "record.record", "loop.linear.leapfrog")
 BAND = names("model.bodies.band")
 
 

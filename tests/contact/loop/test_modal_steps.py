@@ -8,8 +8,8 @@ import pytest
 from tests.contact.plain import names
 
 N = names("loop.modal.modal", "record.record")
-ENERGY = names("loop.modal.energy")
-STICK = names("loop.modal.stick")
+ENERGY = names("loop.modal.modal")
+STICK = names("loop.tally")
 H = 0.02
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.batch.note", "loop.batch.state")
+N = names("loop.batch.batch", "loop.batch.waves")
 
 
 def noted(*, force=2.0, mu=0.3, pull=0.1, surface=15.0):

@@ -8,7 +8,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.linear.projected", "record.record", "solver.unilateral.complementarity")
+N = names("loop.linear.moreau", "record.record", "solver.unilateral.complementarity")
 RIGID = N.LawNumbers(0.0, 0, 0.0, N.Several(used=True))
 
 

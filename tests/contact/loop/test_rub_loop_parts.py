@@ -8,8 +8,8 @@ import pytest
 
 from tests.contact.plain import names, plain
 
-N = names("loop.rub.rows", "loop.rub.body_force", "loop.rub.predict", "loop.rub.ledger")
-RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.alone", "loop.rub.rows")
+N = names("loop.rub.rows", "loop.rub.predict", "loop.rub.rub")
+RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.predict", "loop.rub.rows")
 LIMITS = names("loop.limits", "model.gaps.limits")
 
 
@@ -225,7 +225,7 @@ def test_a_rim_s_swing_is_noted_and_both_limits_end_a_run():
 
 def test_what_is_machined_off_a_coating_follows_waves_and_table_of_the_profile(monkeypatch):
     with plain() as module:
-        loop = module("contact.loop.rub.abradable")
+        loop = module("contact.loop.rub.predict")
     monkeypatch.setattr(loop, "coating_of", lambda coats, j: SimpleNamespace(round=0.0))
     monkeypatch.setattr(loop, "first_bar", lambda tip, turns: round(100.0 * turns))
     monkeypatch.setattr(loop, "machined", lambda tip, depth: depth)

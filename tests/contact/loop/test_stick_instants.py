@@ -7,7 +7,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.modal.stick", "record.record")
+N = names("loop.tally", "record.record")
 H, TIME, MU = 0.2, 7.0, 0.5
 W = np.diag([3.0, 2.0, 2.0, 4.0, 2.5, 2.0]) + 0.1
 W[4, 5], W[5, 4] = 0.3, 0.3

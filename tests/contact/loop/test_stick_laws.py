@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact.loop.modal.stick import holding
+from contact.loop.tally import holding
 
 
 @pytest.mark.parametrize("coupling", [0.0, 0.4, -0.9])

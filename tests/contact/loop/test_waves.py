@@ -6,14 +6,24 @@ import pytest
 import contact as ct
 from contact.jit.compiled import jit_entry
 from contact.jit.vector import load, put
-from contact.loop.batch.state import FORCE, FREE, SCALE, TEST
 from contact.loop.batch.step import add_up, touch
-from contact.loop.batch.waves import fill_lanes, skip_in_batch
-from contact.loop.beam.circle import cosine, half_turns, sign_of, sine, within
+from contact.loop.batch.waves import (
+    FORCE,
+    FREE,
+    SCALE,
+    TEST,
+    cosine,
+    fill_lanes,
+    half_turns,
+    sign_of,
+    sine,
+    skip_in_batch,
+    within,
+)
 from contact.loop.modal.rows import fill, rotate
 from contact.model.gaps.limits import REACHED, TIP, motion_limits
 from contact.model.gaps.modal_system import NOISE, rim_system
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.scheme.modal.batch import WIDTH, Job, Layout, batch
 from contact.scheme.modal.modal_stepper import rim_rows
 from tests.contact.synthetic_rim import blade, ring

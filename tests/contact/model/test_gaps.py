@@ -8,11 +8,10 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
-from contact.model.gaps.cantilever import Cantilever
 from contact.model.gaps.modal_system import point_system, rim_system
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import ModalPair
-from contact.model.gaps.rod_modes import chain_gap, rod_modes, side
+from contact.model.gaps.rod_modes import Cantilever, chain_gap, rod_modes, side
+from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 
 BEAM = Cantilever(length=0.4, width=0.03, height=0.004, E=70e9, rho=2700.0, zeta=0.02)

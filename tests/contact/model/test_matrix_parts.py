@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, diags_array
 
 import contact as ct
 from contact.model.bodies.from_matrices import body_of
-from contact.model.bodies.matrices import Matrices, asymmetry, checked_dof, symmetric_part
+from contact.model.bodies.matrices import Matrices, asymmetry, checked_dof, report_of, symmetric_part
 from contact.model.bodies.matrix_modes import (
     elastic_compliance,
     lowest_elastic,
@@ -18,7 +18,6 @@ from contact.model.bodies.matrix_modes import (
     modal_damping,
     reduced,
 )
-from contact.model.bodies.matrix_report import report_of
 
 DOFS = [(1, "x"), (1, "z"), (2, 5), (7, "q")]
 M4 = np.diag([2.0, 3.0, 0.5, 4.0])

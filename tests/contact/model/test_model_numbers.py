@@ -9,8 +9,7 @@ from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.modal_system import rim_system
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rod_modes import rod_modes
-from contact.model.gaps.rub_forces import axial_load, force_at_start, plane_participation, settled
-from contact.model.gaps.rub_system import rub_system
+from contact.model.gaps.rub_system import axial_load, force_at_start, plane_participation, rub_system, settled
 from tests.contact.model.test_body_matrices import compliance, rod
 from tests.contact.model.test_rub_forces import rub as turning
 from tests.contact.synthetic_rim import blade, ring

@@ -5,10 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from contact.loop.rub.body_force import Pulls, body_force
-from contact.loop.rub.ledger import advance_modes
+from contact.loop.rub.predict import body_force
+from contact.loop.rub.rows import Pulls
+from contact.loop.rub.rub import advance_modes
 from contact.model.bodies.modal_body import rim_channels
-from contact.model.gaps.rub_forces import place, plane_participation
+from contact.model.gaps.rub_system import place, plane_participation
 from tests.contact.synthetic_rub import N_MAX, SIZE
 
 G = 9.80665

@@ -8,8 +8,17 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.rub import ContactPoint, Stiffening
-from contact.model.gaps.rub_forces import axial_load, force_at_start, place, plane_force, plane_participation, settled
-from contact.model.gaps.rub_system import RimTable, rub_system, waves_of_tips
+from contact.model.gaps.rub_system import (
+    RimTable,
+    axial_load,
+    force_at_start,
+    place,
+    plane_force,
+    plane_participation,
+    rub_system,
+    settled,
+    waves_of_tips,
+)
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import N_MAX, SIZE, nodes, rim3, tips
 

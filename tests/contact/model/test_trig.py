@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from contact.model.trig import Trig, fourier, harmonics, pruned, quadratic, trig, turned_back
-from contact.model.waves import Terms, terms
+from contact.model.trig import Terms, Trig, fourier, harmonics, pruned, quadratic, terms, trig, turned_back
 
 P = Trig(harmonic=np.array([0, 2, 5]), cos=np.array([1.5, -2.0, 0.25]), sin=np.array([0.0, 3.0, -4.0]))
 

@@ -11,8 +11,7 @@ import pytest
 from casingfem.cli.pictures import figures, force_files, ledger, page_numbers
 from contact.base.errors import InputError
 from contact.histories import TipMotion
-from contact.record.divergence import Divergence
-from contact.record.energy import EnergyBudget, Stored
+from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
 from contact.result import Result
 from contact.scheme.protocol import Motion, Notes

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.record.divergence import Divergence
-from contact.record.energy import EnergyBudget, Stored
+from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.wear import Wear
 from contact.result import Result, _listed
 from contact.scheme.protocol import Notes

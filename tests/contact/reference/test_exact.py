@@ -5,8 +5,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from contact.reference.exact import bar_by_characteristics, bouncing_bar, rod_on_wall, two_rods
-from contact.reference.impacts import Bounces, driven_orbit, stopped_period
+from contact.reference.exact import (
+    Bounces,
+    bar_by_characteristics,
+    bouncing_bar,
+    driven_orbit,
+    rod_on_wall,
+    stopped_period,
+    two_rods,
+)
 from contact.reference.waves import impact_by_characteristics, lcm_step
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}

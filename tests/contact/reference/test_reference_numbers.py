@@ -3,8 +3,14 @@
 import pytest
 
 import contact as ct
-from contact.reference.exact import bar_by_characteristics, bouncing_bar, rod_on_wall, two_rods
-from contact.reference.impacts import driven_orbit, stopped_period
+from contact.reference.exact import (
+    bar_by_characteristics,
+    bouncing_bar,
+    driven_orbit,
+    rod_on_wall,
+    stopped_period,
+    two_rods,
+)
 from contact.reference.waves import impact_by_characteristics, lcm_step
 from tests.probed import numbers_in
 

@@ -8,14 +8,16 @@ from scipy.integrate import solve_ivp
 
 import contact as ct
 from contact.reference.exact import (
+    Bounces,
     ExactContact,
     bar_by_characteristics,
     bouncing_bar,
+    driven_orbit,
     force_error,
     rod_on_wall,
+    stopped_period,
     two_rods,
 )
-from contact.reference.impacts import Bounces, driven_orbit, stopped_period
 from contact.reference.waves import Impact, impact_by_characteristics, lcm_step
 
 ROD = ct.Rod(length=3.0, area=0.5, E=8.0, rho=2.0)  # waves run with 2 m/s, the impedance is 2 kg/s

@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.scene.coating import CoatingTable, contact_law
-from contact.scene.disk import DiskCasingTable, DiskFile
+from contact.scene.parts import CoatingTable, RecordTable, contact_law
 from contact.scene.patch import PatchBodyTable, PatchFile
-from contact.scene.record import RecordTable
-from contact.scene.rim import BladeTable, CasingTable
+from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskFile
 from contact.scene.roundness import GapTable, RandomRoundness
 from contact.scene.rub import RubBlade, RubClosing, RubNode, RubSpeed, RubWhirl, read_profile, turned
 from contact.scene.scheme import SchemeTable

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.scheme.modal.rub_tracks import track_tips
+from contact.scheme.modal.wear_track import track_tips
 from tests.contact.synthetic_rub import nodes, rim3
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes" / "rub"

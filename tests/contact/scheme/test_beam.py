@@ -10,8 +10,7 @@ from scipy.linalg import eigh
 import contact as ct
 from contact.model.trig import harmonics
 from contact.record.record import Record, samples
-from contact.scheme.beam.beam_implicit import prepare_beam_newmark
-from contact.scheme.beam.beam_stepper import beam_step, prepare_beam
+from contact.scheme.beam.beam_stepper import beam_step, prepare_beam, prepare_beam_newmark
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
 

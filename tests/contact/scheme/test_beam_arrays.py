@@ -35,7 +35,7 @@ def explicit(module, **more):
 
 
 def implicit(module, dt=1e-4, **more):
-    return module("contact.scheme.beam.beam_implicit").prepare_beam_newmark(circle(module, **more), 0.5, 0.55, dt)
+    return module("contact.scheme.beam.beam_stepper").prepare_beam_newmark(circle(module, **more), 0.5, 0.55, dt)
 
 
 def test_the_step_is_the_one_given_or_a_share_of_the_largest_stable_one():

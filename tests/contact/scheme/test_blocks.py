@@ -7,7 +7,7 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.modal_system import rim_system
-from contact.model.waves import Terms
+from contact.model.trig import Terms
 from contact.scheme.modal.batch import AWAY, NEVER, WIDTH, Job, Layout, _blocks, batch
 from contact.scheme.modal.blocks import _alike, row_blocks, rows_of_waves
 from contact.scheme.modal.modal_stepper import rim_reach, rim_rows

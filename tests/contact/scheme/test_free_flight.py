@@ -8,7 +8,7 @@ import contact as ct
 from contact.loop.modal.free_flight import FOREVER, WAIT, largest_share, open_steps, propagate
 from contact.model.gaps.modal_system import rim_system
 from contact.model.trig import fourier
-from contact.scheme.modal.free_flight import BITS, CELLS, least_clearance, powers, rim_free_flight
+from contact.scheme.modal.modal_stepper import BITS, CELLS, least_clearance, powers, rim_free_flight
 from contact.scheme.modal.propagator import free_motion, propagator
 from tests.contact.synthetic_rim import blade, ring
 

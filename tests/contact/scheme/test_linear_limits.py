@@ -12,7 +12,7 @@ from contact.model.bodies.chain import assemble
 from contact.model.bodies.linear_system import linear_system
 from contact.record.record import Record, samples
 from contact.scheme.linear.alpha import newmark_limit
-from contact.scheme.linear.linear_stepper import FAINT, linear_step, parts_of, require_stable
+from contact.scheme.linear.stepper import FAINT, linear_step, parts_of, require_stable
 
 
 def test_steps_of_rods_are_shares_of_the_crossing_time_and_one_is_given():

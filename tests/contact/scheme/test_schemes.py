@@ -10,8 +10,7 @@ from scipy.linalg import expm
 from scipy.sparse import csr_array
 
 import contact as ct
-from contact.loop.linear.moreau import note_impulses
-from contact.loop.linear.projected import note_contacts
+from contact.loop.linear.moreau import note_contacts, note_impulses
 from contact.model.bodies.chain import assemble
 from contact.record.record import samples
 from contact.reference.exact import force_error, two_rods

@@ -8,8 +8,7 @@ import pytest
 
 import contact as ct
 from contact.model.trig import fourier
-from contact.scheme.modal.rub_tracks import rub_tracks, track_tips
-from contact.scheme.modal.wear_track import Track, Tracks
+from contact.scheme.modal.wear_track import Track, Tracks, rub_tracks, track_tips
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
 COAT = {"E": 8e8, "yield_stress": 2e4, "hardening": 1e6, "thickness": 2e-3, "width": 0.03, "tip": 0.05}

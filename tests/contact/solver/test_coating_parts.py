@@ -7,9 +7,9 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("solver.abradable.one_tip", "solver.abradable.tips", "solver.friction.all_sliding", "solver.friction.coulomb")
+N = names("solver.abradable.tips", "solver.friction.all_sliding", "solver.friction.coulomb")
 RIM = names("loop.modal.rim")
-RUB = names("loop.rub.abradable")
+RUB = names("loop.rub.predict")
 WORN = np.array([1e-5, 3e-5, 0.0, 2e-5, 9e-5, 5e-6, 4e-5])
 THICK, STIFF, YIELD, HARD = 1e-4, 2e6, 30.0, 4e5
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("solver.friction.newton", "solver.friction.sweeps", "solver.friction.coulomb")
+N = names("solver.friction.newton", "solver.friction.room", "solver.friction.coulomb")
 solver_room = N.solver_room
 MU = np.array([0.3, 0.5, 0.2])
 

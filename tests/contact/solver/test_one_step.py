@@ -8,10 +8,9 @@ import pytest
 from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import entry
 from contact.solver.friction.all_sliding import all_sliding_start
-from contact.solver.friction.coulomb import against_slip, coulomb, solver_room
+from contact.solver.friction.coulomb import against_slip, coulomb, covering, polyhedral_cone, solver_room
+from contact.solver.friction.coulomb import lemke as pivoting
 from contact.solver.friction.newton import MOST_ITERATIONS
-from contact.solver.friction.polyhedral_cone import covering, polyhedral_cone
-from contact.solver.friction.polyhedral_cone import lemke as pivoting
 from contact.solver.friction.room import INNER, MISS, STEP, TRIAL
 from contact.solver.unilateral.active_set import delassus_rows, unilateral
 from tests.contact.solver.lemke import lemke

@@ -8,9 +8,7 @@ import pytest
 
 from tests.contact.plain import names, plain
 
-N = names(
-    "solver.friction.polyhedral_cone", "solver.friction.newton", "solver.friction.coulomb", "solver.friction.room"
-)
+N = names("solver.friction.newton", "solver.friction.coulomb", "solver.friction.room")
 
 
 def test_facets_are_unit_vectors_five_of_them_close_together():

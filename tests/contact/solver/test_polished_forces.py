@@ -6,7 +6,7 @@ import pytest
 from tests.contact.plain import names
 
 N = names("solver.friction.newton", "solver.friction.coulomb")
-PIVOTING = names("solver.friction.polyhedral_cone")
+PIVOTING = names("solver.friction.coulomb")
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-4, 3e-2])

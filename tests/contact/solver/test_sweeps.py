@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact.solver.friction.sweeps import ROUGHLY, sweep
+from contact.solver.friction.room import ROUGHLY, sweep
 
 NORMAL, ACROSS = np.array([2.0, 3.0, 4.0]), np.array([0.5, 0.8, 1.6])  # m/N of each contact
 FREE = np.array([-1.0, -0.6, -2.0])  # m

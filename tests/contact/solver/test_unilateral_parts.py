@@ -7,7 +7,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("solver.unilateral.complementarity", "solver.unilateral.scalar")
+N = names("solver.unilateral.complementarity", "solver.friction.one_contact")
 ACTIVE = names("solver.unilateral.active_set")
 DENSE = names("solver.dense")
 W = np.array([[2.0, -0.6, 0.3], [-0.6, 1.5, -0.4], [0.3, -0.4, 1.1]])

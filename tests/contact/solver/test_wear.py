@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import contact as ct
-from contact.solver.abradable.one_tip import Coating, borne, crush, first_bar, machined, surface
+from contact.solver.abradable.tips import Coating, borne, crush, first_bar, machined, surface
 from tests.contact.synthetic_rim import blade, ring
 
 TERMS = [{"p": 2, "cos": 4e-5}]

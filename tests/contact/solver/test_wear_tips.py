@@ -5,9 +5,8 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.rub_system import rub_system
-from contact.scheme.modal.rub_tracks import track_tips
-from contact.solver.abradable.one_tip import borne
-from contact.solver.abradable.tips import Coats, coating_of, crush_tips
+from contact.scheme.modal.wear_track import track_tips
+from contact.solver.abradable.tips import Coats, borne, coating_of, crush_tips
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from tests.contact.synthetic_rim import blade, ring

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import contact as ct
-from contact.growth.cycles.course import Course
+from contact.growth.cycles.branch import Course
 
 B = 0.3
 FOLD, FLIP = -((1.0 - B) ** 2) / 4.0, 3.0 * (1.0 - B) ** 2 / 4.0

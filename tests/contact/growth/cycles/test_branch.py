@@ -1,6 +1,7 @@
 """Branches, folds and stability against published orbits and runs in time."""
 
 import math
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,10 +10,9 @@ import pytest
 
 import contact as ct
 from contact.growth.cycles import branch as way_along
-from contact.growth.cycles import checkpoint
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Signs, Tangent, kinds, signs
+from contact.growth.cycles.follow import Found
 from contact.growth.cycles.shooting import map_of
-from contact.growth.cycles.special import Signs, kinds, signs
 from reports.contact.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
@@ -98,8 +98,8 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
 
     Stopped on that one, it is not looked for again.
     """
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    monkeypatch.setattr(sys.modules[Found.__module__], "EVERY", 0.0)
+    monkeypatch.setattr(sys.modules[Found.__module__], "SHARE", 0.0)
     said = []
     family = mass_on_stop().over("freq_hz", freq_hz=0.15)
     found = ct.growth.cycles.follow(family, (0.13, 0.16), longest=0.05, progress=lambda *told: said.append(told))
@@ -194,16 +194,16 @@ def test_a_range_of_nothing_is_refused():
 
 def test_branches_done_and_under_way_begin_with_their_first_orbits():
     done, way = (SimpleNamespace(points=(f"{name} 1", f"{name} 2")) for name in ("done", "way"))
-    kept = checkpoint.Found(asked="", done=(done,), way=way)
+    kept = Found(asked="", done=(done,), way=way)
     assert [kept.begins(number) for number in range(3)] == ["done 1", "way 1", None]
-    assert checkpoint.Found(asked="", done=(done,)).begins(1) is None
+    assert Found(asked="", done=(done,)).begins(1) is None
 
 
 @pytest.mark.campaign
 def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     """Stopped within its second branch, of doubled period."""
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    monkeypatch.setattr(sys.modules[Found.__module__], "EVERY", 0.0)
+    monkeypatch.setattr(sys.modules[Found.__module__], "SHARE", 0.0)
     file, said = tmp_path / "part.npz", []
     scene = ct.scene.load_cycles(SCENES / "bouncing_ball.toml")
 

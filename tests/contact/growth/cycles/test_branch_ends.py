@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.branch import _at_edge, _why, begun, followed
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Tangent, _at_edge, _why, begun, followed
 from contact.growth.cycles.passage import Event
 from contact.growth.cycles.shooting import orbit
 from tests.contact.growth.cycles.henon import FOLD, B, course, fixed, followed_map

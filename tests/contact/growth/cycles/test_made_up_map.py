@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.branch import begun, followed, merged
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Tangent, begun, followed, merged
 from contact.growth.cycles.passage import Event
 from contact.growth.cycles.shooting import map_of, orbit, settled
 from tests.contact.growth.cycles.henon import FLIP, FOLD, B, course, fixed, followed_map

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Tangent
 from contact.growth.cycles.shooting import orbit
 from tests.contact.growth.cycles.henon import FLIP, course, fixed
 

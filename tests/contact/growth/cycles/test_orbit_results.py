@@ -1,19 +1,19 @@
 """What a continuation found, as lines, rows and documents; what changes between neighbours; when a file is written."""
 
 import math
+import sys
+import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles import checkpoint
-from contact.growth.cycles.branch import Way
-from contact.growth.cycles.course import Tangent
+from contact.growth.cycles.branch import Tangent, Way, passed, signs
+from contact.growth.cycles.follow import Checkpoint
 from contact.growth.cycles.passage import Event, Extremes, pressing
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, _free_time, _nearer
-from contact.growth.cycles.special import passed, signs
 
 
 def orbit(value, *, multiplier=0.5, periods=1, closings=(2, 0), touching=(), size=1e-3, **more):
@@ -153,35 +153,35 @@ def test_changes_between_neighbours_are_located_one_after_the_other():
 
 def test_a_file_is_written_at_the_end_of_a_branch_and_within_one_when_it_is_time(tmp_path, monkeypatch):
     file, now = tmp_path / "part.npz", [0.0]
-    monkeypatch.setattr(checkpoint.time, "monotonic", lambda: now[0])
-    kept = checkpoint.Checkpoint(file, "asked")
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    kept = Checkpoint(file, "asked")
     way = Way((orbit(1.0),), (), Tangent(np.zeros(2), 1.0), 0.1)
     now[0] = 1.99
     kept.keep([], way)
     assert not file.exists()
     now[0] = 2.0
     kept.keep([], way)
-    assert checkpoint.Checkpoint(file, "asked").found.begins(0).value == 1.0
+    assert Checkpoint(file, "asked").found.begins(0).value == 1.0
     file.unlink()
     now[0] = 3.99
     kept.keep([], way)
     assert not file.exists()
     kept.keep([])
     assert file.exists()
-    checkpoint.Checkpoint(None, "").keep([], way)
+    Checkpoint(None, "").keep([], way)
 
 
 def test_a_long_writing_is_not_soon_done_again(tmp_path, monkeypatch):
     """Twenty times as long as it takes."""
     file, now = tmp_path / "part.npz", [10.0]
-    monkeypatch.setattr(checkpoint.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
 
     def slow(path, value):
         now[0] += 0.5
         path.write_bytes(b"")
 
-    kept, way = checkpoint.Checkpoint(file, "asked"), Way((orbit(1.0),), (), Tangent(np.zeros(2), 1.0), 0.1)
-    monkeypatch.setattr(checkpoint, "save_value", slow)
+    kept, way = Checkpoint(file, "asked"), Way((orbit(1.0),), (), Tangent(np.zeros(2), 1.0), 0.1)
+    monkeypatch.setattr(sys.modules[Checkpoint.__module__], "save_value", slow)
     kept.keep([])
     for later, written in ((9.99, False), (10.0, True)):
         file.unlink(missing_ok=True)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles import checkpoint, passage, shooting
+from contact.growth.cycles import passage, shooting
 from contact.growth.cycles.basins import _start
-from contact.growth.cycles.course import Course, Tangent
+from contact.growth.cycles.branch import Course, Tangent
+from contact.growth.cycles.follow import Checkpoint, digest
 from contact.growth.cycles.passage import Event, pressing
 from contact.growth.cycles.switched import Plant, phase_of
 from contact.model.bodies.modal_body import rim_channels
@@ -47,29 +48,29 @@ def test_a_start_outside_the_rigid_contacts_is_drawn_a_thousand_times():
 
 def test_a_checkpoint_of_another_search_or_of_nothing_is_refused(tmp_path):
     file = tmp_path / "part.npz"
-    checkpoint.Checkpoint(file, "one").keep([])
-    assert checkpoint.Checkpoint(file, "one").found.done == ()
+    Checkpoint(file, "one").keep([])
+    assert Checkpoint(file, "one").found.done == ()
     with pytest.raises(ct.InputError, match=r"checkpoint: .*part.npz: found that of another body, range or way"):
-        checkpoint.Checkpoint(file, "other")
+        Checkpoint(file, "other")
     file.write_bytes(b"not a file of numbers")
     with pytest.raises(ct.InputError, match=r"checkpoint: .*part.npz.*; remove it to begin anew"):
-        checkpoint.Checkpoint(file, "one")
+        Checkpoint(file, "one")
 
 
 def test_what_is_asked_for_is_told_by_its_motion_range_and_way():
     family = mass_on_stop(100.0).over("freq_hz", freq_hz=0.2)
     orbit = SimpleNamespace(x=np.array([0.1, 0.2]))
     asked = [
-        checkpoint.digest(family, between, first, longest)
+        digest(family, between, first, longest)
         for between, first, longest in (
             ((0.1, 0.2), None, 0.02), ((0.1, 0.3), None, 0.02), ((0.1, 0.2), None, 0.03), ((0.1, 0.2), orbit, 0.02)
         )
     ]  # fmt: skip
     for other in (mass_on_stop(101.0), mass_on_stop(100.0, 0.03), replace(mass_on_stop(100.0), restitution=0.5)):
-        asked.append(checkpoint.digest(other.over("freq_hz", freq_hz=0.2), (0.1, 0.2), None, 0.02))
+        asked.append(digest(other.over("freq_hz", freq_hz=0.2), (0.1, 0.2), None, 0.02))
     assert len(set(asked)) == len(asked)
     again = mass_on_stop(100.0).over("freq_hz", freq_hz=0.2)
-    assert checkpoint.digest(again, (0.1, 0.2), None, 0.02) == asked[0]
+    assert digest(again, (0.1, 0.2), None, 0.02) == asked[0]
 
 
 @pytest.mark.parametrize(("slide", "friction"), [(0.0, 0.1), ([[2.0], [0.0]], 0.1)])

@@ -9,8 +9,8 @@ import pytest
 import contact as ct
 from contact.growth.cycles.rubbing import _waves
 from contact.growth.cycles.shooting import map_of
-from contact.model.gaps.one_tip import rub_of
 from contact.model.gaps.permanent import SplitError, rim_contact
+from contact.model.gaps.rub import rub_of
 from contact.model.gaps.rub_laws import Whirl
 from contact.record.wear import Wear
 from tests.contact.synthetic_rim import blade, ring

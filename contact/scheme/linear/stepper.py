@@ -84,9 +84,7 @@ class LinearStepper:
         u, v, old = self.state.u, self.state.v, self.state.u
         if self.leapfrog:
             old, v = u - v, v / self.dt
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # a run that outgrows the arithmetic is refused by its energy
+        with np.errstate(over="ignore", invalid="ignore"):  # a run that outgrows arithmetic is refused by its energy
             kinetic = 0.5 * float(v @ product(self.parts.M, v))
             strain = 0.5 * float(old @ product(self.parts.K, u))
         potential = self.system.body.potential - 0.5 * float(self.parts.load @ (u + old))
@@ -124,30 +122,21 @@ def product(A: Band, u: Array) -> Array:
     return np.asarray(total)
 
 
-def require_linear(problem: Problem, scheme: str) -> Linear:
-    """The problem, if it has a linear form; else raise InputError that says what this scheme is for."""
-    if not hasattr(problem, "linear_form"):
-        raise InputError(
-            f"scheme: found {scheme} for {type(problem).__name__}, expected ExactModal (it is for rods, masses and "
-            "linear bodies)"
-        )
-    return cast(Linear, problem)
-
-
-def require_law(law: Law, scheme: str, contacts: int, *allowed: str) -> LawNumbers:
-    """Numbers of the law for the compiled solver; raises InputError for a law the scheme does not have."""
-    from contact.solver.unilateral.complementarity import LawNumbers, Several
-
-    if kind(law) not in allowed:
-        raise InputError(f"law: found {law!r}, expected {' or '.join(allowed)} with {scheme}")
-    return LawNumbers(law.stiffness, law.updates, law.tolerance, Several(used=contacts > 1))
-
-
 def require_restitution(e: float) -> None:
     """Raise InputError unless 0 <= e <= 1."""
     require_not_negative(restitution=e)
     if e > 1.0:
         raise InputError(f"restitution: found {e!r}, expected between 0 and 1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rebound:
+    """A scheme with Newton's restitution e."""
+
+    restitution: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_restitution(self.restitution)
 
 
 def linear_step(problem: Linear, dt: float | None, courant: float | None) -> float:
@@ -169,10 +158,8 @@ def require_stable(h: float, omega: float, limit: float, name: str) -> str:
     """Return "dt omega_max = x (limit y)"; raises LimitError beyond the limit."""
     reached = h * omega
     if reached > limit * (1.0 + 1e-9):
-        raise LimitError(
-            f"dt: found {h:.6g} s, dt * omega_max = {reached:.4g}, expected <= {limit:.4g} (stability of {name}): "
-            f"take dt <= {rounded_down(limit * h / reached, 6)} s"
-        )
+        expected = f"<= {limit:.4g} (stability of {name}): take dt <= {rounded_down(limit * h / reached, 6)} s"
+        raise LimitError(f"dt: found {h:.6g} s, dt * omega_max = {reached:.4g}, expected {expected}")
     bound = "no limit" if math.isinf(limit) else f"limit {limit:.4g}"
     return f"dt omega_max = {reached:.3g} ({bound})"
 
@@ -217,11 +204,17 @@ def setup(
     name: str, problem: Problem, law: Law, allowed: tuple[str, ...], dt: float | None, courant: float | None
 ) -> Setup:
     """Pack the problem and check law and step; raises InputError."""
-    found = require_linear(problem, name)
+    from contact.solver.unilateral.complementarity import LawNumbers, Several
+
+    if not hasattr(problem, "linear_form"):
+        expected = "ExactModal (it is for rods, masses and linear bodies)"
+        raise InputError(f"scheme: found {name} for {type(problem).__name__}, expected {expected}")
+    found = cast(Linear, problem)
     system = linear_system(found)
-    numbers = require_law(law, name, system.gap0.size, *allowed)
-    h = linear_step(found, dt, courant)
-    return Setup(name=name, system=system, law=numbers, h=h, omega=omega_max(system))
+    if kind(law) not in allowed:
+        raise InputError(f"law: found {law!r}, expected {' or '.join(allowed)} with {name}")
+    numbers = LawNumbers(law.stiffness, law.updates, law.tolerance, Several(used=system.gap0.size > 1))
+    return Setup(name=name, system=system, law=numbers, h=linear_step(found, dt, courant), omega=omega_max(system))
 
 
 def linear_stepper(
