@@ -2,19 +2,15 @@
 
 import click
 
-from casingfem.cli.contact import contact, interactions, rub, stability
-from casingfem.cli.correlate import correlate
-from casingfem.cli.cycles import cycles
+from casingfem.cli.contact import contact, cycles, interactions, rub, stability
+from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
-from casingfem.cli.example import example
-from casingfem.cli.explain import explain
 from casingfem.cli.identify import identify
-from casingfem.cli.locate import locate
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.mistune import mistune
-from casingfem.cli.new import new, watch
+from casingfem.cli.new import example, new, watch
 from casingfem.cli.rig import rig
-from casingfem.cli.schema import schema
+from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import sweep
 

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import click
 
-from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import ProgressMessage, deliver, free_way, options, with_exit_codes
+from casingfem.cli.running import ProgressMessage, collected, deliver, free_way, options, with_exit_codes
 from contact.io.outfiles import json_text, write_files
 
 FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))

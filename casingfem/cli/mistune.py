@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.running import ProgressMessage, deliver, options
-from casingfem.cli.study import STUDY
+from casingfem.cli.study import STUDY, chart_study
+from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -27,11 +28,9 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
 
     With --out DIR finished draws are kept in DIR/draws: the same command goes on where a run was broken off.
     """
-    from casingfem.study import load_study
     from casingfem.study.mistuning import run_mistune
 
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_study(file)
+    study = chart_study(file)
     with ProgressMessage(f"mistuning of {file.name}") as working:
 
         def progress(done: int) -> None:
@@ -72,15 +71,14 @@ def result_files(found: "Mistuning", document: dict[str, Any]) -> dict[str, Cont
 
     source = document["source"]
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
-    card = [f"# COMPUTED: random mistuning of {source['study']} (sha256 {source['sha256']})", f"# by {versions}"]
+    card = f"COMPUTED: random mistuning of {source['study']} (sha256 {source['sha256']})\nby {versions}"
+    names = ("draw", "n", "m", "freq_hz", "split_rel", "angle_deg")
     columns = (found.draw, found.n, found.m, found.freq, found.split, found.angle_deg)
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    lines = [",".join("" if cell != cell else str(cell) for cell in row) for row in rows]
+    rows = [dict(zip(names, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]
     summary = document["doublets"]
-    short = [",".join("" if cell is None else str(cell) for cell in row.values()) for row in summary]
     return {
-        "mistune.csv": "\n".join([*card, "draw,n,m,freq_hz,split_rel,angle_deg", *lines]) + "\n",
-        "mistune_summary.csv": "\n".join([*card, ",".join(summary[0]) if summary else "n,m", *short]) + "\n",
+        "mistune.csv": csv_text(rows, card, names),
+        "mistune_summary.csv": csv_text(summary, card, () if summary else ("n", "m")),
         "mistune.json": json_text(document, indent=1),
         "mistune.png": png(figure_splits(found)),
     }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.running import ProgressMessage, deliver, options
-from casingfem.cli.study import STUDY
+from casingfem.cli.study import STUDY, chart_study
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -23,11 +23,9 @@ def rig(file: Path, as_json: bool, out: Path | None) -> None:
     With --out DIR: frequency responses (frfs.uff with geometry, frfs.npz), their coherence, time records if the study
     keeps them, the circle scan (scan.npz), the truth behind them (truth.csv), pictures. Everything says SYNTHETIC.
     """
-    from casingfem.study import load_study
     from casingfem.study.rig import run_rig
 
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_study(file)
+    study = chart_study(file)
     with ProgressMessage(f"rig of {file.name}") as working:
         test = run_rig(study)
     document = {

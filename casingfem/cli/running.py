@@ -1,10 +1,12 @@
-"""What all commands share: --json and --out, what goes to stdout and stderr, exit codes, progress."""
+"""What all commands share: --json and --out, what goes to stdout and stderr, warnings, exit codes, progress."""
 
 import hashlib
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from types import TracebackType
@@ -12,12 +14,14 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import click
 
-from casingfem.cli.model_warnings import collected, collecting
+from casingfem.errors import ModelWarning
 from contact.io.outfiles import Content, in_the_way, json_text, settle, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long
+MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
+_collected: list[dict[str, str]] = []
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -125,6 +129,37 @@ def deliver(
             click.echo(f"wrote {path}")
     for folder in dict.fromkeys(path.parent for path in written if path.parent != out):
         click.echo(f"wrote {sum(path.parent == folder for path in written)} files to {folder}")
+
+
+def collected() -> list[dict[str, str]]:
+    """The warnings of this command so far: code and message."""
+    return [dict(entry) for entry in _collected]
+
+
+@contextmanager
+def collecting() -> Iterator[None]:
+    """Print and keep warnings about the model while a command runs; others go the usual way."""
+    _collected.clear()
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ModelWarning)
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *more: Any, **named: Any) -> None:
+            if isinstance(message, ModelWarning):
+                collect(message)
+            else:
+                usual(message, category, *more, **named)
+
+        warnings.showwarning = show
+        yield
+
+
+def collect(warning: ModelWarning) -> None:
+    """Keep and print a warning that was not there before."""
+    entry = {"code": warning.code, "message": str(warning)}
+    if entry not in _collected and sum(other["code"] == warning.code for other in _collected) < MOST:
+        _collected.append(entry)
+        click.echo(f"warning: {warning}", err=True)
 
 
 def source_of(file: Path) -> dict[str, str]:
