@@ -22,9 +22,19 @@ from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.parts import DEFECTS, ShellParts
-from casingfem.updating.mesh_numbers import mesh_address
-from casingfem.updating.named import named_numbers, numbers_of
-from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
+from casingfem.updating.numbers import (
+    CONSTANTS,
+    SHARED,
+    Address,
+    FieldHarmonic,
+    HeldNumber,
+    Plain,
+    SpringHarmonic,
+    mesh_numbers,
+    named_numbers,
+    numbers_of,
+    series,
+)
 from contact.io.names import hint
 
 Structure = TypeVar("Structure", bound=ShellParts | MeshStructure)
@@ -33,7 +43,7 @@ HARMONIC = re.compile(r"p(\d+)$")
 
 
 def address_of(shell: ShellParts | MeshStructure, name: str) -> Address:
-    """What a name means on this shell, or imported part (`mesh_numbers.py`).
+    """What a name means on this shell, or imported part.
 
     Raises
     ------
@@ -44,6 +54,14 @@ def address_of(shell: ShellParts | MeshStructure, name: str) -> Address:
         return mesh_address(shell, name) if not isinstance(shell, ShellParts) else shell_address(shell, name)
     except InputError as error:
         raise InputError(f"{error}{hint(name, list(named_numbers(shell)))}") from None
+
+
+def mesh_address(structure: MeshStructure, name: str) -> Plain:
+    """What a name means on an imported part."""
+    known = mesh_numbers(structure)
+    if name not in known:
+        raise InputError(f"{name!r}: an imported part has {', '.join(known)}")
+    return known[name]
 
 
 def shell_address(shell: ShellParts, name: str) -> Address:
@@ -100,7 +118,7 @@ def of_strip(shell: ShellParts, name: str, parts: list[str]) -> Plain:
     if not place:
         raise InputError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
     if parts[2:] != ["thickness"]:
-        if len(parts) != 4 or parts[2] != "material" or parts[3] not in ("E", "nu", "rho"):
+        if len(parts) != 4 or parts[2] != "material" or parts[3] not in CONSTANTS:
             raise InputError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
         if shell.strips[place - 1].material is None:
             raise InputError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")

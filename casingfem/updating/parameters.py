@@ -10,8 +10,7 @@ from casingfem.errors import InputError
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import address_of, with_value
-from casingfem.updating.named import named_numbers
-from casingfem.updating.numbers import Address, SpringHarmonic
+from casingfem.updating.numbers import Address, SpringHarmonic, named_numbers
 from contact.io.reported import Reported
 
 

@@ -106,11 +106,10 @@ def remedies(fit: UpdateResult) -> list[str]:
 
 def worst_rows(fit: UpdateResult, count: int = 2) -> str:
     """The rows of the table that lie farthest off by their own uncertainty, with the error that is left."""
-    rows = [{name: float(str(row[name])) for name in ("mode", "measured_hz", "after_hz", "sigma_hz")}
-            for row in fit.pairs()]  # fmt: skip
+    rows = fit.pairs()
     rows.sort(key=lambda row: -abs(row["after_hz"] - row["measured_hz"]) / row["sigma_hz"])
     return " and ".join(
-        f"mode {row['mode']:.0f} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
+        f"mode {row['mode']} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
         for row in rows[:count]
     )
 
@@ -144,11 +143,8 @@ def pairs_table(fit: UpdateResult) -> Table:
     """Measured, before and after, mode by mode."""
     rows: list[tuple[Cell, ...]] = []
     for row in fit.pairs():
-        measured, after = float(str(row["measured_hz"])), float(str(row["after_hz"]))
-        before = None if row["before_hz"] is None else float(str(row["before_hz"]))
+        measured, before, after = row["measured_hz"], row["before_hz"], row["after_hz"]
         errors = [None if f is None else f"{100.0 * (f / measured - 1.0):+.3f}" for f in (before, after)]
-        n = None if row["n"] is None else int(str(row["n"]))
-        mode = int(str(row["mode"]))
-        rows.append((mode, n, measured, float(str(row["sigma_hz"])), before, errors[0], after, errors[1]))
+        rows.append((row["mode"], row["n"], measured, row["sigma_hz"], before, errors[0], after, errors[1]))
     columns = ("mode", "n", "measured [Hz]", "sigma [Hz]", "before [Hz]", "error [%]", "updated [Hz]", "error [%]")
     return Table(f"The {len(rows)} paired modes", columns, tuple(rows), folded=len(rows) > 12)

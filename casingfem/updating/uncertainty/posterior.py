@@ -153,5 +153,4 @@ def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
 def weakest(fit: UpdateResult, hessian: FloatArray) -> str:
     """The parameters along the lowest curvature, by name."""
     direction = np.linalg.eigh(hessian)[1][:, 0]
-    names: Sequence[str] = [p.name for p in fit.parameters]
-    return ", ".join(names[k] for k in np.argsort(-np.abs(direction))[:2])
+    return ", ".join(fit.parameters[k].name for k in np.argsort(-np.abs(direction))[:2])
