@@ -152,9 +152,9 @@ def cycles_files(
     found: "Cycles", reached: "Basins | None", document: dict[str, object], words: str, file: Path
 ) -> dict[str, Content]:
     """The table, the states, the document, the picture and the page."""
-    from casingfem.plot.cycles import figure_cycles
     from casingfem.plot.pages.cycles import cycles_page
     from casingfem.plot.style import png
+    from casingfem.plot.sweep import figure_cycles
 
     rows, marks, ends = found.table(), found.marks(), [part.end for part in found.branches]
     motions = [] if reached is None else [{found.name: reached.value, **one} for one in reached.records()]

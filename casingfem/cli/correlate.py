@@ -98,7 +98,7 @@ def locate(
     from casingfem.locate.localisation import locate as find
     from casingfem.locate.localisation import search_model
     from casingfem.locate.shape_check import checked_by_shapes
-    from casingfem.plot.locate import figure_located
+    from casingfem.plot.correlation import figure_located
     from casingfem.plot.style import png
 
     study = chart_study(file)

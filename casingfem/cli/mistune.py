@@ -66,7 +66,7 @@ def words(run: "MistuneRun") -> str:
 
 def result_files(found: "Mistuning", document: dict[str, Any]) -> dict[str, Content]:
     """The draws, the summary, the picture and the document."""
-    from casingfem.plot.mistune import figure_splits
+    from casingfem.plot.modes import figure_splits
     from casingfem.plot.style import png
 
     source = document["source"]

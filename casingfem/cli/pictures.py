@@ -101,8 +101,8 @@ def force_files(result: "Result", command: str) -> dict[str, Content]:
 
 def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
     """Profile and wear map of each track of a coating."""
+    from casingfem.plot.contact import figure_wear
     from casingfem.plot.style import png
-    from casingfem.plot.wear import figure_wear
 
     names = ["coating.png"] if len(tracks) == 1 else [f"coating_{k}.png" for k in range(1, len(tracks) + 1)]
     return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}

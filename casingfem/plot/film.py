@@ -7,8 +7,7 @@ import numpy as np
 
 from casingfem.io.arrays import Array
 from casingfem.plot.contact import Run, thinned
-from casingfem.plot.packed import coded, island, packed
-from casingfem.plot.page import Picture
+from casingfem.plot.page import Picture, coded, island, packed
 
 DRAWN = 0.13  # of the radius: the largest deviation drawn
 ROUND = (1.0, 2.0, 5.0)

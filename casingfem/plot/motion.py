@@ -20,17 +20,14 @@ class Orbit(Protocol):
     @property
     def time(self) -> Array:
         """Times [s], (ns,)."""
-        ...
 
     @property
     def tip(self) -> Array:
         """Along the normal and along the rim [m], (ns, 2)."""
-        ...
 
     @property
     def rim(self) -> Array:
         """Alike (ns, 2)."""
-        ...
 
 
 @styled
@@ -134,7 +131,6 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
         top = max(float(energy.max(initial=0.0)) for energy in strain.values())
         rows[1].set(xlabel="time [s]", ylabel="strain energy [J]")
         if top > 0.0:
-            rows[1].set_yscale("log")
-            rows[1].set_ylim(1e-6 * top, 2.0 * top)
+            rows[1].set(yscale="log", ylim=(1e-6 * top, 2.0 * top))
         rows[1].legend(fontsize=8)
     return figure

@@ -97,11 +97,9 @@ def figure_comparison(table: FrequencyTable, models: Mapping[str, Paired]) -> Fi
         if panels > 2 and name != "perfect":
             axes[2].plot(source.n + shifts[name], source.angle * source.n / 180.0, **style)
     if panels > 1:
-        axes[1].set_ylabel("split [%]")
-        axes[1].set_ylim(bottom=0.0)
+        axes[1].set(ylabel="split [%]", ylim=(0.0, None))
     if panels > 2:
-        axes[2].set_ylabel("antinode of the lower\nmode [180°/n]")
-        axes[2].set_ylim(-0.05, 1.05)
+        axes[2].set(ylabel="antinode of the lower\nmode [180°/n]", ylim=(-0.05, 1.05))
     axes[-1].set_xlabel("nodal diameters n")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     return figure
@@ -124,8 +122,7 @@ def figure_errors(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure
         axes.vlines(place, 0.0, error, color=LOOKS[name]["color"], linewidth=1.5)
         axes.plot(place, error, linestyle="", markersize=5.5, label=name, **LOOKS[name])
     axes.set_xticks(x, [str(mode) for mode in table.mode], fontsize=8 if len(table) < 30 else 6)
-    axes.set_xlabel("measured mode")
-    axes.set_ylabel("computed/measured - 1 [%]")
+    axes.set(xlabel="measured mode", ylabel="computed/measured - 1 [%]")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return figure
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from casingfem.plot.cycles import LABELS, figure_cycles
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page
+from casingfem.plot.sweep import LABELS, figure_cycles
 
 CAPTION = (
     "Amplitude of every channel over the parameter: kept motions full, others dashed, one colour a branch; marks "

@@ -1,11 +1,12 @@
 """The report's section on the mode shapes of an update: what is like what before and after, and where it is not."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from casingfem.io.arrays import IntArray
+from casingfem.plot.correlation import mac_panel
 from casingfem.plot.page import Cell, Picture, Section, Table
-from casingfem.plot.style import AFTER, new_figure, styled
+from casingfem.plot.style import new_figure, styled
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch
 
 
@@ -79,34 +80,17 @@ def sensors_table(found: ShapeFit) -> Table:
 def figure_shape_mac(found: ShapeFit) -> Figure:
     """MAC before and after, side by side."""
     figure = new_figure(8.0, 4.2)
-    image = None
     for place, (name, side) in enumerate((("before", found.before), ("updated", found.after))):
         axes = figure.add_subplot(1, 2, place + 1)
-        image = axes.imshow(side.mac, cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto", interpolation="nearest")
-        framed(axes, side)
-        axes.set_yticks(range(len(side.rows)), [f"{f:.1f}" for f in found.fit.table.freq_hz[side.rows]], fontsize=6.5)
-        n = side.modes.nodal_diameters
-        axes.set_xticks(
-            range(len(n)), [f"{k + 1}" if order < 0 else f"{k + 1}\nn {order}" for k, order in enumerate(n)],
-            fontsize=5.5,
-        )  # fmt: skip
-        axes.grid(visible=False)
-        axes.set_xlabel("computed mode")
-        axes.set_ylabel("measured [Hz]" if place == 0 else "")
-        axes.set_title(name)
-    if image is not None:
-        figure.colorbar(image, ax=figure.axes, shrink=0.8)
+        freq_hz = found.fit.table.freq_hz[side.rows]
+        image = mac_panel(axes, side.mac, framed(side), side.modes, freq_hz, size=5.5)
+        axes.set(ylabel="measured [Hz]" if place == 0 else "", title=name)
+    figure.colorbar(image, ax=figure.axes, shrink=0.8)
     return figure
 
 
-def framed(axes: Axes, side: ShapeComparison) -> None:
-    """A frame around every pair, one around both members of a doublet where they stand together."""
+def framed(side: ShapeComparison) -> list[tuple[IntArray, IntArray]]:
+    """Rows and modes of every pair that has a shape, both members of a doublet together."""
     place = {row: k for k, row in enumerate(side.rows.tolist())}
-    for match in side.pairing.matches:
-        rows = np.array([place[row] for row in match.rows if row in place])
-        if not len(rows):
-            continue
-        modes = np.array(match.modes)
-        low, high = (rows.min() - 0.5, modes.min() - 0.5), (rows.max() + 0.5, modes.max() + 0.5)
-        x, y = [low[1], high[1], high[1], low[1], low[1]], [low[0], low[0], high[0], high[0], low[0]]
-        axes.plot(x, y, color=AFTER, linewidth=1.2)
+    shown = [(match, [place[row] for row in match.rows if row in place]) for match in side.pairing.matches]
+    return [(np.array(rows), np.array(match.modes)) for match, rows in shown if rows]
