@@ -30,30 +30,7 @@ def main() -> None:
     """
 
 
-for command in (
-    modes,
-    campbell,
-    identify,
-    correlate,
-    mistune,
-    rig,
-    update,
-    locate,
-    reduce,
-    import_matrices,
-    export_matrices,
-    contact,
-    rub,
-    stability,
-    interactions,
-    cycles,
-    sweep,
-    report,
-    new,
-    watch,
-    schema,
-    example,
-    explain,
-    doctor,
-):
+STUDIES = (modes, campbell, identify, correlate, mistune, rig, update, locate, reduce, import_matrices, export_matrices)
+SCENES = (contact, rub, stability, interactions, cycles, sweep)
+for command in (*STUDIES, *SCENES, report, new, watch, schema, example, explain, doctor):
     main.add_command(command)

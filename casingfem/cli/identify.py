@@ -69,27 +69,20 @@ def identify(
     `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, fit.png: mode
     indicator, fit, residual and coherence over all lines, and all of it on the page identified.html.
     """
-    from casingfem.experiment.frf.files import (
-        file_coherence,
-        file_places,
-        read_coherence,
-        read_frfs,
-        read_picks,
-        read_places,
-    )
+    from casingfem.experiment.frf import files as given
     from casingfem.experiment.frf.sensor_grid import angles_of
     from casingfem.experiment.identify.identification import identify as find
 
     if open_part and angles_file is not None:
         raise click.UsageError("--open is for parts without a circle of sensors: leave out --angles")
-    frfs = read_frfs(file)
+    frfs = given.read_frfs(file)
     if angles_file is None:
-        places = file_places(file)
+        places = given.file_places(file)
         angles = None if places is None or open_part else angles_of(places)
     else:
-        angles, places = read_places(angles_file)
-    pick = None if pick_file is None else read_picks(pick_file)
-    coherence = file_coherence(file) if coherence_file is None else read_coherence(coherence_file)
+        angles, places = given.read_places(angles_file)
+    pick = None if pick_file is None else given.read_picks(pick_file)
+    coherence = given.file_coherence(file) if coherence_file is None else given.read_coherence(coherence_file)
     with ProgressMessage(f"modes in {file.name}") as working:
         found = find(
             frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,

@@ -8,20 +8,9 @@ from typing import Any
 
 from pydantic import ConfigDict, Field
 
-from casingfem.study.tables.cyclic import CyclicTable
-from casingfem.study.tables.fields import ImperfectionTable
+from casingfem.study.tables import shapes
+from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import RigTable
-from casingfem.study.tables.shapes import (
-    ChartTable,
-    MassTable,
-    MaterialTable,
-    MeshTable,
-    RotationTable,
-    ShellTable,
-    SolidTable,
-    StripTable,
-    TaperTable,
-)
 from casingfem.study.tables.supports import StiffenerTable, SupportTable
 from casingfem.study.tables.table import Edge, Table
 from casingfem.study.tables.tasks import ModesTable, ReduceTable, UpdateTable
@@ -37,20 +26,20 @@ class StudyFile(Table):
         title="study.toml",
     )
 
-    material: MaterialTable | None = Field(default=None, description="E, nu, rho")
-    chart: ChartTable | None = Field(default=None, description="kind and dimensions")
-    shell: ShellTable | None = Field(default=None, description="thickness; mesh if imported")
-    solid: SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
-    taper: TaperTable | None = Field(default=None, description="how the thickness varies by design")
-    strip: list[StripTable] = Field(default=[], description="tables [[strip]]")
+    material: shapes.MaterialTable | None = Field(default=None, description="E, nu, rho")
+    chart: shapes.ChartTable | None = Field(default=None, description="kind and dimensions")
+    shell: shapes.ShellTable | None = Field(default=None, description="thickness; mesh if imported")
+    solid: shapes.SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
+    taper: shapes.TaperTable | None = Field(default=None, description="how the thickness varies by design")
+    strip: list[shapes.StripTable] = Field(default=[], description="tables [[strip]]")
     stiffener: list[StiffenerTable] = Field(default=[], description="tables [[stiffener]]: rings on the wall")
-    rotation: RotationTable | None = Field(default=None, description="speed and axis")
+    rotation: shapes.RotationTable | None = Field(default=None, description="speed and axis")
     cyclic: CyclicTable | None = Field(default=None, description="the imported mesh is one sector of a wheel")
     imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
-    mass: list[MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
+    mass: list[shapes.MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
     support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
     modes: ModesTable = Field(default=ModesTable(), description="how many modes")
-    mesh: MeshTable = Field(default=MeshTable(), description="how the shell is divided")
+    mesh: shapes.MeshTable = Field(default=shapes.MeshTable(), description="how the shell is divided")
     update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
     reduce: ReduceTable | None = Field(default=None, description="the modal basis")
     rig: RigTable | None = Field(default=None, description="the virtual test rig")

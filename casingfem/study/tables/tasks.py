@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.interface.output import Displacement, Output, Strain
 from casingfem.structure.imported.cells.solid import COMPONENTS
-from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector
+from casingfem.study.tables.table import Axis, Edge, NotNegative, Pair, Positive, Table, Vector
 
 
 class Wanted(TypedDict, total=False):
@@ -94,9 +94,7 @@ class OutputTable(Table):
     """[[reduce.output]]: a displacement (direction), a strain, or a stress, at a place of the chart or a node."""
 
     name: str = Field(min_length=1, description="how results name it")
-    at: Annotated[list[float], Field(min_length=2, max_length=2)] | None = Field(
-        default=None, description="parameters of the chart [m or rad]"
-    )
+    at: Pair | None = Field(default=None, description="parameters of the chart [m or rad]")
     node: int | None = Field(default=None, description="number of a node of an imported mesh")
     direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = Field(
         default=None, description="of a displacement"

@@ -5,8 +5,7 @@ from pydantic import ValidationError
 
 from casingfem.modal.interface.mesh_output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.interface.output import Displacement, Strain
-from casingfem.study.tables.cyclic import CyclicTable
-from casingfem.study.tables.fields import ImperfectionTable
+from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable
 from casingfem.study.tables.shapes import RotationTable, ShellTable
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, RingTable
