@@ -7,12 +7,11 @@ from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
 from casingfem.cli.identify import identify
 from casingfem.cli.matrices import export_matrices, import_matrices
-from casingfem.cli.mistune import mistune
 from casingfem.cli.new import example, new, watch
 from casingfem.cli.rig import rig
 from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
-from casingfem.cli.sweep import sweep
+from casingfem.cli.sweep import mistune, sweep
 
 __all__ = ["main"]
 

@@ -152,7 +152,7 @@ def cycles_files(
     found: "Cycles", reached: "Basins | None", document: dict[str, object], words: str, file: Path
 ) -> dict[str, Content]:
     """The table, the states, the document, the picture and the page."""
-    from casingfem.plot.pages.cycles import cycles_page
+    from casingfem.plot.pages.contact import cycles_page
     from casingfem.plot.style import png
     from casingfem.plot.sweep import figure_cycles
 

@@ -13,12 +13,10 @@ from contact.io.outfiles import Content, json_text
 if TYPE_CHECKING:
     from casingfem.experiment.correlation.correlate import Correlation
 
-SHAPES = click.argument("shapes", metavar="SHAPES", type=click.Path(path_type=Path))
-
 
 @click.command()
 @STUDY
-@SHAPES
+@click.argument("shapes", metavar="SHAPES", type=click.Path(path_type=Path))
 @click.option("--mass", type=click.Choice(("SEREP", "Guyan")), default="SEREP", show_default=True,
               help="How the mass is reduced to the sensors.")  # fmt: skip
 @click.option("--reach", type=click.FloatRange(0.0, 1.0, min_open=True), default=0.2, show_default=True,

@@ -160,9 +160,9 @@ def page_numbers(result: "Result") -> dict[str, float]:
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
     """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions and a film."""
-    from casingfem.plot.film import rub_film as film_of
+    from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.interaction import figure_interactions
-    from casingfem.plot.pages.scene import scene_page, scene_verdict
+    from casingfem.plot.pages.contact import scene_page, scene_verdict
     from contact.base.errors import InputError
     from contact.film import rub_film
     from contact.model.gaps.gap import RotatingRim

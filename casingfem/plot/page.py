@@ -8,7 +8,7 @@ import datetime
 import json
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -155,16 +155,12 @@ def render_page(
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
     template = environment.get_template("page.html.j2")
+    figures = [figure for section in sections for figure in section.figures]
+    scripts = dict.fromkeys(name for figure in figures for name in figure.scripts)  # each once; what all share is first
     return template.render(
         title=title, sections=sections, verdict=verdict, lead=lead, notice=notice, source=source,
-        scripts=used(figure for section in sections for figure in section.figures),
+        scripts=["shared", *scripts] if scripts else [],
     )  # fmt: skip
-
-
-def used(figures: Iterable[Picture]) -> list[str]:
-    """The scripts of all figures, each once; what all share comes first."""
-    names = list(dict.fromkeys(name for figure in figures for name in figure.scripts))
-    return ["shared", *names] if names else []
 
 
 def packed(values: ArrayLike, *, most: float | None = None, bits: int = 16) -> dict[str, Any]:

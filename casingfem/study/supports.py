@@ -60,7 +60,8 @@ def build_bolts(table: kinds.BoltsTable, edge: str, chart: Chart | None) -> Bolt
     if table.width_m is not None:
         if chart is None or not chart.periodic:
             raise ValueError("width_m: found an open edge, expected a closed casing; give width_deg")
-        width = table.width_m / edge_radius(chart, edge)
+        z = np.array([chart.bounds[0][chart.edges[edge][1]]])
+        width = table.width_m / float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
     parts = tuple(k or 0.0 for k in (table.k_r, table.k_theta, table.k_z))
     return Bolts(
         count=table.count,
@@ -122,12 +123,6 @@ def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problem
             place = EdgeMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
             masses.setdefault(table.edge, []).append(place)
     return masses
-
-
-def edge_radius(chart: Chart, edge: str) -> float:
-    """Radius of the base or top of a closed chart [m]."""
-    z = np.array([chart.bounds[0][chart.edges[edge][1]]])
-    return float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
 
 
 def require_angle(chart: Chart | None, edge: str, key: str) -> None:

@@ -226,9 +226,7 @@ class Problem:
     def _solve(self, shell: Shell | MeshStructure, count: int) -> tuple[Modes | MeshModes, Solution | None]:
         found: Modes | MeshModes
         solution: Solution | None = None
-        if not isinstance(shell, Shell):
-            found = modes(shell, count)
-        elif shell.axisymmetric and self.shapes is None:
+        if not isinstance(shell, Shell) or (shell.axisymmetric and self.shapes is None):
             found = modes(shell, count)
         else:
             known = None if self.exact or count > self.count or self.anchor is None else self.anchor.solution

@@ -135,8 +135,7 @@ def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeCompa
     rows = np.flatnonzero(~np.isnan(shapes.shapes).any(axis=0))
     computed = shapes.readings(modes)
     likeness = seen_mac(shapes.shapes[:, rows], computed)
-    with_shape = [only_seen(match, rows) for match in pairing.matches]
-    matches = tuple(match for match in with_shape if match is not None)
+    matches = tuple(seen for match in pairing.matches if (seen := only_seen(match, rows)) is not None)
     of = {row: (match, mode) for match in matches for row, mode in zip(match.rows, match.modes, strict=True)}
     planes = {match.rows: alike(match, modes, shapes.shapes, computed) for match in matches}
     found = tuple(
