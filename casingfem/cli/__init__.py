@@ -5,10 +5,9 @@ import click
 from casingfem.cli.contact import contact, cycles, interactions, rub, stability
 from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
-from casingfem.cli.identify import identify
+from casingfem.cli.identify import identify, rig
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.new import example, new, watch
-from casingfem.cli.rig import rig
 from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import mistune, sweep

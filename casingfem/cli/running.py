@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
-from types import TracebackType
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import click
@@ -114,12 +113,11 @@ def deliver(
     document: Mapping[str, Any], text: str, *, as_json: bool, out: Path | None, files: Mapping[str, Content]
 ) -> None:
     """Write the files, then print the document or the text and where the files went."""
+    written: list[Path] = []
     if out is not None and files:
         from casingfem.cli.tables import parquets
 
         written = write_files(out, {**files, **parquets(files)})
-    else:
-        written = []
     if as_json:
         click.echo(json_text({**document, "warnings": collected()}), nl=False)
         return
@@ -189,9 +187,7 @@ class ProgressMessage:
             self._timer.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._timer.cancel()
         with self._lock:
             if self._status is not None:

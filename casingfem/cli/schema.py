@@ -1,6 +1,6 @@
 """`casingfem schema`: the keys of study.toml and scene.toml, on a screen or as JSON schema; `explain`: the codes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
     """The tables that begin with this, for the shell."""
-    known = {*roots(), "scene", *(name for models in roots().values() for name in tables_in(models))}
+    from contact.io.tables import keys
+
+    known = {*roots(), "scene", *(name for model in roots().values() for name in keys(model))}
     return sorted(name for name in known if name.startswith(text))
 
 
@@ -46,22 +48,13 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
     deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)
 
 
-def roots() -> dict[str, list["Model"]]:
+def roots() -> dict[str, "Model"]:
     """What a file, or the table [sweep] of one, is by its kind."""
     from casingfem.study.schema import StudyFile
     from contact.scene.schema import scene_models
     from contact.sweep.tables import SweepTable
 
-    models: dict[str, Model] = {"study": StudyFile, **scene_models(), "sweep": SweepTable}
-    return {name: [model] for name, model in models.items()}
-
-
-def tables_in(models: Sequence["Model"]) -> Iterator[str]:
-    """Names of all keys of some tables."""
-    from contact.io.tables import keys
-
-    for model in models:
-        yield from keys(model)
+    return {"study": StudyFile, **scene_models(), "sweep": SweepTable}
 
 
 def explained(key: str) -> list[dict[str, Any]]:
@@ -69,11 +62,11 @@ def explained(key: str) -> list[dict[str, Any]]:
     first, *rest = key.split(".")
     known = roots()
     if first == "scene" and not rest:
-        return [listed(name, models[0]) for name, models in known.items() if name not in ("study", "sweep")]
+        return [listed(name, model) for name, model in known.items() if name not in ("study", "sweep")]
     starts = {first: (known[first], rest)} if first in known else {k: (m, [first, *rest]) for k, m in known.items()}
     ends: dict[tuple[Any, ...], list[str]] = {}
-    for name, (models, path) in starts.items():
-        if end := walked(models, path):
+    for name, (model, path) in starts.items():
+        if end := walked(model, path):
             ends.setdefault(end, []).append(name)
     if len(ends) < 2:
         return [explanation(key, end, names) for end, names in ends.items()]
@@ -81,11 +74,11 @@ def explained(key: str) -> list[dict[str, Any]]:
     return [{"key": key, "text": "\n".join([f"{key} differs by the kind of file; ask for one of", *lines])}]
 
 
-def walked(models: Sequence["Model"], path: Sequence[str]) -> tuple[Any, ...]:
+def walked(root: "Model", path: Sequence[str]) -> tuple[Any, ...]:
     """The table models that a path leads to, or the last key with its model; empty where it leads nowhere."""
     from contact.io.tables import keys, kinds, members
 
-    found, named = list(models), False
+    found, named = [root], False
     for place, part in enumerate(path):
         name = part.partition("[")[0]
         holders = [m for m in found if name in keys(m)]

@@ -19,31 +19,30 @@ ROUND = (1.0, 2.0, 5.0)
 TRACE = 1500  # points of force and gap over the whole run
 
 
-class Run(Protocol):
-    """What a contact result shows: arrays over time, one column per contact, states by coordinate."""
+class _Run(Protocol):
+    """What a contact result shows, a column for each contact, states by coordinate.
+
+    Times [s], (n,), gaps [m] and forces averaged over the model's shortest period [N], (n, contacts); times of the
+    states [s], (ns,), and coordinates, (ns, N).
+    """
 
     @property
-    def time(self) -> Array:
-        """Times [s], (n,)."""
+    def time(self) -> Array: ...
 
     @property
-    def gap(self) -> Array:
-        """Gaps [m], (n, contacts)."""
+    def gap(self) -> Array: ...
 
     @property
-    def state_time(self) -> Array:
-        """Times of the states [s], (ns,)."""
+    def state_time(self) -> Array: ...
 
     @property
-    def state(self) -> Array:
-        """Coordinates, (ns, N)."""
+    def state(self) -> Array: ...
 
-    def windowed_force(self) -> Array:
-        """Force averaged over the model's shortest period [N], (n, contacts)."""
+    def windowed_force(self) -> Array: ...
 
 
 @styled
-def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
+def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
     """Force, gap and the largest coordinates of one run over time."""
     states = len(result.state_time) > 1
     figure = new_figure(8.0, 4.2 + 1.9 * states)
@@ -64,7 +63,7 @@ def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Fi
     return figure
 
 
-def _largest(result: Run) -> list[int]:
+def _largest(result: _Run) -> list[int]:
     """Coordinates by their largest value; what a rub keeps behind them, the forces on its tips, left out."""
     forces = {k for name, a, b in getattr(result, "blocks", ()) if name == "tips" for k in range(a, b)}
     order = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
@@ -88,36 +87,34 @@ def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Ar
     return time[index], values[index]
 
 
-class Worn(Protocol):
-    """What a coating has lost: depths [m] by angle [rad], (cells,), and a map (times, cells)."""
+class _Worn(Protocol):
+    """What a coating has lost by angle of its bars [rad].
+
+    Deviations of the radius [m] as made, before and after a run, (cells,); worn depths [m] at the times [s] of the map,
+    (times, cells).
+    """
 
     @property
-    def angle(self) -> Array:
-        """Angles of the bars [rad]."""
+    def angle(self) -> Array: ...
 
     @property
-    def made(self) -> Array:
-        """Deviation of the radius as made [m]."""
+    def made(self) -> Array: ...
 
     @property
-    def before(self) -> Array:
-        """Deviation before the run [m]."""
+    def before(self) -> Array: ...
 
     @property
-    def after(self) -> Array:
-        """Deviation after the run [m]."""
+    def after(self) -> Array: ...
 
     @property
-    def map_time(self) -> Array:
-        """Times of the map [s]."""
+    def map_time(self) -> Array: ...
 
     @property
-    def map(self) -> Array:
-        """Worn depths at those times [m]."""
+    def map(self) -> Array: ...
 
 
 @styled
-def figure_wear(wear: Worn) -> Figure:
+def figure_wear(wear: _Worn) -> Figure:
     """Profile of the coating's surface above, the map of its wear below; larger radius upwards."""
     figure = new_figure(8.0, 6.0)
     axes: Any = figure.subplots(2, 1, sharex=True)
@@ -137,7 +134,7 @@ def figure_wear(wear: Worn) -> Figure:
     return figure
 
 
-def rub_film(film: Any, run: Run) -> Picture:
+def rub_film(film: Any, run: _Run) -> Picture:
     """A film, as `contact.film.RubFilm` holds it, as a picture of the page: a slider, the whole run's force and gap."""
     scale = exaggeration(film)
     data: dict[str, Any] = {

@@ -170,7 +170,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.experiment.circle.scan.CircleScan": scan,
     "casingfem.locate.located.Localisation": by_name("correlation", "figure_located"),
     "casingfem.updating.result.UpdateResult": update,
-    "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit_shapes", "figure_shape_mac"),
+    "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit", "figure_shape_mac"),
     "casingfem.updating.uncertainty.posterior.Laplace": partial(
         columns, x="name", y="sigma", labels=("", "standard deviation, whole Hessian")
     ),

@@ -81,7 +81,6 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     zeta = damping_spread(table.zeta, table.zeta_spread, len(found), seed=table.seed + DAMPING)
     rig = rig_of(found, places, zeta=zeta)
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
-    whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
     troubled = None if table.test is None else troubled_test(rig, table, table.test, layout, card)
     frfs, coherence, records = (
@@ -92,7 +91,7 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     return RigTest(
         rig=rig,
         layout=layout,
-        truth=truth(rig, whole[0] if whole else (), card),
+        truth=truth(rig, layout.circle or circle_of(table, layout), card),
         frfs=frfs,
         coherence=coherence,
         records=records,

@@ -41,8 +41,7 @@ class Plain:
         """The number."""
         found: Any = shell
         for step in self.path:
-            is_field = is_dataclass(found)
-            found = getattr(found, str(step)) if is_field else found[step]
+            found = getattr(found, str(step)) if is_dataclass(found) else found[step]
         return found
 
     def renewed(self, shell: Any, value: Any) -> Any:
