@@ -131,10 +131,8 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
         part.parent.mkdir(parents=True, exist_ok=True)
     with ProgressMessage(f"cycles {file.name}") as working:
 
-        def progress(branch: int, value: float, points: int) -> None:
-            working.say(
-                f"cycles {file.name}: branch {branch}, {points} orbits, at {value:.6g}, {working.seconds:.0f} s"
-            )
+        def progress(branch: int, at: float, points: int) -> None:
+            working.say(f"cycles {file.name}: branch {branch}, {points} orbits, at {at:.6g}, {working.seconds:.0f} s")
 
         found = scene.solve(progress, part)
         reached = scene.reached(found, lambda k: working.say(f"cycles {file.name}: {k} random starts"))

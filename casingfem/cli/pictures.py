@@ -48,12 +48,10 @@ def figures(scene: "Scene", result: "Result") -> dict[str, "Figure"]:
         found["spectrum"] = figure_spectrum(
             result.time, result.windowed_force().sum(axis=1), label="force", unit="N", top_hz=top
         )
-    motion = tip_motion(scene.what, result)
-    if motion is not None:
-        found["spectrum_tip"] = figure_spectrum(
-            motion.time, motion.tip[:, 0], label="tip, normal", unit="m", top_hz=top
-        )
-        found["orbit"] = figure_orbit(motion)
+    moved = tip_motion(scene.what, result)
+    if moved is not None:
+        found["spectrum_tip"] = figure_spectrum(moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top)
+        found["orbit"] = figure_orbit(moved)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
     return found
 
@@ -134,9 +132,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
         files |= motion_files(name.replace(" ", "_"), body.recovery_points, body.recovery_cells, time, moved)
     turned = np.array([rub.speed.angle(float(t)) for t in time])
     angle = np.radians([tip.angle_deg for tip in rub.tips]) - turned[:, None]
-    lines = [
-        rub.casing.lines[tip.line] if rub.casing.lines is not None else (0.0, rub.casing.radius) for tip in rub.tips
-    ]
+    lines = [rub.casing.lines[t.line] if rub.casing.lines is not None else (0.0, rub.casing.radius) for t in rub.tips]
     axial, radius = np.array(lines).T
     places = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.broadcast_to(axial, angle.shape)], axis=-1)
     force = result.state_of("tips")[shown].reshape(len(shown), len(rub.tips), -1)[:, :, 0]

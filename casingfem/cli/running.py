@@ -48,7 +48,9 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        read = files_read(kwargs)
+        files = kwargs.get("files", (kwargs.get("file", ""),))
+        assert isinstance(files, tuple)
+        read = [str(file) for file in files]
         try:
             for path in kwargs.values():
                 if isinstance(path, Path):
@@ -71,13 +73,6 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
             fail(f"{error.filename or 'standard output'}: {error.strerror or error}", BAD_INPUT)
 
     return run
-
-
-def files_read(given: Mapping[str, object]) -> list[str]:
-    """Names of the file, or files, that a command reads."""
-    files = given.get("files", (given.get("file", ""),))
-    assert isinstance(files, tuple)
-    return [str(file) for file in files]
 
 
 def what_is_safe(command: str | None, out: object) -> str:

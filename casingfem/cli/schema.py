@@ -50,7 +50,7 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
 
 def roots() -> dict[str, "Model"]:
     """What a file, or the table [sweep] of one, is by its kind."""
-    from casingfem.study.schema import StudyFile
+    from casingfem.study.tables.tasks import StudyFile
     from contact.scene.schema import scene_models
     from contact.sweep.tables import SweepTable
 
@@ -165,7 +165,5 @@ def explain(code: str | None, as_json: bool, out: Path | None) -> None:
             near = hint(name, CATALOGUE, most=3)
             raise click.UsageError(f"found {name!r}, expected a code such as shell-thickness{near}")
     document = {name: {"cause": CATALOGUE[name].cause, "remedy": CATALOGUE[name].remedy} for name in wanted}
-    text = "\n".join(
-        f"{name}\n  cause:  {fault['cause']}\n  remedy: {fault['remedy']}" for name, fault in document.items()
-    )
+    text = "\n".join(f"{name}\n  cause:  {one['cause']}\n  remedy: {one['remedy']}" for name, one in document.items())
     deliver({"faults": document}, text, as_json=as_json, out=out, files={"errors.json": json_text(document, indent=1)})

@@ -20,12 +20,8 @@ if TYPE_CHECKING:
 
 @click.command()
 @SCENE
-@click.option(
-    "--jobs", type=click.IntRange(1, 1024), default=None, help="Worker processes; one a core, one for a scheduler."
-)
-@click.option(
-    "--scheduler", metavar="ADDRESS", default=None, help="A Dask scheduler, tcp://host:port, instead of processes."
-)
+@click.option("--jobs", type=click.IntRange(1, 1024), help="Worker processes; one a core, one for a scheduler.")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://host:port, instead of processes.")
 @options
 def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
     """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
@@ -56,10 +52,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     if found.failed + found.diverged == len(rows):
         became = "failed, diverged or were" if found.diverged else "failed or were"
         all_of = "the only run" if len(rows) == 1 else f"all {len(rows)} runs"
-        fail(
-            f"sweep {file}: the numerics failed: {all_of} {became} refused, the first: {found.why}",
-            NUMERICS_FAILED,
-        )
+        why = f"{all_of} {became} refused, the first: {found.why}"
+        fail(f"sweep {file}: the numerics failed: {why}", NUMERICS_FAILED)
     if lost := found.failed + found.diverged:
         click.echo(f"sweep {file}: {lost} of {len(rows)} runs are not done, the first: {found.why}", err=True)
 

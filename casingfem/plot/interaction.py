@@ -80,9 +80,7 @@ def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None
     axes.plot(n, f_c, "o", color=MEASURED, markersize=4, label="casing f_c")
     axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="n f")
     fast = n * speed_hz > f_c
-    axes.plot(
-        n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, markersize=6, label="blade that flutters, n f - f_c"
-    )
+    axes.plot(n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, ms=6, label="blade that flutters, n f - f_c")
     axes.plot(
         n[~fast], (f_c - n * speed_hz)[~fast], "v", mfc="white", color=AFTER, label="blade in resonance, f_c - n f"
     )

@@ -40,19 +40,18 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping
     triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
     """
     status = np.array([row["status"] for row in rows])
-    chosen = [panel for panel in panels(status) if any(row[panel[0]] is not None for row in rows)]
+    done, lost = status == "done", status == "diverged"
+    last = ("diverged_at_s", "diverged after [s]") if lost.any() else PANELS[3]
+    chosen = [panel for panel in (*PANELS[:3], last) if any(row[panel[0]] is not None for row in rows)]
     figure = new_figure(8.2, 6.4 if len(chosen) > 2 else 3.4)
     marks = {
-        "diverged": ("^", status == "diverged"),
+        "diverged": ("^", lost),
         "refused or failed": ("x", np.isin(status, ("refused", "failed"))),
     }
-    done = status == "done"
     for k, (name, label) in enumerate(chosen):
         axes = figure.add_subplot(-(-len(chosen) // 2), 2, k + 1)
         measured = np.array([np.nan if row[name] is None else float(row[name]) for row in rows])
-        shown = (
-            status == "diverged" if name == "diverged_at_s" else done | (status == "diverged") & (name == "growth_1_s")
-        )
+        shown = lost if name == "diverged_at_s" else done | lost & (name == "growth_1_s")
         if len(keys) == 1:
             _curve(axes, values[:, 0], measured, shown, marks)
             axes.set(xlabel=keys[0], ylabel=label)
@@ -62,12 +61,6 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping
         if name in LOGARITHMIC and len(keys) == 1 and np.any(measured[shown] > 0.0):
             axes.set_yscale("log")
     return figure
-
-
-def panels(status: NDArray[np.str_]) -> list[tuple[str, str]]:
-    """What is drawn: where runs diverged, when they did takes the place of the dominant n."""
-    late = ("diverged_at_s", "diverged after [s]")
-    return [*PANELS[:3], late if "diverged" in status else PANELS[3]]
 
 
 def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: Marks) -> None:

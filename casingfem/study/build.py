@@ -23,10 +23,10 @@ from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.cyclic import build_rotation
 from casingfem.study.problems import Problems
-from casingfem.study.schema import StudyFile
 from casingfem.study.supports import build_masses, build_stiffeners, build_supports, series
 from casingfem.study.tables import shapes
 from casingfem.study.tables.fields import ImperfectionTable
+from casingfem.study.tables.tasks import StudyFile
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
@@ -97,9 +97,7 @@ def build_chart(table: shapes.ChartTable) -> Chart:
     if isinstance(table, shapes.TwistedPlateTable):
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
     if isinstance(table, shapes.MeridianTable):
-        pieces = tuple(
-            Piece(to=(part.to[0], part.to[1]), radius=part.radius, fillet=part.fillet) for part in table.piece
-        )
+        pieces = tuple(Piece(to=(p.to[0], p.to[1]), radius=p.radius, fillet=p.fillet) for p in table.piece)
         start = (table.start[0], table.start[1])
         return Revolved(profile=PiecewiseMeridian(start=start, pieces=pieces, fillet=table.fillet))
     if isinstance(table, shapes.DomeTable):

@@ -17,8 +17,8 @@ from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.study.problems import Problems
-from casingfem.study.schema import StudyFile
 from casingfem.study.tables.shapes import RotationTable
+from casingfem.study.tables.tasks import StudyFile
 
 NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -138,9 +138,8 @@ def build_mesh_rotation(table: RotationTable | None, problems: Problems) -> Rota
         if key in table.model_fields_set:
             problems.add(f"rotation.{key}", "it on an imported mesh", "axis and point", "structure-chart")
     if table.axis is None:
-        problems.add(
-            "rotation.axis", "nothing", "the axis of an imported part, such as [1.0, 0.0, 0.0]", "study-missing"
-        )
+        expected = "the axis of an imported part, such as [1.0, 0.0, 0.0]"
+        problems.add("rotation.axis", "nothing", expected, "study-missing")
         return None
     with problems.at("rotation"):
         omega, point = 2.0 * np.pi * table.speed_hz, table.centre or table.point

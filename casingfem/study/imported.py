@@ -19,10 +19,9 @@ from casingfem.structure.material import Material
 from casingfem.study.build import build_plies
 from casingfem.study.cyclic import Wheel, axis_vector, build_mesh_rotation, vector
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import StudyFile
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
-from casingfem.study.tables.tasks import ReduceTable
+from casingfem.study.tables.tasks import ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter
 
 # tables of an imported part; others need a chart

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from casingfem.errors import InputError, code_of, with_code
-from casingfem.study.schema import StudyFile
+from casingfem.study.tables.tasks import StudyFile
 from contact.io.tables import keys, kinds, models_at, resolved, unknown
 from contact.io.toml import written
 

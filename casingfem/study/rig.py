@@ -108,7 +108,7 @@ def laid_out(study: Study, table: RigTable) -> tuple[list[Place], Layout]:
     closed = study.shell.chart.periodic
     drives = [place_of(study, f"drive[{k + 1}]", entry, closed) for k, entry in enumerate(table.drive)]
     sensors = [
-        place for k, entry in enumerate(table.sensor) for place in sensors_of(study, f"sensor[{k + 1}]", entry, closed)
+        at for k, entry in enumerate(table.sensor) for at in sensors_of(study, f"sensor[{k + 1}]", entry, closed)
     ]
     spots: list[Place] = []
     if table.scan is not None:

@@ -100,9 +100,7 @@ def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -
     found: list[Shift] = []
     for match in matches:
         steps = STEP * table.freq_hz[list(match.rows)]
-        found += [
-            Shift("frequency", (row,), changed([row], [step])) for row, step in zip(match.rows, steps, strict=True)
-        ]
+        found += [Shift("frequency", (row,), changed([row], [h])) for row, h in zip(match.rows, steps, strict=True)]
         if is_doublet(match):
             step = float(steps[0])
             found.append(Shift("split", match.rows, changed(match.rows, [-0.5 * step, 0.5 * step]) / 2.0))

@@ -41,9 +41,8 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):
-            raise InputError(
-                f"{self.name}: bounds must be finite with lower < upper, found {self.lower!r}, {self.upper!r}"
-            )
+            found = f"{self.lower!r}, {self.upper!r}"
+            raise InputError(f"{self.name}: bounds must be finite with lower < upper, found {found}")
         if self.log and self.lower <= 0.0:
             raise InputError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
         if self.sigma is not None and not self.sigma > 0.0:

@@ -65,11 +65,9 @@ class Given:
 
     def problem(self) -> "Problem":
         """A problem that knows no point yet."""
-        problem = Problem(
-            self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact
-        )
-        problem.prior = self.prior
-        return problem
+        made = Problem(self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact)
+        made.prior = self.prior
+        return made
 
 
 @dataclass(eq=False)

@@ -253,9 +253,7 @@ class UpdateResult(Reported):
     def indistinct(self) -> list[tuple[str, str, float]]:
         """Pairs of parameters whose correlation exceeds .95 in magnitude."""
         names, R = [p.name for p in self.parameters], self.correlation
-        return [
-            (names[i], names[j], float(R[i, j])) for i in range(len(names)) for j in range(i) if abs(R[i, j]) > ALIKE
-        ]
+        return [(names[i], names[j], float(R[i, j])) for i in range(len(R)) for j in range(i) if abs(R[i, j]) > ALIKE]
 
     def outlier_words(self) -> list[str]:
         """What was set aside, and what the parameters are with it and without."""

@@ -71,9 +71,7 @@ class ShapeFit(Reported):
         """Label and COMAC before and after of the sensors that agree least after it."""
         order = np.argsort(self.after.comac, kind="stable")[:count]
         columns = (self.shapes.labels, self.before.comac, self.after.comac)
-        return [
-            (int(label), float(old), float(new)) for label, old, new in zip(*(c[order] for c in columns), strict=True)
-        ]
+        return [(int(k), float(a), float(b)) for k, a, b in zip(*(c[order] for c in columns), strict=True)]
 
     def records(self) -> Iterator[dict[str, object]]:
         """One plain dictionary a row with a shape; mode numbers from 1."""

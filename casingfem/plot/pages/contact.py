@@ -49,9 +49,8 @@ def scene_page(
     ]  # fmt: skip
     shown = [key for key in figures if key != "interactions"]
     if shown:
-        sections.append(
-            Section("Pictures", figures=tuple(Picture.of(figures[k], CAPTIONS[k], kind="png") for k in shown))
-        )
+        pictures = tuple(Picture.of(figures[key], CAPTIONS[key], kind="png") for key in shown)
+        sections.append(Section("Pictures", figures=pictures))
     if table:
         drawn = figures.get("interactions")
         seen = () if drawn is None else (Picture.of(drawn, CAPTIONS["interactions"], kind="png"),)

@@ -97,9 +97,8 @@ def remedies(fit: UpdateResult) -> list[str]:
     words += [f"Hold {a} or {b}: the data cannot tell them apart." for a, b, _ in alike]
     words += [f"Take {', '.join(weak)} out of the fit, or measure modes that feel it: the data say nothing of it."
               ] if weak else []  # fmt: skip
-    words += (
-        [f"Look at {len(fit.outliers)} rows that contradict all others and were set aside."] if fit.outliers else []
-    )
+    if fit.outliers:
+        words.append(f"Look at {len(fit.outliers)} rows that contradict all others and were set aside.")
     if fit.inflation > 1.0:
         words.append(f"Look at {worst_rows(fit)}: something that is not varied is wrong there, or the measurement.")
     return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]

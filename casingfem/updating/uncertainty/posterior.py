@@ -107,9 +107,8 @@ class Laplace(Reported):
     def __repr__(self) -> str:
         """A row for each parameter."""
         lines = [f"{'posterior (Laplace)':<34} {'sigma':>10} {'over J^T J':>10} {'bend':>8}"]
-        for name, s, g, b in zip(
-            varied_names(self.names, self.log), self.sigma, self.gauss_newton, self.bend, strict=True
-        ):
+        names = varied_names(self.names, self.log)
+        for name, s, g, b in zip(names, self.sigma, self.gauss_newton, self.bend, strict=True):
             lines.append(f"{name:<34} {s:>10.3g} {s / g:>10.3f} {b:>8.3f}")
         return "\n".join(lines)
 

@@ -12,7 +12,7 @@ import casingfem as cf
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.strip import Strip
-from casingfem.study.schema import StudyFile
+from casingfem.study.tables.tasks import StudyFile
 from casingfem.study.updated import (
     add_harmonic,
     bare,
