@@ -12,8 +12,6 @@ from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import mistune, sweep
 
-__all__ = ["main"]
-
 
 @click.group(
     name="casingfem",

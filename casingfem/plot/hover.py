@@ -75,10 +75,8 @@ def placed(figure: Figure, axes: Axes, values: Array) -> list[list[float]]:
     box = axes.bbox
     inside = (at[:, 0] >= box.x0 - 1) & (at[:, 0] <= box.x1 + 1) & (at[:, 1] >= box.y0 - 1) & (at[:, 1] <= box.y1 + 1)
     x, y = at[inside, 0] / figure.bbox.width, 1.0 - at[inside, 1] / figure.bbox.height
-    return [
-        [round(float(a), 4), round(float(b), 4), *(short(value) for value in row)]
-        for a, b, row in zip(x, y, kept[inside], strict=True)
-    ]
+    rows = zip(x.tolist(), y.tolist(), kept[inside], strict=True)
+    return [[round(a, 4), round(b, 4), *map(short, row)] for a, b, row in rows]
 
 
 def short(value: float) -> float | int:

@@ -159,11 +159,8 @@ def one_rim(axes: Any, modes: Modes, group: tuple[int, ...], edge: str) -> None:
 
 def most_moving(modes: Modes, which: Sequence[int]) -> str:
     """The edge along which the radial displacement of these modes is largest."""
-    sizes = {
-        name: sum(float(np.abs(radial(modes, mode)[edge.nodes]).max()) for mode in which)
-        for name, edge in modes.grid.edges.items()
-    }
-    return max(sizes, key=lambda name: sizes[name])
+    edges, moves = modes.grid.edges, [np.abs(radial(modes, mode)) for mode in which]
+    return max(edges, key=lambda name: sum(float(move[edges[name].nodes].max()) for move in moves))
 
 
 def around(modes: Modes, mode: int, edge: str, theta: FloatArray) -> Array:

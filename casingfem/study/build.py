@@ -104,11 +104,9 @@ def build_chart(table: shapes.ChartTable) -> Chart:
         ends = np.radians([table.start_deg, table.end_deg]).tolist()
         return Revolved(profile=Arc(radius=table.radius, start=ends[0], end=ends[1], r0=table.r0))
     if isinstance(table, shapes.BladeTable):
-        laws = {
-            name: np.radians(value).tolist() if name.endswith("_deg") else value
-            for name, value in table.model_dump(exclude={"kind"}).items()
-        }
-        return Blade(**{name.removesuffix("_deg"): value for name, value in laws.items()})
+        laws = table.model_dump(exclude={"kind"})
+        angles = {name: np.radians(laws.pop(name)).tolist() for name in list(laws) if name.endswith("_deg")}
+        return Blade(**laws, **{name.removesuffix("_deg"): value for name, value in angles.items()})
     chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
     return chart
 

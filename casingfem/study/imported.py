@@ -18,7 +18,7 @@ from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.build import build_plies
 from casingfem.study.cyclic import Wheel, axis_vector, build_mesh_rotation, vector
-from casingfem.study.problems import Problems, StudyError
+from casingfem.study.problems import FromFile, Problems
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 from casingfem.study.tables.tasks import ReduceTable, StudyFile
@@ -29,7 +29,7 @@ OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MeshStudy:
+class MeshStudy(FromFile):
     """What a study file on an imported mesh describes.
 
     Attributes
@@ -64,12 +64,6 @@ class MeshStudy:
     def shapes(self) -> None:
         """Shapes are fitted on charts alone."""
         return None
-
-    def error(self, key: str, found: str, expected: str) -> StudyError:
-        """An error that names this file and a key of it, to be raised."""
-        problems = Problems(self.path)
-        problems.add(key, found, expected)
-        return StudyError(problems)
 
 
 def is_imported(data: Mapping[str, Any]) -> bool:

@@ -22,7 +22,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.cyclic import build_wheel
 from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
-from casingfem.study.problems import Problems, StudyError
+from casingfem.study.problems import FromFile, Problems, StudyError
 from casingfem.study.tables.tasks import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
 from casingfem.updating.addresses import Structure, get_value, with_value
 from casingfem.updating.parameters import Parameter
@@ -33,7 +33,7 @@ PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Study:
+class Study(FromFile):
     """What a study file describes.
 
     Attributes
@@ -66,12 +66,6 @@ class Study:
     def structure(self) -> Shell:
         """The structure, by the name it has in every study."""
         return self.shell
-
-    def error(self, key: str, found: str, expected: str) -> StudyError:
-        """An error that names this file and a key of it, to be raised."""
-        problems = Problems(self.path)
-        problems.add(key, found, expected)
-        return StudyError(problems)
 
 
 def load_study(path: str | Path) -> Study:

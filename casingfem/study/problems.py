@@ -97,6 +97,19 @@ class Attempt:
         return isinstance(error, OSError | ValueError)
 
 
+class FromFile:
+    """What was read from a file, and can say what is wrong with a key of it."""
+
+    __slots__ = ()
+    path: Path
+
+    def error(self, key: str, found: str, expected: str) -> StudyError:
+        """An error that names this file and a key of it, to be raised."""
+        problems = Problems(self.path)
+        problems.add(key, found, expected)
+        return StudyError(problems)
+
+
 def table_of(error: ValueError, key: str) -> str:
     """The key to name: another table's where the error's code says that it is at fault."""
     code = getattr(error, "code", "")

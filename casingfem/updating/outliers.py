@@ -166,10 +166,8 @@ def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
         scale = max(1.0, float(np.sqrt(chi2 / (free - count))))
         deviation = np.abs(delta) / (spread * scale)
         if np.all(2.0 * stdtr(free - count, -deviation) < LEVEL / len(usable)):
-            answer = [
-                Found(shifts[k].kind, shifts[k].rows, -float(d), float(t))
-                for k, d, t in zip(best, delta, deviation, strict=True)
-            ]
+            found = zip(best, delta, deviation, strict=True)
+            answer = [Found(shifts[k].kind, shifts[k].rows, -float(d), float(t)) for k, d, t in found]
     return sorted(answer, key=lambda found: found.rows)
 
 

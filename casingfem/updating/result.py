@@ -205,11 +205,8 @@ class UpdateResult(Reported):
 
     def rows(self, pairing: Pairing, modes: ModeSet) -> dict[int, float]:
         """Table row -> computed frequency [Hz] under a pairing."""
-        return {
-            row: float(modes.freq[mode])
-            for match in pairing.matches
-            for row, mode in zip(match.rows, match.modes, strict=False)
-        }
+        pairs = [pair for match in pairing.matches for pair in zip(match.rows, match.modes, strict=False)]
+        return {row: float(modes.freq[mode]) for row, mode in pairs}
 
     def rms(self, pairing: Pairing, modes: ModeSet) -> float:
         """RMS relative frequency error over the rows that pair before and after; nan without any."""
@@ -344,9 +341,6 @@ class UpdateResult(Reported):
         if unseen:
             lines.append(f"the table hardly sees {', '.join(unseen)}")
         lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
-        lines += [
-            f"{p.name}: known from its prior only"
-            for p, weak in zip(self.parameters, self.prior_only, strict=True)
-            if weak
-        ]
+        known = zip(self.parameters, self.prior_only, strict=True)
+        lines += [f"{p.name}: known from its prior only" for p, weak in known if weak]
         return "\n".join(lines)

@@ -101,11 +101,8 @@ class ShapeFit(Reported):
         count, total = len(self.after.rows), len(self.fit.table)
         lines = [f"shapes of {count} of {total} rows: MAC of planes {self.before.mean_plane:.3f} -> "
                  f"{self.after.mean_plane:.3f} in the mean"]  # fmt: skip
-        paired = [
-            (m.plane, row)
-            for m, row in zip(self.after.found, self.after.rows.tolist(), strict=True)
-            if m.mode is not None
-        ]
+        found = zip(self.after.found, self.after.rows.tolist(), strict=True)
+        paired = [(match.plane, row) for match, row in found if match.mode is not None]
         if paired:
             plane, row = min(paired)
             lines[0] += f", least {plane:.3f} (mode {self.fit.table.mode[row]})"
@@ -136,10 +133,9 @@ def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeCompa
     matches = tuple(seen for match in pairing.matches if (seen := only_seen(match, rows)) is not None)
     of = {row: (match, mode) for match in matches for row, mode in zip(match.rows, match.modes, strict=True)}
     planes = {match.rows: alike(match, modes, shapes.shapes, computed) for match in matches}
+    lost = ShapeMatch(None, float("nan"), float("nan"))
     found = tuple(
-        ShapeMatch(of[row][1], float(likeness[k, of[row][1]]), planes[of[row][0].rows])
-        if row in of
-        else ShapeMatch(None, float("nan"), float("nan"))
+        ShapeMatch(of[row][1], float(likeness[k, of[row][1]]), planes[of[row][0].rows]) if row in of else lost
         for k, row in enumerate(rows.tolist())
     )
     by_sensor = np.full(len(shapes.a), np.nan)

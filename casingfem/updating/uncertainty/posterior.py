@@ -95,10 +95,8 @@ class Laplace(Reported):
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a parameter."""
         numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist())
-        return [
-            {"name": name, "log": log, "sigma": s, "gauss_newton": g, "bend": b}
-            for name, log, s, g, b in zip(self.names, self.log, *numbers, strict=True)
-        ]
+        names = ("name", "log", "sigma", "gauss_newton", "bend")
+        return [dict(zip(names, row, strict=True)) for row in zip(self.names, self.log, *numbers, strict=True)]
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
