@@ -162,7 +162,7 @@ def harmonic_of(name: str, parts: list[str]) -> tuple[int, str]:
 def require_series(name: str, field: Field | None) -> None:
     """Refuse a field that has no harmonics."""
     if not isinstance(numbers.series(field), FourierField):
-        raise InputError(f"{name!r}: the field is no Fourier numbers.series but {type(field).__name__}")
+        raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
 
 
 def get_value(shell: ShellParts | MeshStructure, name: str) -> Any:
