@@ -17,7 +17,6 @@ from casingfem.study.tasks import run_reduce, run_update
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import shape_fit
 
-T = TypeVar("T")
 SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
 
 
@@ -29,15 +28,7 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
     StudyError, NumericsError
         As the update, reduction and modes themselves do.
     """
-    seconds: dict[str, float] = {}
-
-    def clock(name: str, part: Callable[[], T]) -> T:
-        say(name)
-        started = time.perf_counter()
-        result = part()
-        seconds[name] = time.perf_counter() - started
-        return result
-
+    clock = Clock(say)
     found = clock("modes", lambda: modes(study.structure, **study.file.modes.wanted))
     ideal = imperfect(study.structure)
     reference = None
@@ -54,7 +45,7 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
         basis = clock("reduction", lambda: run_reduce(study, structure))
         sections.append(reduction_section(basis, updated=study.table is not None))
     say("drawing")
-    sections.append(provenance_section(study, seconds))
+    sections.append(provenance_section(study, clock.seconds))
     return render_page(
         f"Study {study.path.stem}", sections, verdict=study_verdict(study, found, fit), source=origin(study.source),
         notice=SYNTHETIC if study.table is not None and study.table.synthetic else "",
@@ -76,6 +67,25 @@ def fit_sections(fit: UpdateResult) -> list[Section]:
     compared = shape_fit(fit)
     sections = [update_section(fit, None if ideal is None else modes(ideal, len(fit.before)))]
     return sections + ([] if compared is None else [shapes_section(compared)])
+
+
+T = TypeVar("T")
+
+
+class Clock:
+    """Runs parts by name and keeps their times."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self.say = say
+        self.seconds: dict[str, float] = {}
+
+    def __call__(self, name: str, part: Callable[[], T]) -> T:
+        """Run one part."""
+        self.say(name)
+        started = time.perf_counter()
+        result = part()
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - started
+        return result
 
 
 def imperfect(structure: object) -> Shell | None:
