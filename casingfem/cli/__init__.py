@@ -2,23 +2,15 @@
 
 import click
 
-from casingfem.cli.contact import contact, interactions, rub, stability
-from casingfem.cli.correlate import correlate
-from casingfem.cli.cycles import cycles
+from casingfem.cli.contact import contact, cycles, interactions, rub, stability
+from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
-from casingfem.cli.example import example
-from casingfem.cli.explain import explain
-from casingfem.cli.identify import identify
-from casingfem.cli.locate import locate
+from casingfem.cli.identify import identify, rig
 from casingfem.cli.matrices import export_matrices, import_matrices
-from casingfem.cli.mistune import mistune
-from casingfem.cli.new import new, watch
-from casingfem.cli.rig import rig
-from casingfem.cli.schema import schema
+from casingfem.cli.new import example, new, watch
+from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
-from casingfem.cli.sweep import sweep
-
-__all__ = ["main"]
+from casingfem.cli.sweep import mistune, sweep
 
 
 @click.group(
@@ -34,30 +26,7 @@ def main() -> None:
     """
 
 
-for command in (
-    modes,
-    campbell,
-    identify,
-    correlate,
-    mistune,
-    rig,
-    update,
-    locate,
-    reduce,
-    import_matrices,
-    export_matrices,
-    contact,
-    rub,
-    stability,
-    interactions,
-    cycles,
-    sweep,
-    report,
-    new,
-    watch,
-    schema,
-    example,
-    explain,
-    doctor,
-):
+STUDIES = (modes, campbell, identify, correlate, mistune, rig, update, locate, reduce, import_matrices, export_matrices)
+SCENES = (contact, rub, stability, interactions, cycles, sweep)
+for command in (*STUDIES, *SCENES, report, new, watch, schema, example, explain, doctor):
     main.add_command(command)

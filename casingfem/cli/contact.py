@@ -1,4 +1,4 @@
-"""Commands on scene.toml: contact, rub, stability and interactions."""
+"""Commands on scene.toml: contact, rub, stability, interactions and cycles."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
+from casingfem.cli.running import NUMERICS_FAILED, STORES, ProgressMessage, deliver, fail, options, source_of
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact import NumericsError, Result, Scene
     from contact.confirmed import Confirmed
+    from contact.growth.cycles.basins import Basins
+    from contact.growth.cycles.result import Cycles
 
 STABILITY = (
     "These are poles of a contact that stays closed: the growth column of `casingfem interactions`, which adds which "
@@ -104,16 +106,61 @@ def interaction_rows(found: "Confirmed") -> str:
 
     from contact.growth.interaction_table import COLUMNS
 
-    rows = [asdict(row) for row in found.found.rows]
-    lines = [
-        "# COMPUTED: interactions by linear theory of closed contact",
-        *(f"# {n}: {m}" for n, m in COLUMNS.items()),
-    ]
-    lines.append(
-        "n,branch,casing_hz,blade_hz,free_hz,closed_hz,wave_hz,from_hz,to_hz,growth_1_s,growth_hz,turns,pulses"
-    )
-    lines += [",".join("" if value != value else str(value) for value in row.values()) for row in rows]
-    return "\n".join(lines) + "\n"
+    rows = [asdict(row) | {"growth_1_s": row.growth} for row in found.found.rows]
+    card = ["COMPUTED: interactions by linear theory of closed contact", *(f"{n}: {m}" for n, m in COLUMNS.items())]
+    names = "n branch casing_hz blade_hz free_hz closed_hz wave_hz from_hz to_hz growth_1_s growth_hz turns pulses"
+    return csv_text(rows, "\n".join(card), names.split())
+
+
+@click.command()
+@SCENE
+@options
+def cycles(file: Path, as_json: bool, out: Path | None) -> None:
+    """Periodic motions of SCENE over frequency, force or speed: how large, kept or not, where they jump.
+
+    SCENE is a patch with [drive] in place of [scheme], or a rim, a rub or a disk with a range of speed, clearance or
+    friction in place of a run. [basins] asks which of these motions random starts reach.
+
+    With --out DIR: cycles.csv, .npz, .json, .png and the page cycles.html; the same command goes on after a stop.
+    """
+    from contact.scene.cycles import load_cycles
+
+    scene = load_cycles(file)
+    part = None if out is None else out / STORES["cycles"]
+    if part is not None:
+        part.parent.mkdir(parents=True, exist_ok=True)
+    with ProgressMessage(f"cycles {file.name}") as working:
+
+        def progress(branch: int, at: float, points: int) -> None:
+            working.say(f"cycles {file.name}: branch {branch}, {points} orbits, at {at:.6g}, {working.seconds:.0f} s")
+
+        found = scene.solve(progress, part)
+        reached = scene.reached(found, lambda k: working.say(f"cycles {file.name}: {k} random starts"))
+    document, words = found.to_dict(), repr(found)
+    if reached is not None:
+        document["basins"] = {"at": reached.value, "starts": len(reached.reached), "motions": reached.records()}
+        words += f"\n{reached!r}"
+    files = {} if out is None else cycles_files(found, reached, document, words, file)
+    deliver(document, words, as_json=as_json, out=out, files=files)
+    if part is not None:
+        part.unlink(missing_ok=True)
+
+
+def cycles_files(
+    found: "Cycles", reached: "Basins | None", document: dict[str, object], words: str, file: Path
+) -> dict[str, Content]:
+    """The table, the states, the document, the picture and the page."""
+    from casingfem.plot.pages.contact import cycles_page
+    from casingfem.plot.style import png
+    from casingfem.plot.sweep import figure_cycles
+
+    rows, marks, ends = found.table(), found.marks(), [part.end for part in found.branches]
+    motions = [] if reached is None else [{found.name: reached.value, **one} for one in reached.records()]
+    return {
+        "cycles.html": cycles_page(file.stem, rows, marks, ends, source_of(file), words, motions),
+        "cycles.csv": csv_text(rows), "cycles.npz": found.save, "cycles.json": json_text(document, indent=1),
+        "cycles.png": png(figure_cycles(rows, marks, motions)),
+    }  # fmt: skip
 
 
 def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False) -> None:
@@ -137,7 +184,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
         files = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
         files |= run_files(scene, result, command)
     if vtu and isinstance(scene.what, RotatingRim | Rub):
-        from casingfem.cli.series import series_files
+        from casingfem.cli.pictures import series_files
 
         files |= series_files(scene.what, result)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)

@@ -5,11 +5,9 @@ from pathlib import Path
 
 import click
 
-from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import ProgressMessage, deliver, free_way, options, with_exit_codes
+from casingfem.cli.running import ProgressMessage, collected, deliver, free_way, options, with_exit_codes
 from contact.io.outfiles import json_text, write_files
 
-FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 TABLE = click.Path(path_type=Path)
 
 
@@ -24,7 +22,7 @@ def node_list(context: click.Context, option: click.Parameter, value: str | None
 
 
 @click.command(name="import")
-@FILES
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--nodes", type=TABLE, metavar="CSV", help="Table node,x,y,z; contact is at these nodes if left out.")
 @click.option("--dofs", type=TABLE, metavar="CSV", help="Table node,direction, a line for each row of the matrices.")
 @click.option("--contact", callback=node_list, metavar="6,79", help="Nodes that contact sees: channels 6.x 6.y 6.z ...")

@@ -1,33 +1,34 @@
-"""The files of `casingfem modes`: the table, shapes for ParaView, a universal file."""
+"""The files of `casingfem modes`: the table, shapes for ParaView, a universal file; and its modes of a whole wheel."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from contact.io.outfiles import Content
+from casingfem.cli.running import ProgressMessage, collected, deliver
+from casingfem.cli.tables import csv_text
+from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from casingfem.modal.cyclic.modes import CyclicModes
     from casingfem.modal.mesh_modes import MeshModes
     from casingfem.modal.mode_set import Modes, ModeSet
+    from casingfem.study.cyclic import Wheel
     from casingfem.study.imported import MeshStudy
     from casingfem.study.load import Study
 
 
-def shapes(found: "Modes | MeshModes", shown: tuple[int, ...] | None) -> dict[str, bytes]:
-    """The files of --vtu by name."""
+def shape_files(
+    found: "Modes | MeshModes", shown: tuple[int, ...] | None, *, vtu: bool, uff: bool
+) -> dict[str, Content]:
+    """The files of --vtu and --uff by name."""
     from casingfem.export.meshes import mode_files
-
-    which = indices(found, shown)
-    return {f"vtu/{name}": content for name, content in mode_files(found, which).items()}
-
-
-def universal(found: "Modes | MeshModes", shown: tuple[int, ...] | None) -> dict[str, Content]:
-    """The file of --uff."""
     from casingfem.export.modes_uff import write_modes_uff
 
     which = indices(found, shown)
-    return {"modes.uff": lambda path: write_modes_uff(found, path, which)}
+    shapes = mode_files(found, which) if vtu else {}
+    files: dict[str, Content] = {f"vtu/{name}": content for name, content in shapes.items()}
+    return files | ({"modes.uff": lambda path: write_modes_uff(found, path, which)} if uff else {})
 
 
 def indices(found: "ModeSet", shown: tuple[int, ...] | None) -> list[int] | None:
@@ -43,13 +44,63 @@ def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma:
 
     source = study.source
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
-    lines = [
-        f"# COMPUTED, SYNTHETIC where a test is expected: modes of {source['study']} (sha256 {source['sha256']})",
-        f"# by {versions}",
-        f"# sigma_hz: {sigma:g} of the frequency, as stated by --sigma",
-        ",".join(COLUMNS + COMPUTED),
+    card = [
+        f"COMPUTED, SYNTHETIC where a test is expected: modes of {source['study']} (sha256 {source['sha256']})",
+        f"by {versions}",
+        f"sigma_hz: {sigma:g} of the frequency, as stated by --sigma",
     ]
-    for row in found.records():
-        cells = {**row, "sigma_hz": sigma * float(str(row["freq_hz"])), "zeta": None}
-        lines.append(",".join("" if cells[name] is None else str(cells[name]) for name in COLUMNS + COMPUTED))
-    return "\n".join(lines) + "\n"
+    rows = [{**row, "sigma_hz": sigma * float(str(row["freq_hz"])), "zeta": None} for row in found.records()]
+    return csv_text(rows, "\n".join(card), COLUMNS + COMPUTED)
+
+
+def print_wheel(
+    study: "MeshStudy",
+    wheel: "Wheel",
+    *,
+    as_json: bool,
+    out: Path | None,
+    sigma: float,
+    shown: tuple[int, ...] | None,
+    vtu: bool,
+    uff: bool,
+) -> None:
+    """Compute what the study of a wheel asks for, print it, and write its files."""
+    from casingfem.modal.cyclic.mistuned import mistuned_modes
+    from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
+    from casingfem.modal.cyclic.reduction import OF_A_DIAMETER
+    from casingfem.modal.cyclic.whirl import cyclic_whirl
+
+    asked = study.file.modes
+    count = asked.count if "count" in asked.model_fields_set else OF_A_DIAMETER
+    if asked.band_hz is not None and (wheel.coriolis or wheel.deviations is not None):
+        raise study.error("modes.band_hz", "a band of a mistuned or whirling wheel", "count, of each nodal diameter")
+    with ProgressMessage(f"modes of {study.path.name}") as working:
+        wanted = asked.wanted.get("band", count)
+        found = cyclic_modes(wheel.sector, wanted, diameters=wheel.diameters)
+        working.say(f"modes of {study.path.name}: waves, mistuning")
+        whirl = cyclic_whirl(wheel.sector, count, diameters=wheel.diameters) if wheel.coriolis else None
+        mistuned = None
+        if wheel.deviations is not None:
+            mistuned = mistuned_modes(wheel.sector, wheel.deviations, count, blade=wheel.blade)
+    if found.rigid.any() and asked.elastic_only:
+        what = f"true, and {int(found.rigid.sum())} rigid modes"
+        raise study.error("modes.elastic_only", what, "a structure whose supports leave no rigid motion")
+    parts = [part for part in (found, whirl, mistuned) if part is not None]
+    document = {
+        "modes": found.records(),
+        "whirl": None if whirl is None else whirl.records(),
+        "mistuned": None if mistuned is None else mistuned.records(),
+        "sectors": wheel.sector.sectors,
+        "dofs": found.unknowns,
+        "seconds": found.seconds,
+        "sturm_counts": {str(n): counted for n, counted in found.sturm_counts.items()},
+        "warnings": collected(),
+        "source": study.source,
+    }
+    files: dict[str, Content] = {
+        "modes.json": json_text(document, indent=1),
+        "modes.csv": modes_csv(found, study, sigma),
+    }
+    if vtu or uff:
+        files |= shape_files(wheel_modes(found), shown, vtu=vtu, uff=uff)
+    deliver(document, "\n".join(map(repr, parts)), as_json=as_json, out=out, files=files)

@@ -1,16 +1,64 @@
-"""`casingfem new` and `casingfem watch`: a folder to begin with, and its files run again whenever they are saved."""
+"""`casingfem example`, `new`, `watch`: examples, a folder to begin with, files run again whenever they are saved."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import NoReturn
+from textwrap import shorten
+from typing import Any, NoReturn
 
 import click
 
+from casingfem import examples
 from casingfem.cli.running import BAD_INPUT, INTERRUPTED, deliver, fail, options, with_exit_codes
-from contact.io.outfiles import write_files
+from contact.io.names import hint
+from contact.io.outfiles import json_text, write_files
 
 PAUSE = 0.5  # s between looks at files
+WIDTH = 80  # of the text about an example in the list
+
+
+@click.command()
+@click.argument(
+    "name", required=False, shell_complete=lambda *given: [e for e in examples.examples() if e.startswith(given[2])]
+)
+@options
+def example(name: str | None, as_json: bool, out: Path | None) -> None:
+    """Write the example NAME with all it needs, to be run from here; all names if left out.
+
+    Paths are those of the project's own folder, data/studies and data/scenes, so that the commands of its pages work as
+    they stand; with --out DIR they begin with DIR. Nothing is overwritten.
+    """
+    known = examples.examples()
+    if name is None:
+        document = {"examples": [{"name": e.name, "about": e.about, "command": e.verb} for e in known.values()]}
+        files = {"examples.json": json_text(document, indent=1)}
+        deliver(document, listed(known), as_json=as_json, out=out, files=files)
+        return
+    if name not in known:
+        near = hint(name, known, most=3) or hint(name, [other for other in known if name in other], most=3, cutoff=0.0)
+        raise click.UsageError(f"found {name!r}, expected a name that casingfem example lists{near}")
+    folder = Path("data") if out is None else out
+    written = [str(path) for path in write(known[name], folder)]
+    following = known[name].commands(folder)
+    told({"name": name, "files": written, "next": list(following)}, as_json)
+
+
+def listed(known: Mapping[str, examples.Example]) -> str:
+    """A line for each, and how to have one."""
+    width = max(map(len, known)) + 2
+    lines = [f"{e.name:<{width}}{shorten(e.about, WIDTH, placeholder=' ...')}" for e in known.values()]
+    return "\n".join([*lines, "casingfem example NAME writes one, with what it needs"])
+
+
+def write(wanted: examples.Example, folder: Path) -> list[Path]:
+    """Write an example and those of the files it needs that are not there yet, from another example."""
+    contents = {file.as_posix(): (examples.DATA / file).read_bytes() for file in wanted.files}
+    there = {name for name in contents if (folder / name).exists()}
+    same = {name for name in there if (folder / name).is_file() and (folder / name).read_bytes() == contents[name]}
+    for name in contents:
+        if name in there and (name == wanted.file.as_posix() or name not in same):
+            fail(f"{folder / name}: found such a file, expected none: it stays; give another --out DIR", BAD_INPUT)
+    return write_files(folder, {name: content for name, content in contents.items() if name not in there})
 
 
 @click.command()
@@ -21,15 +69,18 @@ def new(name: Path, as_json: bool, out: Path | None) -> None:
 
     With --out DIR it is made there.
     """
-    from casingfem.examples import STEPS, first_files
-
     folder = name if out is None else out / name
     if folder.exists():
         fail(f"{folder}: found such a file or folder, expected none: it stays; give another NAME", BAD_INPUT)
-    written = [str(path) for path in write_files(folder, first_files())]
-    following = [f"cd {folder}", *(f"casingfem {step}" for step in STEPS)]
-    words = [*(f"wrote {path}" for path in written), "next:", *(f"  {line}" for line in following)]
-    deliver({"files": written, "next": following}, "\n".join(words), as_json=as_json, out=None, files={})
+    written = [str(path) for path in write_files(folder, examples.first_files())]
+    following = [f"cd {folder}", *(f"casingfem {step}" for step in examples.STEPS)]
+    told({"files": written, "next": following}, as_json)
+
+
+def told(document: dict[str, Any], as_json: bool) -> None:
+    """Say which files were written, and what to type next."""
+    lines = [*(f"wrote {path}" for path in document["files"]), "next:", *(f"  {line}" for line in document["next"])]
+    deliver(document, "\n".join(lines), as_json=as_json, out=None, files={})
 
 
 @click.command(context_settings={"ignore_unknown_options": True})
@@ -68,7 +119,6 @@ def changes(file: Path, sleep: Callable[[float], None] | None = None) -> Iterato
 
 def stamps(file: Path) -> dict[Path, tuple[int, int]]:
     """When a file and those that it names were changed last, and how large they are; those that are there."""
-    from casingfem.examples import strings
     from contact.io.toml import read_toml
 
     try:
@@ -76,7 +126,7 @@ def stamps(file: Path) -> dict[Path, tuple[int, int]]:
     except (OSError, ValueError):  # the command says what is wrong
         tables = {}
     made = tables.pop("reduce", None)  # what it writes
-    named = [file.parent / text for _, text in strings(tables) if Path(text).suffix]
+    named = [file.parent / text for _, text in examples.strings(tables) if Path(text).suffix]
     found = [
         path
         for path in (file, *named)
@@ -87,12 +137,11 @@ def stamps(file: Path) -> dict[Path, tuple[int, int]]:
 
 def verb_of(file: Path) -> str:
     """The command that runs a study or a scene."""
-    from casingfem.examples import Example
     from contact.io.toml import read_toml
 
     try:
         tables = read_toml(file)[1]
-        return Example(file.stem, file, tables).verb
+        return examples.Example(file.stem, file, tables).verb
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return "modes"  # says what is wrong with it
 

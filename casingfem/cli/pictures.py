@@ -1,4 +1,4 @@
-"""What `--out` of a contact command shows: pictures, the force history as a table, the page of a scene."""
+"""What `--out` of a contact command shows: pictures, the forces as a table, the motion of --vtu, a scene's page."""
 
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -13,6 +13,8 @@ from contact.io.outfiles import Content
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from contact.model.gaps.gap import RotatingRim
+    from contact.model.gaps.rub import Rub
     from contact.record.wear import Wear
     from contact.result import Result
     from contact.run import Prepared, Scene
@@ -46,12 +48,10 @@ def figures(scene: "Scene", result: "Result") -> dict[str, "Figure"]:
         found["spectrum"] = figure_spectrum(
             result.time, result.windowed_force().sum(axis=1), label="force", unit="N", top_hz=top
         )
-    motion = tip_motion(scene.what, result)
-    if motion is not None:
-        found["spectrum_tip"] = figure_spectrum(
-            motion.time, motion.tip[:, 0], label="tip, normal", unit="m", top_hz=top
-        )
-        found["orbit"] = figure_orbit(motion)
+    moved = tip_motion(scene.what, result)
+    if moved is not None:
+        found["spectrum_tip"] = figure_spectrum(moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top)
+        found["orbit"] = figure_orbit(moved)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
     return found
 
@@ -86,13 +86,10 @@ def force_files(result: "Result", command: str) -> dict[str, Content]:
     table = force_table(result)
 
     def csv(path: Path) -> None:
-        head = (
-            "COMPUTED: contact forces; a row's mean is that of its impulse, peak and least gap are its samples'\n"
-            + ",".join(table)
-        )
-        np.savetxt(path, np.stack(list(table.values()), axis=1), fmt="%.9g", delimiter=",", header=head, comments="# ")
-        text = path.read_text(encoding="utf-8").split("\n", 2)
-        path.write_text("\n".join([text[0], text[1].removeprefix("# "), *text[2:]]), encoding="utf-8")
+        with path.open("w", encoding="utf-8", newline="\n") as file:
+            file.write("# COMPUTED: contact forces; a row's mean is that of its impulse, peak and least gap are its ")
+            file.write(f"samples'\n{','.join(table)}\n")
+            np.savetxt(file, np.stack(list(table.values()), axis=1), fmt="%.9g", delimiter=",")
 
     files: dict[str, Content] = {f"{command}_forces.csv": csv}
     if find_spec("pyarrow") is not None:
@@ -102,11 +99,45 @@ def force_files(result: "Result", command: str) -> dict[str, Content]:
 
 def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
     """Profile and wear map of each track of a coating."""
+    from casingfem.plot.contact import figure_wear
     from casingfem.plot.style import png
-    from casingfem.plot.wear import figure_wear
 
     names = ["coating.png"] if len(tracks) == 1 else [f"coating_{k}.png" for k in range(1, len(tracks) + 1)]
     return {name: png(figure_wear(track)) for name, track in zip(names, tracks, strict=True)}
+
+
+def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Content]:
+    """The files of --vtu: casing.pvd, blade.pvd, ... of the bodies in their own frames, tips.pvd in the casing's.
+
+    Raises InputError where no body's basis has a recovery, and where no states were stored.
+    """
+    from casingfem.export.meshes import frames, motion_files, point_files
+    from contact.base.errors import InputError
+    from contact.model.gaps.rub import rub_of
+    from contact.recovery import at_points, rub_forces
+
+    rub: Rub = rub_of(what)
+    drawn = {name: body for name, body in zip(rub.names, rub.bodies, strict=True) if body.recovery_cells is not None}
+    if not drawn:
+        expected = "recovery = true in [reduce] of the study that makes it"
+        raise InputError(f"basis: found none that recovers the motion of its nodes, expected {expected}")
+    shown = frames(len(result.state_time))
+    time = result.state_time[shown]
+    files: dict[str, Content] = {}
+    for name, body in drawn.items():
+        forces = rub_forces(rub, result, name)[1][shown]
+        moved = at_points(body, result.state_of(name)[shown], forces).reshape(len(shown), -1, 3)
+        assert body.recovery_points is not None
+        assert body.recovery_cells is not None
+        files |= motion_files(name.replace(" ", "_"), body.recovery_points, body.recovery_cells, time, moved)
+    turned = np.array([rub.speed.angle(float(t)) for t in time])
+    angle = np.radians([tip.angle_deg for tip in rub.tips]) - turned[:, None]
+    lines = [rub.casing.lines[t.line] if rub.casing.lines is not None else (0.0, rub.casing.radius) for t in rub.tips]
+    axial, radius = np.array(lines).T
+    places = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.broadcast_to(axial, angle.shape)], axis=-1)
+    force = result.state_of("tips")[shown].reshape(len(shown), len(rub.tips), -1)[:, :, 0]
+    files |= point_files("tips", time, places, {"normal_force_N": force})
+    return {f"vtu/{name}": content for name, content in files.items()}
 
 
 def page_numbers(result: "Result") -> dict[str, float]:
@@ -125,9 +156,9 @@ def page_numbers(result: "Result") -> dict[str, float]:
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
     """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions and a film."""
-    from casingfem.plot.film import rub_film as film_of
+    from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.interaction import figure_interactions
-    from casingfem.plot.pages.scene import scene_page, scene_verdict
+    from casingfem.plot.pages.contact import scene_page, scene_verdict
     from contact.base.errors import InputError
     from contact.histories import rub_film
     from contact.model.gaps.gap import RotatingRim

@@ -1,23 +1,26 @@
-"""What all commands share: --json and --out, what goes to stdout and stderr, exit codes, progress."""
+"""What all commands share: --json and --out, what goes to stdout and stderr, warnings, exit codes, progress."""
 
 import hashlib
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
-from types import TracebackType
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import click
 
-from casingfem.cli.model_warnings import collected, collecting
+from casingfem.errors import ModelWarning
 from contact.io.outfiles import Content, in_the_way, json_text, settle, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
 PATIENCE = 1.0  # seconds before a terminal is told what takes so long
+MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
+_collected: list[dict[str, str]] = []
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -45,7 +48,9 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        read = files_read(kwargs)
+        files = kwargs.get("files", (kwargs.get("file", ""),))
+        assert isinstance(files, tuple)
+        read = [str(file) for file in files]
         try:
             for path in kwargs.values():
                 if isinstance(path, Path):
@@ -68,13 +73,6 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
             fail(f"{error.filename or 'standard output'}: {error.strerror or error}", BAD_INPUT)
 
     return run
-
-
-def files_read(given: Mapping[str, object]) -> list[str]:
-    """Names of the file, or files, that a command reads."""
-    files = given.get("files", (given.get("file", ""),))
-    assert isinstance(files, tuple)
-    return [str(file) for file in files]
 
 
 def what_is_safe(command: str | None, out: object) -> str:
@@ -110,12 +108,11 @@ def deliver(
     document: Mapping[str, Any], text: str, *, as_json: bool, out: Path | None, files: Mapping[str, Content]
 ) -> None:
     """Write the files, then print the document or the text and where the files went."""
+    written: list[Path] = []
     if out is not None and files:
         from casingfem.cli.tables import parquets
 
         written = write_files(out, {**files, **parquets(files)})
-    else:
-        written = []
     if as_json:
         click.echo(json_text({**document, "warnings": collected()}), nl=False)
         return
@@ -125,6 +122,37 @@ def deliver(
             click.echo(f"wrote {path}")
     for folder in dict.fromkeys(path.parent for path in written if path.parent != out):
         click.echo(f"wrote {sum(path.parent == folder for path in written)} files to {folder}")
+
+
+def collected() -> list[dict[str, str]]:
+    """The warnings of this command so far: code and message."""
+    return [dict(entry) for entry in _collected]
+
+
+@contextmanager
+def collecting() -> Iterator[None]:
+    """Print and keep warnings about the model while a command runs; others go the usual way."""
+    _collected.clear()
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", ModelWarning)
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *more: Any, **named: Any) -> None:
+            if isinstance(message, ModelWarning):
+                collect(message)
+            else:
+                usual(message, category, *more, **named)
+
+        warnings.showwarning = show
+        yield
+
+
+def collect(warning: ModelWarning) -> None:
+    """Keep and print a warning that was not there before."""
+    entry = {"code": warning.code, "message": str(warning)}
+    if entry not in _collected and sum(other["code"] == warning.code for other in _collected) < MOST:
+        _collected.append(entry)
+        click.echo(f"warning: {warning}", err=True)
 
 
 def source_of(file: Path) -> dict[str, str]:
@@ -154,9 +182,7 @@ class ProgressMessage:
             self._timer.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._timer.cancel()
         with self._lock:
             if self._status is not None:

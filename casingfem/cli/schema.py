@@ -1,12 +1,13 @@
-"""`casingfem schema`: the keys of study.toml and scene.toml, all as JSON schema, or one table on a screen."""
+"""`casingfem schema`: the keys of study.toml and scene.toml, on a screen or as JSON schema; `explain`: the codes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from casingfem.cli.running import deliver, options
+from casingfem.faults import CATALOGUE
 from contact.io.names import hint
 from contact.io.outfiles import json_text
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 
 def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> list[str]:
     """The tables that begin with this, for the shell."""
-    known = {*roots(), "scene", *(name for models in roots().values() for name in tables_in(models))}
+    from contact.io.tables import keys
+
+    known = {*roots(), "scene", *(name for model in roots().values() for name in keys(model))}
     return sorted(name for name in known if name.startswith(text))
 
 
@@ -45,22 +48,13 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
     deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)
 
 
-def roots() -> dict[str, list["Model"]]:
+def roots() -> dict[str, "Model"]:
     """What a file, or the table [sweep] of one, is by its kind."""
-    from casingfem.study.schema import StudyFile
+    from casingfem.study.tables.tasks import StudyFile
     from contact.scene.schema import scene_models
     from contact.sweep.tables import SweepTable
 
-    models: dict[str, Model] = {"study": StudyFile, **scene_models(), "sweep": SweepTable}
-    return {name: [model] for name, model in models.items()}
-
-
-def tables_in(models: Sequence["Model"]) -> Iterator[str]:
-    """Names of all keys of some tables."""
-    from contact.io.tables import keys
-
-    for model in models:
-        yield from keys(model)
+    return {"study": StudyFile, **scene_models(), "sweep": SweepTable}
 
 
 def explained(key: str) -> list[dict[str, Any]]:
@@ -68,11 +62,11 @@ def explained(key: str) -> list[dict[str, Any]]:
     first, *rest = key.split(".")
     known = roots()
     if first == "scene" and not rest:
-        return [listed(name, models[0]) for name, models in known.items() if name not in ("study", "sweep")]
+        return [listed(name, model) for name, model in known.items() if name not in ("study", "sweep")]
     starts = {first: (known[first], rest)} if first in known else {k: (m, [first, *rest]) for k, m in known.items()}
     ends: dict[tuple[Any, ...], list[str]] = {}
-    for name, (models, path) in starts.items():
-        if end := walked(models, path):
+    for name, (model, path) in starts.items():
+        if end := walked(model, path):
             ends.setdefault(end, []).append(name)
     if len(ends) < 2:
         return [explanation(key, end, names) for end, names in ends.items()]
@@ -80,11 +74,11 @@ def explained(key: str) -> list[dict[str, Any]]:
     return [{"key": key, "text": "\n".join([f"{key} differs by the kind of file; ask for one of", *lines])}]
 
 
-def walked(models: Sequence["Model"], path: Sequence[str]) -> tuple[Any, ...]:
+def walked(root: "Model", path: Sequence[str]) -> tuple[Any, ...]:
     """The table models that a path leads to, or the last key with its model; empty where it leads nowhere."""
     from contact.io.tables import keys, kinds, members
 
-    found, named = list(models), False
+    found, named = [root], False
     for place, part in enumerate(path):
         name = part.partition("[")[0]
         holders = [m for m in found if name in keys(m)]
@@ -158,3 +152,18 @@ def kept(info: Any) -> str:
     if isinstance(default, plain) or (isinstance(default, list) and default and isinstance(default[0], plain)):
         return f"{str(default).lower() if isinstance(default, bool) else default} if left out"
     return "may be left out"
+
+
+@click.command()
+@click.argument("code", required=False, shell_complete=lambda *given: [c for c in CATALOGUE if c.startswith(given[2])])
+@options
+def explain(code: str | None, as_json: bool, out: Path | None) -> None:
+    """The cause of an error or warning by its CODE, and what helps; all codes if left out."""
+    wanted = list(CATALOGUE) if code is None else [code.strip("[]")]
+    for name in wanted:
+        if name not in CATALOGUE:
+            near = hint(name, CATALOGUE, most=3)
+            raise click.UsageError(f"found {name!r}, expected a code such as shell-thickness{near}")
+    document = {name: {"cause": CATALOGUE[name].cause, "remedy": CATALOGUE[name].remedy} for name in wanted}
+    text = "\n".join(f"{name}\n  cause:  {one['cause']}\n  remedy: {one['remedy']}" for name, one in document.items())
+    deliver({"faults": document}, text, as_json=as_json, out=out, files={"errors.json": json_text(document, indent=1)})

@@ -5,16 +5,31 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.mode_files import modes_csv, shapes, universal
-from casingfem.cli.model_warnings import collected
-from casingfem.cli.running import ProgressMessage, deliver, options
+from casingfem.cli.mode_files import modes_csv, print_wheel, shape_files
+from casingfem.cli.running import ProgressMessage, collected, deliver, options
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
-    pass
+    from casingfem.study import MeshStudy, Study
 
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
+
+
+def any_study(file: Path, *, wheel: bool = False) -> "Study | MeshStudy":
+    """Read a study, of a shell on a chart or of an imported mesh."""
+    from casingfem.study import load_any
+
+    with ProgressMessage(f"reading {file.name}"):
+        return load_any(file, wheel=wheel)
+
+
+def chart_study(file: Path) -> "Study":
+    """Read the study of a shell on a chart."""
+    from casingfem.study import load_study
+
+    with ProgressMessage(f"reading {file.name}"):
+        return load_study(file)
 
 
 def numbers(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, ...] | None:
@@ -45,17 +60,14 @@ def modes(
     modes.csv of --out is a frequency table, which `casingfem locate` and `update` take; it says COMPUTED.
     """
     from casingfem.modal.modes import modes as compute
-    from casingfem.study import MeshStudy, load_any
+    from casingfem.study import MeshStudy
 
     if shown is not None and not (vtu or uff):
         raise click.UsageError("--modes chooses what --vtu or --uff writes: give --vtu too")
     if (vtu or uff) and out is None:
         raise click.UsageError("--vtu or --uff needs --out DIR")
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_any(file, wheel=True)
+    study = any_study(file, wheel=True)
     if isinstance(study, MeshStudy) and study.wheel is not None:
-        from casingfem.cli.wheel import print_wheel
-
         print_wheel(study, study.wheel, as_json=as_json, out=out, sigma=sigma, shown=shown, vtu=vtu, uff=uff)
         return
     with ProgressMessage(f"modes of {file.name}"):
@@ -76,10 +88,8 @@ def modes(
         "modes.json": json_text(document, indent=1),
         "modes.csv": modes_csv(found, study, sigma),
     }
-    if vtu:
-        files |= shapes(found, shown)
-    if uff:
-        files |= universal(found, shown)
+    if vtu or uff:
+        files |= shape_files(found, shown, vtu=vtu, uff=uff)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
@@ -98,10 +108,8 @@ def campbell(
     import numpy as np
 
     from casingfem.modal.campbell import campbell as compute
-    from casingfem.study import load_study
 
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_study(file)
+    study = chart_study(file)
     rotation = study.shell.rotation
     if rotation is None:
         raise study.error("rotation", "none", "a [rotation], which a Campbell diagram needs")
@@ -133,12 +141,11 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
 
     --out DIR gets the document, the updated study, and the page update.html.
     """
-    from casingfem.study import load_any, updated_toml
+    from casingfem.study import updated_toml
     from casingfem.study.tasks import judge_update, run_update
     from casingfem.updating.shape_fit import shape_fit
 
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_any(file)
+    study = any_study(file)
     with ProgressMessage(f"update of {file.name}") as working:
         fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
         fit_seconds = working.seconds
@@ -173,11 +180,9 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 
     The basis is written to --out DIR, else beside STUDY if its key reduce.out names the file.
     """
-    from casingfem.study import load_any
     from casingfem.study.tasks import run_reduce
 
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_any(file, wheel=True)
+    study = any_study(file, wheel=True)
     with ProgressMessage(f"reduction of {file.name}") as working:
         basis = run_reduce(study)
     wanted = study.file.reduce.out if study.file.reduce is not None else None
@@ -205,14 +210,12 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
 def report(file: Path, as_json: bool, out: Path | None) -> None:
     """Write report.html on STUDY, or on a contact scene, which is run, to --out DIR (here if left out)."""
     from casingfem.cli.contact import is_scene, scene_report
-    from casingfem.study import load_any
 
     folder = out if out is not None else Path()
     if is_scene(file):
         scene_report(file, as_json, folder)
         return
-    with ProgressMessage(f"reading {file.name}"):
-        study = load_any(file)
+    study = any_study(file)
     with ProgressMessage(f"report on {file.name}") as working:
         from casingfem.plot.pages.study import study_report
 

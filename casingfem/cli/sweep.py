@@ -1,4 +1,4 @@
-"""The command sweep: many runs of one scene, over the keys that its [sweep] varies."""
+"""Many runs: sweep, of one scene over the keys that its [sweep] varies; mistune, draws of a casing's random fields."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -7,24 +7,21 @@ import click
 
 from casingfem.cli.contact import SCENE
 from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
+from casingfem.cli.study import STUDY, chart_study
+from casingfem.cli.tables import csv_text
 from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from casingfem.modal.mistuning import Mistuning
+    from casingfem.study.mistuning import MistuneRun
     from contact.sweep.sweep import SweepResult
-
-JOBS = click.option(
-    "--jobs", type=click.IntRange(1, 1024), default=None, help="Worker processes; one a core, one for a scheduler."
-)
-SCHEDULER = click.option(
-    "--scheduler", metavar="ADDRESS", default=None, help="A Dask scheduler, tcp://host:port, instead of processes."
-)
 
 
 @click.command()
 @SCENE
-@JOBS
-@SCHEDULER
+@click.option("--jobs", type=click.IntRange(1, 1024), help="Worker processes; one a core, one for a scheduler.")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask scheduler, tcp://host:port, instead of processes.")
 @options
 def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, out: Path | None) -> None:
     """Run SCENE over the keys that its [sweep] varies: one table, one picture, one page.
@@ -55,10 +52,8 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
     if found.failed + found.diverged == len(rows):
         became = "failed, diverged or were" if found.diverged else "failed or were"
         all_of = "the only run" if len(rows) == 1 else f"all {len(rows)} runs"
-        fail(
-            f"sweep {file}: the numerics failed: {all_of} {became} refused, the first: {found.why}",
-            NUMERICS_FAILED,
-        )
+        why = f"{all_of} {became} refused, the first: {found.why}"
+        fail(f"sweep {file}: the numerics failed: {why}", NUMERICS_FAILED)
     if lost := found.failed + found.diverged:
         click.echo(f"sweep {file}: {lost} of {len(rows)} runs are not done, the first: {found.why}", err=True)
 
@@ -75,9 +70,8 @@ def words(found: "SweepResult", seconds: float) -> str:
     if growing:
         most, run = max(growing, key=lambda pair: pair[0])
         at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
-        lines.append(
-            f"largest growth {most:.4g} 1/s at {at}: of whole runs, impacts and all; where contact stays closed"
-        )
+        whole = "of whole runs, impacts and all; where contact stays closed"
+        lines.append(f"largest growth {most:.4g} 1/s at {at}: {whole}")
         lines.append("it is that of `casingfem interactions`, elsewhere less")
     for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
@@ -91,7 +85,7 @@ def words(found: "SweepResult", seconds: float) -> str:
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the document, the page, and the picture where numbers were varied."""
-    from casingfem.plot.pages.sweep import sweep_page
+    from casingfem.plot.pages.contact import sweep_page
     from contact.sweep.sweep import table
 
     files: dict[str, Content] = {"sweep.csv": table(found), "sweep.json": json_text(document, indent=1)}
@@ -109,3 +103,69 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
     told = words(found, document["seconds"])
     files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told)
     return files
+
+
+@click.command()
+@STUDY
+@click.option("--draws", type=click.IntRange(1, 1_000_000), default=200, show_default=True, help="How many.")
+@click.option("--processes", type=click.IntRange(1, 256), default=None, help="Worker processes; one a core.")
+@options
+def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: Path | None) -> None:
+    """Splits and orientations of the pairs of STUDY over draws of its random imperfections.
+
+    With --out DIR finished draws are kept in DIR/draws: the same command goes on where a run was broken off.
+    """
+    from casingfem.study.mistuning import run_mistune
+
+    study = chart_study(file)
+    with ProgressMessage(f"mistuning of {file.name}") as working:
+
+        def progress(done: int) -> None:
+            working.say(f"mistuning of {file.name}: {done} of {draws} draws, {working.seconds:.0f} s")
+
+        folder = None if out is None else out / "draws"
+        run = run_mistune(study, draws, processes=processes, folder=folder, progress=progress)
+    document = {
+        "doublets": run.found.summary(),
+        "draws": draws,
+        "resumed": run.resumed,
+        "restart_errors": {str(draw): error for draw, error in run.errors.items()},
+        "from_nothing": list(run.from_nothing),
+        "seconds": working.seconds,
+        "source": study.source,
+    }
+    files: dict[str, Content] = {} if out is None else files_of_draws(run.found, document)
+    deliver(document, f"{run.found!r}\n{words_of_draws(run)}", as_json=as_json, out=out, files=files)
+
+
+def words_of_draws(run: "MistuneRun") -> str:
+    """How sure the frequencies are, and what was there already."""
+    lines = ["every draw complete by a Sturm count"]
+    if run.errors:
+        worst = max(run.errors.values())
+        lines.append(f"{len(run.errors)} draws also solved from nothing: frequencies differ by {worst:.1e} at most")
+    if run.from_nothing:
+        lines.append(f"{len(run.from_nothing)} draws solved from nothing: the restart had missed modes")
+    if run.resumed:
+        lines.append(f"{run.resumed} draws were there already")
+    return "\n".join(lines)
+
+
+def files_of_draws(found: "Mistuning", document: dict[str, Any]) -> dict[str, Content]:
+    """The draws, the summary, the picture and the document."""
+    from casingfem.plot.modes import figure_splits
+    from casingfem.plot.style import png
+
+    source = document["source"]
+    versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
+    card = f"COMPUTED: random mistuning of {source['study']} (sha256 {source['sha256']})\nby {versions}"
+    names = ("draw", "n", "m", "freq_hz", "split_rel", "angle_deg")
+    columns = (found.draw, found.n, found.m, found.freq, found.split, found.angle_deg)
+    rows = [dict(zip(names, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]
+    summary = document["doublets"]
+    return {
+        "mistune.csv": csv_text(rows, card, names),
+        "mistune_summary.csv": csv_text(summary, card, () if summary else ("n", "m")),
+        "mistune.json": json_text(document, indent=1),
+        "mistune.png": png(figure_splits(found)),
+    }

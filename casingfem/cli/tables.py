@@ -11,16 +11,16 @@ from typing import Any
 from contact.io.outfiles import Content
 
 
-def csv_text(rows: Iterable[Mapping[str, Any]], card: str = "") -> str:
-    r"""Rows as CSV under their names, a line '# card' above; what is none or nan is an empty cell.
+def csv_text(rows: Iterable[Mapping[str, Any]], card: str = "", columns: Iterable[str] = ()) -> str:
+    r"""Rows as CSV under their names, or those of `columns`, each line of the card above; none and nan are empty cells.
 
     >>> csv_text([{"mode": 1, "freq_hz": 371.2}, {"mode": 2, "freq_hz": float("nan")}], "COMPUTED")
     '# COMPUTED\nmode,freq_hz\n1,371.2\n2,\n'
     """
     found, text = list(rows), io.StringIO()
-    if card:
-        text.write(f"# {card}\n")
-    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in found for name in row)), lineterminator="\n")
+    text.writelines(f"# {line}\n" for line in card.splitlines())
+    names = list(columns) or list(dict.fromkeys(name for row in found for name in row))
+    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows({name: "" if value is None or value != value else value for name, value in row.items()}
                      for row in found)  # fmt: skip

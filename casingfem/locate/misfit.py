@@ -23,8 +23,7 @@ from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.affine import AffineModel, AffineModes
-from casingfem.updating.calibration import correction
-from casingfem.updating.mixed_pairing import paired_by_shares
+from casingfem.updating.calibration import correction, paired_by_shares
 from casingfem.updating.targets import (
     HERTZ2,
     Rates,

@@ -1,53 +1,54 @@
-"""Pictures of a contact run: force, gap and amplitudes against time."""
+"""Pictures of a contact run: force, gap and amplitudes against time, the wear of a coating; a rub that plays.
 
+Of a film rim and tips, force and gap beside, are drawn by `scripts/film.js` from numbers in 16 bits.
+"""
+
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
-from casingfem.plot.style import AFTER, BEFORE, GREEN, PURPLE, SKY, new_figure, styled
+from casingfem.plot.page import Picture, coded, island, packed
+from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
 
 POINTS = 6000  # drawn per curve: extremes of each bin beyond that
+DRAWN = 0.13  # of the radius: the largest deviation drawn
+ROUND = (1.0, 2.0, 5.0)
+TRACE = 1500  # points of force and gap over the whole run
 
 
-class Run(Protocol):
-    """What a contact result shows: arrays over time, one column per contact, states by coordinate."""
+class _Run(Protocol):
+    """What a contact result shows, a column for each contact, states by coordinate.
 
-    @property
-    def time(self) -> Array:
-        """Times [s], (n,)."""
-        ...
-
-    @property
-    def gap(self) -> Array:
-        """Gaps [m], (n, contacts)."""
-        ...
+    Times [s], (n,), gaps [m] and forces averaged over the model's shortest period [N], (n, contacts); times of the
+    states [s], (ns,), and coordinates, (ns, N).
+    """
 
     @property
-    def state_time(self) -> Array:
-        """Times of the states [s], (ns,)."""
-        ...
+    def time(self) -> Array: ...
 
     @property
-    def state(self) -> Array:
-        """Coordinates, (ns, N)."""
-        ...
+    def gap(self) -> Array: ...
 
-    def windowed_force(self) -> Array:
-        """Force averaged over the model's shortest period [N], (n, contacts)."""
-        ...
+    @property
+    def state_time(self) -> Array: ...
+
+    @property
+    def state(self) -> Array: ...
+
+    def windowed_force(self) -> Array: ...
 
 
 @styled
-def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
+def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
     """Force, gap and the largest coordinates of one run over time."""
     states = len(result.state_time) > 1
     figure = new_figure(8.0, 4.2 + 1.9 * states)
     axes: Any = figure.subplots(2 + states, 1, sharex=True)
     axes[0].plot(*thinned(result.time, result.windowed_force()[:, contact]), color=AFTER)
-    axes[0].set_ylabel("force, windowed [N]")
-    axes[0].set_ylim(bottom=0.0)
+    axes[0].set(ylabel="force, windowed [N]", ylim=(0.0, None))
     axes[1].axhline(0.0, color="#777777", linewidth=0.8)
     axes[1].plot(*thinned(result.time, 1e3 * result.gap[:, contact]), color=BEFORE)
     axes[1].set_ylabel("gap [mm]")
@@ -62,7 +63,7 @@ def figure_contact(result: Run, contact: int = 0, *, coordinates: int = 4) -> Fi
     return figure
 
 
-def _largest(result: Run) -> list[int]:
+def _largest(result: _Run) -> list[int]:
     """Coordinates by their largest value; what a rub keeps behind them, the forces on its tips, left out."""
     forces = {k for name, a, b in getattr(result, "blocks", ()) if name == "tips" for k in range(a, b)}
     order = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
@@ -84,3 +85,111 @@ def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Ar
     places = np.sort(np.stack([whole.argmin(axis=1), whole.argmax(axis=1)]), axis=0)
     index = (places + size * np.arange(bins)).T.ravel()
     return time[index], values[index]
+
+
+class _Worn(Protocol):
+    """What a coating has lost by angle of its bars [rad].
+
+    Deviations of the radius [m] as made, before and after a run, (cells,); worn depths [m] at the times [s] of the map,
+    (times, cells).
+    """
+
+    @property
+    def angle(self) -> Array: ...
+
+    @property
+    def made(self) -> Array: ...
+
+    @property
+    def before(self) -> Array: ...
+
+    @property
+    def after(self) -> Array: ...
+
+    @property
+    def map_time(self) -> Array: ...
+
+    @property
+    def map(self) -> Array: ...
+
+
+@styled
+def figure_wear(wear: _Worn) -> Figure:
+    """Profile of the coating's surface above, the map of its wear below; larger radius upwards."""
+    figure = new_figure(8.0, 6.0)
+    axes: Any = figure.subplots(2, 1, sharex=True)
+    degrees = np.degrees(wear.angle)
+    axes[0].plot(degrees, 1e6 * wear.made, color=PERFECT, linestyle=":", label="as made")
+    axes[0].plot(degrees, 1e6 * wear.before, color=BEFORE, label="before the run")
+    axes[0].plot(degrees, 1e6 * wear.after, color=AFTER, label="after")
+    axes[0].set_ylabel("deviation of the\nradius [µm]")
+    axes[0].legend(ncols=3, fontsize=8)
+    extent = (0.0, 360.0, float(wear.map_time[0]), float(wear.map_time[-1]))
+    axes[1].grid(False)
+    image = axes[1].imshow(
+        1e6 * wear.map, aspect="auto", origin="lower", extent=extent, cmap="magma_r", interpolation="nearest"
+    )
+    figure.colorbar(image, ax=axes[1], label="worn depth [µm]")
+    axes[1].set(ylabel="time [s]", xlabel="angle on the casing [deg]")
+    return figure
+
+
+def rub_film(film: Any, run: _Run) -> Picture:
+    """A film, a `contact.histories.RubFilm`, as a picture of the page: a slider, the whole run's force and gap."""
+    scale = exaggeration(film)
+    data: dict[str, Any] = {
+        "time": coded(film.time.astype("<f4")), "turned": coded(film.turned.astype("<f4")),
+        "stretches": film.stretches.tolist(), "n": film.n.tolist(), "radius": film.radius, "scale": scale,
+        "cos": packed(film.cos), "sin": packed(film.sin), "profile": packed(film.profile),
+        "angle": film.angle.round(6).tolist(), "gap": packed(film.gap), "force": packed(film.force),
+        "traces": [
+            trace("force of all tips [N]", run.time, run.windowed_force().sum(axis=1)),
+            trace("least gap [mm]", run.time, 1e3 * run.gap.min(axis=1)),
+        ],
+    }  # fmt: skip
+    still = '<p class="still">Force and gap of this run are drawn below; the film needs a browser with scripts.</p>'
+    return Picture(island("film", data, still), caption(film, scale), ("film",))
+
+
+def exaggeration(film: Any) -> float:
+    """How many times deviations are drawn: a round number, so that the largest of rim and tips is well seen."""
+    rim = float(np.abs(film.profile).max(initial=0.0) + np.sqrt(film.cos**2 + film.sin**2).sum(axis=1).max(initial=0.0))
+    most = max(rim, float(np.abs(film.gap).max(initial=0.0)), 1e-12)
+    wanted = DRAWN * film.radius / most
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(max(step for step in ROUND if step * power <= wanted * (1.0 + 1e-9)) * power)
+
+
+def trace(name: str, time: Array, values: Array) -> dict[str, Any]:
+    """A curve over the whole run, thinned so that no peak is lost."""
+    t, y = thinned(time, values, TRACE)
+    return {"name": name, "time": coded(t.astype("<f4")), "values": packed(y)}
+
+
+def listed(numbers: list[int]) -> str:
+    """Whole numbers in words, runs of three or more as from .. to.
+
+    >>> listed([0, 2, 3, 4, 5, 9])
+    '0, 2 to 5, 9'
+    """
+    cuts = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
+    runs = [numbers[a:b] for a, b in pairwise([0, *cuts, len(numbers)])]
+    parts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return ", ".join(parts)
+
+
+def caption(film: Any, scale: float) -> str:
+    """What is drawn, how much larger than it is, and what is left out."""
+    rate = 1.0 / float(np.diff(film.time[: film.stretches[1] if len(film.stretches) > 1 else None]).mean())
+    whole = (
+        "the whole run"
+        if len(film.stretches) == 1
+        else f"{len(film.stretches)} stretches spread over the run, {len(film.time)} frames in all"
+    )
+    return (
+        f"The rim (line) and the tips before it (dots, dark red where they touch), seen along the axis; deflection, "
+        f"out-of-roundness and gap are drawn {scale:,.0f} times. {whole[0].upper()}{whole[1:]} at {rate:,.0f} frames a "
+        f"second, with the harmonics n = {listed(film.n.tolist())}. The tick on the rim turns with the "
+        "casing; beside, force and least gap of the whole run."
+        + (f" {film.left_out} tips before other lines of the rim are not drawn." if film.left_out else "")
+    )

@@ -1,12 +1,19 @@
-"""Pictures of a correlation: the MAC matrix and where the shapes differ."""
+"""A test beside a model: the MAC matrix, where the shapes differ, which bolts or masses explain a table."""
+
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from casingfem.experiment.correlation.correlate import Correlation
 from casingfem.io.arrays import FloatArray
+from casingfem.locate.located import Localisation
 from casingfem.modal.mesh_modes import MeshModes
-from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
+from casingfem.modal.mode_set import ModeSet
+from casingfem.plot.style import AFTER, BEFORE, PERFECT, SKY, new_figure, styled
 
 
 @styled
@@ -14,22 +21,33 @@ def figure_mac(found: Correlation) -> Figure:
     """MAC of measured shapes (rows) with computed modes (columns); pairs are framed, doublets as one."""
     figure = new_figure(7.6, 5.6)
     axes = figure.add_subplot()
-    image = axes.imshow(found.mac, cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto", interpolation="nearest")
-    for match in found.pairing.matches:
-        rows, modes = np.array(match.rows), np.array(match.modes)
-        low, high = (rows.min() - 0.5, modes.min() - 0.5), (rows.max() + 0.5, modes.max() + 0.5)
-        x, y = [low[1], high[1], high[1], low[1], low[1]], [low[0], low[0], high[0], high[0], low[0]]
-        axes.plot(x, y, color=AFTER, linewidth=1.2)
-    n = found.modes.nodal_diameters
-    columns = range(len(found.modes))
-    axes.set_xticks(columns, [f"{k + 1}" if n[k] < 0 else f"{k + 1}\nn {n[k]}" for k in columns], fontsize=6.5)
-    axes.set_yticks(range(len(found.measured)), [f"{f:.1f}" for f in found.measured.freq_hz], fontsize=6.5)
-    axes.grid(visible=False)
-    axes.set_xlabel("computed mode")
-    axes.set_ylabel("measured [Hz]")
-    axes.set_title("MAC; pairs framed")
+    pairs = [(np.array(match.rows), np.array(match.modes)) for match in found.pairing.matches]
+    image = mac_panel(axes, found.mac, pairs, found.modes, found.measured.freq_hz, size=6.5)
+    axes.set(ylabel="measured [Hz]", title="MAC; pairs framed")
     figure.colorbar(image, ax=axes, shrink=0.8)
     return figure
+
+
+def mac_panel(
+    axes: Axes,
+    mac: FloatArray,
+    pairs: Iterable[tuple[Any, Any]],
+    modes: ModeSet,
+    freq_hz: FloatArray,
+    size: float = 6.5,
+) -> AxesImage:
+    """A MAC matrix, rows labelled by frequency, columns by mode and n; a frame around rows and modes of each pair."""
+    image = axes.imshow(mac, cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto", interpolation="nearest")
+    for rows, columns in pairs:
+        low, high = (rows.min() - 0.5, columns.min() - 0.5), (rows.max() + 0.5, columns.max() + 0.5)
+        x, y = [low[1], high[1], high[1], low[1], low[1]], [low[0], low[0], high[0], high[0], low[0]]
+        axes.plot(x, y, color=AFTER, linewidth=1.2)
+    words = [f"{k + 1}" if n < 0 else f"{k + 1}\nn {n}" for k, n in enumerate(modes.nodal_diameters)]
+    axes.set_xticks(range(len(words)), words, fontsize=size)
+    axes.set_yticks(range(len(freq_hz)), [f"{f:.1f}" for f in freq_hz], fontsize=6.5)
+    axes.grid(visible=False)
+    axes.set_xlabel("computed mode")
+    return image
 
 
 @styled
@@ -43,9 +61,7 @@ def figure_comac(found: Correlation) -> Figure:
         (x, across), (y, up) = sensor_places(found)
         colour, low, high = colours
         dots = axes.scatter(x, y, c=values, cmap=colour, vmin=low, vmax=high, s=36, edgecolor=BEFORE)
-        axes.set_xlabel(across)
-        axes.set_ylabel(up)
-        axes.set_title(name)
+        axes.set(xlabel=across, ylabel=up, title=name)
         figure.colorbar(dots, ax=axes)
     return figure
 
@@ -59,3 +75,25 @@ def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[Flo
     if found.modes.shell.chart.periodic:
         return (np.degrees(found.sensors.b) % 360.0, "angle [deg]"), (found.sensors.a, "z [m]")
     return (found.sensors.b, "second parameter"), (found.sensors.a, "first parameter")
+
+
+@styled
+def figure_located(found: Localisation) -> Figure:
+    """A polar picture: all candidates, what was found, and the explanations that are as likely."""
+    figure = new_figure(5.6, 5.2)
+    axes = figure.add_subplot(projection="polar")
+    bolts = found.among == "bolts"
+    at = np.radians(found.angles_deg)
+    axes.plot(at, np.full(len(at), 1.0 if bolts else 0.0), "o", color=PERFECT, markersize=3.5, label="candidates")
+    scale = 1.0 if bolts else 1e3
+    groups = [("found", AFTER, "o", (found.best,)), ("as likely", SKY, "s", found.others)]
+    for label, colour, marker, explanations in groups:
+        places = [one for explanation in explanations for one in explanation.found]
+        if places:
+            angle = np.radians([one.angle_deg for one in places])
+            value = scale * np.array([one.value for one in places])
+            spread = 3.0 * scale * np.array([one.sigma for one in places])
+            axes.errorbar(angle, value, yerr=spread, fmt=marker, color=colour, markersize=6, capsize=3, label=label)
+    axes.set(ylim=(0.0, 1.15 if bolts else None), title="stiffness left" if bolts else "mass added [g]")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure

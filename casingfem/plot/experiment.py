@@ -45,14 +45,12 @@ def figure_responses(
             axes.text(freq, 1.0, label, transform=axes.get_xaxis_transform(), fontsize=6.5, rotation=90, va="bottom")
     else:
         axes.set_title("Frequency responses")
-    axes.set_ylabel(f"|H| [{frfs.unit}]")
-    axes.set_xlim(frfs.x[0], frfs.x[-1])
+    axes.set(ylabel=f"|H| [{frfs.unit}]", xlim=(frfs.x[0], frfs.x[-1]))
     axes.legend(loc="lower right")
     if coherence is not None:
         below = figure.add_subplot(grid[1], sharex=axes)
         below.plot(coherence.x, coherence.responses.real.min(axis=0), color=BEFORE, linewidth=0.6)
-        below.set_ylim(0.0, 1.05)
-        below.set_ylabel("coherence\n(least)")
+        below.set(ylim=(0.0, 1.05), ylabel="coherence\n(least)")
         axes = below
     axes.set_xlabel("frequency [Hz]")
     say_synthetic(figure, frfs.card)
@@ -86,8 +84,7 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
                 )
     highest = max(float(spectrum[shown].max()), float(size.max()))
     axes.set_ylim(FLOOR * highest, 10.0 * highest)  # room for the legend
-    axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel("velocity [m/s]")
+    axes.set(xlabel="frequency [Hz]", ylabel="velocity [m/s]")
     axes.set_title(f"Circle scan, {found.rate:.3g} turns/s: lines at f + n W")
     axes.legend(loc="upper center", ncols=3)
     say_synthetic(figure, record.card)
@@ -114,9 +111,7 @@ def figure_deflections(found: CircleScan, waves: Sequence[tuple[int, int]]) -> F
         if n > 0:
             antinodes = np.radians(wave.angle_deg) + 2.0 * np.pi / n * np.arange(n)
             axes.plot(antinodes, np.full(n, RADIUS[0] + 1.1 * RADIUS[1]), ".", color=MEASURED, markersize=3)
-        axes.set_ylim(0.0, 1.6)
-        axes.set_yticks([])
-        axes.set_xticks(np.radians([0.0, 90.0, 180.0, 270.0]))
+        axes.set(ylim=(0.0, 1.6), yticks=[], xticks=np.radians([0.0, 90.0, 180.0, 270.0]))
         angle = "" if n == 0 else f", {wave.angle_deg:.1f} deg"
         axes.set_title(f"{wave.tone:.1f} Hz, n = {n}{angle}\ntravelling {wave.travelling:+.2f}", fontsize=8)
     say_synthetic(figure, found.card)

@@ -31,17 +31,13 @@ def hover_values(figure: Figure) -> list[Series]:
     for axes in figure.axes:
         if axes.name == "polar" or not axes.axison or axes.get_label() == "<colorbar>":
             continue
-        names = [plain(axes.get_xlabel() or shared_label(axes)), plain(axes.get_ylabel())]
+        shared = (other.get_xlabel() for other in (axes, *axes.get_shared_x_axes().get_siblings(axes)))
+        names = [plain(next(filter(None, shared), "")), plain(axes.get_ylabel())]
         for name, values, third in series(axes):
             rows = placed(figure, axes, values)
             if rows:
                 found.append({"name": name, "axes": [*names, *third], "rows": rows})
     return found
-
-
-def shared_label(axes: Axes) -> str:
-    """The label of the axis that this one shares."""
-    return next((other.get_xlabel() for other in axes.get_shared_x_axes().get_siblings(axes) if other.get_xlabel()), "")
 
 
 def series(axes: Axes) -> list[tuple[str, Array, list[str]]]:
@@ -79,10 +75,8 @@ def placed(figure: Figure, axes: Axes, values: Array) -> list[list[float]]:
     box = axes.bbox
     inside = (at[:, 0] >= box.x0 - 1) & (at[:, 0] <= box.x1 + 1) & (at[:, 1] >= box.y0 - 1) & (at[:, 1] <= box.y1 + 1)
     x, y = at[inside, 0] / figure.bbox.width, 1.0 - at[inside, 1] / figure.bbox.height
-    return [
-        [round(float(a), 4), round(float(b), 4), *(short(value) for value in row)]
-        for a, b, row in zip(x, y, kept[inside], strict=True)
-    ]
+    rows = zip(x.tolist(), y.tolist(), kept[inside], strict=True)
+    return [[round(a, 4), round(b, 4), *map(short, row)] for a, b, row in rows]
 
 
 def short(value: float) -> float | int:

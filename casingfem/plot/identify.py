@@ -40,8 +40,7 @@ def figure_stabilisation(found: Identified) -> Figure:
             here = kept & (diagram.freq >= low) & (diagram.freq <= high)
             axes.plot(diagram.freq[here], diagram.order[here], **style)
         _mark(axes, found, low, high)
-        axes.set_xlim(low, high)
-        axes.set_ylabel("model order")
+        axes.set(xlim=(low, high), ylabel="model order")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(visible=False)
     rows[-1].set_xlabel("frequency [Hz]")
@@ -70,15 +69,13 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
     upper.semilogy(found.lines, np.abs(fitted), color=AFTER, lw=1.3, ls="--", label="fitted")
     lower.plot(found.lines, _phase(measured), color=MEASURED, lw=0.7)
     lower.plot(found.lines, _phase(fitted), color=AFTER, lw=1.0, ls="--")
-    lower.set_ylim(-280.0, 100.0)
-    lower.set_yticks([-270, -180, -90, 0, 90])
+    lower.set(ylim=(-280.0, 100.0), yticks=[-270, -180, -90, 0, 90])
     _mark(upper, found, float(found.lines[0]), float(found.lines[-1]))
-    point, reference = _place(found, channel)
+    sensor, force = np.argwhere(found.sensors.channels == channel)[0].tolist()
+    point, reference = int(found.sensors.points[sensor]), int(found.sensors.references[force, 0])
     upper.set_title(f"Response at point {point} to a force at point {reference}", pad=18)
     upper.set_ylabel("magnitude")
-    lower.set_ylabel("phase [deg]")
-    lower.set_xlabel("frequency [Hz]")
-    lower.set_xlim(found.lines[0], found.lines[-1])
+    lower.set(ylabel="phase [deg]", xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     upper.legend(handles=upper.lines[:2], loc="lower right")
     return figure
 
@@ -87,9 +84,8 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
 def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
     """All lines: the mode indicator with sure and doubtful modes, rms of measured, fitted and residual, coherence."""
     figure = new_figure(9.6, 6.4 if coherence is None else 7.4)
-    rows = figure.subplots(
-        2 if coherence is None else 3, 1, sharex=True, height_ratios=(3, 3, 1)[: 2 if coherence is None else 3]
-    )
+    panels = 2 if coherence is None else 3
+    rows = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 3, 1)[:panels])
     for k, curve in enumerate(indicator(found)):
         rows[0].semilogy(found.lines, curve, color=MEASURED, lw=0.9 - 0.3 * min(k, 2), alpha=1.0 - 0.3 * min(k, 2))
     for freq, sure in zip(found.freq.tolist(), found.sure.tolist(), strict=True):
@@ -110,10 +106,8 @@ def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
     if coherence is not None:
         kept = (coherence.x >= found.lines[0]) & (coherence.x <= found.lines[-1])
         rows[2].plot(coherence.x[kept], coherence.responses.real.min(axis=0)[kept], color=BEFORE, lw=0.6)
-        rows[2].set_ylim(0.0, 1.05)
-        rows[2].set_ylabel("coherence\n(least)")
-    rows[-1].set_xlabel("frequency [Hz]")
-    rows[-1].set_xlim(found.lines[0], found.lines[-1])
+        rows[2].set(ylim=(0.0, 1.05), ylabel="coherence\n(least)")
+    rows[-1].set(xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     return figure
 
 
@@ -159,9 +153,3 @@ def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
             text, place, (0, 3), xycoords=axes.get_xaxis_transform(), textcoords="offset points", ha="center",
             fontsize=8, color=AFTER,
         )  # fmt: skip
-
-
-def _place(found: Identified, channel: int) -> tuple[int, int]:
-    """Points of a channel: sensor, reference."""
-    sensor, reference = np.argwhere(found.sensors.channels == channel)[0].tolist()
-    return int(found.sensors.points[sensor]), int(found.sensors.references[reference, 0])

@@ -20,7 +20,8 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
     figure = new_figure(7.6, 4.8)
     axes: Any = figure.add_subplot()
     speed = np.linspace(*found.speed_hz, 400)
-    top = 1.35 * max([c.blade_hz for c in found.meetings] or [_highest(found, blade)])
+    blades = (float(blade_over_speed(blade, n, *found.speed_hz)[1].max(initial=1.0)) for n, _, _ in found.pairs)
+    top = 1.35 * max([c.blade_hz for c in found.meetings] or blades)
     _engine_orders(axes, speed, top, orders)
     met = {(c.n, c.m) for c in found.meetings}
     for n, m, freq in found.pairs:
@@ -79,9 +80,7 @@ def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None
     axes.plot(n, f_c, "o", color=MEASURED, markersize=4, label="casing f_c")
     axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="n f")
     fast = n * speed_hz > f_c
-    axes.plot(
-        n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, markersize=6, label="blade that flutters, n f - f_c"
-    )
+    axes.plot(n[fast], (n * speed_hz - f_c)[fast], "^", color=AFTER, ms=6, label="blade that flutters, n f - f_c")
     axes.plot(
         n[~fast], (f_c - n * speed_hz)[~fast], "v", mfc="white", color=AFTER, label="blade in resonance, f_c - n f"
     )
@@ -105,14 +104,8 @@ def _zigzag(axes: Any, found: Interactions, disk: DiskFrequencies, speed_hz: flo
         wanted = n * speed_hz - freq
         if wanted > 0.0:
             axes.plot(disk.folded(n), wanted, "^", color=AFTER, markersize=6)
-    axes.set(xlabel=f"nodal diameters of the disk, {disk.blades} blades", title="folded (ZZENF)")
-    axes.set_ylim(bottom=0.0)
+    axes.set(xlabel=f"nodal diameters of the disk, {disk.blades} blades", title="folded (ZZENF)", ylim=(0.0, None))
     axes.xaxis.get_major_locator().set_params(integer=True)
-
-
-def _highest(found: Interactions, blade: Blade) -> float:
-    """Highest blade frequency of the range."""
-    return max(float(blade_over_speed(blade, n, *found.speed_hz)[1].max(initial=1.0)) for n, _, _ in found.pairs)
 
 
 @styled
@@ -159,7 +152,8 @@ def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figu
     """
     figure = new_figure(8.2, 6.4)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
-    speed, top = found.pole_speed_hz, _top(found)
+    met = [float(row.blade_hz) for row in found.rows if np.isfinite(row.blade_hz)]
+    speed, top = found.pole_speed_hz, 1.35 * max([*met, float(min(found.blade_hz, default=1.0))])
     _engine_orders(upper, speed, top, orders)
     for n, freq, _ in found.waves:
         if np.min(np.abs(freq - n * speed)) < top:
@@ -198,12 +192,6 @@ def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figu
         lower.legend(fontsize=8)
     lower.set(xlabel="speed [turns/s]", xlim=(float(speed[0]), float(speed[-1])))
     return figure
-
-
-def _top(found: Any) -> float:
-    """Highest frequency to draw [Hz]: above all that interacts."""
-    met = [float(row.blade_hz) for row in found.rows if np.isfinite(row.blade_hz)]
-    return 1.35 * max([*met, float(min(found.blade_hz, default=1.0))])
 
 
 def _growth(axes: Any, found: Any) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of modes: frequencies by nodal diameters, rims."""
+"""Pictures of modes: frequencies and splits by nodal diameters, rims."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,11 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from casingfem.io.arrays import Array, FloatArray
+from casingfem.modal.mistuning import Mistuning
 from casingfem.modal.mode_set import Modes, ModeSet
-from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
 from casingfem.structure.mesh.shell_mesh import rim_values
 
 PURE = 0.7  # below this share of its main order a mode is drawn hollow: a mixture
+COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)  # of the meridional ranks 1, 2, ...
+FLOOR = 1e-4  # per cent: splits over draws below are drawn there
 
 
 @styled
@@ -48,14 +51,38 @@ def figure_frequencies(actual: ModeSet, perfect: Modes | None = None) -> Figure:
 
 def branches(axes: Any, perfect: Modes) -> None:
     """Lines through the perfect shell's modes of one meridional rank."""
-    first = True
-    for m in np.unique(perfect.meridional[perfect.rigid :]):
+    for place, m in enumerate(np.unique(perfect.meridional[perfect.rigid :])):
         of_m = [k for k in range(perfect.rigid, len(perfect)) if perfect.meridional[k] == m]
         of_m.sort(key=lambda k: int(perfect.nodal_diameters[k]))
         x, y = perfect.nodal_diameters[of_m], perfect.freq[of_m]
-        label = "perfect shell" if first else None
+        label = None if place else "perfect shell"
         axes.plot(x, y, "-s", color=PERFECT, mfc="white", markersize=4, linewidth=1, label=label)
-        first = False
+
+
+@styled
+def figure_splits(found: Mistuning) -> Figure:
+    """Quantiles of the relative split against nodal diameters: 10 to 90 % as a bar, median, 99 % as a tick."""
+    figure = new_figure()
+    axes = figure.add_subplot()
+    ranks = sorted({m for _, m in found.perfect})
+    for m in ranks:
+        colour = COLOURS[(m - 1) % len(COLOURS)]
+        own = sorted(n for n, rank in found.perfect if rank == m)
+        present = [n for n in own if np.any((found.n == n) & (found.m == m))]
+        if not present:
+            continue
+        splits = [100.0 * found.split[(found.n == n) & (found.m == m)] for n in present]
+        low, middle, high, far = (
+            np.maximum([np.quantile(values, level) for values in splits], FLOOR) for level in (0.1, 0.5, 0.9, 0.99)
+        )
+        x = np.array(present) + 0.18 * (m - 0.5 * (ranks[0] + ranks[-1]))
+        axes.vlines(x, low, high, color=colour, linewidth=4.0, alpha=0.45)
+        axes.plot(x, middle, "o", color=colour, markersize=4.5, label=f"m = {m}")
+        axes.plot(x, far, "_", color=colour, markersize=9.0)
+    axes.set(yscale="log", xlabel="nodal diameters n", ylabel="split of the pair [%]")
+    axes.set_title(f"Splits over {found.draws} draws: median, 10 to 90 %, 99 %")
+    axes.legend()
+    return figure
 
 
 def radial(modes: Modes, mode: int) -> Array:
@@ -121,8 +148,7 @@ def one_rim(axes: Any, modes: Modes, group: tuple[int, ...], edge: str) -> None:
             words += f"\nat {angle:.1f}°"
         place = 0.5 if len(group) == 1 else 0.61 - 0.22 * k
         axes.text(0.5, place, words, color=colour, fontsize=7, ha="center", va="center", transform=axes.transAxes)
-    axes.set_ylim(0.0, 1.5)
-    axes.set_yticks([])
+    axes.set(ylim=(0.0, 1.5), yticks=[])
     axes.set_xticks(np.radians([0, 90, 180, 270]), ["0°", "90°", "180°", "270°"], fontsize=7, color="#666666")
     axes.tick_params(pad=-3)
     axes.spines["polar"].set_visible(False)
@@ -133,11 +159,8 @@ def one_rim(axes: Any, modes: Modes, group: tuple[int, ...], edge: str) -> None:
 
 def most_moving(modes: Modes, which: Sequence[int]) -> str:
     """The edge along which the radial displacement of these modes is largest."""
-    sizes = {
-        name: sum(float(np.abs(radial(modes, mode)[edge.nodes]).max()) for mode in which)
-        for name, edge in modes.grid.edges.items()
-    }
-    return max(sizes, key=lambda name: sizes[name])
+    edges, moves = modes.grid.edges, [np.abs(radial(modes, mode)) for mode in which]
+    return max(edges, key=lambda name: sum(float(move[edges[name].nodes].max()) for move in moves))
 
 
 def around(modes: Modes, mode: int, edge: str, theta: FloatArray) -> Array:

@@ -14,23 +14,17 @@ LATE = 0.25  # of a run, from its end: the orbit and the spectrum at the end
 COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 
 
-class Orbit(Protocol):
-    """Motion of a tip and of the rim before it."""
+class _Orbit(Protocol):
+    """Motion of a tip and of the rim before it, along normal and rim [m], (ns, 2), at times [s], (ns,)."""
 
     @property
-    def time(self) -> Array:
-        """Times [s], (ns,)."""
-        ...
+    def time(self) -> Array: ...
 
     @property
-    def tip(self) -> Array:
-        """Along the normal and along the rim [m], (ns, 2)."""
-        ...
+    def tip(self) -> Array: ...
 
     @property
-    def rim(self) -> Array:
-        """Alike (ns, 2)."""
-        ...
+    def rim(self) -> Array: ...
 
 
 @styled
@@ -99,8 +93,8 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
 
 
 @styled
-def figure_orbit(motion: Orbit) -> Figure:
-    """Orbit of a tip, and of the rim where it stands, in the contact's plane: the whole run, its end on top."""
+def figure_orbit(motion: _Orbit) -> Figure:
+    """_Orbit of a tip, and of the rim where it stands, in the contact's plane: the whole run, its end on top."""
     figure = new_figure(8.2, 4.0)
     panels: Any = figure.subplots(1, 2)
     for axes, values, name in ((panels[0], motion.tip, "tip"), (panels[1], motion.rim, "rim under it")):
@@ -134,7 +128,6 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
         top = max(float(energy.max(initial=0.0)) for energy in strain.values())
         rows[1].set(xlabel="time [s]", ylabel="strain energy [J]")
         if top > 0.0:
-            rows[1].set_yscale("log")
-            rows[1].set_ylim(1e-6 * top, 2.0 * top)
+            rows[1].set(yscale="log", ylim=(1e-6 * top, 2.0 * top))
         rows[1].legend(fontsize=8)
     return figure

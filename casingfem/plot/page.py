@@ -1,22 +1,29 @@
-"""A page that stands alone: a verdict, sections of paragraphs, tables and figures, with style and scripts inside."""
+"""A page that stands alone: a verdict, sections of paragraphs, tables and figures, with style and scripts inside.
 
+The scripts read numbers as small integers and a scale, in base64.
+"""
+
+import base64
 import datetime
+import json
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 from casingfem.plot.hover import hover_values
-from casingfem.plot.packed import island
 from casingfem.plot.style import Drawn, embed, image
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SIXTEEN, EIGHT = 32767, 127
 Cell = str | float | int | None
 
 
@@ -148,13 +155,37 @@ def render_page(
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
     template = environment.get_template("page.html.j2")
+    figures = [figure for section in sections for figure in section.figures]
+    scripts = dict.fromkeys(name for figure in figures for name in figure.scripts)  # each once; what all share is first
     return template.render(
         title=title, sections=sections, verdict=verdict, lead=lead, notice=notice, source=source,
-        scripts=used(figure for section in sections for figure in section.figures),
+        scripts=["shared", *scripts] if scripts else [],
     )  # fmt: skip
 
 
-def used(figures: Iterable[Picture]) -> list[str]:
-    """The scripts of all figures, each once; what all share comes first."""
-    names = list(dict.fromkeys(name for figure in figures for name in figure.scripts))
-    return ["shared", *names] if names else []
+def packed(values: ArrayLike, *, most: float | None = None, bits: int = 16) -> dict[str, Any]:
+    """Values as integers of so many bits, little-endian, and what their largest is worth; `most` if that is given.
+
+    >>> packed([0.5, -1.0, 0.25])
+    {'data': '/z8BgP8f', 'most': 1.0}
+    """
+    array = np.asarray(values, dtype=float)
+    worth = float(np.abs(array).max(initial=0.0)) if most is None else most
+    whole = SIXTEEN if bits == 16 else EIGHT
+    steps = np.clip(np.trunc(whole / (worth or 1.0) * array), -whole, whole)
+    return {"data": coded(steps.astype("<i2" if bits == 16 else "i1")), "most": worth}
+
+
+def coded(array: np.ndarray[Any, Any]) -> str:
+    """The bytes of an array in base64."""
+    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")
+
+
+def island(script: str, data: Mapping[str, Any] | list[Any], inside: str = "") -> str:
+    r"""The element that a script of this name finds, with its data; `inside` shows where scripts do not run.
+
+    >>> island("shapes", {"a": "</script>"})
+    '<div class="live" data-live="shapes"><script type="application/json">{"a":"\\u003c/script>"}</script></div>'
+    """
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
+    return f'<div class="live" data-live="{script}"><script type="application/json">{text}</script>{inside}</div>'

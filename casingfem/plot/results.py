@@ -22,18 +22,14 @@ def draw(result: Any, ax: Axes | None = None, **options: Any) -> Figure | None:
     >>> draw(table).axes[0].get_xlabel(), draw("a text")
     ('nodal diameters n', None)
     """
-    painter = next((PICTURES[name] for name in map(full_name, type(result).__mro__) if name in PICTURES), None)
+    kinds = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
+    painter = next((PICTURES[name] for name in kinds if name in PICTURES), None)
     if painter is None:
         return None
     whole: Any = None if ax is None else ax.figure.figure
     with placed(ax):
         figure = painter(result, **options)
     return figure if whole is None else whole
-
-
-def full_name(kind: type) -> str:
-    """Module and name of a class."""
-    return f"{kind.__module__}.{kind.__qualname__}"
 
 
 def by_name(module: str, name: str) -> Draw:
@@ -65,19 +61,6 @@ def columns(
     if words:
         axes.set_xticks(places, at, rotation=30, ha="right", fontsize=8)
     axes.set(xlabel=labels[0], ylabel=labels[1])
-    return figure
-
-
-@styled
-def lines(result: Any, *, labels: tuple[str, str]) -> Figure:
-    """Every column of a table over its first."""
-    (_, at), *others = result.columns().items()
-    figure = new_figure()
-    axes = figure.add_subplot()
-    for name, values in others:
-        axes.plot(at, values, label=name)
-    axes.set(xlabel=labels[0], ylabel=labels[1])
-    axes.legend(fontsize=8)
     return figure
 
 
@@ -154,7 +137,7 @@ def run(result: Any, *, contact: int | None = None) -> Figure:
 
 def cycles(result: Any) -> Figure:
     """Amplitudes over the parameter."""
-    return by_name("cycles", "figure_cycles")(result.table(), marks=result.marks())
+    return by_name("sweep", "figure_cycles")(result.table(), marks=result.marks())
 
 
 def confirmed(result: Any, **options: Any) -> Figure:
@@ -174,7 +157,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.modal.interaction.Interactions": partial(
         columns, x="speed_hz", y="casing_hz", labels=("speed [turns/s]", "frequency of the casing that is met [Hz]")
     ),
-    "casingfem.modal.mistuning.Mistuning": by_name("mistune", "figure_splits"),
+    "casingfem.modal.mistuning.Mistuning": by_name("modes", "figure_splits"),
     "casingfem.modal.basis.ModalBasis": over_modes("freq_hz", "frequency [Hz]"),
     "casingfem.structure.shell.static.Deflection": deflection,
     "casingfem.structure.imported.loads.MeshDeflection": deflection,
@@ -185,9 +168,9 @@ PICTURES: dict[str, Draw] = {
         columns, x="measured_hz", y="computed_hz", labels=("measured [Hz]", "computed [Hz]")
     ),
     "casingfem.experiment.circle.scan.CircleScan": scan,
-    "casingfem.locate.located.Localisation": by_name("locate", "figure_located"),
+    "casingfem.locate.located.Localisation": by_name("correlation", "figure_located"),
     "casingfem.updating.result.UpdateResult": update,
-    "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit_shapes", "figure_shape_mac"),
+    "casingfem.updating.shape_fit.ShapeFit": by_name("pages.fit", "figure_shape_mac"),
     "casingfem.updating.uncertainty.posterior.Laplace": partial(
         columns, x="name", y="sigma", labels=("", "standard deviation, whole Hessian")
     ),
@@ -197,7 +180,7 @@ PICTURES: dict[str, Draw] = {
         columns, x="direction", y="singular", level=1.0, labels=("", "singular value: seen above 1")
     ),
     "contact.result.Result": run,
-    "contact.record.wear.Wear": by_name("wear", "figure_wear"),
+    "contact.record.wear.Wear": by_name("contact", "figure_wear"),
     "contact.sweep.sweep.SweepResult": sweep,
     "contact.growth.growth_map.StabilityMap": by_name("interaction", "figure_stability"),
     "contact.growth.interaction_table.Interactions": by_name("interaction", "figure_interactions"),

@@ -1,6 +1,7 @@
-"""Sweeps drawn: what was measured over one varied key as curves, over two as maps."""
+"""What became of many runs: over one varied key as curves, over two as maps; periodic motions over their parameter."""
 
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from casingfem.io.arrays import FloatArray
-from casingfem.plot.style import AFTER, BEFORE, DIVERGING, SKY, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, DIVERGING, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, styled
 
 PANELS = (
     ("amplitude_m", "amplitude [m]"),
@@ -19,6 +20,14 @@ PANELS = (
 )
 LOGARITHMIC = ("amplitude_m", "diverged_at_s")
 ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
+COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
+MARKS = {"fold": "s", "flip": "D", "Neimark-Sacker": "o", "branch point": "P", "grazing": "|"}
+LABELS = {
+    "speed_hz": "speed [turns/s]",
+    "freq_hz": "frequency [Hz]",
+    "amplitude": "force [N]",
+    "clearance": "clearance [m]",
+}
 Mask = NDArray[np.bool_]
 Marks = Mapping[str, tuple[str, Mask]]
 
@@ -31,19 +40,18 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping
     triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
     """
     status = np.array([row["status"] for row in rows])
-    chosen = [panel for panel in panels(status) if any(row[panel[0]] is not None for row in rows)]
+    done, lost = status == "done", status == "diverged"
+    last = ("diverged_at_s", "diverged after [s]") if lost.any() else PANELS[3]
+    chosen = [panel for panel in (*PANELS[:3], last) if any(row[panel[0]] is not None for row in rows)]
     figure = new_figure(8.2, 6.4 if len(chosen) > 2 else 3.4)
     marks = {
-        "diverged": ("^", status == "diverged"),
+        "diverged": ("^", lost),
         "refused or failed": ("x", np.isin(status, ("refused", "failed"))),
     }
-    done = status == "done"
     for k, (name, label) in enumerate(chosen):
         axes = figure.add_subplot(-(-len(chosen) // 2), 2, k + 1)
         measured = np.array([np.nan if row[name] is None else float(row[name]) for row in rows])
-        shown = (
-            status == "diverged" if name == "diverged_at_s" else done | (status == "diverged") & (name == "growth_1_s")
-        )
+        shown = lost if name == "diverged_at_s" else done | lost & (name == "growth_1_s")
         if len(keys) == 1:
             _curve(axes, values[:, 0], measured, shown, marks)
             axes.set(xlabel=keys[0], ylabel=label)
@@ -53,12 +61,6 @@ def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping
         if name in LOGARITHMIC and len(keys) == 1 and np.any(measured[shown] > 0.0):
             axes.set_yscale("log")
     return figure
-
-
-def panels(status: NDArray[np.str_]) -> list[tuple[str, str]]:
-    """What is drawn: where runs diverged, when they did takes the place of the dominant n."""
-    late = ("diverged_at_s", "diverged after [s]")
-    return [*PANELS[:3], late if "diverged" in status else PANELS[3]]
 
 
 def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: Marks) -> None:
@@ -98,3 +100,49 @@ def _map(
             axes.plot(values[which, 0], values[which, 1], mark, color=SKY if mark == "^" else AFTER, markersize=4.0)
     axes.grid(visible=False)
     figure.colorbar(drawn, ax=axes, label=label, extend="both" if colours else "neither")
+
+
+@styled
+def figure_cycles(
+    rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str, Any]], reached: Sequence[Mapping[str, Any]] = ()
+) -> Figure:
+    """Amplitude of each channel over the parameter, one panel a channel.
+
+    `rows` are those of `Cycles.table`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
+    the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
+    """
+    names = [key for key in rows[0] if key.startswith("amplitude_")]
+    parameter = list(rows[0])[1]
+    figure = new_figure(7.6, 1.2 + 2.9 * len(names))
+    panels: Any = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(panels, names, strict=True):
+        for number, part in groupby(rows, key=lambda row: row["branch"]):
+            _branch(axes, list(part), parameter, name, COLOURS[(int(number) - 1) % len(COLOURS)])
+        for kind, shape in MARKS.items():
+            shown = [mark for mark in marks if mark["kind"] == kind]
+            x, y = [mark[parameter] for mark in shown], [mark[name] for mark in shown]
+            if shown:
+                colour = PERFECT if kind == "grazing" else MEASURED
+                axes.plot(x, y, shape, color=colour, markersize=6, mfc="white", label=kind, zorder=4)
+        for one in reached:
+            x, y = one[parameter], one[f"{name}_m"]
+            axes.plot(x, y, "o", color=AFTER, markersize=4.0 + 14.0 * one["share"] ** 0.5, alpha=0.5, zorder=5)
+            axes.annotate(f"{one['share']:.0%}", (x, y), xytext=(9, 0), textcoords="offset points", va="center")
+        axes.set_ylabel(f"max |{name.removeprefix('amplitude_')}| [m]")
+    panels[-1].set_xlabel(LABELS.get(parameter, parameter))
+    for kept, style in (("stable", "-"), ("unstable", "--")):
+        panels[0].plot([], [], color=BEFORE, linestyle=style, label=kept)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper left", ncols=4)
+    return figure
+
+
+def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str, colour: str) -> None:
+    """One branch; a stretch reaches to the first point of the next, so that nothing is left out."""
+    start = 0
+    for kept, part in groupby(rows, key=lambda row: row["stable"]):
+        stop = start + len(list(part))
+        shown = rows[start : stop + 1]
+        x, y = [row[parameter] for row in shown], [row[name] for row in shown]
+        axes.plot(x, y, color=colour, linestyle="-" if kept else "--")
+        start = stop

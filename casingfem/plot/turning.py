@@ -8,8 +8,7 @@ import numpy as np
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import title
-from casingfem.plot.packed import coded, island, packed
-from casingfem.plot.page import Picture
+from casingfem.plot.page import Picture, coded, island, packed
 from casingfem.plot.shapes import EXAGGERATION, VIEWS, moving_shapes
 from casingfem.plot.surface import Surface, surface_of
 from casingfem.structure.field.survey.survey import SurveyField
@@ -25,7 +24,7 @@ def turning_shapes(modes: ModeSet, which: Sequence[int], caption: str) -> Pictur
     surface = surface_of(modes)
     shapes = [mode_shape(modes, mode, surface) for mode in which]
     if isinstance(modes, Modes):
-        shapes += [one for one in imperfections(modes.shell, modes, surface)]
+        shapes += imperfections(modes.shell, modes, surface)
     centre = 0.5 * (surface.points.min(axis=0) + surface.points.max(axis=0))
     from_centre = surface.points - centre
     reach = float(np.linalg.norm(from_centre, axis=1).max())

@@ -14,12 +14,13 @@ from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, ne
 from casingfem.updating.result import UpdateResult
 
 LOOKS: dict[str, dict[str, Any]] = {
+    "measured": {"color": MEASURED, "marker": "D"},
     "perfect": {"color": PERFECT, "marker": "s", "mfc": "white"},
     "imperfect": {"color": BEFORE, "marker": "^"},
     "before": {"color": BEFORE, "marker": "^"},
     "updated": {"color": AFTER, "marker": "o"},
 }
-SHIFTS = {"perfect": -0.24, "imperfect": -0.08, "before": -0.08, "updated": 0.24}
+SHIFTS = {"measured": 0.08, "perfect": -0.24, "imperfect": -0.08, "before": -0.08, "updated": 0.24}
 
 
 class Paired(NamedTuple):
@@ -86,22 +87,18 @@ def figure_comparison(table: FrequencyTable, models: Mapping[str, Paired]) -> Fi
     axes[0].set_ylabel("frequency [Hz]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
     sources = {"measured": measured, **{name: computed_doublets(model) for name, model in models.items()}}
-    looks = {"measured": {"color": MEASURED, "marker": "D"}, **LOOKS}
-    shifts = {"measured": 0.08, **SHIFTS}
     for name, source in sources.items():
-        style = {"linestyle": "", "markersize": 4.5, **looks[name]}
+        style = {"linestyle": "", "markersize": 4.5, **LOOKS[name]}
         if panels > 1:
-            x = source.n + shifts[name]
-            axes[1].vlines(x, 0.0, 100.0 * source.split, color=looks[name]["color"], linewidth=1.5)
+            x = source.n + SHIFTS[name]
+            axes[1].vlines(x, 0.0, 100.0 * source.split, color=LOOKS[name]["color"], linewidth=1.5)
             axes[1].plot(x, 100.0 * source.split, **style)
         if panels > 2 and name != "perfect":
-            axes[2].plot(source.n + shifts[name], source.angle * source.n / 180.0, **style)
+            axes[2].plot(source.n + SHIFTS[name], source.angle * source.n / 180.0, **style)
     if panels > 1:
-        axes[1].set_ylabel("split [%]")
-        axes[1].set_ylim(bottom=0.0)
+        axes[1].set(ylabel="split [%]", ylim=(0.0, None))
     if panels > 2:
-        axes[2].set_ylabel("antinode of the lower\nmode [180°/n]")
-        axes[2].set_ylim(-0.05, 1.05)
+        axes[2].set(ylabel="antinode of the lower\nmode [180°/n]", ylim=(-0.05, 1.05))
     axes[-1].set_xlabel("nodal diameters n")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     return figure
@@ -124,8 +121,7 @@ def figure_errors(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure
         axes.vlines(place, 0.0, error, color=LOOKS[name]["color"], linewidth=1.5)
         axes.plot(place, error, linestyle="", markersize=5.5, label=name, **LOOKS[name])
     axes.set_xticks(x, [str(mode) for mode in table.mode], fontsize=8 if len(table) < 30 else 6)
-    axes.set_xlabel("measured mode")
-    axes.set_ylabel("computed/measured - 1 [%]")
+    axes.set(xlabel="measured mode", ylabel="computed/measured - 1 [%]")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return figure
 

@@ -3,7 +3,7 @@
 from casingfem.study.imported import MeshStudy
 from casingfem.study.load import Study, load_any, load_study
 from casingfem.study.problems import StudyError
-from casingfem.study.schema import schema
+from casingfem.study.tables.tasks import schema
 from casingfem.study.updated import perfect, updated_toml
 
 __all__ = ["MeshStudy", "Study", "StudyError", "load_any", "load_study", "perfect", "schema", "updated_toml"]

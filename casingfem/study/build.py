@@ -20,20 +20,12 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell
+from casingfem.study.cyclic import build_rotation
 from casingfem.study.problems import Problems
-from casingfem.study.rotation import build_rotation
-from casingfem.study.schema import StudyFile
 from casingfem.study.supports import build_masses, build_stiffeners, build_supports, series
+from casingfem.study.tables import shapes
 from casingfem.study.tables.fields import ImperfectionTable
-from casingfem.study.tables.shapes import (
-    BladeTable,
-    ChartTable,
-    DomeTable,
-    MeridianTable,
-    MeshTable,
-    ShellTable,
-    TwistedPlateTable,
-)
+from casingfem.study.tables.tasks import StudyFile
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
@@ -44,17 +36,11 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
     if tables.cyclic is not None:
         problems.add("cyclic", "it beside [chart]", "an imported mesh: the sector of a wheel", "study-key")
     chart = try_chart(tables, problems)
-    material = None
-    if tables.material is not None:
-        with problems.at("material"):
-            material = Material(**tables.material.model_dump())
+    material = problems.made("material", Material, tables.material)
     supports = build_supports(tables.support, chart, problems)
     strips = build_strips(tables, chart, problems)
     stiffeners = build_stiffeners(tables.stiffener, chart, problems)
-    taper = None
-    if tables.taper is not None:
-        with problems.at("taper"):
-            taper = Taper(**tables.taper.model_dump())
+    taper = problems.made("taper", Taper, tables.taper)
     rotation = build_rotation(tables.rotation, chart, problems)
     masses = build_masses(tables.mass, chart, problems)
     fields: dict[str, Field] = {}
@@ -70,10 +56,9 @@ def build_shell(tables: StudyFile, problems: Problems) -> Shell | None:
         return None
     shell = None
     with problems.at("support" if supports else "shell"):
-        thickness = tables.shell.thickness
         shell = Shell(
             chart=chart,
-            thickness=thickness,
+            thickness=tables.shell.thickness,
             material=material,
             wall=tables.shell.wall,
             plies=build_plies(tables.shell),
@@ -106,25 +91,21 @@ def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
     return None
 
 
-def build_chart(table: ChartTable) -> Chart:
+def build_chart(table: shapes.ChartTable) -> Chart:
     """The chart of a [chart] table."""
-    if isinstance(table, TwistedPlateTable):
+    if isinstance(table, shapes.TwistedPlateTable):
         return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
-    if isinstance(table, MeridianTable):
-        pieces = tuple(
-            Piece(to=(part.to[0], part.to[1]), radius=part.radius, fillet=part.fillet) for part in table.piece
-        )
+    if isinstance(table, shapes.MeridianTable):
+        pieces = tuple(Piece(to=(p.to[0], p.to[1]), radius=p.radius, fillet=p.fillet) for p in table.piece)
         start = (table.start[0], table.start[1])
         return Revolved(profile=PiecewiseMeridian(start=start, pieces=pieces, fillet=table.fillet))
-    if isinstance(table, DomeTable):
+    if isinstance(table, shapes.DomeTable):
         ends = np.radians([table.start_deg, table.end_deg]).tolist()
         return Revolved(profile=Arc(radius=table.radius, start=ends[0], end=ends[1], r0=table.r0))
-    if isinstance(table, BladeTable):
-        laws = {
-            name: np.radians(value).tolist() if name.endswith("_deg") else value
-            for name, value in table.model_dump(exclude={"kind"}).items()
-        }
-        return Blade(**{name.removesuffix("_deg"): value for name, value in laws.items()})
+    if isinstance(table, shapes.BladeTable):
+        laws = table.model_dump(exclude={"kind"})
+        angles = {name: np.radians(laws.pop(name)).tolist() for name in list(laws) if name.endswith("_deg")}
+        return Blade(**laws, **{name.removesuffix("_deg"): value for name, value in angles.items()})
     chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
     return chart
 
@@ -132,12 +113,11 @@ def build_chart(table: ChartTable) -> Chart:
 def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
     """Strips in the file's order, then those of a meridian's pieces; what is wrong with them is collected."""
     strips: list[Strip] = []
-    tables = study.strip
-    for k, table in enumerate(tables):
+    for k, table in enumerate(study.strip):
         with problems.at(f"strip[{k + 1}]"):
             material = None if table.material is None else Material(**table.material.model_dump())
             strips.append(Strip(start=table.start, end=table.end, thickness=table.thickness, material=material))
-    if chart is not None and len(strips) == len(tables):
+    if chart is not None and len(strips) == len(study.strip):
         strips += piece_strips(study, chart)
         with problems.at("strip"):
             check_strips(strips, chart.bounds[0], None)
@@ -147,7 +127,7 @@ def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> t
 def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
     """Strips of the pieces of a meridian that have a wall or a material of their own."""
     table = study.chart
-    if not isinstance(table, MeridianTable) or study.shell is None:
+    if not isinstance(table, shapes.MeridianTable) or study.shell is None:
         return []
     assert isinstance(chart, Revolved)
     assert isinstance(chart.profile, PiecewiseMeridian)
@@ -163,7 +143,7 @@ def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
     ]
 
 
-def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:
+def build_mesh(table: shapes.MeshTable, default: ShellMesh) -> ShellMesh:
     """The default mesh with what [mesh] says put in its place."""
     rows = tuple(table.rows) if isinstance(table.rows, list) else table.rows
     return ShellMesh(
@@ -173,7 +153,7 @@ def build_mesh(table: MeshTable, default: ShellMesh) -> ShellMesh:
     )
 
 
-def build_plies(table: ShellTable) -> tuple[Ply, ...]:
+def build_plies(table: shapes.ShellTable) -> tuple[Ply, ...]:
     """The layers of a wall."""
     laminae = {name: Lamina(**lamina.model_dump()) for name, lamina in table.lamina.items()}
     return tuple(

@@ -1,4 +1,4 @@
-"""[cyclic] of a study: a wheel of equal sectors, perhaps mistuned."""
+"""What turns in a study: [rotation], speed and axis; [cyclic], a wheel of equal sectors, perhaps mistuned."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,13 +10,17 @@ from casingfem.io import strict_csv
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.cyclic.mistuned import checked_deviations
 from casingfem.modal.cyclic.modes import checked_diameters
+from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.study.problems import Problems
-from casingfem.study.rotation import axis_vector, vector
-from casingfem.study.schema import StudyFile
+from casingfem.study.tables.shapes import RotationTable
+from casingfem.study.tables.tasks import StudyFile
+
+NAMED = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -100,3 +104,55 @@ def read_deviations(path: Path) -> FloatArray:
         found = f"blades {', '.join(map(str, blades[order][:5]))}, ..."
         raise InputError(str(path), found=found, expected=f"each of 1 to {len(blades)} once")
     return np.asarray(deviations[order])
+
+
+def build_rotation(table: RotationTable | None, chart: Chart | None, problems: Problems) -> Rotation | None:
+    """The rotation of a study: of a blade on its hub, or about an axis in the chart's coordinates.
+
+    A closed casing turns about z unless an axis is named; an open chart needs a hub radius or an axis.
+    """
+    if table is None or chart is None:
+        return None
+    point = table.centre or table.point
+    on_hub = table.hub_radius is not None or table.stagger_deg != 0.0
+    if on_hub and (table.axis is not None or point is not None):
+        problems.add("rotation", "a hub radius or a stagger beside an axis or a centre", "one way to place the axis")
+        return None
+    if not on_hub and table.axis is None and not chart.periodic:
+        problems.add("rotation", "neither hub_radius nor axis on an open chart", "hub_radius, or axis and centre")
+        return None
+    omega = 2.0 * np.pi * table.speed_hz
+    with problems.at("rotation"):
+        if on_hub:
+            stagger = float(np.radians(table.stagger_deg))
+            return Rotation.of_blade(chart, omega=omega, hub_radius=table.hub_radius or 0.0, stagger=stagger)
+        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(point))
+    return None
+
+
+def build_mesh_rotation(table: RotationTable | None, problems: Problems) -> Rotation | None:
+    """The rotation of an imported part: about an axis in the mesh's coordinates, which must be named."""
+    if table is None:
+        return None
+    for key in ("hub_radius", "stagger_deg"):
+        if key in table.model_fields_set:
+            problems.add(f"rotation.{key}", "it on an imported mesh", "axis and point", "structure-chart")
+    if table.axis is None:
+        expected = "the axis of an imported part, such as [1.0, 0.0, 0.0]"
+        problems.add("rotation.axis", "nothing", expected, "study-missing")
+        return None
+    with problems.at("rotation"):
+        omega, point = 2.0 * np.pi * table.speed_hz, table.centre or table.point
+        return Rotation(omega=omega, axis=axis_vector(table.axis), centre=vector(point))
+    return None
+
+
+def axis_vector(axis: str | list[float] | None) -> Vector:
+    """An axis as a study has it: by name or by its components; z if left out."""
+    return NAMED[axis] if isinstance(axis, str) else NAMED["z"] if axis is None else vector(axis)
+
+
+def vector(numbers: list[float] | None) -> Vector:
+    """Three numbers; the origin if left out."""
+    x, y, z = numbers or (0.0, 0.0, 0.0)
+    return x, y, z

@@ -17,30 +17,19 @@ from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.build import build_plies
-from casingfem.study.cyclic import Wheel
-from casingfem.study.problems import Problems, StudyError
-from casingfem.study.rotation import axis_vector, build_mesh_rotation, vector
-from casingfem.study.schema import StudyFile
+from casingfem.study.cyclic import Wheel, axis_vector, build_mesh_rotation, vector
+from casingfem.study.problems import FromFile, Problems
 from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
-from casingfem.study.tables.tasks import ReduceTable
+from casingfem.study.tables.tasks import ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter
 
-OWN = (
-    "material",
-    "solid",
-    "shell",
-    "support",
-    "modes",
-    "rotation",
-    "update",
-    "reduce",
-    "cyclic",
-)  # others need a chart
+# tables of an imported part; others need a chart
+OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MeshStudy:
+class MeshStudy(FromFile):
     """What a study file on an imported mesh describes.
 
     Attributes
@@ -76,12 +65,6 @@ class MeshStudy:
         """Shapes are fitted on charts alone."""
         return None
 
-    def error(self, key: str, found: str, expected: str) -> StudyError:
-        """An error that names this file and a key of it, to be raised."""
-        problems = Problems(self.path)
-        problems.add(key, found, expected)
-        return StudyError(problems)
-
 
 def is_imported(data: Mapping[str, Any]) -> bool:
     """Whether the tables of a file are those of an imported mesh."""
@@ -93,15 +76,11 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
     """The structure of a mesh study, or None with the reasons collected."""
     for name in data:
         if name in StudyFile.model_fields and name not in OWN:
-            problems.add(
-                name, "a table for shells on a chart", f"no [{name}] beside an imported mesh", "structure-chart"
-            )
+            expected = f"no [{name}] beside an imported mesh"
+            problems.add(name, "a table for shells on a chart", expected, "structure-chart")
     if "solid" in data and "shell" in data:
         problems.add("shell", "it beside [solid]", "one of the two")
-    material = None
-    if tables.material is not None:
-        with problems.at("material"):
-            material = Material(**tables.material.model_dump())
+    material = problems.made("material", Material, tables.material)
     supports = build_supports(tables.support, problems)
     rotation = build_mesh_rotation(tables.rotation, problems)
     table, key = (tables.solid, "solid") if tables.solid is not None else (tables.shell, "shell")
@@ -173,10 +152,8 @@ def build_supports(tables: Mapping[str, SupportTable], problems: Problems) -> di
             with problems.at(key):
                 supports[group] = Fixed(directions=tuple(table.directions))
         elif isinstance(table, ElasticTable):
-            if table.model_fields_set - {"kind", "k_face"}:
-                problems.add(
-                    key, ", ".join(sorted(table.model_fields_set - {"kind", "k_face"})), "k_face alone on a mesh"
-                )
+            if others := table.model_fields_set - {"kind", "k_face"}:
+                problems.add(key, ", ".join(sorted(others)), "k_face alone on a mesh")
                 continue
             with problems.at(key):
                 supports[group] = ElasticEdge(k_face=table.k_face)

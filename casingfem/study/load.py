@@ -1,7 +1,6 @@
 """study.toml -> Study: the objects a study describes, or every problem of the file at once."""
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -23,9 +22,8 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.cyclic import build_wheel
 from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
-from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import REQUIRED, StudyFile
-from casingfem.study.tables.tasks import ParameterTable, ReduceTable, UpdateTable
+from casingfem.study.problems import FromFile, Problems, StudyError
+from casingfem.study.tables.tasks import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
 from casingfem.updating.addresses import Structure, get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes
@@ -35,7 +33,7 @@ PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Study:
+class Study(FromFile):
     """What a study file describes.
 
     Attributes
@@ -68,12 +66,6 @@ class Study:
     def structure(self) -> Shell:
         """The structure, by the name it has in every study."""
         return self.shell
-
-    def error(self, key: str, found: str, expected: str) -> StudyError:
-        """An error that names this file and a key of it, to be raised."""
-        problems = Problems(self.path)
-        problems.add(key, found, expected)
-        return StudyError(problems)
 
 
 def load_study(path: str | Path) -> Study:
@@ -214,9 +206,8 @@ def with_start_value(shell: Structure, entry: ParameterTable) -> Structure:
     own = float(np.real(get_value(shell, entry.name)))
     value = own if entry.start is None else entry.start
     if not entry.lower <= value <= entry.upper:
-        raise ValueError(
-            f"{entry.name}: found the start {value:.6g}, expected it within [{entry.lower:.6g}, {entry.upper:.6g}]"
-        )
+        within = f"[{entry.lower:.6g}, {entry.upper:.6g}]"
+        raise ValueError(f"{entry.name}: found the start {value:.6g}, expected it within {within}")
     return shell if entry.start is None else with_value(shell, entry.name, entry.start)
 
 
@@ -232,9 +223,8 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
         return None
     curved = [edge for edge, (held, _) in chart.edges.items() if held == 0]
     if table.interface not in curved:
-        problems.add(
-            "reduce.interface", repr(table.interface), f"one of the chart's edges {', '.join(curved)}", "interface-edge"
-        )
+        expected = f"one of the chart's edges {', '.join(curved)}"
+        problems.add("reduce.interface", repr(table.interface), expected, "interface-edge")
     if chart.periodic:
         if table.nodes is not None:
             problems.add("reduce.nodes", str(table.nodes), "no such key: a casing's rim has no pieces", "study-key")
@@ -249,11 +239,11 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
 
 def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     """Name and hash of the input, package versions, seed."""
-    names: Sequence[str | None] = [entry.survey for entry in tables.imperfection]
-    names = [*names, *((tables.update.table, tables.update.shapes) if tables.update is not None else ())]
-    mistuning = None if tables.cyclic is None else tables.cyclic.mistuning
-    names = [*names, mistuning if isinstance(mistuning, str) else None]
-    names = [*names, *(table.mesh for table in (tables.solid, tables.shell) if table is not None)]
+    update, mistuning = tables.update, None if tables.cyclic is None else tables.cyclic.mistuning
+    names = [entry.survey for entry in tables.imperfection]
+    names += [] if update is None else [update.table, update.shapes]
+    names += [mistuning if isinstance(mistuning, str) else None]
+    names += [table.mesh for table in (tables.solid, tables.shell) if table is not None]
     files = [file.parent / name for name in names if name is not None]
     contents = [text, *(each.read_bytes() for name in files for each in (name, *included_files(name)))]
     return {

@@ -1,16 +1,17 @@
 """What is wrong with a study file, said once for all: file, key, what was found, what was expected."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from casingfem.errors import InputError, code_of, with_code
-from casingfem.study.schema import StudyFile
+from casingfem.study.tables.tasks import StudyFile
 from contact.io.tables import keys, kinds, models_at, resolved, unknown
 from contact.io.toml import written
 
+T = TypeVar("T")
 KEYS = {  # the code of a value that the schema refuses, by table and key, or by table
     ("material", "E"): "material-modulus",
     ("material", "nu"): "material-poisson",
@@ -25,12 +26,7 @@ KEYS = {  # the code of a value that the schema refuses, by table and key, or by
     ("imperfection", "p"): "field-harmonics",
     ("imperfection", "cos"): "field-range",
     ("imperfection", "sin"): "field-range",
-    ("support", "k_r"): "support-springs",
-    ("support", "k_theta"): "support-springs",
-    ("support", "k_z"): "support-springs",
-    ("support", "k_rot"): "support-springs",
-    ("support", "k_face"): "support-springs",
-}
+} | {("support", spring): "support-springs" for spring in ("k_r", "k_theta", "k_z", "k_rot", "k_face")}
 KINDS = {"extra_forbidden": "study-key", "missing": "study-missing", "too_short": "study-missing"}
 
 
@@ -64,6 +60,13 @@ class Problems(list[str]):
         """Note a ValueError or OSError raised inside as a problem of this key, and go on."""
         return Attempt(self, key)
 
+    def made(self, key: str, kind: Callable[..., T], table: BaseModel | None) -> T | None:
+        """What a table describes, None without it, or with the reason collected."""
+        if table is not None:
+            with self.at(key):
+                return kind(**table.model_dump())
+        return None
+
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:
         """Note all problems of a validation; returns the top-level tables that have some."""
         for detail in error.errors():
@@ -92,6 +95,19 @@ class Attempt:
                 code = "survey-table" if self.key.endswith("survey") else "study-value"
                 self.problems.append(with_code(code, f"{self.problems.file}: {key}: {line}"))
         return isinstance(error, OSError | ValueError)
+
+
+class FromFile:
+    """What was read from a file, and can say what is wrong with a key of it."""
+
+    __slots__ = ()
+    path: Path
+
+    def error(self, key: str, found: str, expected: str) -> StudyError:
+        """An error that names this file and a key of it, to be raised."""
+        problems = Problems(self.path)
+        problems.add(key, found, expected)
+        return StudyError(problems)
 
 
 def table_of(error: ValueError, key: str) -> str:

@@ -79,7 +79,6 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     zeta = damping_spread(table.zeta, table.zeta_spread, len(found), seed=table.seed + DAMPING)
     rig = rig_of(found, places, zeta=zeta)
     card = origin(rig, f"study: {study.path.name}, sha256 {study.source['sha256']}, seed {table.seed}")
-    whole = [k for k in (layout.circle, circle_of(table, layout)) if len(k)][:1]
     made = None if table.scan is None else scanned(rig, table, table.scan, layout, card)
     troubled = None if table.test is None else troubled_test(rig, table, table.test, layout, card)
     frfs, coherence, records = (
@@ -90,7 +89,7 @@ def all_records(study: Study, table: RigTable) -> RigTest:
     return RigTest(
         rig=rig,
         layout=layout,
-        truth=truth(rig, whole[0] if whole else (), card),
+        truth=truth(rig, layout.circle or circle_of(table, layout), card),
         frfs=frfs,
         coherence=coherence,
         records=records,
@@ -107,7 +106,7 @@ def laid_out(study: Study, table: RigTable) -> tuple[list[Place], Layout]:
     closed = study.shell.chart.periodic
     drives = [place_of(study, f"drive[{k + 1}]", entry, closed) for k, entry in enumerate(table.drive)]
     sensors = [
-        place for k, entry in enumerate(table.sensor) for place in sensors_of(study, f"sensor[{k + 1}]", entry, closed)
+        at for k, entry in enumerate(table.sensor) for at in sensors_of(study, f"sensor[{k + 1}]", entry, closed)
     ]
     spots: list[Place] = []
     if table.scan is not None:

@@ -14,22 +14,15 @@ from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Plate
 from casingfem.structure.material import Material
 from casingfem.study.problems import Problems
+from casingfem.study.tables import supports as kinds
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MassTable
-from casingfem.study.tables.supports import (
-    BoltsTable,
-    ElasticTable,
-    FixedTable,
-    RingTable,
-    SectionTable,
-    StiffenerTable,
-    SupportTable,
-    SymmetryTable,
-)
 from contact.io.names import hint
 
 
-def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problems: Problems) -> dict[str, Support]:
+def build_supports(
+    tables: dict[str, kinds.SupportTable], chart: Chart | None, problems: Problems
+) -> dict[str, Support]:
     """Supports by edge; edges the chart does not have are collected."""
     supports: dict[str, Support] = {}
     for edge, table in tables.items():
@@ -42,29 +35,30 @@ def build_supports(tables: dict[str, SupportTable], chart: Chart | None, problem
     return supports
 
 
-def build_support(table: SupportTable, edge: str, chart: Chart | None) -> Support:
+def build_support(table: kinds.SupportTable, edge: str, chart: Chart | None) -> Support:
     """The support of a [support.EDGE] table."""
-    if isinstance(table, BoltsTable):
+    if isinstance(table, kinds.BoltsTable):
         return build_bolts(table, edge, chart)
-    if isinstance(table, RingTable):
+    if isinstance(table, kinds.RingTable):
         return build_ring(table, edge, chart)
-    if isinstance(table, ElasticTable):
+    if isinstance(table, kinds.ElasticTable):
         return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
-    if isinstance(table, FixedTable):
+    if isinstance(table, kinds.FixedTable):
         raise ValueError("kind: found 'fixed', which is for imported meshes, expected a kind for a chart's edge")
-    if isinstance(table, SymmetryTable):
+    if isinstance(table, kinds.SymmetryTable):
         return Symmetry()
     return Clamped() if table.kind == "clamped" else ShearDiaphragm()
 
 
-def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
+def build_bolts(table: kinds.BoltsTable, edge: str, chart: Chart | None) -> Bolts:
     """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
     require_angle(chart, edge, "bolts")
     width = None if table.width_deg is None else float(np.radians(table.width_deg))
     if table.width_m is not None:
         if chart is None or not chart.periodic:
             raise ValueError("width_m: found an open edge, expected a closed casing; give width_deg")
-        width = table.width_m / edge_radius(chart, edge)
+        z = np.array([chart.bounds[0][chart.edges[edge][1]]])
+        width = table.width_m / float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
     parts = tuple(k or 0.0 for k in (table.k_r, table.k_theta, table.k_z))
     return Bolts(
         count=table.count,
@@ -77,7 +71,7 @@ def build_bolts(table: BoltsTable, edge: str, chart: Chart | None) -> Bolts:
     )
 
 
-def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
+def build_ring(table: kinds.RingTable, edge: str, chart: Chart | None) -> Ring:
     """A ring of the file, with its own support."""
     held = None if table.support is None else build_support(table.support, edge, chart)
     return Ring(
@@ -88,7 +82,7 @@ def build_ring(table: RingTable, edge: str, chart: Chart | None) -> Ring:
     )
 
 
-def build_section(table: SectionTable) -> dict[str, Any]:
+def build_section(table: kinds.SectionTable) -> dict[str, Any]:
     """Section and material of a ring."""
     if table.diameter is not None:
         section = Section.circle(diameter=table.diameter)
@@ -100,7 +94,9 @@ def build_section(table: SectionTable) -> dict[str, Any]:
     return {"section": section, "material": material}
 
 
-def build_stiffeners(tables: list[StiffenerTable], chart: Chart | None, problems: Problems) -> tuple[Stiffener, ...]:
+def build_stiffeners(
+    tables: list[kinds.StiffenerTable], chart: Chart | None, problems: Problems
+) -> tuple[Stiffener, ...]:
     """Rings on the wall; what is wrong with them is collected."""
     rings: list[Stiffener] = []
     for k, table in enumerate(tables):
@@ -126,19 +122,13 @@ def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problem
     return masses
 
 
-def edge_radius(chart: Chart, edge: str) -> float:
-    """Radius of the base or top of a closed chart [m]."""
-    z = np.array([chart.bounds[0][chart.edges[edge][1]]])
-    return float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
-
-
 def require_angle(chart: Chart | None, edge: str, key: str) -> None:
     """Refuse an angle on an edge that is measured in metres: of a plate or blade, or one that runs along the axis."""
     if chart is not None and (isinstance(chart, Plate | TwistedPlate | Blade) or chart.edges[edge][0] != 0):
         raise ValueError(f"{key}: found an edge without angles, {edge!r}, expected one that runs around an axis")
 
 
-def build_around(table: ElasticTable) -> Field | dict[str, Field] | None:
+def build_around(table: kinds.ElasticTable) -> Field | dict[str, Field] | None:
     """How the springs of an elastic edge vary: all alike, or each by its own harmonics; None where they are even."""
     if isinstance(table.around, list):
         return series(table.around, "around", least=1) if table.around else None

@@ -88,9 +88,8 @@ def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = N
     if wheel is not None:
         for key in ("method", "output"):
             if key in tables.model_fields_set:
-                raise study.error(
-                    f"reduce.{key}", "it beside [cyclic]", "no such key: a wheel has free modes, no outputs"
-                )
+                expected = "no such key: a wheel has free modes, no outputs"
+                raise study.error(f"reduce.{key}", "it beside [cyclic]", expected)
     try:
         if wheel is not None:
             basis = cyclic_reduce(
@@ -101,16 +100,16 @@ def run_reduce(study: Study | MeshStudy, shell: Shell | MeshStructure | None = N
                 deviations=wheel.deviations,
                 blade=wheel.blade,
             )
-            return replace(basis, provenance={**basis.provenance, "source": study.source})
-        basis = reduce(
-            study.structure if shell is None else shell,
-            study.interface,
-            modes=tables.modes,
-            method=tables.method,
-            zeta=tables.zeta,
-            recovery=tables.recovery,
-            outputs=[table.output() for table in tables.output],
-        )
+        else:
+            basis = reduce(
+                study.structure if shell is None else shell,
+                study.interface,
+                modes=tables.modes,
+                method=tables.method,
+                zeta=tables.zeta,
+                recovery=tables.recovery,
+                outputs=[table.output() for table in tables.output],
+            )
     except ValueError as error:
         raise StudyError([f"{study.path}: reduce: {error}"]) from error
     return replace(basis, provenance={**basis.provenance, "source": study.source})

@@ -73,7 +73,7 @@ def put(tables: dict[str, Any], shell: Shell | Solid | MeshShell, name: str, val
             add_harmonic(tables.setdefault("imperfection", []), of, p, part, value - float(get_value(shell, name)))
         case SpringHarmonic(edge, spring, p, part):
             for waves in pattern_lists(tables["support"][edge], spring):
-                harmonic(waves, p)[part] = value
+                entry_of(waves, "p", p)[part] = value
         case HeldNumber(edge, ("bolts", bolt, _)):
             loosen(holding(tables, edge), int(bolt), value)
         case HeldNumber(edge, ("k",)):
@@ -116,12 +116,7 @@ def stiffnesses(support: dict[str, Any]) -> dict[str, float]:
 
 def loosen(support: dict[str, Any], bolt: int, value: float) -> None:
     """Give one bolt its own stiffness, as a factor of the tight ones'."""
-    loose = support.setdefault("loose", [])
-    entry = next((entry for entry in loose if entry["bolt"] == bolt), None)
-    if entry is None:
-        entry = {"bolt": bolt}
-        loose.append(entry)
-    entry["factor"] = value / max(stiffnesses(support).values())
+    entry_of(support.setdefault("loose", []), "bolt", bolt)["factor"] = value / max(stiffnesses(support).values())
 
 
 def tighten(support: dict[str, Any], value: float) -> None:
@@ -152,16 +147,16 @@ def add_harmonic(imperfections: list[dict[str, Any]], of: str, p: int, part: str
     if owner is None:
         owner = {"of": of, "harmonics": []}
         imperfections.append(owner)
-    wave = harmonic(owner["harmonics"], p)
+    wave = entry_of(owner["harmonics"], "p", p)
     wave[part] = wave.get(part, 0.0) + change
 
 
-def harmonic(waves: list[dict[str, Any]], p: int) -> dict[str, Any]:
-    """The entry of harmonic p, made if need be."""
-    found = next((wave for wave in waves if wave["p"] == p), None)
+def entry_of(entries: list[dict[str, Any]], key: str, value: int) -> dict[str, Any]:
+    """The entry with this value of a key, a bolt or harmonic p, made if need be."""
+    found = next((entry for entry in entries if entry[key] == value), None)
     if found is None:
-        found = {"p": p}
-        waves.append(found)
+        found = {key: value}
+        entries.append(found)
     return found
 
 

@@ -22,9 +22,7 @@ from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.parts import DEFECTS, ShellParts
-from casingfem.updating.mesh_numbers import mesh_address
-from casingfem.updating.named import named_numbers, numbers_of
-from casingfem.updating.numbers import SHARED, Address, FieldHarmonic, HeldNumber, Plain, SpringHarmonic, series
+from casingfem.updating import numbers
 from contact.io.names import hint
 
 Structure = TypeVar("Structure", bound=ShellParts | MeshStructure)
@@ -32,8 +30,8 @@ Structure = TypeVar("Structure", bound=ShellParts | MeshStructure)
 HARMONIC = re.compile(r"p(\d+)$")
 
 
-def address_of(shell: ShellParts | MeshStructure, name: str) -> Address:
-    """What a name means on this shell, or imported part (`mesh_numbers.py`).
+def address_of(shell: ShellParts | MeshStructure, name: str) -> numbers.Address:
+    """What a name means on this shell, or imported part.
 
     Raises
     ------
@@ -43,10 +41,18 @@ def address_of(shell: ShellParts | MeshStructure, name: str) -> Address:
     try:
         return mesh_address(shell, name) if not isinstance(shell, ShellParts) else shell_address(shell, name)
     except InputError as error:
-        raise InputError(f"{error}{hint(name, list(named_numbers(shell)))}") from None
+        raise InputError(f"{error}{hint(name, list(numbers.named_numbers(shell)))}") from None
 
 
-def shell_address(shell: ShellParts, name: str) -> Address:
+def mesh_address(structure: MeshStructure, name: str) -> numbers.Plain:
+    """What a name means on an imported part."""
+    known = numbers.mesh_numbers(structure)
+    if name not in known:
+        raise InputError(f"{name!r}: an imported part has {', '.join(known)}")
+    return known[name]
+
+
+def shell_address(shell: ShellParts, name: str) -> numbers.Address:
     """What a name means on a shell."""
     parts = name.split(".")
     if len(parts) < 2:
@@ -58,12 +64,12 @@ def shell_address(shell: ShellParts, name: str) -> Address:
         parts = ["support", bolted[0], *parts]
     if parts[0] in DEFECTS and len(parts) == 3:
         require_series(name, shell.defects.get(parts[0]))
-        return FieldHarmonic(parts[0], *harmonic_of(name, parts[1:]))
+        return numbers.FieldHarmonic(parts[0], *harmonic_of(name, parts[1:]))
     if parts[0] == "support" and len(parts) > 2:
         if not isinstance(shell.supports.get(parts[1]), Bolts | Ring):
             return of_elastic_edge(shell, name, parts)
         on_ring = isinstance(shell.supports.get(parts[1]), Ring) and parts[2] == "support" and len(parts) > 3
-        held = HeldNumber(parts[1], tuple(parts[3 if on_ring else 2 :]))
+        held = numbers.HeldNumber(parts[1], tuple(parts[3 if on_ring else 2 :]))
         try:
             held.value(shell)
         except KeyError as error:
@@ -74,18 +80,18 @@ def shell_address(shell: ShellParts, name: str) -> Address:
     return of_mass(shell, name, parts) if parts[0] == "mass" else of_part(shell, name, parts)
 
 
-def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> Plain | SpringHarmonic:
+def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain | numbers.SpringHarmonic:
     """support.<edge>.<spring> and support.<edge>.<spring or around>.p4.cos."""
     support = shell.supports.get(parts[1])
     if not isinstance(support, ElasticEdge):
         found = "no support" if support is None else type(support).__name__
         raise InputError(f"{name!r}: edge {parts[1]!r} has {found}; only elastic edges have stiffnesses")
-    known = ElasticEdge.stiffness_names + ((SHARED,) if len(parts) == 5 else ())
+    known = ElasticEdge.stiffness_names + ((numbers.SHARED,) if len(parts) == 5 else ())
     if len(parts) not in (3, 5) or parts[2] not in known:
         raise InputError(f"{name!r}: an elastic edge has {', '.join(known)}")
     if len(parts) == 3:
-        return Plain(("supports", parts[1], parts[2]))
-    found_at = SpringHarmonic(parts[1], parts[2], *harmonic_of(name, parts[3:]))
+        return numbers.Plain(("supports", parts[1], parts[2]))
+    found_at = numbers.SpringHarmonic(parts[1], parts[2], *harmonic_of(name, parts[3:]))
     for one in found_at.each:
         require_series(name, support.pattern(one.spring))
     values = found_at.values(shell)
@@ -94,30 +100,30 @@ def of_elastic_edge(shell: ShellParts, name: str, parts: list[str]) -> Plain | S
     return found_at
 
 
-def of_strip(shell: ShellParts, name: str, parts: list[str]) -> Plain:
+def of_strip(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     """strip.<number>.thickness and strip.<number>.material.<E, nu or rho>."""
     place = place_in(parts[1], len(shell.strips))
     if not place:
         raise InputError(f"{name!r}: found strip {parts[1]!r}; this shell has {len(shell.strips)}, counted from 1")
     if parts[2:] != ["thickness"]:
-        if len(parts) != 4 or parts[2] != "material" or parts[3] not in ("E", "nu", "rho"):
+        if len(parts) != 4 or parts[2] != "material" or parts[3] not in numbers.CONSTANTS:
             raise InputError(f"{name!r}: a strip has thickness, material.E, material.nu, material.rho")
         if shell.strips[place - 1].material is None:
             raise InputError(f"{name!r}: strip {place} has no material of its own; vary material.{parts[3]}")
-    return Plain(("strips", place - 1, *parts[2:]))
+    return numbers.Plain(("strips", place - 1, *parts[2:]))
 
 
-def of_mass(shell: ShellParts, name: str, parts: list[str]) -> Plain:
+def of_mass(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     """mass.<edge>.<number>.mass and .angle."""
     known = shell.masses.get(parts[1], ()) if len(parts) == 4 and parts[3] in ("mass", "angle") else ()
     place = place_in(parts[2], len(known)) if known else 0
     if not place:
         has = ", ".join(f"{len(masses)} on {edge!r}" for edge, masses in shell.masses.items()) or "none"
         raise InputError(f"{name!r}: expected mass.<edge>.<number>.mass or .angle; this shell has masses: {has}")
-    return Plain(("masses", parts[1], place - 1, parts[3]))
+    return numbers.Plain(("masses", parts[1], place - 1, parts[3]))
 
 
-def of_part(shell: ShellParts, name: str, parts: list[str]) -> Plain:
+def of_part(shell: ShellParts, name: str, parts: list[str]) -> numbers.Plain:
     """shell.thickness, and the numbers of material, chart and taper; a law's with the number of a station."""
     parts_of = {"material": shell.material, "chart": shell.chart, "taper": shell.taper, "shell": shell}
     owners = {word: owner for word, owner in parts_of.items() if owner is not None}
@@ -125,19 +131,19 @@ def of_part(shell: ShellParts, name: str, parts: list[str]) -> Plain:
     if owner is None or len(parts) not in (2, 3):
         starts = ", ".join([*owners, *DEFECTS])
         raise InputError(f"{name!r}: a parameter starts with {starts}, strip, mass or support")
-    numbers = ["thickness"] if owner is shell else numbers_of(owner)
-    if parts[1] not in numbers:
-        raise InputError(f"{name!r}: {parts[0]} has {', '.join(numbers) or 'no numbers'}, not {parts[1]!r}")
+    known = ["thickness"] if owner is shell else numbers.numbers_of(owner)
+    if parts[1] not in known:
+        raise InputError(f"{name!r}: {parts[0]} has {', '.join(known) or 'no numbers'}, not {parts[1]!r}")
     path = ("thickness",) if owner is shell else (parts[0], parts[1])
     law = getattr(owner, parts[1])
     count = len(law) if isinstance(law, tuple) else 0
     if count == 0 and not parts[2:]:
-        return Plain(path)
+        return numbers.Plain(path)
     place = place_in(parts[2], count) if parts[2:] else 0
     if not place:
         wanted = f"the number of a station, 1 to {count}, after it" if count else "nothing after it: it is one number"
         raise InputError(f"{name!r}: expected {wanted}")
-    return Plain((*path, place - 1))
+    return numbers.Plain((*path, place - 1))
 
 
 def place_in(word: str, count: int) -> int:
@@ -155,7 +161,7 @@ def harmonic_of(name: str, parts: list[str]) -> tuple[int, str]:
 
 def require_series(name: str, field: Field | None) -> None:
     """Refuse a field that has no harmonics."""
-    if not isinstance(series(field), FourierField):
+    if not isinstance(numbers.series(field), FourierField):
         raise InputError(f"{name!r}: the field is no Fourier series but {type(field).__name__}")
 
 

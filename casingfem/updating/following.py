@@ -21,8 +21,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.linalg.assignment import assignment
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
+from casingfem.structure.imported.cells.mapped import mapped_parts
 from casingfem.structure.shell.assembly import nodal_mass
-from casingfem.updating.mesh_numbers import nodal_inertia
 
 LOST = 1.0 / 3.0
 
@@ -47,6 +47,16 @@ def overlaps(old: Modes | MeshModes, new: Modes | MeshModes) -> FloatArray:
     weighted = inertia * after
     norms = np.sqrt(np.outer(np.sum(before**2 * inertia, axis=0), np.sum(after * weighted, axis=0)))
     return np.asarray((before.T @ weighted / norms) ** 2)
+
+
+def nodal_inertia(modes: MeshModes) -> FloatArray:
+    """Mass of the nodes, that of every cell in equal parts, for comparing shapes, (nodes,)."""
+    mesh = modes.structure.mesh
+    density = modes.structure.density()
+    total = np.zeros(len(mesh.points))
+    for rows, nodes, on in mapped_parts(mesh):
+        np.add.at(total, nodes, (on.measure.sum(axis=1) * density[rows] / nodes.shape[1])[:, None])
+    return total
 
 
 def followed(pairing: Pairing, old: Modes | MeshModes, new: Modes | MeshModes, table: FrequencyTable) -> Pairing:

@@ -100,9 +100,7 @@ def shifts_of(modes: ModeSet, table: FrequencyTable, matches: Sequence[Match]) -
     found: list[Shift] = []
     for match in matches:
         steps = STEP * table.freq_hz[list(match.rows)]
-        found += [
-            Shift("frequency", (row,), changed([row], [step])) for row, step in zip(match.rows, steps, strict=True)
-        ]
+        found += [Shift("frequency", (row,), changed([row], [h])) for row, h in zip(match.rows, steps, strict=True)]
         if is_doublet(match):
             step = float(steps[0])
             found.append(Shift("split", match.rows, changed(match.rows, [-0.5 * step, 0.5 * step]) / 2.0))
@@ -168,10 +166,8 @@ def outlying(shifts: Sequence[Shift], residual: FloatArray, jacobian: FloatArray
         scale = max(1.0, float(np.sqrt(chi2 / (free - count))))
         deviation = np.abs(delta) / (spread * scale)
         if np.all(2.0 * stdtr(free - count, -deviation) < LEVEL / len(usable)):
-            answer = [
-                Found(shifts[k].kind, shifts[k].rows, -float(d), float(t))
-                for k, d, t in zip(best, delta, deviation, strict=True)
-            ]
+            found = zip(best, delta, deviation, strict=True)
+            answer = [Found(shifts[k].kind, shifts[k].rows, -float(d), float(t)) for k, d, t in found]
     return sorted(answer, key=lambda found: found.rows)
 
 

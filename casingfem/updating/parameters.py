@@ -10,8 +10,7 @@ from casingfem.errors import InputError
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import address_of, with_value
-from casingfem.updating.named import named_numbers
-from casingfem.updating.numbers import Address, SpringHarmonic
+from casingfem.updating.numbers import Address, SpringHarmonic, named_numbers
 from contact.io.reported import Reported
 
 
@@ -42,9 +41,8 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):
-            raise InputError(
-                f"{self.name}: bounds must be finite with lower < upper, found {self.lower!r}, {self.upper!r}"
-            )
+            found = f"{self.lower!r}, {self.upper!r}"
+            raise InputError(f"{self.name}: bounds must be finite with lower < upper, found {found}")
         if self.log and self.lower <= 0.0:
             raise InputError(f"{self.name}: a log parameter needs lower > 0, found {self.lower!r}")
         if self.sigma is not None and not self.sigma > 0.0:

@@ -65,11 +65,9 @@ class Given:
 
     def problem(self) -> "Problem":
         """A problem that knows no point yet."""
-        problem = Problem(
-            self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact
-        )
-        problem.prior = self.prior
-        return problem
+        made = Problem(self.shell, self.table, self.vary, self.count, self.reach, shapes=self.shapes, exact=self.exact)
+        made.prior = self.prior
+        return made
 
 
 @dataclass(eq=False)
@@ -226,9 +224,7 @@ class Problem:
     def _solve(self, shell: Shell | MeshStructure, count: int) -> tuple[Modes | MeshModes, Solution | None]:
         found: Modes | MeshModes
         solution: Solution | None = None
-        if not isinstance(shell, Shell):
-            found = modes(shell, count)
-        elif shell.axisymmetric and self.shapes is None:
+        if not isinstance(shell, Shell) or (shell.axisymmetric and self.shapes is None):
             found = modes(shell, count)
         else:
             known = None if self.exact or count > self.count or self.anchor is None else self.anchor.solution

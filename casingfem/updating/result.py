@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -180,14 +181,10 @@ class UpdateResult(Reported):
     @property
     def saturated(self) -> tuple[str, ...]:
         """Parameters that ended on a bound, each with the bound."""
-        return tuple(
-            f"{p.name} at its {'lower' if x - low < high - x else 'upper'} bound "
-            f"{p.lower if x - low < high - x else p.upper:.6g}"
-            for p, x, low, high, bound in zip(
-                self.parameters, self.x, self.lower, self.upper, self.at_bound, strict=True
-            )
-            if bound
-        )
+        low = self.x - self.lower < self.upper - self.x
+        ends = [("lower", p.lower) if k else ("upper", p.upper) for p, k in zip(self.parameters, low, strict=True)]
+        found = zip(self.parameters, ends, self.at_bound, strict=True)
+        return tuple(f"{p.name} at its {side} bound {value:.6g}" for p, (side, value), bound in found if bound)
 
     def worst(self) -> tuple[int, float]:
         """The table's mode number that alone explains most of the misfit, and its deviation [sigma]."""
@@ -208,11 +205,8 @@ class UpdateResult(Reported):
 
     def rows(self, pairing: Pairing, modes: ModeSet) -> dict[int, float]:
         """Table row -> computed frequency [Hz] under a pairing."""
-        return {
-            row: float(modes.freq[mode])
-            for match in pairing.matches
-            for row, mode in zip(match.rows, match.modes, strict=False)
-        }
+        pairs = [pair for match in pairing.matches for pair in zip(match.rows, match.modes, strict=False)]
+        return {row: float(modes.freq[mode]) for row, mode in pairs}
 
     def rms(self, pairing: Pairing, modes: ModeSet) -> float:
         """RMS relative frequency error over the rows that pair before and after; nan without any."""
@@ -235,7 +229,7 @@ class UpdateResult(Reported):
         """Mode numbers of the table's rows that no computed mode was paired with: they took no part."""
         return modes_of(self.table, self.pairing.unpaired_rows)
 
-    def pairs(self) -> list[dict[str, object]]:
+    def pairs(self) -> list[dict[str, Any]]:
         """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence."""
         before = self.rows(self.pairing_before, self.before)
         after = self.rows(self.pairing, self.after)
@@ -256,9 +250,7 @@ class UpdateResult(Reported):
     def indistinct(self) -> list[tuple[str, str, float]]:
         """Pairs of parameters whose correlation exceeds .95 in magnitude."""
         names, R = [p.name for p in self.parameters], self.correlation
-        return [
-            (names[i], names[j], float(R[i, j])) for i in range(len(names)) for j in range(i) if abs(R[i, j]) > ALIKE
-        ]
+        return [(names[i], names[j], float(R[i, j])) for i in range(len(R)) for j in range(i) if abs(R[i, j]) > ALIKE]
 
     def outlier_words(self) -> list[str]:
         """What was set aside, and what the parameters are with it and without."""
@@ -313,7 +305,7 @@ class UpdateResult(Reported):
             lines.append(f"{p.name:<34} {a:>12.6g} {b:>12.6g} {s:>10.2g}{unit}{'  AT BOUND' if bound else ''}")
         lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9} {'sure':>5}")
         for row in self.pairs():
-            measured, after = float(str(row["measured_hz"])), float(str(row["after_hz"]))
+            measured, after = row["measured_hz"], row["after_hz"]
             before = "-" if row["before_hz"] is None else f"{row['before_hz']:.3f}"
             n = "-" if row["n"] is None else row["n"]
             lines.append(
@@ -349,9 +341,6 @@ class UpdateResult(Reported):
         if unseen:
             lines.append(f"the table hardly sees {', '.join(unseen)}")
         lines += [f"the data cannot tell {a} from {b} (correlation {r:+.2f})" for a, b, r in self.indistinct()]
-        lines += [
-            f"{p.name}: known from its prior only"
-            for p, weak in zip(self.parameters, self.prior_only, strict=True)
-            if weak
-        ]
+        known = zip(self.parameters, self.prior_only, strict=True)
+        lines += [f"{p.name}: known from its prior only" for p, weak in known if weak]
         return "\n".join(lines)

@@ -8,6 +8,9 @@ kinetic energies. They are analytic in every parameter, so one evaluation at p +
 to round-off (complex step: Squire & Trapp, SIAM Review 40, 1998, 110), for moduli, densities, thickness, harmonics
 of any field and springs alike. Where a parameter moves the surface, the directions that a diaphragm or a plane of
 symmetry holds turn with it, and the modes with them.
+
+Of an imported part they are central differences of the assembled matrices: K and M are linear in moduli, densities and
+foundations and at most cubic in a thickness, so that the step of `MESH_STEP` leaves 1e-8 of them.
 """
 
 from collections.abc import Sequence
@@ -22,10 +25,10 @@ from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.shell import remade
 from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.mesh_numbers import mesh_product_derivatives
 from casingfem.updating.parameters import Parameter
 
 STEP = 1e-30
+MESH_STEP = 1e-4  # of the parameter's value
 
 
 def product_derivatives(
@@ -51,14 +54,19 @@ def product_derivatives(
 
 
 def of_mesh(modes: MeshModes, vary: Sequence[Parameter], fields: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The same for an imported part, through its assembled matrices."""
-    values = [float(get_value(modes.structure, parameter.name)) for parameter in vary]
-    K, M = mesh_product_derivatives(
-        modes, values, lambda k, value: with_value(modes.structure, vary[k].name, value), fields
-    )
-    units = [np.log(10.0) * value if parameter.log else 1.0 for parameter, value in zip(vary, values, strict=True)]
-    scale = np.array(units)[:, None, None]
-    return K * scale, M * scale
+    """The same for an imported part, through its assembled matrices; one that rotates is refused."""
+    if getattr(modes.structure, "rotation", None) is not None:
+        raise ModelError("rotation-update", "update: found a rotating part")
+    K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
+    for k, parameter in enumerate(vary):
+        value = float(get_value(modes.structure, parameter.name))
+        h = MESH_STEP * abs(value)
+        ends = (with_value(modes.structure, parameter.name, value + step) for step in (h, -h))
+        ahead, behind = (end.assembled() for end in ends)
+        X, unit = ahead.collect(fields), np.log(10.0) * value if parameter.log else 1.0
+        K[k] = (X.T @ (ahead.K @ X) - X.T @ (behind.K @ X)) / (2.0 * h) * unit
+        M[k] = (X.T @ (ahead.M @ X) - X.T @ (behind.M @ X)) / (2.0 * h) * unit
+    return K, M
 
 
 def eigen_derivatives(modes: Modes | MeshModes, vary: Sequence[Parameter]) -> FloatArray:

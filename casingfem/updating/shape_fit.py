@@ -71,9 +71,7 @@ class ShapeFit(Reported):
         """Label and COMAC before and after of the sensors that agree least after it."""
         order = np.argsort(self.after.comac, kind="stable")[:count]
         columns = (self.shapes.labels, self.before.comac, self.after.comac)
-        return [
-            (int(label), float(old), float(new)) for label, old, new in zip(*(c[order] for c in columns), strict=True)
-        ]
+        return [(int(k), float(a), float(b)) for k, a, b in zip(*(c[order] for c in columns), strict=True)]
 
     def records(self) -> Iterator[dict[str, object]]:
         """One plain dictionary a row with a shape; mode numbers from 1."""
@@ -103,11 +101,8 @@ class ShapeFit(Reported):
         count, total = len(self.after.rows), len(self.fit.table)
         lines = [f"shapes of {count} of {total} rows: MAC of planes {self.before.mean_plane:.3f} -> "
                  f"{self.after.mean_plane:.3f} in the mean"]  # fmt: skip
-        paired = [
-            (m.plane, row)
-            for m, row in zip(self.after.found, self.after.rows.tolist(), strict=True)
-            if m.mode is not None
-        ]
+        found = zip(self.after.found, self.after.rows.tolist(), strict=True)
+        paired = [(match.plane, row) for match, row in found if match.mode is not None]
         if paired:
             plane, row = min(paired)
             lines[0] += f", least {plane:.3f} (mode {self.fit.table.mode[row]})"
@@ -135,14 +130,12 @@ def compared(shapes: SensorShapes, modes: Modes, pairing: Pairing) -> ShapeCompa
     rows = np.flatnonzero(~np.isnan(shapes.shapes).any(axis=0))
     computed = shapes.readings(modes)
     likeness = seen_mac(shapes.shapes[:, rows], computed)
-    with_shape = [only_seen(match, rows) for match in pairing.matches]
-    matches = tuple(match for match in with_shape if match is not None)
+    matches = tuple(seen for match in pairing.matches if (seen := only_seen(match, rows)) is not None)
     of = {row: (match, mode) for match in matches for row, mode in zip(match.rows, match.modes, strict=True)}
     planes = {match.rows: alike(match, modes, shapes.shapes, computed) for match in matches}
+    lost = ShapeMatch(None, float("nan"), float("nan"))
     found = tuple(
-        ShapeMatch(of[row][1], float(likeness[k, of[row][1]]), planes[of[row][0].rows])
-        if row in of
-        else ShapeMatch(None, float("nan"), float("nan"))
+        ShapeMatch(of[row][1], float(likeness[k, of[row][1]]), planes[of[row][0].rows]) if row in of else lost
         for k, row in enumerate(rows.tolist())
     )
     by_sensor = np.full(len(shapes.a), np.nan)

@@ -102,7 +102,6 @@ def refuse_doubtful(apart: FloatArray, rows: IntArray, measured: MeasuredShapes,
 def columns(values: FloatArray, rows: Sequence[int] | IntArray, count: int) -> FloatArray:
     """Values of shapes, last axis, put where their rows are: (..., count), nan elsewhere."""
     spread = np.full((*values.shape[:-1], count), np.nan)
-    for shape, row in enumerate(rows):
-        if row >= 0:
-            spread[..., row] = values[..., shape]
+    at = np.asarray(rows)
+    spread[..., at[at >= 0]] = values[..., at >= 0]
     return spread

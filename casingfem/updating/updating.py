@@ -2,7 +2,7 @@
 
     min over x of |r(x)|^2 + |(x - x0)/sigma_prior|^2,  lower <= x <= upper
 
-with r from `targets.py`, exact Jacobians from `sensitivity.py`, and steps by `levenberg.py`. The covariance is
+with r from `targets.py`, exact Jacobians from `sensitivity.py`, and steps by `solve.py`. The covariance is
 (J^T J)^-1 at the solution, J with the prior rows.
 """
 
@@ -107,10 +107,8 @@ def update(
         if count > FAR * len(table):
             lowest = modes(structure, 2 * len(table))
             require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
-    if shapes is not None and shapes.shapes.shape[1] != len(table):
-        raise InputError(
-            f"shapes: found {shapes.shapes.shape[1]} columns, expected {len(table)}, one a row of the table"
-        )
+    if shapes is not None and (columns := shapes.shapes.shape[1]) != len(table):
+        raise InputError(f"shapes: found {columns} columns, expected {len(table)}, one a row of the table")
     if outliers not in ("set-aside", "keep"):
         raise InputError(f'outliers: found {outliers!r}, expected "set-aside" or "keep"')
     progress = progress or notebook_progress("update", "{} evaluations, rms {:.3g} sigma".format)

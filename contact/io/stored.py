@@ -30,11 +30,18 @@ MOVED = {  # modules that files of before name, and where their classes stand no
     "casingfem.modal.imported.modes": "casingfem.modal.mesh_modes",
     "casingfem.structure.imported.attachments.values": "casingfem.structure.imported.mesh.attachments",
     "casingfem.structure.imported.mesh_data": "casingfem.structure.imported.mesh.mesh_data",
+    "casingfem.structure.edge.point_mass": "casingfem.structure.edge.ring",
+    "casingfem.structure.edge.stiffener": "casingfem.structure.edge.ring",
+    "casingfem.structure.geometry.taper": "casingfem.structure.geometry.stations",
+    "casingfem.structure.geometry.twisted": "casingfem.structure.geometry.blade",
+    "casingfem.structure.imported.static": "casingfem.structure.imported.loads",
+    "casingfem.structure.material.isotropic": "casingfem.structure.material",
     "casingfem.updating.posterior": "casingfem.updating.uncertainty.posterior",
     "casingfem.updating.prediction": "casingfem.updating.uncertainty.prediction",
     "casingfem.updating.sampling": "casingfem.updating.uncertainty.sampling",
     "contact.growth.cycles.checkpoint": "contact.growth.cycles.follow",
     "contact.growth.cycles.course": "contact.growth.cycles.branch",
+    "contact.record.divergence": "contact.record.energy",
 }
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}

@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import casingfem as cf
-from casingfem.plot.contact import figure_contact
-from casingfem.plot.film import rub_film
+from casingfem.plot.contact import figure_contact, rub_film
 from casingfem.plot.modes import figure_rim, groups
 from casingfem.plot.page import Picture, Section, Table, Verdict
 from casingfem.plot.pages.fit import update_section

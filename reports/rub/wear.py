@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import contact as ct
+from casingfem.plot.contact import figure_wear
 from casingfem.plot.style import png
-from casingfem.plot.wear import figure_wear
 from contact.io.outfiles import write_atomic
 from contact.record.wear import Wear
 from reports.rub.rim_levels import level_history

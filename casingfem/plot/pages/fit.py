@@ -1,13 +1,20 @@
-"""The report's section on an update: in words, figures and tables."""
+"""The report's sections on an update, in words, figures and tables: parameters and frequencies, then mode shapes."""
 
 import math
 
+import numpy as np
+from matplotlib.figure import Figure
+
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
+from casingfem.io.arrays import IntArray
 from casingfem.modal.mode_set import Modes
+from casingfem.plot.correlation import mac_panel
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, raised, written
+from casingfem.plot.style import new_figure, styled
 from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors
 from casingfem.updating.result import UpdateResult
+from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch
 
 
 def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
@@ -19,20 +26,14 @@ def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
     figures = []
     if (fit.table.n >= 0).any() and fit.after.rings is not None:
         figures.append(Picture.of(figure_comparison(fit.table, models), comparison_caption(fit.table, models)))
-    figures.append(
-        Picture.of(
-            figure_errors(fit.table, models),
-            "Relative frequency error of each measured mode by model; grey is twice the stated uncertainty of the "
-            "measurement.",
-        )
+    within = (
+        "Relative frequency error of each measured mode by model; grey is twice the stated uncertainty of the "
+        "measurement."
     )
+    figures.append(Picture.of(figure_errors(fit.table, models), within))
     if len(fit.parameters) > 1:
-        figures.append(
-            Picture.of(
-                figure_correlation(fit),
-                "Correlations of the parameters after the update: near ±1 the data cannot tell two of them apart.",
-            )
-        )
+        alike = "Correlations of the parameters after the update: near ±1 the data cannot tell two of them apart."
+        figures.append(Picture.of(figure_correlation(fit), alike))
     return Section("Update", tuple(update_words(fit)), tuple(figures), (parameters_table(fit), pairs_table(fit)))
 
 
@@ -96,9 +97,8 @@ def remedies(fit: UpdateResult) -> list[str]:
     words += [f"Hold {a} or {b}: the data cannot tell them apart." for a, b, _ in alike]
     words += [f"Take {', '.join(weak)} out of the fit, or measure modes that feel it: the data say nothing of it."
               ] if weak else []  # fmt: skip
-    words += (
-        [f"Look at {len(fit.outliers)} rows that contradict all others and were set aside."] if fit.outliers else []
-    )
+    if fit.outliers:
+        words.append(f"Look at {len(fit.outliers)} rows that contradict all others and were set aside.")
     if fit.inflation > 1.0:
         words.append(f"Look at {worst_rows(fit)}: something that is not varied is wrong there, or the measurement.")
     return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
@@ -106,11 +106,10 @@ def remedies(fit: UpdateResult) -> list[str]:
 
 def worst_rows(fit: UpdateResult, count: int = 2) -> str:
     """The rows of the table that lie farthest off by their own uncertainty, with the error that is left."""
-    rows = [{name: float(str(row[name])) for name in ("mode", "measured_hz", "after_hz", "sigma_hz")}
-            for row in fit.pairs()]  # fmt: skip
+    rows = fit.pairs()
     rows.sort(key=lambda row: -abs(row["after_hz"] - row["measured_hz"]) / row["sigma_hz"])
     return " and ".join(
-        f"mode {row['mode']:.0f} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
+        f"mode {row['mode']} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
         for row in rows[:count]
     )
 
@@ -144,11 +143,94 @@ def pairs_table(fit: UpdateResult) -> Table:
     """Measured, before and after, mode by mode."""
     rows: list[tuple[Cell, ...]] = []
     for row in fit.pairs():
-        measured, after = float(str(row["measured_hz"])), float(str(row["after_hz"]))
-        before = None if row["before_hz"] is None else float(str(row["before_hz"]))
+        measured, before, after = row["measured_hz"], row["before_hz"], row["after_hz"]
         errors = [None if f is None else f"{100.0 * (f / measured - 1.0):+.3f}" for f in (before, after)]
-        n = None if row["n"] is None else int(str(row["n"]))
-        mode = int(str(row["mode"]))
-        rows.append((mode, n, measured, float(str(row["sigma_hz"])), before, errors[0], after, errors[1]))
+        rows.append((row["mode"], row["n"], measured, row["sigma_hz"], before, errors[0], after, errors[1]))
     columns = ("mode", "n", "measured [Hz]", "sigma [Hz]", "before [Hz]", "error [%]", "updated [Hz]", "error [%]")
     return Table(f"The {len(rows)} paired modes", columns, tuple(rows), folded=len(rows) > 12)
+
+
+def shapes_section(found: ShapeFit) -> Section:
+    """MAC before and after, sensors that agree least, and what is left over on both sides."""
+    caption = (
+        "MAC of measured shapes (rows) with computed modes (columns) before and after the update; pairs are framed, "
+        "doublets as one: within a frame the members may be turned."
+    )
+    return Section(
+        "Mode shapes",
+        tuple(shape_words(found)),
+        (Picture.of(figure_shape_mac(found), caption),),
+        (shapes_table(found), sensors_table(found)),
+    )
+
+
+def shape_words(found: ShapeFit) -> list[str]:
+    """The outcome in sentences."""
+    table, after = found.fit.table, found.after
+    words = [
+        f"Shapes were measured at {len(found.shapes.a)} sensors for {len(after.rows)} of the table's {len(table)} rows "
+        f"and fitted beside the frequencies. The MAC of planes, in which the members of a doublet may be turned, is "
+        f"{found.before.mean_plane:.3f} in the mean before the update and {after.mean_plane:.3f} after it."
+    ]
+    bare = [str(table.mode[row]) for row in range(len(table)) if row not in after.rows]
+    words += [f"Without a shape: modes {', '.join(bare)} of the table."] if bare else []
+    if found.shapes.unused_hz:
+        words.append(f"Measured shapes of no row: {', '.join(f'{f:.2f}' for f in found.shapes.unused_hz)} Hz.")
+    lost = [str(table.mode[row]) for row in after.pairing.unpaired_rows]
+    words += [f"Measured, but paired with no computed mode: {', '.join(lost)}."] if lost else []
+    top = float(table.freq_hz.max())
+    extra = [mode for mode in after.pairing.unpaired_modes if after.modes.freq[mode] <= top]
+    if extra:
+        listed = ", ".join(f"{mode + 1} ({after.modes.freq[mode]:.2f} Hz)" for mode in extra)
+        words.append(f"Computed below {top:.1f} Hz, but measured by nobody: modes {listed}.")
+    return words
+
+
+def shapes_table(found: ShapeFit) -> Table:
+    """Every shape: the modes it pairs with, MAC and MAC of the plane, before and after."""
+    rows: list[tuple[Cell, ...]] = []
+    table = found.fit.table
+    for row, old, new in zip(found.after.rows.tolist(), found.before.found, found.after.found, strict=True):
+        n = int(table.n[row]) if table.n[row] >= 0 else None
+        rows.append((int(table.mode[row]), n, float(table.freq_hz[row]), *cells(old), *cells(new)))
+    columns = ("mode", "n", "measured [Hz]", "pairs with", "MAC", "plane", "updated: with", "MAC", "plane")
+    caption = "Measured shapes and the computed modes that they pair with, before and after."
+    return Table(caption, columns, tuple(rows), folded=len(rows) > 12)
+
+
+def cells(match: ShapeMatch) -> tuple[Cell, Cell, Cell]:
+    """Mode, MAC and MAC of the plane."""
+    if match.mode is None:
+        return None, None, None
+    return match.mode + 1, f"{match.mac:.3f}", f"{match.plane:.3f}"
+
+
+def sensors_table(found: ShapeFit) -> Table:
+    """The sensors of lowest COMAC after the update."""
+    rows = [
+        tuple(None if isinstance(cell, float) and np.isnan(cell) else cell if k == 0 else f"{cell:.4f}"
+              for k, cell in enumerate(one))
+        for one in found.worst_sensors()
+    ]  # fmt: skip
+    caption = "The sensors that agree least: COMAC over all paired shapes, 1 where all agree."
+    return Table(caption, ("sensor", "COMAC before", "after"), tuple(rows))
+
+
+@styled
+def figure_shape_mac(found: ShapeFit) -> Figure:
+    """MAC before and after, side by side."""
+    figure = new_figure(8.0, 4.2)
+    for place, (name, side) in enumerate((("before", found.before), ("updated", found.after))):
+        axes = figure.add_subplot(1, 2, place + 1)
+        freq_hz = found.fit.table.freq_hz[side.rows]
+        image = mac_panel(axes, side.mac, framed(side), side.modes, freq_hz, size=5.5)
+        axes.set(ylabel="measured [Hz]" if place == 0 else "", title=name)
+    figure.colorbar(image, ax=figure.axes, shrink=0.8)
+    return figure
+
+
+def framed(side: ShapeComparison) -> list[tuple[IntArray, IntArray]]:
+    """Rows and modes of every pair that has a shape, both members of a doublet together."""
+    place = {row: k for k, row in enumerate(side.rows.tolist())}
+    shown = [(match, [place[row] for row in match.rows if row in place]) for match in side.pairing.matches]
+    return [(np.array(rows), np.array(match.modes)) for match, rows in shown if rows]

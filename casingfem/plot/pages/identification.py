@@ -19,19 +19,14 @@ def identification_page(
 
     `drawn` holds the figures "fit", "responses" and "stabilisation"; the first shows the coherence where `coherent`.
     """
-    pictures = (
-        Picture.of(
-            drawn["fit"],
-            "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
-            "channels of what was measured, fitted and left over" + (", and the coherence." if coherent else "."),
-        ),
-        Picture.of(drawn["responses"], "The channel with the largest response, measured and fitted."),
-        Picture.of(
-            drawn["stabilisation"],
-            "Poles over model order, stable ones green; the grey curve behind is the mode indicator, lines are the "
-            "modes chosen, numbers above them their nodal diameters.",
-        ),
-    )
+    captions = {
+        "fit": "All lines: the mode indicator with sure (solid) and doubtful (dashed) modes, and the rms over the "
+        "channels of what was measured, fitted and left over" + (", and the coherence." if coherent else "."),
+        "responses": "The channel with the largest response, measured and fitted.",
+        "stabilisation": "Poles over model order, stable ones green; the grey curve behind is the mode indicator, "
+        "lines are the modes chosen, numbers above them their nodal diameters.",
+    }
+    pictures = tuple(Picture.of(drawn[name], caption) for name, caption in captions.items())
     doubts = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())
     notes = tuple(f"{note[:1].upper()}{note[1:]}." for note in found.notes)
     sections = [

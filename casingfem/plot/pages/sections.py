@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,20 +26,8 @@ from casingfem.study import MeshStudy, Study
 TURNED = 12  # shapes that a reader can turn
 SHOWN = 4  # harmonics of a field that are named
 
-UNITS = {
-    "directions": "",
-    "angle": "rad",
-    "twist": "rad",
-    "camber": "rad",
-    "k_r": "N/m²",
-    "k_theta": "N/m²",
-    "k_z": "N/m²",
-    "k_rot": "N",
-    "k_face": "N/m³",
-    "E": "Pa",
-    "nu": "",
-    "rho": "kg/m³",
-}
+UNITS = {"directions": "", "nu": "", "k_rot": "N", "k_face": "N/m³", "E": "Pa", "rho": "kg/m³"}  # others are lengths
+UNITS |= dict.fromkeys(("angle", "twist", "camber"), "rad") | dict.fromkeys(("k_r", "k_theta", "k_z"), "N/m²")
 
 
 def inputs_section(study: Study | MeshStudy) -> Section:
@@ -223,19 +212,13 @@ def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
 def modes_table(found: ModeSet) -> Table:
     """All modes, folded."""
     rows: list[tuple[Cell, ...]] = []
-    for row in found.records():
-        split = row["split_rel"]
-        rows.append(
-            (
-                int(str(row["mode"])),
-                f"{row['freq_hz']:.3f}",
-                "rigid" if row["rigid"] else None if row["n"] is None else int(str(row["n"])),
-                None if row["n_purity"] is None else round(float(str(row["n_purity"])), 3),
-                int(str(row["m"])),
-                None if split is None else f"{100.0 * float(str(split)):.4f}",
-                None if row["angle_deg"] is None else f"{row['angle_deg']:.2f}",
-            )
-        )
+    records: list[dict[str, Any]] = found.records()
+    for row in records:
+        n = "rigid" if row["rigid"] else row["n"]
+        purity = None if row["n_purity"] is None else round(row["n_purity"], 3)
+        split = None if row["split_rel"] is None else f"{100.0 * row['split_rel']:.4f}"
+        angle = None if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
+        rows.append((row["mode"], f"{row['freq_hz']:.3f}", n, purity, row["m"], split, angle))
     columns = ("mode", "frequency [Hz]", "n", "share of n", "m", "split [%]", "antinode [deg]")
     return Table(f"All {len(found)} modes", columns, tuple(rows), folded=True)
 

@@ -7,8 +7,7 @@ from typing import TypeVar
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.plot.page import Section, Verdict, origin, render_page
-from casingfem.plot.pages.fit import update_section, update_verdict
-from casingfem.plot.pages.fit_shapes import shapes_section
+from casingfem.plot.pages.fit import shapes_section, update_section, update_verdict
 from casingfem.plot.pages.sections import inputs_section, modes_section, provenance_section, reduction_section
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.imported.assembly import MeshStructure

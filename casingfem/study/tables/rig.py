@@ -4,9 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from casingfem.study.tables.table import NotNegative, Positive, Table
+from casingfem.study.tables.table import NotNegative, Pair, Positive, Table
 
-Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
 Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
 Angle = Annotated[float, Field(ge=-360, le=360)]

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from casingfem.study.tables.table import Axis, Edge, Length, NotNegative, Positive, Table, Vector
+from casingfem.study.tables.table import Axis, Edge, Length, NotNegative, Pair, Positive, Table, Vector
 
 
 class MaterialTable(Table):
@@ -59,13 +59,10 @@ class DomeTable(Table):
     r0: float = Field(default=0.0, ge=-1e3, le=1e3, description="distance of the meridian's centre from the axis [m]")
 
 
-RZ = Annotated[list[float], Field(min_length=2, max_length=2)]
-
-
 class PieceTable(Table):
     """[[chart.piece]]: a straight piece or an arc of a meridian, with a wall of its own if it has one."""
 
-    to: RZ = Field(description="[r, z] where it ends [m]")
+    to: Pair = Field(description="[r, z] where it ends [m]")
     radius: Annotated[float, Field(ge=-1e3, le=1e3)] | None = Field(
         default=None, description="of an arc [m], positive if it turns left on its way; straight if left out"
     )
@@ -78,7 +75,7 @@ class MeridianTable(Table):
     """[chart] of kind "meridian": pieces from base to top, turned about z."""
 
     kind: Literal["meridian"] = Field(description="which surface it is")
-    start: RZ = Field(description="[r, z] of the base [m]")
+    start: Pair = Field(description="[r, z] of the base [m]")
     fillet: Length | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
     piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
 

@@ -7,7 +7,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MaterialTable
-from casingfem.study.tables.table import Length, NotNegative, Table
+from casingfem.study.tables.table import Length, NotNegative, Pair, Table
 
 
 class SpringsAround(Table):
@@ -102,7 +102,6 @@ class BoltsTable(Table):
         return self
 
 
-Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
 
 

@@ -21,6 +21,7 @@ NotNegative = Annotated[float, Field(ge=0, le=1e25)]
 Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
 Relative = Annotated[float, Field(ge=-1, le=1)]
 Edge = str
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Axis = Annotated[
     Annotated[Literal["x", "y", "z"], Tag("name")] | Annotated[Vector, Tag("vector")],

@@ -1,12 +1,22 @@
-"""The tables of what is computed: modes, an update, a reduction."""
+"""The tables of what is computed, modes, an update, a reduction; and the whole of study.toml.
 
-from typing import Annotated, Literal, Self, TypedDict
+Every table may be missing here, so that one bad table does not hide the problems of the others; `REQUIRED`
+names those that the study of a shell on a chart cannot do without; one of an imported mesh needs the first.
+"""
 
-from pydantic import Field, model_validator
+from typing import Annotated, Any, Literal, Self, TypedDict
+
+from pydantic import ConfigDict, Field, model_validator
 
 from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Output, Strain
 from casingfem.structure.imported.cells.solid import COMPONENTS
-from casingfem.study.tables.table import Axis, Edge, NotNegative, Positive, Table, Vector
+from casingfem.study.tables import shapes
+from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
+from casingfem.study.tables.rig import RigTable
+from casingfem.study.tables.supports import StiffenerTable, SupportTable
+from casingfem.study.tables.table import Axis, Edge, NotNegative, Pair, Positive, Table, Vector
+
+REQUIRED = ("material", "chart", "shell")
 
 
 class Wanted(TypedDict, total=False):
@@ -93,9 +103,7 @@ class OutputTable(Table):
     """[[reduce.output]]: a displacement (direction), a strain, or a stress, at a place of the chart or a node."""
 
     name: str = Field(min_length=1, description="how results name it")
-    at: Annotated[list[float], Field(min_length=2, max_length=2)] | None = Field(
-        default=None, description="parameters of the chart [m or rad]"
-    )
+    at: Pair | None = Field(default=None, description="parameters of the chart [m or rad]")
     node: int | None = Field(default=None, description="number of a node of an imported mesh")
     direction: Literal["x", "y", "z", "normal", "radial", "tangential"] | None = Field(
         default=None, description="of a displacement"
@@ -165,3 +173,39 @@ class ReduceTable(Table):
         if (self.interface is None) == (self.at is None):
             raise ValueError("found interface and at, or neither, expected one: an edge or group, or nodes of a mesh")
         return self
+
+
+class StudyFile(Table):
+    """A whole study.toml."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"required": ["material"], "anyOf": [{"required": ["shell"]}, {"required": ["solid"]}]},
+        title="study.toml",
+    )
+
+    material: shapes.MaterialTable | None = Field(default=None, description="E, nu, rho")
+    chart: shapes.ChartTable | None = Field(default=None, description="kind and dimensions")
+    shell: shapes.ShellTable | None = Field(default=None, description="thickness; mesh if imported")
+    solid: shapes.SolidTable | None = Field(default=None, description="mesh, instead of [chart] and [shell]")
+    taper: shapes.TaperTable | None = Field(default=None, description="how the thickness varies by design")
+    strip: list[shapes.StripTable] = Field(default=[], description="tables [[strip]]")
+    stiffener: list[StiffenerTable] = Field(default=[], description="tables [[stiffener]]: rings on the wall")
+    rotation: shapes.RotationTable | None = Field(default=None, description="speed and axis")
+    cyclic: CyclicTable | None = Field(default=None, description="the imported mesh is one sector of a wheel")
+    imperfection: list[ImperfectionTable] = Field(default=[], description="tables [[imperfection]]")
+    mass: list[shapes.MassTable] = Field(default=[], description="tables [[mass]]: point masses on edges")
+    support: dict[Edge, SupportTable] = Field(default={}, description="edge or group -> kind and stiffnesses")
+    modes: ModesTable = Field(default=ModesTable(), description="how many modes")
+    mesh: shapes.MeshTable = Field(default=shapes.MeshTable(), description="how the shell is divided")
+    update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
+    reduce: ReduceTable | None = Field(default=None, description="the modal basis")
+    rig: RigTable | None = Field(default=None, description="the virtual test rig")
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of study.toml.
+
+    >>> sorted(schema()["properties"])[:4]
+    ['chart', 'cyclic', 'imperfection', 'mass']
+    """
+    return StudyFile.model_json_schema()

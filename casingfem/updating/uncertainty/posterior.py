@@ -95,10 +95,8 @@ class Laplace(Reported):
     def records(self) -> list[dict[str, object]]:
         """One plain dictionary a parameter."""
         numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist())
-        return [
-            {"name": name, "log": log, "sigma": s, "gauss_newton": g, "bend": b}
-            for name, log, s, g, b in zip(self.names, self.log, *numbers, strict=True)
-        ]
+        names = ("name", "log", "sigma", "gauss_newton", "bend")
+        return [dict(zip(names, row, strict=True)) for row in zip(self.names, self.log, *numbers, strict=True)]
 
     def to_json(self) -> dict[str, object]:
         """Plain data."""
@@ -107,9 +105,8 @@ class Laplace(Reported):
     def __repr__(self) -> str:
         """A row for each parameter."""
         lines = [f"{'posterior (Laplace)':<34} {'sigma':>10} {'over J^T J':>10} {'bend':>8}"]
-        for name, s, g, b in zip(
-            varied_names(self.names, self.log), self.sigma, self.gauss_newton, self.bend, strict=True
-        ):
+        names = varied_names(self.names, self.log)
+        for name, s, g, b in zip(names, self.sigma, self.gauss_newton, self.bend, strict=True):
             lines.append(f"{name:<34} {s:>10.3g} {s / g:>10.3f} {b:>8.3f}")
         return "\n".join(lines)
 
@@ -153,5 +150,4 @@ def varied_names(names: Sequence[str], log: Sequence[bool]) -> list[str]:
 def weakest(fit: UpdateResult, hessian: FloatArray) -> str:
     """The parameters along the lowest curvature, by name."""
     direction = np.linalg.eigh(hessian)[1][:, 0]
-    names: Sequence[str] = [p.name for p in fit.parameters]
-    return ", ".join(names[k] for k in np.argsort(-np.abs(direction))[:2])
+    return ", ".join(fit.parameters[k].name for k in np.argsort(-np.abs(direction))[:2])

@@ -55,10 +55,8 @@ class PosteriorSamples(Reported):
         """One plain dictionary a parameter; `quantiles` at LEVELS."""
         quantiles = np.quantile(self.samples, LEVELS, axis=0).T.tolist()
         numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), quantiles)
-        return [
-            {"name": name, "log": log, "sigma": s, "gauss_newton": g, "quantiles": q}
-            for name, log, s, g, q in zip(self.names, self.log, *numbers, strict=True)
-        ]
+        names = ("name", "log", "sigma", "gauss_newton", "quantiles")
+        return [dict(zip(names, row, strict=True)) for row in zip(self.names, self.log, *numbers, strict=True)]
 
     def columns(self) -> dict[str, FloatArray]:
         """One row a sample, one column a parameter."""

@@ -9,7 +9,7 @@ a 90th percentile. The splits of a batch are then a distribution.
 import numpy as np
 
 import casingfem as cf
-from casingfem.plot.mistune import figure_splits
+from casingfem.plot.modes import figure_splits
 
 usual = cf.field.Spectrum(p=np.arange(2, 9), median=np.full(7, 2e-4), high=np.full(7, 5e-4))
 casing = cf.Shell(

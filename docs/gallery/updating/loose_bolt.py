@@ -9,7 +9,7 @@ apart is named. The table is SYNTHETIC.
 import numpy as np
 
 import casingfem as cf
-from casingfem.plot.locate import figure_located
+from casingfem.plot.correlation import figure_located
 
 
 def casing(loose):

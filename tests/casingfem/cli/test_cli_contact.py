@@ -84,7 +84,7 @@ def test_states_for_pictures_are_the_most_that_fit(count, size, every):
 
 
 def test_each_track_of_a_coating_has_its_own_picture(monkeypatch):
-    monkeypatch.setattr("casingfem.plot.wear.figure_wear", lambda track: track)
+    monkeypatch.setattr("casingfem.plot.contact.figure_wear", lambda track: track)
     monkeypatch.setattr("casingfem.plot.style.png", lambda figure: f"picture of {figure}".encode())
     assert pictures.coatings(("a",)) == {"coating.png": b"picture of a"}
     assert pictures.coatings(("a", "b")) == {"coating_1.png": b"picture of a", "coating_2.png": b"picture of b"}

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.plot.cycles import figure_cycles
+from casingfem.plot.sweep import figure_cycles
 from tests.contact.scene.test_scene_cycles import TEXT, written
 
 

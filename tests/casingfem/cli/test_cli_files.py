@@ -7,8 +7,7 @@ import click
 import pytest
 
 from casingfem import examples
-from casingfem.cli.example import listed, write
-from casingfem.cli.new import changes, run_once, stamps, verb_of
+from casingfem.cli.new import changes, listed, run_once, stamps, verb_of, write
 from casingfem.cli.schema import explained, roots, walked
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.examples import Example, first_sentence, maker, strings

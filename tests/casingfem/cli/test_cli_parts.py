@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from casingfem.cli import matrices, mode_files, model_warnings, running, study
+from casingfem.cli import matrices, mode_files, running, study
 from casingfem.errors import ModelWarning
 
 
@@ -157,17 +157,17 @@ def test_the_source_of_a_page_is_name_and_hash_of_its_file(tmp_path):
 
 
 def test_a_doubt_is_told_once_and_three_of_a_kind_at_most(capsys):
-    with model_warnings.collecting():
-        assert model_warnings.collected() == []
+    with running.collecting():
+        assert running.collected() == []
         for text in ("a", "b", "a", "c", "d"):
             warnings.warn(ModelWarning("shell-free", text), stacklevel=1)
         warnings.warn(ModelWarning("mesh-coarse", "e"), stacklevel=1)
         with pytest.warns(DeprecationWarning, match="old"):
             warnings.warn("old", DeprecationWarning, stacklevel=1)
-    found = model_warnings.collected()
+    found = running.collected()
     assert [entry["code"] for entry in found] == ["shell-free"] * 3 + ["mesh-coarse"]
     assert [entry["message"][0] for entry in found] == ["a", "b", "c", "e"]
     lines = capsys.readouterr().err.splitlines()
     assert [line[:10] for line in lines] == [f"warning: {x}" for x in "abce"]
     found.clear()
-    assert len(model_warnings.collected()) == 4
+    assert len(running.collected()) == 4

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from casingfem.cli import pictures
 from casingfem.cli.doctor import blas, extra_lines, products, text
-from casingfem.cli.rig import waves_unit, words
+from casingfem.cli.identify import waves_unit, words_of_test
 from casingfem.cli.schema import headline, headline_of, kept
 
 
@@ -24,11 +24,11 @@ def test_a_rig_says_what_it_made():
     assert waves_unit(rig_test(scan=False)) == "m/s"
     assert waves_unit(rig_test()) == "m/s"
     assert waves_unit(rig_test(force=1.0)) == "(m/s)/N"
-    lines = words(rig_test(force=1.0, coherence=[0.2, 0.9, 0.8])).splitlines()
+    lines = words_of_test(rig_test(force=1.0, coherence=[0.2, 0.9, 0.8])).splitlines()
     assert lines[:4] == ["SYNTHETIC: nobody measured this", "'rig'", "'truth'", "'frfs'"]
     assert lines[4] == "coherence 0.8000 (median)"
     assert (lines[6], lines[7]) == ("waves: amplitude [(m/s)/N], phase and angle [deg]", "'waves'")
-    bare = words(rig_test(scan=False, frfs=None)).splitlines()
+    bare = words_of_test(rig_test(scan=False, frfs=None)).splitlines()
     assert bare == ["SYNTHETIC: nobody measured this", "'rig'", "'truth'"]
 
 

@@ -14,7 +14,7 @@ from contact.io.tables import keys, members, type_words, words
 def all_tables():
     """Every table of every kind of file."""
     found = []
-    waiting = [model for models in roots().values() for model in models]
+    waiting = list(roots().values())
     while waiting:
         model = waiting.pop()
         if model not in found:

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.cli.series import series_files
+from casingfem.cli.pictures import series_files
 from casingfem.structure.mesh.shell_mesh import make_grid
 from contact.io.outfiles import write_files
 from contact.model.trig import harmonics

@@ -27,8 +27,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.chart import Cylinder, Frustum
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from casingfem.updating.calibration import calibrated, correction, turned_to
-from casingfem.updating.mixed_pairing import paired_by_shares
+from casingfem.updating.calibration import calibrated, correction, paired_by_shares, turned_to
 from tests.test_results import assert_whole
 
 BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.cli.mistune import result_files, words
+from casingfem.cli.sweep import files_of_draws, words_of_draws
 from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
@@ -176,7 +176,7 @@ def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
     perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
     found = Mistuning.of(rows, perfect)
     source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
-    files = result_files(found, {"source": source, "doublets": found.summary()})
+    files = files_of_draws(found, {"source": source, "doublets": found.summary()})
     draws, summary = (table_of(files[name]) for name in ("mistune.csv", "mistune_summary.csv"))
     assert draws[0] == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
     np.testing.assert_array_equal(draws[1], np.array(rows, dtype=float))
@@ -186,7 +186,7 @@ def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
         np.array([[np.nan if x is None else x for x in row.values()] for row in found.summary()], dtype=float),
     )
     run = MistuneRun(found=found, errors={0: 3e-9, 50: 2e-8, 100: 4e-10}, from_nothing=(7, 9), resumed=5)
-    assert words(run).splitlines()[1:] == [
+    assert words_of_draws(run).splitlines()[1:] == [
         "3 draws also solved from nothing: frequencies differ by 2.0e-08 at most",
         "2 draws solved from nothing: the restart had missed modes",
         "5 draws were there already",

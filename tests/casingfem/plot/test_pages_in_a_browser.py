@@ -9,12 +9,10 @@ import pytest
 
 import casingfem as cf
 from casingfem.errors import ModelWarning
-from casingfem.plot.film import rub_film
+from casingfem.plot.contact import rub_film
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
-from casingfem.plot.pages.cycles import cycles_page
-from casingfem.plot.pages.scene import scene_page, scene_verdict
-from casingfem.plot.pages.sweep import sweep_page
+from casingfem.plot.pages.contact import cycles_page, scene_page, scene_verdict, sweep_page
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.turning import turning_shapes

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
+from casingfem.study.cyclic import axis_vector, build_mesh_rotation, build_rotation, vector
 from casingfem.study.problems import Problems
-from casingfem.study.rotation import axis_vector, build_mesh_rotation, build_rotation, vector
 from casingfem.study.tables.shapes import RotationTable
 from tests.casingfem.study.study_texts import named
 

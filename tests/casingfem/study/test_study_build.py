@@ -13,9 +13,9 @@ from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.revolved import Arc
 from casingfem.study.build import build_chart, build_field, build_mesh, build_random, build_shell
 from casingfem.study.problems import Problems
-from casingfem.study.schema import StudyFile
 from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.shapes import BladeTable, DomeTable, MeshTable
+from casingfem.study.tables.tasks import StudyFile
 
 STEEL = {"E": 210e9, "nu": 0.3, "rho": 7800.0}
 ALUMINIUM = {"E": 70e9, "nu": 0.33, "rho": 2700.0}

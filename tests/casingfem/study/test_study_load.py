@@ -15,8 +15,7 @@ from casingfem.study.cyclic import read_deviations
 from casingfem.study.imported import build_supports, is_imported, mesh_interface
 from casingfem.study.load import load_interface, load_update, source, tables_of, with_start_value
 from casingfem.study.problems import Problems, StudyError
-from casingfem.study.schema import StudyFile
-from casingfem.study.tables.tasks import ParameterTable, ReduceTable
+from casingfem.study.tables.tasks import ParameterTable, ReduceTable, StudyFile
 from tests.casingfem.study.study_texts import named
 
 FRUSTUM = cf.Frustum(r_base=0.5, r_top=0.4, height=0.25)

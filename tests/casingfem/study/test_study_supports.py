@@ -9,7 +9,6 @@ import pytest
 import casingfem as cf
 from casingfem.structure.edge.section import Section
 from casingfem.study.problems import Problems
-from casingfem.study.schema import StudyFile
 from casingfem.study.supports import (
     build_masses,
     build_stiffeners,
@@ -21,6 +20,7 @@ from casingfem.study.supports import (
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MassTable
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, RingTable, StiffenerTable
+from casingfem.study.tables.tasks import StudyFile
 
 FRUSTUM = cf.Frustum(r_base=0.5, r_top=0.4, height=0.25)
 PANEL = cf.Panel(radius=0.3, length=0.2, angle=0.5)

@@ -3,8 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from casingfem.study.tables.cyclic import CyclicTable
-from casingfem.study.tables.fields import Harmonic, ImperfectionTable, Wave
+from casingfem.study.tables.fields import CyclicTable, Harmonic, ImperfectionTable, Wave
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable, RigTable, ScanTable, SensorTable, TroublesTable
 from casingfem.study.tables.shapes import (
     BladeTable,

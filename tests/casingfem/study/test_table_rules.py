@@ -4,8 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
-from casingfem.study.tables.cyclic import CyclicTable
-from casingfem.study.tables.fields import ImperfectionTable
+from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable
 from casingfem.study.tables.shapes import RotationTable, ShellTable
 from casingfem.study.tables.supports import BoltsTable, ElasticTable, RingTable

@@ -12,12 +12,12 @@ import casingfem as cf
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.geometry.strip import Strip
-from casingfem.study.schema import StudyFile
+from casingfem.study.tables.tasks import StudyFile
 from casingfem.study.updated import (
     add_harmonic,
     bare,
+    entry_of,
     even,
-    harmonic,
     holding,
     literal,
     loosen,
@@ -96,8 +96,8 @@ def test_a_change_of_a_harmonic_adds_to_where_it_stands():
     assert imperfections[2]["harmonics"] == [{"p": 5}]
     assert imperfections[4:] == [{"of": "density", "harmonics": [{"p": 1, "sin": 0.07}]}]
     waves = [{"p": 2}]
-    assert harmonic(waves, 2) is waves[0]
-    assert harmonic(waves, 7) is waves[1]
+    assert entry_of(waves, "p", 2) is waves[0]
+    assert entry_of(waves, "p", 7) is waves[1]
 
 
 def test_every_kind_of_parameter_goes_to_its_key():

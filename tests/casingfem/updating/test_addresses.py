@@ -14,7 +14,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.geometry.blade import Blade
 from casingfem.structure.geometry.stations import Taper
 from casingfem.updating.addresses import address_of, get_value, with_value
-from casingfem.updating.named import named_numbers
+from casingfem.updating.numbers import named_numbers
 from casingfem.updating.parameters import Parameter, check_parameters
 
 OWN = cf.Material(E=190e9, nu=0.29, rho=7900.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.updating.levenberg import PREDICTED_DECREASE, levenberg_marquardt
+from casingfem.updating.solve import PREDICTED_DECREASE, levenberg_marquardt
 
 
 def rosenbrock(x):

@@ -10,8 +10,8 @@ from casingfem.errors import ModelError
 from casingfem.experiment.correlation.matches import Match, Pairing
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.following import LostModeError, followed, moved, overlaps
-from casingfem.updating.mesh_numbers import mesh_numbers, nodal_inertia
+from casingfem.updating.following import LostModeError, followed, moved, nodal_inertia, overlaps
+from casingfem.updating.numbers import mesh_numbers
 from casingfem.updating.sensitivity import eigen_derivatives, product_derivatives
 from tests.casingfem.updating.test_update_judged import blade
 

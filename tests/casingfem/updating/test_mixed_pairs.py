@@ -9,8 +9,7 @@ import casingfem as cf
 from casingfem.experiment.correlation.matches import Match
 from casingfem.modal.affine import AffineModes
 from casingfem.modal.harmonics import Rings
-from casingfem.updating.calibration import correction
-from casingfem.updating.mixed_pairing import paired_by_shares
+from casingfem.updating.calibration import correction, paired_by_shares
 
 N = 8  # the highest n that labels know
 

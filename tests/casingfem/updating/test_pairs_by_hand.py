@@ -10,12 +10,14 @@ from casingfem.errors import InputError
 from casingfem.experiment.correlation.matches import Match
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import ModeSet
-from casingfem.updating.orientation import lower_phase, partner_turn, radial_amplitudes
 from casingfem.updating.targets import (
     Rates,
     has_angle,
     is_doublet,
     jacobian,
+    lower_phase,
+    partner_turn,
+    radial_amplitudes,
     residual_count,
     values,
     with_model_error,

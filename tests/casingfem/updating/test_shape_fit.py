@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.plot.pages.fit_shapes import figure_shape_mac, shapes_section
+from casingfem.plot.pages.fit import figure_shape_mac, shapes_section
 from casingfem.updating.addresses import with_value
 from casingfem.updating.shape_fit import shape_fit
 from tests.test_results import assert_whole

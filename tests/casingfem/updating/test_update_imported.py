@@ -17,7 +17,7 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.study import load_any
 from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.mesh_numbers import mesh_numbers
+from casingfem.updating.numbers import mesh_numbers
 from casingfem.updating.sensitivity import eigen_derivatives, of_mesh
 from reports.modes.mesh_files import write_inp
 

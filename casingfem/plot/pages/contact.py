@@ -1,0 +1,220 @@
+"""The pages on contact: a scene that was run, a sweep, and branches of periodic motions."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page, written
+from casingfem.plot.style import Drawn
+from casingfem.plot.sweep import LABELS, figure_cycles
+
+Rows = Sequence[Mapping[str, Any]]
+CAPTIONS = {
+    "run": "Force averaged over the model's shortest period, gap, and the largest modal coordinates over time.",
+    "spectrum": "Spectrum of the contact force over the whole run and its last quarter; below, how it came to be.",
+    "spectrum_tip": "The same of the tip's motion along the contact's normal.",
+    "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
+    "energy": "Energy into the bodies by source, and strain energy over time.",
+    "interactions": "The blade over speed: poles of closed contact that grow in colour, speeds that diverge shaded.",
+}
+SHOWN = {
+    "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
+    "peak_force_N": "largest force [N]", "amplitude_m": "amplitude [m]", "growth_1_s": "growth [1/s]",
+    "dominant_n": "dominant n", "unaccounted_rel": "energy not accounted for", "flags": "flags", "why": "why",
+}  # fmt: skip
+CAPTION = (
+    "What was measured over what was varied. Diverged runs are triangles, refused or failed ones crosses; the colours "
+    "of a map span all but the outermost values."
+)
+BRANCHES = (
+    "Amplitude of every channel over the parameter: kept motions full, others dashed, one colour a branch; marks "
+    "are folds, flips, Neimark-Sacker and branch points, small strokes where a contact begins or ceases to close."
+)
+BASINS = " Discs: what random starts at that value end on, and how many of them."
+ORDINARY = "grazing"  # a change that ends nothing
+
+
+def scene_page(
+    name: str, scene: str, summary: str, flags: tuple[str, ...], numbers: Mapping[str, Cell],
+    figures: Mapping[str, Figure], table: str = "", *, verdict: Verdict, source: Mapping[str, Any],
+    films: Sequence[Picture] = (),
+) -> str:  # fmt: skip
+    """HTML of the page: the scene as written, flags first, the film of a rub, numbers, pictures, its interactions."""
+    rows = tuple(numbers.items())
+    sections = [
+        Section("What became of it", flags, tuple(films), (Table("The run in numbers.", ("quantity", "value"), rows),),
+                preformatted=summary),
+    ]  # fmt: skip
+    shown = [key for key in figures if key != "interactions"]
+    if shown:
+        pictures = tuple(Picture.of(figures[key], CAPTIONS[key], kind="png") for key in shown)
+        sections.append(Section("Pictures", figures=pictures))
+    if table:
+        drawn = figures.get("interactions")
+        seen = () if drawn is None else (Picture.of(drawn, CAPTIONS["interactions"], kind="png"),)
+        sections.append(Section("At which speed", figures=seen, preformatted=table))
+    sections.append(Section("The scene", preformatted=scene))
+    notice = flags[0] if flags else ""
+    return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
+
+
+def scene_verdict(numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, rubs: bool) -> Verdict:
+    """What became of a run, by its own checks; `numbers` are those of the command line."""
+    closed, span = numbers["time in contact [s]"], numbers["time simulated [s]"]
+    share = 100.0 * closed / span if span else 0.0
+    found = (
+        f"{'Stopped as diverging after' if diverged else 'Ran'} {span:.4g} s in {numbers['steps']:,.0f} steps; contact "
+        f"is closed {share:.3g} % of the time, its impulse {numbers['impulse [N s]']:.4g} N s, the largest force, "
+        f"averaged over the model's shortest period, {numbers['largest windowed force [N]']:.4g} N."
+    )
+    sure = (
+        f"The law of contact is kept to {written(numbers['law violated by [m]'], 1)} m, and all energy but "
+        f"{written(100.0 * numbers['energy not accounted for'], 1)} % is accounted for. That is the scheme's own "
+        "check; the step and the number of modes are not checked by it."
+    )
+    if flags:
+        further = "Read what is flagged above; beyond it the model is not the machine."
+    else:
+        further = "Run it with half the step, and with more modes, and compare the impulse: casingfem sweep does both."
+    if rubs:
+        further += " At which speeds it grows: below, or casingfem interactions."
+    return Verdict(found=found, sure=sure, further=further)
+
+
+def sweep_page(
+    name: str, keys: Sequence[str], rows: Rows, source: Mapping[str, Any],
+    drawn: Drawn | None, words: str,
+) -> str:  # fmt: skip
+    """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
+
+    `rows` hold the varied values and what was measured; `words` is what the command prints.
+    """
+    figures = () if drawn is None else (Picture.of(drawn, CAPTION),)
+    sections = [
+        Section("Over what was varied", figures=figures, preformatted=words),
+        Section("Runs", tables=(runs_table(keys, rows),)),
+    ]
+    return render_page(f"Sweep of {name}", sections, verdict=sweep_verdict(keys, rows), source=origin(source))
+
+
+def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
+    """What became of the runs, where they grow most, what is left to look at."""
+    count = Counter(str(row["status"]) for row in rows)
+    became = ", ".join(f"{number} {status}" for status, number in count.most_common())
+    found = f"{len(rows)} runs over {', '.join(keys)}: {became}."
+    growing = [row for row in rows if row.get("growth_1_s")]
+    if growing:
+        most = max(growing, key=lambda row: float(row["growth_1_s"]))
+        at = ", ".join(f"{key} = {short(most[key])}" for key in keys)
+        found += f" The largest growth is {float(most['growth_1_s']):.3g} 1/s, at {at}."
+    left = [abs(float(row["unaccounted_rel"])) for row in rows if row.get("unaccounted_rel") is not None]
+    flagged = sum(bool(row.get("flags")) for row in rows)
+    sure = f"Energy not accounted for is at most {written(100.0 * max(left), 1)} % in any run." if left else ""
+    sure += f" {flagged} runs have flags." if flagged else ""
+    broken = count["refused"] + count["failed"]
+    if broken:
+        further = "Read why runs were refused or failed: the last column of the table."
+    elif count["diverged"]:
+        further = "Where runs diverged closed contact grows: casingfem interactions says by which coincidence."
+    else:
+        further = "Vary more finely around the largest values; half the step says how far to believe them."
+    return Verdict(found=found, sure=sure.strip() or "Nothing was measured of these runs.", further=further)
+
+
+def runs_table(keys: Sequence[str], rows: Rows) -> Table:
+    """Every run: what was varied, what became of it; columns that are empty throughout are left out."""
+    names = [name for name in SHOWN if any(row.get(name) not in (None, "") for row in rows)]
+    cells: list[tuple[Cell, ...]] = [
+        (*(short(row[key]) for key in keys), str(row["status"]), *(cell(row.get(name)) for name in names))
+        for row in rows
+    ]
+    columns = (*keys, "status", *(SHOWN[name] for name in names))
+    return Table(f"The {len(rows)} runs; sweep.csv has more columns.", columns, tuple(cells), folded=len(rows) > 20)
+
+
+def cell(value: Any) -> Cell:
+    """A measured value in four digits, a dash for none."""
+    if value in (None, ""):
+        return None
+    return float(f"{value:.4g}") if isinstance(value, float) else value if isinstance(value, int) else str(value)
+
+
+def short(value: Any) -> Cell:
+    """A varied value: a number as it is, the name of a file, else its words."""
+    return value if isinstance(value, int | float) else str(value)
+
+
+def cycles_page(
+    name: str, rows: Rows, marks: Rows, ends: Sequence[str],
+    source: Mapping[str, Any], words: str, reached: Rows = (),
+) -> str:  # fmt: skip
+    """HTML of the page on branches: rows of the table, special points, why branches ended inside the range.
+
+    `reached` are the motions that random starts end on, with their share.
+    """
+    picture = Picture.of(figure_cycles(rows, marks, reached), BRANCHES + BASINS * bool(reached))
+    sections = [
+        Section("Branches", figures=(picture,), tables=(marks_table(marks),), preformatted=words),
+        Section("Orbits", tables=(orbits_table(rows),)),
+    ]  # fmt: skip
+    return render_page(f"Cycles of {name}", sections, verdict=cycles_verdict(rows, marks, ends), source=origin(source))
+
+
+def cycles_verdict(rows: Rows, marks: Rows, ends: Sequence[str]) -> Verdict:
+    """How many motions, how many are kept, what makes them jump."""
+    parameter = list(rows[0])[1]
+    values = [float(row[parameter]) for row in rows]
+    kept = sum(bool(row["stable"]) for row in rows)
+    branches, named = len({row["branch"] for row in rows}), LABELS.get(parameter, parameter)
+    told = [mark for mark in marks if mark["kind"] != ORDINARY]
+    found = (
+        f"{len(rows)} periodic motions on {branches} branch{'es' * (branches > 1)} over {named} from "
+        f"{min(values):.6g} to {max(values):.6g}; {kept} are kept, {len(rows) - kept} are not. "
+    )
+    found += "; ".join(f"{mark['kind']} at {mark[parameter]:.6g}" for mark in told[:4])
+    found += f" and {len(told) - 4} more special points" if len(told) > 4 else ""
+    sure = (
+        "Every motion closes on itself after its period and is judged by its Floquet multipliers. Motions on branches "
+        "that are not connected with these are not found."
+    )
+    broken = [end for end in ends if end]
+    if broken:
+        further = f"A branch ended inside the range: {broken[0].rstrip('.')}."
+    elif told:
+        further = "Where a branch folds or loses its stability a machine jumps: run the scene on both sides of it."
+    else:
+        further = "Nothing jumps in this range: widen it, or raise the force."
+    return Verdict(found=found.rstrip(" ;") + ("" if found.endswith(". ") else "."), sure=sure, further=further)
+
+
+def marks_table(marks: Rows) -> Table:
+    """Special points."""
+    names = [key for key in (marks[0] if marks else {}) if key not in ("kind", "branch")]
+    rows: list[tuple[Cell, ...]] = [
+        (str(mark["kind"]), int(mark["branch"]), *(f"{mark[name]:.6g}" for name in names)) for mark in marks
+    ]
+    columns = ("kind", "branch", *(heading(name) for name in names))
+    return Table("Special points.", columns, tuple(rows), folded=len(rows) > 12)
+
+
+def orbits_table(rows: Rows) -> Table:
+    """All orbits, folded."""
+    names = [key for key in rows[0] if key != "branch"]
+    cells: list[tuple[Cell, ...]] = [(int(row["branch"]), *(orbit_cell(row[name]) for name in names)) for row in rows]
+    return Table(f"All {len(rows)} orbits", ("branch", *map(heading, names)), tuple(cells), folded=True)
+
+
+def heading(name: str) -> str:
+    """A column's name in words."""
+    if name.startswith("amplitude_"):
+        return f"{name.removeprefix('amplitude_')} [m]"
+    return {"gap": "least gap [m]", "force": "largest force [N]"}.get(name, LABELS.get(name, name))
+
+
+def orbit_cell(value: Any) -> Cell:
+    """A number as text, whether it is kept as a word."""
+    if isinstance(value, bool):
+        return "kept" if value else "not kept"
+    return value if isinstance(value, int) else raised(f"{float(value):.5g}")
