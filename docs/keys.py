@@ -47,12 +47,11 @@ def section(model: Model, found: dict[str, list[str]]) -> str:
 def page() -> str:
     """The page as text."""
     known: dict[Model, dict[str, list[str]]] = {}
-    for file, models in roots().items():
-        for model in models:
-            for table, path in places(model, ""):
-                files = known.setdefault(table, {}).setdefault(path, [])
-                if file not in files:
-                    files.append(file)
+    for file, model in roots().items():
+        for table, path in places(model, ""):
+            files = known.setdefault(table, {}).setdefault(path, [])
+            if file not in files:
+                files.append(file)
     return HEAD + "".join(section(model, found) for model, found in known.items())
 
 

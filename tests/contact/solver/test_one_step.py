@@ -349,7 +349,7 @@ def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
     assert np.isnan(solver_room(1, 2).otherwise.call(1, 2, 0))
 
 
-@pytest.mark.parametrize(("sweeps", "part"), [(0, "coulomb.pivoted"), (3, "sweeps.sweep")])
+@pytest.mark.parametrize(("sweeps", "part"), [(0, "coulomb.pivoted"), (3, "room.sweep")])
 def test_ctrl_c_inside_a_loop_ends_it_and_is_raised_after_it(monkeypatch, sweeps, part):
     def interrupted(*_):
         raise KeyboardInterrupt
