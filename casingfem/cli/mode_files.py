@@ -1,7 +1,7 @@
 """The files of `casingfem modes`: the table, shapes for ParaView, a universal file; and its modes of a whole wheel."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -53,6 +53,13 @@ def modes_csv(found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma:
     return csv_text(rows, "\n".join(card), COLUMNS + COMPUTED)
 
 
+def modes_tables(
+    document: dict[str, Any], found: "ModeSet | CyclicModes", study: "Study | MeshStudy", sigma: float
+) -> dict[str, Content]:
+    """What --out holds of any modes."""
+    return {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study, sigma)}
+
+
 def print_wheel(
     study: "MeshStudy",
     wheel: "Wheel",
@@ -97,10 +104,7 @@ def print_wheel(
         "warnings": collected(),
         "source": study.source,
     }
-    files: dict[str, Content] = {
-        "modes.json": json_text(document, indent=1),
-        "modes.csv": modes_csv(found, study, sigma),
-    }
+    files = modes_tables(document, found, study, sigma)
     if vtu or uff:
         files |= shape_files(wheel_modes(found), shown, vtu=vtu, uff=uff)
     deliver(document, "\n".join(map(repr, parts)), as_json=as_json, out=out, files=files)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.mode_files import modes_csv, print_wheel, shape_files
+from casingfem.cli.mode_files import modes_tables, print_wheel, shape_files
 from casingfem.cli.running import ProgressMessage, collected, deliver, options
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
@@ -84,10 +84,7 @@ def modes(
         "warnings": collected(),
         "source": study.source,
     }
-    files: dict[str, Content] = {
-        "modes.json": json_text(document, indent=1),
-        "modes.csv": modes_csv(found, study, sigma),
-    }
+    files = modes_tables(document, found, study, sigma)
     if vtu or uff:
         files |= shape_files(found, shown, vtu=vtu, uff=uff)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)

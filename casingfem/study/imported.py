@@ -9,12 +9,12 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.imported.attachments.glue import Gluing, tied
+from casingfem.structure.imported.cells.support import Fixed, MeshSupport
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
-from casingfem.structure.imported.support import Fixed, MeshSupport
 from casingfem.structure.material import Material
 from casingfem.study.build import build_plies
 from casingfem.study.cyclic import Wheel, axis_vector, build_mesh_rotation, vector

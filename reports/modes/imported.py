@@ -24,11 +24,11 @@ from casingfem.modal.modes import modes
 from casingfem.modal.reduction import reduce
 from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.chart import Frustum, Plate
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.grid import Placing, grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
-from casingfem.structure.imported.support import Fixed
 from casingfem.structure.material import Material
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_any

@@ -18,9 +18,9 @@ from casingfem.experiment.uff.write import write_uff
 from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, Strain
 from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.read import read_mesh
-from casingfem.structure.imported.support import Fixed
 from casingfem.updating.addresses import get_value
 from casingfem.updating.regularisation import Regularisation
 

@@ -1,5 +1,6 @@
 from .assembly import MeshStructure, MeshSystem
 from .attachments.glue import Gluing, tied
+from .cells.support import Fixed
 from .cyclic.sector import CyclicSector
 from .loads import FacetPressure, MeshDeflection, NodeLoad
 from .matrix.matrix_set import MatrixSet
@@ -9,7 +10,6 @@ from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .shell import MeshShell
 from .solid import Solid
-from .support import Fixed
 
 __all__ = [
     "Attachments",

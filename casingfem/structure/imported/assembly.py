@@ -17,9 +17,9 @@ from casingfem.structure.geometry.rotation import rigid_left
 from casingfem.structure.imported.attachments.system import Connected, attached
 from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, symmetric
+from casingfem.structure.imported.cells.support import MeshSupport
 from casingfem.structure.imported.mesh.cell_kind import VTK
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.support import MeshSupport
 from contact.io.brief import brief
 
 IDLE = 1e-9  # of the size of a force: its part along an idle motion that is round-off

@@ -34,12 +34,12 @@ from casingfem.structure.imported.cells.shell import (
     stiffness,
     tangent_frames,
 )
+from casingfem.structure.imported.cells.support import check_support
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.spin import MeshSpin, mesh_spin, spun
-from casingfem.structure.imported.support import check_support
 from casingfem.structure.shell.checks import WALLS
 from contact.io.brief import brief
 

@@ -18,10 +18,10 @@ from casingfem.structure.geometry.rotation import Rotation, rigid_motions
 from casingfem.structure.imported.assembly import MeshSystem, assembled
 from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, mapped, scatter
 from casingfem.structure.imported.cells.solid import SolidCells, cell_matrices, consistent_mass, stiffness
+from casingfem.structure.imported.cells.support import check_support
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh.cell_kind import SOLIDS
 from casingfem.structure.imported.spin import MeshSpin, spun
-from casingfem.structure.imported.support import check_support
 from contact.io.brief import brief
 
 

@@ -10,7 +10,7 @@ import casingfem as cf
 from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.imported.support import Fixed
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.study.cyclic import read_deviations
 from casingfem.study.imported import build_supports, is_imported, mesh_interface
 from casingfem.study.load import load_interface, load_update, source, tables_of, with_start_value

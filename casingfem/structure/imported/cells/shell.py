@@ -14,10 +14,10 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.cells.mapped import CHUNK, put, shape_products
+from casingfem.structure.imported.cells.support import MeshSupport, by_group, constants_of
 from casingfem.structure.imported.cells.tying import tied_strains
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
-from casingfem.structure.imported.support import MeshSupport, by_group, constants_of
 from casingfem.structure.material import Material, plane_stress
 from casingfem.structure.shell.plies import Ply, layered_inertia, layered_wall
 from casingfem.structure.shell.wall import curved_wall, linear_wall

@@ -8,9 +8,9 @@ import numpy as np
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, mapped, put
+from casingfem.structure.imported.cells.support import MeshSupport, by_group, constants_of
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.support import MeshSupport, by_group, constants_of
 from casingfem.structure.material import Material
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))

@@ -17,12 +17,12 @@ from casingfem.io.arrays import Array, BoolArray, FloatArray, frozen
 from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.cells.shell import cell_normals, directors, tangent_frames
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.faces import Pairs, Turn, paired_faces
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.spin import MeshSpin
-from casingfem.structure.imported.support import Fixed
 
 CLOSE = 1e-9  # round-off in directions and angles
 

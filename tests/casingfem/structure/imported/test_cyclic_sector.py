@@ -9,12 +9,12 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError
 from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_mesh, wheel_structure
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
-from casingfem.structure.imported.support import Fixed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"low": (1, 0.0), "high": (1, 1.0), "base": (2, 0.0), "rim": (0, 1.0)}

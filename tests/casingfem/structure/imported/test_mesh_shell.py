@@ -13,12 +13,12 @@ from casingfem.structure.geometry.chart import Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
 from casingfem.structure.imported.solid import Solid
-from casingfem.structure.imported.support import Fixed
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.shell import Shell

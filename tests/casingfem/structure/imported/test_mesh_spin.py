@@ -11,10 +11,10 @@ from casingfem.modal.campbell import spin_from_rest
 from casingfem.structure.imported import solid_spin
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.shell_spin import shell_stiffening
 from casingfem.structure.imported.solid_spin import steady_stiffness, tangent
-from casingfem.structure.imported.support import Fixed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}

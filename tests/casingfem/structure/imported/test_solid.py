@@ -8,11 +8,11 @@ from scipy.sparse.linalg import eigsh
 
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, SOLIDS
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from casingfem.structure.imported.solid import Solid, assemble_solid
-from casingfem.structure.imported.support import Fixed
 from casingfem.structure.material import Material
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other

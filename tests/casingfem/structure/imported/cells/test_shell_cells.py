@@ -16,12 +16,12 @@ from casingfem.structure.imported.cells.shell import (
     tangent_frames,
     wall_stiffness,
 )
+from casingfem.structure.imported.cells.support import by_group
 from casingfem.structure.imported.cells.tying import lagrange, linear_weights, local_frame, to_local
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.attachments import Attachments, Tie
 from casingfem.structure.imported.mesh.mesh_data import Group, natives
 from casingfem.structure.imported.shell_spin import blocks, placed, shell_inertia, sym
-from casingfem.structure.imported.support import by_group
 from casingfem.structure.shell.wall import curved_wall
 from tests.casingfem.structure.imported.parts import STEEL, flat, squares
 

@@ -8,10 +8,10 @@ import pytest
 import casingfem as cf
 from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.imported.cells.shell import tangent_frames
+from casingfem.structure.imported.cells.support import check_support
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.structure.imported.shell import MeshShell, check_folds, edge_springs, with_centres
-from casingfem.structure.imported.support import check_support
 from tests.casingfem.structure.imported.parts import STEEL, box, flat, squares
 
 PLIES = (cf.shell.Ply(thickness=1.0),)

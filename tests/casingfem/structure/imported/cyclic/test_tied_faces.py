@@ -5,9 +5,9 @@ import pytest
 
 import casingfem as cf
 from casingfem.structure.imported.cells.shell import tangent_frames
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.support import Fixed
 from tests.casingfem.structure.imported.parts import STEEL, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")

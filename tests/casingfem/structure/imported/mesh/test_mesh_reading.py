@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
+from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.read import (
     LONGEST,
     blocks_of,
@@ -18,7 +19,6 @@ from casingfem.structure.imported.read import (
     without_copies,
 )
 from casingfem.structure.imported.readers.draft import Block
-from casingfem.structure.imported.support import Fixed
 
 FILE = Path("part.msh")
 

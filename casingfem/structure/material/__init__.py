@@ -1,0 +1,5 @@
+"""Of what a wall is made: isotropic, linear elastic."""
+
+from casingfem.structure.material.isotropic import Material, plane_stress
+
+__all__ = ["Material", "plane_stress"]
