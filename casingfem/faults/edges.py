@@ -34,6 +34,10 @@ EDGES = {
         "add it as an EdgeLoad or PointLoad, and give the shell's own weight as a SurfaceLoad",
     ),
     "mass-edge": ("masses stand on the edges of the shell", "name an edge of the chart and give EdgeMass values"),
+    "mass-held": (
+        "a mass on a clamped edge does not move and changes no mode",
+        "put it on another edge, hold this one by springs, or leave it out",
+    ),
     "mass-value": ("a mass that is negative or not finite, or at no angle", "give the mass in kg and the angle in rad"),
     "ring-edge": (
         "a ring's section is placed by radius and axis, and its ends are free",

@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray
-from casingfem.structure.edge.support import ElasticEdge
+from casingfem.structure.edge.support import Clamped, ElasticEdge
 from casingfem.structure.geometry.chart_checks import real
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.material import Material
@@ -180,4 +180,11 @@ def spring_warnings(shell: ShellParts) -> Iterator[Concern]:
                 yield "support-soft", f"support.{edge}: springs of {ratio:.2g} E"
 
 
-LOOKS = (material_warnings, chart_warnings, wall_warnings, spring_warnings)
+def mass_warnings(shell: ShellParts) -> Iterator[Concern]:
+    """Masses on an edge that does not move."""
+    for edge, masses in shell.masses.items():
+        if masses and isinstance(shell.supports.get(edge), Clamped):
+            yield "mass-held", f"masses.{edge}: found {len(masses)} on a clamped edge"
+
+
+LOOKS = (material_warnings, chart_warnings, wall_warnings, spring_warnings, mass_warnings)

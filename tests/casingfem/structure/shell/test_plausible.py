@@ -18,6 +18,7 @@ from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plausible import (
     chart_warnings,
     extent,
+    mass_warnings,
     material_warnings,
     sampled,
     spring_warnings,
@@ -220,6 +221,16 @@ def test_what_may_stand_beside_a_ring():
     shell(supports={"root": Ring(section=BAR), "tip": Clamped()})
     shell(supports={"root": Ring(section=BAR), "left": ElasticEdge(k_r=1e6)})
     shell(supports={"left": Symmetry()}, masses={"left": [EdgeMass(angle=0.1, mass=1.0)]})
+
+
+def test_masses_on_a_clamped_edge_are_doubted():
+    masses = [EdgeMass(angle=0.0, mass=1.0), EdgeMass(angle=0.1, mass=2.0)]
+    held = shell(supports={"root": Clamped()}, masses={"root": masses, "tip": masses}, mesh=None)
+    assert list(mass_warnings(held)) == [("mass-held", "masses.root: found 2 on a clamped edge")]
+    with pytest.warns(UserWarning, match=r"masses.root"):
+        warn_of(held)
+    assert not list(mass_warnings(shell(supports={"root": Clamped()}, masses={"root": ()}, mesh=None)))
+    assert not list(mass_warnings(shell(supports={"root": ElasticEdge(k_r=1e6)}, masses={"root": masses}, mesh=None)))
 
 
 @pytest.mark.parametrize(("deepest", "refused"), [(-0.999, False), (-1.0, False), (-1.001, True)])
