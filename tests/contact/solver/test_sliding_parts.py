@@ -178,9 +178,9 @@ def test_one_contact_sticks_inside_its_cone_or_slips_at_its_edge(case):
 def test_one_contact_that_is_open_or_may_have_two_answers_is_told():
     assert N.one_contact(2.0, 0.3, 0.2, 1.5, 0.0, 1.0, 0.4) == (True, 0.0, 0.0)
     assert N.one_contact(2.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0) == (True, 0.5, 0.0)
-    assert not N.one_contact(0.4, 1.0, 0.0, 9.0, -1.0, 1.0, 0.4)[0]
-    assert not N.one_contact(0.4, -1.0, 0.0, 9.0, -1.0, 1.0, 0.4)[0]
-    assert not N.one_contact(1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 0.4)[0]
+    assert N.one_contact(0.4, 1.0, 0.0, 9.0, -1.0, 1.0, 0.4) == (False, 0.0, 0.0)
+    assert N.one_contact(0.4, -1.0, 0.0, 9.0, -1.0, 1.0, 0.4) == (False, 0.0, 0.0)
+    assert N.one_contact(1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 0.4) == (False, 0.0, 0.0)
     assert math.isnan(N.drag_ratio(-1.0, 0.0, 0.0, 1.0, -1.0, 1.0, 0.4))
 
 

@@ -42,6 +42,12 @@ def test_a_header_says_what_stands_below_it_and_where():
         assert (found.points, found.binary, not found.fault) == (3, True, whole_)
 
 
+def test_nothing_follows_the_direction_of_the_reference_on_its_line():
+    lines = function()
+    lines[5] += "   7"
+    refused(read_function, raw("58", lines), "line 8, set 58 (functions): found '")
+
+
 @pytest.mark.parametrize("points", [2, 3])
 def test_two_points_or_more_need_a_step(points):
     wrong = raw("58", function(points=points, step=0.0))
