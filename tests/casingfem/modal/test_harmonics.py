@@ -126,3 +126,11 @@ def test_a_perfect_pair_is_turned_into_cosine_and_sine(angle, n, swap):
     turned = np.stack(fields, axis=-1) @ align_pair(rings.profile(0, n), rings.profile(1, n))
     np.testing.assert_allclose(turned[:, :, 0], radial_wave(n, 0.0), atol=1e-7)
     np.testing.assert_allclose(turned[:, :, 1], radial_wave(n, np.pi / (2 * n)), atol=1e-7)
+
+
+def test_a_pair_without_radial_motion_is_turned_and_not_stretched():
+    along = np.exp(1j * np.linspace(0.0, 2.0, 4))
+    first, second = np.zeros((2, 12), dtype=complex)
+    first[4:8], second[4:8] = along, 1j * along
+    turn = align_pair(first, second)
+    np.testing.assert_allclose(turn.T @ turn, np.eye(2), atol=1e-14)
