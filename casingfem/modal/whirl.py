@@ -70,8 +70,7 @@ class WhirlModes(Reported):
     @property
     def freq_fixed(self) -> FloatArray:
         """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
-        waves = self.sense * np.maximum(self.nodal_diameters, 0)
-        return freq_at_rest(self.freq, waves, getattr(self.shell, "rotation", None))
+        return freq_at_rest(self.freq, self.sense * self.nodal_diameters, getattr(self.shell, "rotation", None))
 
 
 def freq_at_rest(freq: FloatArray, waves: IntArray, rotation: Rotation | None) -> FloatArray:
