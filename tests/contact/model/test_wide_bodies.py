@@ -22,6 +22,13 @@ def thrown(**change):
     return ct.LinearBody(**(given | change))
 
 
+def test_entries_of_damping_that_equal_those_of_stiffness_are_seen_beside_them():
+    # found by its order: what cancelled would be no entry
+    order, wide = packing._ordered(thrown(C=NET))
+    np.testing.assert_array_equal(order, packing._ordered(thrown(C=2.0 * NET))[0])
+    assert wide == packing._ordered(thrown(C=2.0 * NET))[1]
+
+
 def kept(monkeypatch, empty, body, method, **more):
     monkeypatch.setattr(packing, "EMPTY", empty)
     return ct.run(
