@@ -228,3 +228,11 @@ def test_a_survey_keeps_its_mean_and_residual():
     assert wall.mean_thickness == pytest.approx(3e-3, rel=1e-14)
     with pytest.raises(ValueError, match="a thickness survey has no mean radius"):
         wall.mean_radius(0.0)
+
+
+def test_a_stray_point_is_told_where_the_others_are_enough_without_a_margin():
+    points = rings([0.3], 36)
+    value = points.value.copy()
+    value[5] += 2e-3
+    fit = fit_points(rings([0.3], 36, value), 14, 0)  # 29 unknowns: more than 0.8 of the 35 other points
+    assert np.flatnonzero(fit.stray).tolist() == [5]
