@@ -23,6 +23,8 @@ from casingfem.structure.mesh.element import gauss, lagrange
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts
 
+PERIODIC, RESOLVED = 1e-3, 0.02  # of the largest harmonic: what breaks a period around, what a mesh must follow
+
 
 def outer_supports(shell: ShellParts) -> dict[str, object]:
     """Edge -> what holds it from outside, a ring's own support under a ring."""
@@ -43,23 +45,23 @@ def harmonic_amplitudes(shell: ShellParts, defect: Field) -> Array:
     return np.asarray(np.abs(np.fft.rfft(values, axis=1)).max(axis=0)[1 : points // 2])
 
 
-def around_period(shell: ShellParts, floor: float = 1e-3) -> int:
+def around_period(shell: ShellParts) -> int:
     """The greatest common divisor of all that varies around: a mesh of as many elements shares its symmetry."""
     period = 0
     springs = [s.patterns.values() for s in outer_supports(shell).values() if isinstance(s, ElasticEdge)]
     for defect in (*shell.defects.values(), *chain.from_iterable(springs)):
         amplitude = harmonic_amplitudes(shell, defect)
-        period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > floor * amplitude.max())).tolist()]))
+        period = int(np.gcd.reduce([period, *(1 + np.flatnonzero(amplitude > PERIODIC * amplitude.max())).tolist()]))
     for support in outer_supports(shell).values():
         if isinstance(support, Bolts):
             period = int(np.gcd(period, support.period))
     return period
 
 
-def finest_harmonic(shell: ShellParts, defect: Field, floor: float = 0.02) -> int:
-    """The highest circumferential harmonic of a field above `floor` times its largest, by sampling."""
+def finest_harmonic(shell: ShellParts, defect: Field) -> int:
+    """The highest circumferential harmonic of a field above RESOLVED times its largest, by sampling."""
     amplitude = harmonic_amplitudes(shell, defect)
-    above = np.flatnonzero(amplitude > floor * amplitude.max())
+    above = np.flatnonzero(amplitude > RESOLVED * amplitude.max())
     return int(above[-1]) + 1 if amplitude.max() > 0.0 else 0
 
 
