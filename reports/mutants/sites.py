@@ -2,7 +2,8 @@
 
 A site is a piece of one line with texts that may stand there instead. Left alone: docstrings, messages, annotations,
 decorators, imports, what prints, `__repr__` and which fields it shows, what is never run: overloads and methods that a
-protocol asks for, and numbers so small that they only keep a quotient or a logarithm finite.
+protocol asks for, numbers so small that they only keep a quotient or a logarithm finite, multiples of nan and inf, and
+whether a threshold of round-off lies below or above itself.
 """
 
 import ast
@@ -31,6 +32,8 @@ SETTINGS = {
     "optimize",
 }  # fmt: skip
 TINY = 1e-100
+ROUND_OFF = 1e-6  # a computed number never equals a threshold of this size or less, other than 0
+ENDLESS = {"nan", "inf"}
 RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
 
 
@@ -146,14 +149,15 @@ class Finder(ast.NodeVisitor):
 
     def visit_Return(self, node: ast.Return) -> None:
         """A changed value, by the type that is promised."""
-        if node.value is not None and self.returns:
+        if node.value is not None and self.returns and name_of(node.value) not in ENDLESS:
             self.replace(node.value, self.returns)
         self.generic_visit(node)
 
     def visit_Compare(self, node: ast.Compare) -> None:
-        """A bound in or out, a relation turned round."""
+        """A bound in or out, a relation turned round; which side a threshold of round-off is on shows nowhere."""
         for left, right, operator in zip([node.left, *node.comparators], node.comparators, node.ops, strict=False):
-            self.swap(left, right, WORDS[type(operator)])
+            if not (is_tiny(left, ROUND_OFF) or is_tiny(right, ROUND_OFF)) or isinstance(operator, ast.Eq | ast.NotEq):
+                self.swap(left, right, WORDS[type(operator)])
         self.generic_visit(node)
 
     def visit_BinOp(self, node: ast.BinOp) -> None:
@@ -221,9 +225,9 @@ def is_text(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-def is_tiny(node: ast.expr) -> bool:
-    """Whether a node is a number that only keeps a quotient or a logarithm finite."""
-    return isinstance(node, ast.Constant) and isinstance(node.value, float) and 0.0 < abs(node.value) <= TINY
+def is_tiny(node: ast.expr, most: float = TINY) -> bool:
+    """Whether a node is a number that only keeps a quotient or a logarithm finite, or one below another size."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, float) and 0.0 < abs(node.value) <= most
 
 
 def sites(text: str) -> list[Site]:

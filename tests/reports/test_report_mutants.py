@@ -93,6 +93,8 @@ def changes(line: str) -> set[str]:
         ("if a: raise ValueError(f'{b + 1}')", {"if False: raise ValueError(f'{b + 1}')", "if a: pass"}),
         ("x = a / (b + 1e-300)", {"x = a * (b + 1e-300)"}),
         ("x = a / max(b, 1e-300)", {"x = a * max(b, 1e-300)", "x = a / min(b, 1e-300)"}),
+        ("x = a < 1e-12", {"x = a < 2e-12", "x = a < 3e-12"}),
+        ("x = a < 1e-3", {"x = a <= 1e-3", "x = a < 0.002", "x = a < 0.003"}),
         ("x = field(default=a, repr=False)", set()),
         ("x: Literal[1] = 'text' + a", set()),
         ("x = f'{a + b}'", set()),
@@ -109,6 +111,7 @@ def test_returned_numbers_change_by_their_promised_type() -> None:
     text = "def f(a=1) -> float:\n    return a\n"
     made = [mutant("f.py", text, site, new) for site in sites(text) for new in site.choices]
     assert [one.after for one in made if one] == ["def f(a=2) -> float:", "return 2.0 * (a)"]
+    assert not sites("def f(a) -> float:\n    return math.nan\n")
 
 
 @pytest.mark.parametrize(
