@@ -140,6 +140,17 @@ def test_newton_s_method_ends_at_the_law_and_tells_how_far_it_is_from_it(dim):
         assert again[0] == 0
 
 
+def test_bursts_of_sweeps_begin_where_newton_s_steps_ended_whatever_an_earlier_call_left():
+    rng = np.random.default_rng(5)
+    for _ in range(30):
+        half = rng.standard_normal((6, 6))
+        W, b = half @ half.T / 6 + 0.01 * np.eye(6), rng.standard_normal(6) - [1.0, 0.0, 1.0, 0.0, 1.0, 0.0]
+        room, force = solver_room(3, 2), np.zeros(6)
+        room.vectors[N.BASE] = math.nan
+        _, residual = N.newton(W, b, np.array([1.5, 2.0, 0.8]), 2, 3, force, room)
+        assert residual <= 1e-12
+
+
 def held(W, q, i, dim, mu, force):
     """Whether a contact that the others push by q is open, sticks or slips against its friction, and how well."""
     own, u = force[i : i + dim], W[i : i + dim, i : i + dim] @ force[i : i + dim] + q
