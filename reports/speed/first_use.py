@@ -1,12 +1,12 @@
 """How long the first run of each shipped scene takes, with nothing compiled yet, and how long the next one does.
 
-`python -m reports.speed.first_use [--quick] [--out DIR]`. User and system seconds of the whole command as a reader
-types it, with an empty cache of machine code and then with the full one; their difference is what compiling costs once.
-Where a limit is set the lesser of two, since others use the machine. Bases that a scene needs are made before, and not
-counted. Scenes that differ in numbers alone share their loops: one of section_44 and of abradable stands for its like.
+`python -m reports.speed.first_use [--quick] [--out DIR] [--beside CHECKOUT]`. User and system seconds of the whole
+command as a reader types it, with an empty cache of machine code and then with the full one; their difference is what
+compiling costs once. Where a limit is set the lesser of two, since others use the machine. Bases that a scene needs are
+made before, and not counted. Scenes that differ in numbers alone share their loops: one of section_44 and of abradable
+stands for its like. A checkout beside is run in turns with this one, by the same Python.
 """
 
-import math
 import os
 import resource
 import shlex
@@ -14,10 +14,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from casingfem.examples import Example, examples
-from reports.tables import Row, command_line, show, write
+from reports.tables import ROOT, Row, command_line, show, write
 
 QUICK = ("two_rods",)
 LIKE_OTHERS = ("section_44/", "abradable/", "interaction_map/", "two_rods_sweep")  # many runs, or the same loops
@@ -27,6 +30,7 @@ LOADED = "import casingfem.cli, contact.jit.compiled, pandas, scipy.sparse.linal
 WANTED = {"two_rods": 5.0} | dict.fromkeys(
     ("coulomb_oscillator", "bladed_disk", "rub/five_nodes", "abradable/wear_in"), 15.0
 )
+CACHE = "machine-code"
 RODS = 6.0  # every other scene of rods
 
 
@@ -43,11 +47,12 @@ def scenes(quick: bool) -> list[Example]:
     return [e for e in known if e.name in OF_THEM or not e.name.startswith(LIKE_OTHERS)]
 
 
-def seconds(command: str, folder: Path, cache: Path) -> float:
-    """User and system seconds of a command of casingfem and its children, run in `folder`."""
+def seconds(command: str, folder: Path, checkout: Path) -> float:
+    """User and system seconds of a command of a checkout's casingfem and its children, run in `folder`."""
     words = [sys.executable, "-m", *shlex.split(command)]
     there = {
-        **os.environ, "NUMBA_CACHE_DIR": str(cache), "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
+        **os.environ, "PYTHONPATH": str(checkout), "NUMBA_CACHE_DIR": str(folder / CACHE),
+        "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
     }  # fmt: skip
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
@@ -57,41 +62,52 @@ def seconds(command: str, folder: Path, cache: Path) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def row_of(scene: Example, folder: Path) -> Row:
-    """First and next run of one scene."""
-    write_example = f"casingfem example {scene.name}"
-    cache = folder / "machine-code" / scene.name.replace("/", "-")
-    seconds(write_example, folder, cache)
+def prepared(scene: Example, folder: Path, checkout: Path) -> str:
+    """The command that runs a scene from `folder`, where it and its bases stand then."""
+    folder.mkdir(parents=True)
+    seconds(f"casingfem example {scene.name}", folder, checkout)
     *before, run = scene.commands(Path("data"))
     for command in before:
-        seconds(command, folder, cache)
-    run += " --json"
+        seconds(command, folder, checkout)
+    return f"{run} --json"
+
+
+def row_of(scene: Example, folder: Path, checkouts: Sequence[Path]) -> Row:
+    """First and next run of one scene by this checkout, and by that beside it."""
     limit = wanted(scene)
-    first = following = math.inf
+    folders = [folder / str(k) for k in range(len(checkouts))]
+    runs = [prepared(scene, *where) for where in zip(folders, checkouts, strict=True)]
+    least = np.full((len(checkouts), 2), np.inf)
     for _ in range(1 if limit is None else 2):
-        shutil.rmtree(cache, ignore_errors=True)
-        first, following = min(first, seconds(run, folder, cache)), min(following, seconds(run, folder, cache))
-    verdict = None if limit is None else "met" if first <= limit else "MISSED"
-    return {
+        for k, (run, *where) in enumerate(zip(runs, folders, checkouts, strict=True)):
+            shutil.rmtree(folders[k] / CACHE, ignore_errors=True)
+            least[k] = np.minimum(least[k], [seconds(run, *where), seconds(run, *where)])
+    first, following = map(float, least[0])
+    row: Row = {
         "scene": scene.name, "first [s]": first, "next [s]": following, "compiling [s]": first - following,
-        "wanted [s]": limit, "verdict": verdict,
+        "wanted [s]": limit, "verdict": None if limit is None else "met" if first <= limit else "MISSED",
     }  # fmt: skip
+    for other in least[1:]:
+        row |= {"first, beside [s]": float(other[0]), "next, beside [s]": float(other[1])}
+    return row
 
 
-def main(out: Path, quick: bool = False) -> list[Row]:
+def main(out: Path, quick: bool = False, beside: Path = ROOT) -> list[Row]:
     """Print and write the table; returns its rows."""
     rows = []
-    subprocess.run([sys.executable, "-c", LOADED], check=True, env={**os.environ, "PYTHONDONTWRITEBYTECODE": ""})
+    checkouts = tuple(dict.fromkeys((ROOT, beside.resolve())))
+    for checkout in checkouts:
+        there = {**os.environ, "PYTHONPATH": str(checkout), "PYTHONDONTWRITEBYTECODE": ""}
+        subprocess.run([sys.executable, "-c", LOADED], check=True, env=there, cwd=checkout)
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes(quick):
-            place = Path(folder) / scene.name.replace("/", "-")
-            place.mkdir()
-            rows.append(row_of(scene, place))
-            print(f"{scene.name}: {rows[-1]['first [s]']:.1f} s, then {rows[-1]['next [s]']:.1f} s", flush=True)
+            row = row_of(scene, Path(folder) / scene.name.replace("/", "-"), checkouts)
+            rows.append(row)
+            print(scene.name, *(f"{name} {row[name]:.1f}" for name in row if "[s]" in name and row[name]), flush=True)
     show("User and system seconds of a scene's first run and of the next", rows)
     write(out / "first_use.csv", rows)
     return rows
 
 
 if __name__ == "__main__":
-    command_line(__doc__, main)
+    command_line(__doc__, main, beside=(ROOT, "checkout to run in turns with this one"))
