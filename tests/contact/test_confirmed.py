@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 import contact as ct
 from contact.confirmed import ConfirmingRun, _start, _step, closed_rub, exponent
-from contact.growth.closed_contact import poles
+from contact.growth.closed_contact import poles, state_matrix
 from contact.growth.split_casing import mean_contact
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
@@ -59,6 +59,24 @@ def test_a_confirming_run_starts_at_rest_plus_its_leading_motion(hz, sign):
     np.testing.assert_allclose((back @ np.concatenate([q, v]))[:3], earlier[:3], rtol=1e-12)
     velocity = np.linalg.solve(back[:3, 3:], earlier[:3] - back[:3, :3] @ q)
     np.testing.assert_allclose(v, velocity, rtol=1e-6, atol=1e-9 * np.abs(velocity).max())
+
+
+def test_no_contact_of_several_moves_by_more_than_a_share_of_the_least_force():
+    points = [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=130.0 * k, lean_deg=10.0) for k in range(2)]
+    contact = mean_contact(ct.Rub(ring(), (blade(), blade(psi=0.8)), points), mu=0.3)[0]
+    m, turn, S = contact.omega.size, 2.0 * np.pi * 20.0 * contact.G, contact.compliance(1.0)
+    values, vectors = np.linalg.eig(state_matrix(contact, 20.0)[0])
+    k = int(values.real.argmax())
+    press, q, _ = _start(contact, 20.0, values[k], 1e-5, 2e-5)
+    free = turn @ turn + np.diag(2.0 * contact.zeta * contact.omega) @ turn + np.diag(contact.omega**2)
+    pushed = contact.pushes(1.0).T @ np.linalg.inv(S)
+    rest = np.linalg.solve(free + pushed @ contact.Q, pushed @ [press, press])
+    force = np.linalg.solve(S, press - contact.Q @ rest)
+    parts = np.column_stack([vectors[:m, k].real, -vectors[:m, k].imag])
+    (a, b), *_ = np.linalg.lstsq(parts, q - rest, rcond=None)
+    moved = np.abs(np.linalg.solve(S, contact.Q @ vectors[:m, k] * complex(a, b)))
+    assert moved.min() < 0.9 * moved.max()
+    assert moved.max() == pytest.approx(1e-3 * force.min(), rel=1e-5)
 
 
 def test_the_step_resolves_the_fastest_mode_the_motion_and_the_turning():

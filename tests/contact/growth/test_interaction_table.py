@@ -51,6 +51,8 @@ def test_many_modes_go_by_the_equation_and_few_or_many_contacts_by_eigenvalues(m
     by_eigenvalues = growth(contact, speeds)
     monkeypatch.setattr("contact.growth.closed_contact.MANY", 1)
     assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-9)
+    two = mean_contact(TWO_BLADES, mu=0.3)[0]
+    assert growth(two, speeds) == pytest.approx([every.real.max() for every in poles(two, speeds)], rel=1e-12)
     monkeypatch.setattr("contact.growth.closed_contact.closed_poles", lambda *_: None)  # it did not settle
     assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-12)
     assert len(poles_each(contact, speeds)) == 2

@@ -154,6 +154,12 @@ def test_a_step_of_a_beam_presses_on_its_rim_as_the_law_asks(m, depth, touching)
         assert out.event_time[row] == pytest.approx(H * (5 + part), rel=1e-9)
 
 
+def test_a_beam_whose_forces_are_not_found_ends_its_run_at_that_step(monkeypatch):
+    s, w = beam(0, (0.03, -0.1, -0.1))
+    monkeypatch.setitem(N.advance_beam.__globals__, "solve_contacts", lambda *_: False)
+    assert N.advance_beam(s, w, N.tally(3), N.samples(N.Record(), 3, 3, 12), H, 4, 3) == 4
+
+
 def test_a_beam_that_is_nowhere_ends_its_run():
     s, w = beam(0)
     s.x[2, 1] = math.nan
