@@ -1,6 +1,7 @@
 """A whole test of a few channels read as one of several set-ups; each choice on the way by itself."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -116,6 +117,22 @@ def test_modes_keep_to_their_size_where_they_are_polished():
     np.testing.assert_array_equal(own.freq, want.freq)
     free = fit_again(c, SETUPS, c.modes.freq, c.modes.zeta)
     assert np.abs(own.residues / free.residues).max() < 0.999
+
+
+def test_modes_that_shapes_say_were_exchanged_are_fitted_once_more_that_way(monkeypatch):
+    c = cluster(((100.0, 100.2), (101.5, 101.3)), (0.004, 0.003))
+    straight, asked = _polished(SETUPS, 0.05, 1e-3, None, c).own, []
+
+    def exchanged(one, *given):
+        asked.append(given)
+        return np.column_stack([one.own.freq[:, 0], one.own.freq[::-1, 1]])
+
+    monkeypatch.setattr("casingfem.experiment.identify.setups.shifted.rematched", exchanged)
+    own = _polished(SETUPS, 0.05, 1e-3, "around", c).own
+    assert asked == [(SETUPS, 1e-3, "around")]
+    want = fit_again(c, SETUPS, exchanged(SimpleNamespace(own=straight)), straight.zeta[:, 0], held(c, SETUPS))
+    np.testing.assert_allclose(own.freq, want.freq, rtol=1e-6)
+    assert np.abs(own.freq - straight.freq).max() > 0.1
 
 
 def test_channels_stay_alone_where_groups_do_not_read_them_as_well():
