@@ -32,12 +32,32 @@ from casingfem.updating.targets import with_model_error
 from contact.io.notebook import notebook_progress
 
 FAR = 6  # modes below the highest row, to each row, from which the table's unit is doubted
+MOST_MODES = 500  # and so many in all are not computed unless they are asked for: each fit would take minutes
 LOOKS = 5  # rounds in which rows may be set aside or taken back
 
 
 def mode_count(table: FrequencyTable, shell: Shell | MeshStructure, system: System | None) -> int:
     """Modes to compute so that every row has a candidate: all up to 15 % past the table, and a few more."""
     return max(count_below(shell, 1.15 * float(table.freq_hz.max()), system), len(table)) + 4
+
+
+def require_few(table: FrequencyTable, count: int) -> None:
+    """Refuse a row that asks for more than MOST_MODES modes, as one with a digit too many does.
+
+    Raises
+    ------
+    InputError
+        Naming the row, and that below it.
+    """
+    if count > MOST_MODES:
+        order = np.argsort(table.freq_hz)
+        high, next_one = order[-1], order[-2:][0]
+        beside = "" if len(table) < 2 else f", the next row {table.freq_hz[next_one]:.6g} Hz"
+        raise InputError(
+            table.path, column="freq_hz", where=f"mode {table.mode[high]}",
+            found=f"{table.freq_hz[high]:.6g} Hz{beside}: some {count} modes to compute for {len(table)} rows",
+            expected=f"rows that at most {MOST_MODES} modes reach; or say how many, `count`, if these are meant",
+        )  # fmt: skip
 
 
 def update(
@@ -68,7 +88,7 @@ def update(
     vary
         What may change, within which bounds.
     count
-        Modes computed at each step; by default enough to reach 15 % above the table.
+        Modes computed at each step; by default enough to reach 15 % above the table, if those are not too many.
     reach
         Largest relative frequency error at which a row may pair with a mode.
     model_error
@@ -90,7 +110,8 @@ def update(
     InputError
         A parameter that does not exist, is named twice, or starts outside its bounds.
     InputError
-        Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table.
+        Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table; a
+        table in another unit, or a row above more than MOST_MODES modes where no `count` is given.
     """
     if not vary:
         raise InputError("vary: name at least one parameter")
@@ -107,6 +128,7 @@ def update(
         if count > FAR * len(table):
             lowest = modes(structure, 2 * len(table))
             require_hz(table, lowest.freq, getattr(lowest, "nodal_diameters", None))
+            require_few(table, count)
     if shapes is not None and (columns := shapes.shapes.shape[1]) != len(table):
         raise InputError(f"shapes: found {columns} columns, expected {len(table)}, one a row of the table")
     if outliers not in ("set-aside", "keep"):

@@ -7,7 +7,7 @@ import casingfem as cf
 from casingfem.updating.identifiability import Identifiability, identifiability, widths
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.regularisation import WEIGHTS, Regularisation, chosen_weight, corner, is_harmonic, trade_off
-from casingfem.updating.updating import mode_count
+from casingfem.updating.updating import MOST_MODES, mode_count, require_few
 from tests.casingfem.updating.test_update_judged import blade, table, vary
 
 VARY = [
@@ -136,6 +136,29 @@ def test_modes_are_computed_to_15_per_cent_past_the_table_and_four_more():
         rows = cf.FrequencyTable.from_arrays(freq_hz=[0.4 * freq[0], 0.45 * freq[0], highest], sigma_hz=1.0)
         below = int(np.count_nonzero(freq < 1.15 * highest))
         assert mode_count(rows, blade(), None) == max(below, 3) + 4
+
+
+def test_a_row_with_digits_too_many_is_refused_before_the_modes_below_it_are_computed():
+    rows = cf.FrequencyTable.from_arrays(freq_hz=[310.0, 350000.0, 320.0], sigma_hz=1.0, mode=[4, 5, 7], path="t.csv")
+    words = r"t\.csv, column 'freq_hz', mode 5: found 350000 Hz, the next row 320 Hz: some 501 modes to compute for 3 "
+    with pytest.raises(cf.errors.InputError, match=words + "rows; expected rows that at most 500 modes reach"):
+        require_few(rows, MOST_MODES + 1)
+    require_few(rows, MOST_MODES)
+    with pytest.raises(cf.errors.InputError, match=r"found 310 Hz: some 501 modes to compute for 1 rows"):
+        require_few(rows.without(5, 7), MOST_MODES + 1)
+
+
+def test_an_update_asks_for_few_modes_where_their_number_is_not_given(monkeypatch):
+    rows = table(rows=3)
+    far = rows.freq_hz.copy()
+    far[1] *= 30.0
+    wrong = cf.FrequencyTable.from_arrays(freq_hz=far, sigma_hz=1.0)
+    monkeypatch.setattr("casingfem.updating.updating.MOST_MODES", 20)
+    with pytest.raises(cf.errors.InputError, match=r"mode 2: found .* some [0-9]+ modes to compute for 3 rows"):
+        cf.update(blade(), wrong, vary("material.E"))
+    monkeypatch.setattr("casingfem.updating.updating.FAR", 100)  # as many as so many rows would reach
+    monkeypatch.setattr("casingfem.updating.updating.fitted", lambda problem, *_, **__: problem.count)
+    assert cf.update(blade(), wrong, vary("material.E"), outliers="keep") > 20
 
 
 def test_what_an_update_is_not_asked_for_rightly_is_refused_first():

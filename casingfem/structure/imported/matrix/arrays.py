@@ -4,6 +4,7 @@ K, M and maybe C, dense, or sparse as MATLAB keeps it, or in an npz as NAME_data
 compressed columns; `dofs` (n, 2) and `nodes` (k, 4: number, x, y, z) if they are there.
 """
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +101,11 @@ def read_from_mat(path: Path) -> dict[str, Any]:
 def mat_arrays(path: Path) -> dict[str, Any]:
     """All of them by name, sparse ones in parts; of cells and structs, which hold no numbers, only the size."""
     found: dict[str, Any] = {}
-    for name, value in loadmat(path).items():
+    with warnings.catch_warnings():
+        # scipy 1.18 warns where nobody says which kind of sparse ones to give, either does; 1.14 cannot be told
+        warnings.filterwarnings("ignore", ".*spmatrix", DeprecationWarning)
+        variables = loadmat(path)
+    for name, value in variables.items():
         if issparse(value):
             found |= to_columns(name, value) | {f"{name}_shape": np.array(value.shape)}
         elif not name.startswith("__"):

@@ -125,6 +125,7 @@ def test_arrays_are_read_again_as_they_are(tmp_path):
     assert {node: x.tolist() for node, x in points.items()} == {n: POINTS[n].tolist() for n in (41, 12)}
 
 
+@pytest.mark.filterwarnings("ignore:[^a-z]*The default value for .spmatrix.:DeprecationWarning")
 def test_matlab_finds_matrices_and_tables_by_name(tmp_path):
     (name,) = files = mat(SET, "p")
     found = loadmat(stored(tmp_path, files) / name)
