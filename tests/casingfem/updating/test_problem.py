@@ -68,7 +68,8 @@ def test_an_imported_part_is_solved_from_nothing_and_counted_as_it_is():
     assert state.solution is None
     assert problem.counted(x) is state
     np.testing.assert_allclose(state.values, -10.0, rtol=1e-6)
-    np.testing.assert_allclose(problem.jac(x)[:, 0], 1e3 / (2.0 * 210e9), rtol=1e-6)
+    # the lowest mode's K is 1.6e-7 of the terms that it sums, and the difference 1e-4 of it: round-off of 7e-6
+    np.testing.assert_allclose(problem.jac(x)[:, 0], 1e3 / (2.0 * 210e9), rtol=1e-5)
     assert problem.structure(1.1 * x).material.E == pytest.approx(231e9)
 
 
