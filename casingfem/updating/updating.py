@@ -50,12 +50,11 @@ def require_few(table: FrequencyTable, count: int) -> None:
         Naming the row, and that below it.
     """
     if count > MOST_MODES:
-        order = np.argsort(table.freq_hz)
-        high, next_one = order[-1], order[-2:][0]
-        beside = "" if len(table) < 2 else f", the next row {table.freq_hz[next_one]:.6g} Hz"
+        *lower, highest = np.sort(table.freq_hz)
+        beside = f", the next row {lower[-1]:.6g} Hz" if lower else ""
         raise InputError(
-            table.path, column="freq_hz", where=f"mode {table.mode[high]}",
-            found=f"{table.freq_hz[high]:.6g} Hz{beside}: some {count} modes to compute for {len(table)} rows",
+            table.path, column="freq_hz", where=f"mode {table.mode[table.freq_hz.argmax()]}",
+            found=f"{highest:.6g} Hz{beside}: some {count} modes to compute for {len(table)} rows",
             expected=f"rows that at most {MOST_MODES} modes reach; or say how many, `count`, if these are meant",
         )  # fmt: skip
 

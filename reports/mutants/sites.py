@@ -32,7 +32,7 @@ SETTINGS = {
     "optimize",
 }  # fmt: skip
 TINY = 1e-100
-ROUND_OFF = 1e-6  # a computed number never equals a threshold of this size or less, other than 0
+ROUND_OFF = 1e-6  # a computed number hardly ever equals a threshold of this size or less, other than 0
 ENDLESS = {"nan", "inf"}
 RETURNED = {"float": "2.0 * ({})", "int": "({}) + 1", "bool": "not ({})", "Array": "-({})", "FloatArray": "-({})"}
 

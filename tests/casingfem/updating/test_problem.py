@@ -57,8 +57,9 @@ def test_rows_paired_anew_are_where_modes_are_followed_from(problem):
 
 def test_an_imported_part_is_solved_from_nothing_and_counted_as_it_is():
     mesh = grid_mesh("quad9", (2, 1), lambda u: np.insert(u * [0.3, 0.05], 2, 0.0, axis=1), groups={"root": (0, 0.0)})
+    # thick enough for bending to stand out of the round-off of K's sums, on any processor
     part = cf.MeshShell(
-        mesh=mesh, thickness=2e-3, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()}
+        mesh=mesh, thickness=2e-2, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()}
     )
     freq = cf.modes(part, 3).freq
     rows = cf.FrequencyTable.from_arrays(freq_hz=1.01 * freq, sigma_hz=1e-3 * freq)
@@ -68,8 +69,7 @@ def test_an_imported_part_is_solved_from_nothing_and_counted_as_it_is():
     assert state.solution is None
     assert problem.counted(x) is state
     np.testing.assert_allclose(state.values, -10.0, rtol=1e-6)
-    # the lowest mode's K is 1.6e-7 of the terms that it sums, and the difference 1e-4 of it: round-off of 7e-6
-    np.testing.assert_allclose(problem.jac(x)[:, 0], 1e3 / (2.0 * 210e9), rtol=1e-5)
+    np.testing.assert_allclose(problem.jac(x)[:, 0], 1e3 / (2.0 * 210e9), rtol=1e-6)
     assert problem.structure(1.1 * x).material.E == pytest.approx(231e9)
 
 
