@@ -34,6 +34,7 @@ def doctor(as_json: bool, out: Path | None) -> None:
         "products": products(),
         "threads": {name: os.environ.get(name) for name in THREADS},
         "numba": numba_compiles(),
+        "machine_code": machine_code(),
         "extras": extras(),
     }
     deliver(document, text(document), as_json=as_json, out=out, files={"doctor.json": json_text(document)})
@@ -84,6 +85,15 @@ def numba_compiles() -> dict[str, object]:
     except Exception as error:  # whatever a broken compiler raises is the finding
         return {"compiles": False, "why": f"{type(error).__name__}: {error}"}
     return {"compiles": right, "seconds": time.perf_counter() - started}
+
+
+def machine_code() -> dict[str, object]:
+    """Directories of compiled contact loops that are read, the one that is written, and how many loops they hold."""
+    from contact.jit import machine_code
+
+    read, written = list(machine_code.directories()), machine_code.writable()
+    loops = sum(len(list(each.glob(f"*{machine_code.ENDING}"))) for each in read)
+    return {"read": ", ".join(map(str, read)), "written": None if written is None else str(written), "loops": loops}
 
 
 def extras() -> dict[str, dict[str, object]]:

@@ -1,8 +1,5 @@
 """The only doorway to numba: one typed decorator, imported when a run starts and not before.
 
-Numba's disk cache watches the file of a function but not the files of what it calls. The cache directory is
-therefore named after the contents of every compiled source, so that no change can leave stale machine code.
-
 Machine code is the same wherever it runs, and of whole loops alone. Numba links copies of the called functions beside
 the caller, under names that the whole process shares. Where a name is there already, the linker takes that function: in
 the run that compiles, the one compiled by itself; in a run that reads the cache, the copy. Both are right, but sums are
@@ -21,23 +18,23 @@ each goes through the whole function, and what they ask for is worked out anew a
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numba.experimental.function_type
 from llvmlite import binding
 from numba.core import typed_passes, types, untyped_passes
+from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
 
 from contact.jit.bundle import bundled
+from contact.jit.machine_code import MachineCode
 from contact.jit.progress import Announcement, Uncollected, announce, calls_looked_up_once, with_room
 
 Manager: Any = PassManager
@@ -50,26 +47,18 @@ PASSES = (
     after.NativeLowering, after.NoPythonBackend,
 )  # fmt: skip
 ENVIRONMENT = "_ZN08NumbaEnv"  # how the names begin under which numba looks for a function's environment
-config: Any = numba.config
+CFunction: Any = CFunc
+normalized: Any = normalize_signature
 unliteral: Any = types.unliteral
 protocol: Any = types.WrapperAddressProtocol
 VECTOR: Any = types.Array(types.float64, 1, "C")
 MATRIX: Any = types.Array(types.float64, 2, "C")
 Function = TypeVar("Function", bound=Callable[..., object])
-ROOT = Path(__file__).parents[1]
-SOURCES = (
-    *sorted((ROOT / "jit").glob("*.py")),
-    ROOT / "record/record.py",
-    ROOT / "model/bodies/band.py",
-    ROOT / "model/gaps/limits.py",
-    *sorted((ROOT / "loop").rglob("*.py")),
-    *sorted((ROOT / "solver").rglob("*.py")),
-)
 # no reference counts: loops are given all their arrays, and counting the views they take cost more than the steps
-BY_ADDRESS: Any = {"cache": True, "_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
+BY_ADDRESS: Any = {"_nrt": False, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
 OPTIONS: Any = {**BY_ADDRESS, "no_cfunc_wrapper": True}
-# no way in from Python, which is compiled for each; no cache: there is no code
-PART: Any = {"no_cpython_wrapper": True, "cache": False}
+# no way in from Python, which is compiled for each
+PART: Any = {"no_cpython_wrapper": True}
 
 
 class AsWritten(JITCodeLibrary):
@@ -163,15 +152,6 @@ def _relink(module: Any, found: Any, linkage: str) -> None:
         if not function.is_declaration and function.linkage == found:
             function.linkage = linkage
 
-
-def cache_directory() -> Path:
-    """Directory of the machine code of exactly these sources."""
-    digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in SOURCES)).hexdigest()
-    base = config.CACHE_DIR or ROOT / "__pycache__"
-    return Path(base) / f"contact-{digest[:12]}"
-
-
-CACHE = str(cache_directory())
 
 announce(Announcement(), Uncollected())
 
@@ -275,29 +255,22 @@ class ByAddress(protocol):  # type: ignore[misc]
 @cache
 def address_of(function: Callable[..., Any], kind: Any) -> int:
     """Compile a function that is called by its address."""
-    with cached_here(), calls_looked_up_once():
-        made: Any = with_room(numba.cfunc(kind, pipeline_class=SealedPipeline, **BY_ADDRESS), function)
+    made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=SealedPipeline)
+    made._cache = MachineCode(function)
+    with calls_looked_up_once():
+        with_room(made.compile)
     return int(made.address)
-
-
-@contextmanager
-def cached_here() -> Iterator[None]:
-    """Machine code goes into the directory named after the sources."""
-    before = config.CACHE_DIR
-    config.CACHE_DIR = CACHE
-    try:
-        yield
-    finally:
-        config.CACHE_DIR = before
 
 
 def compiled(
     function: Function, options: dict[str, Any], kind: type[Loop] = Entry,
     pipeline: type[SealedPipeline] = SealedPipeline,
 ) -> Function:  # fmt: skip
-    """Compile with numba, the cache in a directory named after the sources."""
-    with cached_here():
-        made: Any = numba.njit(pipeline_class=pipeline, **options)(function)
+    """Compile with numba; entries are kept on disk, parts have no machine code of their own."""
+    made: Any = numba.njit(pipeline_class=pipeline, **options)(function)
     if isinstance(made, CPUDispatcher):
         made.__class__ = kind
+        if kind is Entry:
+            dispatcher: Any = made
+            dispatcher._cache = MachineCode(function)
     return cast(Function, made)

@@ -1,10 +1,7 @@
-"""The cache of machine code is named after everything that ends up in it, and reading it changes no result."""
+"""The digest of machine code covers all compiled sources; parts, announcements and garbage while loops compile."""
 
 import ast
 import gc
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,14 +9,15 @@ import numpy as np
 import pytest
 
 import contact
-from contact.jit.compiled import OPTIONS, SOURCES, compiled, jit, jit_entry
+from contact.jit.compiled import OPTIONS, compiled, jit, jit_entry
+from contact.jit.machine_code import SOURCES
 from contact.jit.progress import WORDS, Announcement, Uncollected
 from contact.solver.friction.one_contact import scalar_force
 from tests.conftest import PLACE, Groups
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
-PLAIN = ("jit.compiled", "jit.progress", "base.errors", "base.arrays", "io.brief", "io.notebook")
+PLAIN = ("jit.compiled", "jit.machine_code", "jit.progress", "base.errors", "base.arrays", "io.brief", "io.notebook")
 NOT_COMPILED = {f"contact.{name}" for name in PLAIN}
 
 
@@ -47,54 +45,6 @@ def test_the_cache_watches_every_module_that_compiles() -> None:
 def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
     taken = {module for source in SOURCES for module in imported(source)} - NOT_COMPILED
     assert {file_of(module) for module in taken} <= set(SOURCES)
-
-
-# sums whose order depends on how often they were optimised, in a function too long to be drawn into its caller
-SUMS = """
-import hashlib
-import numpy as np
-from contact.jit.compiled import jit, jit_entry
-
-@jit
-def inner(a, b, c, n):
-    s = 0.0
-    for i in range(n):
-        s += a[i] * b[i]
-        c[i] = 0.5 * s + a[i]
-    for i in range(n):
-        s -= b[i] * c[i]
-        if s > 1e3:
-            s *= 0.1
-    for i in range(n):
-        s += a[i] * c[i] * b[i]
-    for i in range(n - 1):
-        s += (a[i] - b[i + 1]) * c[i]
-    for i in range(0, n, 2):
-        s += (a[i] - b[i + 1]) / (1.5 + c[i])
-    for i in range(n):
-        for j in range(n):
-            s += a[i] * b[j] * c[j]
-    return s
-
-@jit_entry
-def outer(a, b, c, n):
-    return inner(a, b, c, n) + inner(b, a, c, n - 1) + inner(c, a, b, n - 2)
-
-rng = np.random.default_rng(7)
-print(hashlib.sha256(np.array([outer(*rng.normal(size=(3, 64)), n) for n in range(3, 40)])).hexdigest())
-"""
-
-
-@pytest.mark.slow
-def test_the_run_that_compiles_and_the_next_one_agree_to_the_last_bit(tmp_path: Path) -> None:
-    (tmp_path / "sums.py").write_text(SUMS, encoding="utf-8")
-    paths = os.pathsep.join([str(tmp_path), str(ROOT.parent)])
-    there = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": paths}
-    command = [sys.executable, "-c", "import sums"]
-    first, second = (subprocess.run(command, env=there, capture_output=True, text=True, check=True) for _ in range(2))
-    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 1  # the part is in the machine code of its caller
-    assert len(first.stdout) > 60
-    assert first.stdout == second.stdout
 
 
 def test_a_part_of_a_loop_is_compiled_as_an_entry_when_python_calls_it() -> None:

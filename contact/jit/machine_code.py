@@ -1,0 +1,162 @@
+"""Machine code on disk: one file for each loop and signature, in a directory named after all sources of all loops.
+
+Numba's own cache compares the file of a function and not the files of what the function calls. Its index of several
+files may also name another signature's code after two processes wrote at once. Here a file is complete in itself: it
+holds its key (digest of all sources, versions of numba and llvmlite, processor, signature) and a checksum, and it is
+written under a temporary name and renamed. A file that does not fit its key is compiled again.
+
+Directories are read in this order, up to the first one that can be written: `NUMBA_CACHE_DIR`, the `__pycache__` of
+this package, `~/.cache/contact`. New code goes into the last of them. So a directory that an administrator filled and
+made read-only is used, and what it lacks is kept by each user.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+config: Any = numba.config
+result: Any = CompileResult
+packed_by_numba: Any = dumps
+ROOT = Path(__file__).parents[1]
+SOURCES = (
+    *sorted((ROOT / "jit").glob("*.py")),
+    ROOT / "record/record.py",
+    ROOT / "model/bodies/band.py",
+    ROOT / "model/gaps/limits.py",
+    *sorted((ROOT / "loop").rglob("*.py")),
+    *sorted((ROOT / "solver").rglob("*.py")),
+)
+ENDING = ".code"
+
+
+@cache
+def digest() -> str:
+    """Hash of the contents and names of all compiled sources and of the versions of Python and compiler."""
+    made_by = sys.implementation.cache_tag, getattr(sys, "abiflags", ""), numba.__version__, llvmlite.__version__
+    read = hashlib.sha256(str(made_by).encode())
+    for source in SOURCES:
+        read.update(f"\0{source.relative_to(ROOT).as_posix()}\0".encode())
+        read.update(source.read_bytes())
+    return read.hexdigest()
+
+
+def user_directory() -> Path | None:
+    """Directory for caches of this user, where there is one."""
+    with suppress(RuntimeError):  # no home directory
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "contact"
+    return None
+
+
+def can_write(directory: Path) -> bool:
+    """Whether files can be made in a directory, or the directory itself where it does not exist yet."""
+    there = next((each for each in (directory, *directory.parents) if each.exists()), None)
+    return there is not None and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+
+
+def directories() -> Iterator[Path]:
+    """Directories of the machine code of exactly these sources, up to the first that can be written."""
+    for base in (config.CACHE_DIR, ROOT / "__pycache__", user_directory()):
+        if base:
+            yield Path(base) / f"contact-{digest()[:16]}"
+            if can_write(Path(base)):
+                return
+
+
+def writable() -> Path | None:
+    """Directory where new machine code goes; None where no directory can be written."""
+    return next((each for each in directories() if can_write(each)), None)
+
+
+class MachineCode:
+    """What numba asks of a cache, for one function. Only functions of `SOURCES` are kept: the digest covers them."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        file = Path(function.__code__.co_filename)
+        self.kept = file in SOURCES
+        self.name = f"{file.stem}.{function.__qualname__}".replace("<", "").replace(">", "")
+        self.code = hashlib.sha256(function.__code__.co_code).hexdigest()
+
+    @property
+    def cache_path(self) -> str | None:
+        """Directory where new code goes; None where none can be written, or for a function that is not kept."""
+        directory = writable() if self.kept else None
+        return None if directory is None else str(directory)
+
+    def _key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
+        return digest(), self.name, self.code, codegen.magic_tuple(), signature
+
+    def _file(self, key: tuple[Any, ...]) -> str:
+        return f"{self.name}-{hashlib.sha256(str(key).encode()).hexdigest()[:16]}{ENDING}"
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Return the code for a signature, None where no directory has it whole."""
+        if not self.kept:
+            return None
+        context.refresh()
+        key = self._key(signature, context.codegen())
+        for directory in directories():
+            found = whole(directory / self._file(key), key)
+            if found is not None:
+                return result._rebuild(context, *found)
+        return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep the code for a signature; where no directory takes it, the next process compiles again."""
+        directory = self.cache_path
+        if directory is None or any(not each.can_cache for each in compiled.lifted):
+            return
+        if compiled.library.has_dynamic_globals:  # addresses of this process
+            return
+        key = self._key(signature, compiled.codegen)
+        packed = packed_by_numba((key, compiled._reduce()))
+        with suppress(OSError):
+            publish(Path(directory) / self._file(key), hashlib.sha256(packed).digest() + packed)
+
+
+def whole(file: Path, key: tuple[Any, ...]) -> Any:
+    """What a file holds for this key; None where there is no such file, it is damaged, or its key is another."""
+    try:
+        read = file.read_bytes()
+    except OSError:
+        return None
+    checksum, packed = read[:32], read[32:]
+    if hashlib.sha256(packed).digest() != checksum:
+        return None
+    made_for, found = pickle.loads(packed)
+    return found if made_for == key else None
+
+
+def publish(file: Path, content: bytes) -> None:
+    """Write a file under a name of its own and rename it: a reader sees it whole or not at all."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    handle, staged = tempfile.mkstemp(dir=file.parent)
+    try:
+        with os.fdopen(handle, "wb") as opened:
+            opened.write(content)
+        Path(staged).chmod(0o666 & ~umask())  # mkstemp lets only its owner read, other users read this cache
+        os.replace(staged, file)
+    except OSError:
+        Path(staged).unlink(missing_ok=True)
+        raise
+
+
+@cache
+def umask() -> int:
+    """Return the permissions that this process does not give to new files."""
+    found = os.umask(0o022)
+    os.umask(found)
+    return found
