@@ -27,6 +27,7 @@ WRITERS = {
     "contact.former_names",
     "contact.io",
     "contact.io.former",
+    "contact.io.infiles",
     "contact.io.names",
     "contact.io.npz",
     "contact.io.outfiles",

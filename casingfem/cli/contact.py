@@ -212,10 +212,10 @@ def ran(scene: "Scene", progress: Callable[[float], None], pictured: bool) -> "t
 
 def is_scene(file: Path) -> bool:
     """Whether a file is a contact scene: TOML with [scene]. What is neither, the reader of studies tells."""
-    import tomllib
+    from contact.io.toml import read_toml
 
     try:
-        return "scene" in tomllib.loads(file.read_text(encoding="utf-8"))
+        return "scene" in read_toml(file)[1]
     except (OSError, ValueError):
         return False
 

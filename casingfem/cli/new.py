@@ -10,6 +10,7 @@ import click
 
 from casingfem import examples
 from casingfem.cli.running import BAD_INPUT, INTERRUPTED, deliver, fail, options, with_exit_codes
+from contact.io.infiles import read_bytes, regular_file
 from contact.io.names import hint
 from contact.io.outfiles import json_text, write_files
 
@@ -54,7 +55,7 @@ def write(wanted: examples.Example, folder: Path) -> list[Path]:
     """Write an example and those of the files it needs that are not there yet, from another example."""
     contents = {file.as_posix(): (examples.DATA / file).read_bytes() for file in wanted.files}
     there = {name for name in contents if (folder / name).exists()}
-    same = {name for name in there if (folder / name).is_file() and (folder / name).read_bytes() == contents[name]}
+    same = {name for name in there if (folder / name).is_file() and read_bytes(folder / name) == contents[name]}
     for name in contents:
         if name in there and (name == wanted.file.as_posix() or name not in same):
             fail(f"{folder / name}: found such a file, expected none: it stays; give another --out DIR", BAD_INPUT)
@@ -122,7 +123,7 @@ def stamps(file: Path) -> dict[Path, tuple[int, int]]:
     from contact.io.toml import read_toml
 
     try:
-        tables = read_toml(file)[1]
+        tables = read_toml(regular_file(file))[1]
     except (OSError, ValueError):  # the command says what is wrong
         tables = {}
     made = tables.pop("reduce", None)  # what it writes

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from casingfem.cli.tables import of_columns
+from contact.io.infiles import read_bytes, text_of
 from contact.io.outfiles import Content
 
 if TYPE_CHECKING:
@@ -180,7 +181,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     film = rub_film(scene.what, result)
     numbers = page_numbers(result)
     verdict = scene_verdict(numbers, result.flags, diverged=result.divergence is not None, rubs=rubs)
-    text = file.read_text(encoding="utf-8")
+    text = text_of(read_bytes(file))
     return scene_page(
         file.stem, text, repr(result), result.flags, numbers, drawn, table, verdict=verdict,
         source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),

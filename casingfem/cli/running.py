@@ -14,7 +14,8 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 import click
 
 from casingfem.errors import ModelWarning
-from contact.io.outfiles import Content, in_the_way, json_text, settle, write_files
+from contact.io.infiles import pipes_read_once, read_bytes
+from contact.io.outfiles import Content, in_the_way, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
@@ -52,10 +53,7 @@ def with_exit_codes(command: Callable[P, R]) -> Callable[P, R]:
         assert isinstance(files, tuple)
         read = [str(file) for file in files]
         try:
-            for path in kwargs.values():
-                if isinstance(path, Path):
-                    settle(path if path.is_dir() else path.parent)
-            with collecting():
+            with collecting(), pipes_read_once():
                 return command(*args, **kwargs)
         except KeyboardInterrupt:
             fail(what_is_safe(click.get_current_context().info_name, kwargs.get("out")), INTERRUPTED)
@@ -159,7 +157,7 @@ def source_of(file: Path) -> dict[str, str]:
     """Name and hash of an input file and the versions at work: what a page says of where it comes from."""
     from contact.version import versions
 
-    return {"file": file.name, "sha256": hashlib.sha256(file.read_bytes()).hexdigest(), **versions()}
+    return {"file": file.name, "sha256": hashlib.sha256(read_bytes(file)).hexdigest(), **versions()}
 
 
 class ProgressMessage:

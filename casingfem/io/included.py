@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from casingfem.errors import ModelError, warn
+from contact.io.infiles import read_loose_text
 
 NumberedLine: TypeAlias = tuple[str, str]  # its place, "3" or "3 of parts.inp", and the line
 
@@ -52,7 +53,7 @@ def _files(
     path: Path, main: Path, above: tuple[Path, ...], read: Collection[str] | None
 ) -> Iterator[tuple[Path, list[NumberedLine]]]:
     """Stretches of lines with the files they are from."""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = read_loose_text(path)
     pattern, lines = INCLUDES[main.suffix.lower()], list[NumberedLine]()
     check_last_line(text, path.name, abaqus=pattern is ABAQUS, read=read)
     of = f" of {path.name}" if above else ""

@@ -14,17 +14,15 @@ import csv
 import math
 import os
 import re
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from unicodedata import category
 
 import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
-from contact.io.outfiles import settle
+from contact.io.infiles import MOST_TEXT, TextError, read_bytes, text_of
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
@@ -97,22 +95,18 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     ------
     InputError
         With the line, what was found and what is expected.
-    FileNotFoundError
-        When there is no such file.
+    OSError
+        When there is no such file (FileNotFoundError), or none that can be read; `strerror` says what was found.
     """
     if "\0" in os.fspath(path):
         raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
-    settle(Path(path).parent)
-    data = Path(path).read_bytes()
+    data = read_bytes(path, most=MOST_TEXT)
     if data[:4] == b"PK\x03\x04":
         raise InputError(str(path), found="a workbook or another zip file", expected="a table saved as CSV")
     try:
-        text = data.decode("utf-16" if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else "utf-8-sig")
-    except UnicodeDecodeError as reason:
-        line = data.count(b"\n", 0, reason.start) + 1
-        found = f"byte 0x{data[reason.start]:02x}, which is not {reason.encoding.upper()}"
-        raise InputError(str(path), line=line, found=found, expected="a UTF-8 text file") from None
-    return parse(text, str(path))
+        return parse(text_of(data, utf16=True), str(path))
+    except TextError as error:
+        raise InputError(str(path), line=error.line, found=error.found, expected=error.expected) from None
 
 
 def parse(text: str, path: str) -> StrictCsv:

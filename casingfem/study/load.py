@@ -27,6 +27,7 @@ from casingfem.study.tables.tasks import REQUIRED, ParameterTable, ReduceTable, 
 from casingfem.updating.addresses import Structure, get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes
+from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import read_toml
 
 PACKAGES = ("casingfem", "numpy", "scipy", "scikit-fem")
@@ -83,6 +84,7 @@ def load_study(path: str | Path) -> Study:
     return study
 
 
+@pipes_read_once()
 def load_any(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
     """Read a study file, of a shell on a chart or of an imported mesh; with `wheel` one that has [cyclic] too.
 
@@ -142,7 +144,7 @@ def tables_of(file: Path) -> tuple[bytes, dict[str, Any]]:
     try:
         return read_toml(file)
     except OSError as error:
-        raise StudyError([with_code("study-file", f"{file}: found {error.strerror}, expected a study.toml")]) from None
+        raise StudyError([with_code("study-file", f"{file}: {error.strerror}")]) from None
     except ValueError as error:
         code = "study-toml" if str(error).startswith("not TOML") else "study-file"
         raise StudyError([with_code(code, f"{file}: {error}")]) from None
@@ -245,7 +247,7 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     names += [mistuning if isinstance(mistuning, str) else None]
     names += [table.mesh for table in (tables.solid, tables.shell) if table is not None]
     files = [file.parent / name for name in names if name is not None]
-    contents = [text, *(each.read_bytes() for name in files for each in (name, *included_files(name)))]
+    contents = [text, *(read_bytes(each) for name in files for each in (name, *included_files(name)))]
     return {
         "study": file.name,
         "sha256": hashlib.sha256(b"\0".join(contents)).hexdigest(),

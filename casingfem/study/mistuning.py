@@ -27,6 +27,7 @@ from casingfem.modal.mistuning import (
 from casingfem.modal.mode_set import Modes
 from casingfem.study.load import Study, load_study
 from casingfem.study.problems import StudyError
+from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
 from contact.io.workers import worker_pool
 
@@ -129,7 +130,7 @@ def open_store(study: Study, folder: Path) -> Path:
     """
     key = json_text({"source": study.source, "count": study.file.modes.count})
     mark = folder / "study.json"
-    if mark.exists() and mark.read_bytes() != key.encode("utf-8"):
+    if mark.exists() and read_bytes(mark) != key.encode("utf-8"):
         raise StudyError([f"{study.path}: {folder} holds draws of another study or version: give another --out DIR"])
     write_atomic(mark, key)
     return folder

@@ -86,8 +86,8 @@ class Attempt:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
         """Note an error of the input; everything else passes through."""
         if isinstance(error, OSError):
-            found = f"{error.filename!s} ({error.strerror})"
-            self.problems.add(self.key, found, "a file that can be read", "study-file")
+            sentence = f"{self.problems.file}: {self.key}: {error.filename}: {error.strerror}"
+            self.problems.append(with_code("study-file", sentence))
         elif isinstance(error, ValueError):
             key = table_of(error, self.key)
             for line in str(error).splitlines():

@@ -14,7 +14,8 @@ from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.io.outfiles import settle, write_atomic
+from contact.io.infiles import open_file
+from contact.io.outfiles import write_atomic
 
 ArrayKind = Literal["text", "complex", "real"]
 KINDS: dict[ArrayKind, tuple[str, str]] = {
@@ -61,15 +62,15 @@ def load_npz(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     """
     name = ""
     try:
-        settle(Path(path).parent)
         arrays = {}
-        with ZipFile(path) as archive:
-            _check(archive, Path(path).stat().st_size)
+        with open_file(path) as stream, ZipFile(stream) as archive:
+            _check(archive, stream.seek(0, os.SEEK_END))
             for info in archive.infolist():
                 name = f"member {info.filename.removesuffix('.npy')!r}: "
                 arrays[info.filename.removesuffix(".npy")] = _member(archive, info)
     except DAMAGE as error:
-        raise ValueError(f"{name}{error or type(error).__name__}") from error
+        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        raise ValueError(f"{name}{reason}") from error
     return arrays
 
 

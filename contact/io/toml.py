@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from contact.io.infiles import read_bytes, text_of
+
 PLACE = re.compile(r"at line (\d+), column \d+\)$")
 # what is written out of habit, and how TOML has it
 HABITS = {
@@ -15,6 +17,7 @@ HABITS = {
     r"=\s*[A-Za-z_/]": "text stands in quotes",
 }
 SHOWN = 60  # characters of a line
+MOST = 16e6  # bytes: large data stand in files of their own
 
 
 def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
@@ -23,21 +26,18 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     Raises
     ------
     OSError
-        No file that can be read.
+        No file that can be read: `strerror` says what was found and what is expected.
     ValueError
         A file that is no text ("line 2: found ...") or no TOML ("not TOML: ...").
     """
-    text = file.read_bytes()
+    data = read_bytes(file, most=MOST)
+    text = text_of(data)
     try:
-        return text, tomllib.loads(text.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        line = text.count(b"\n", 0, error.start) + 1
-        found = f"byte 0x{text[error.start]:02x}, which is not UTF-8"
-        raise ValueError(f"line {line}: found {found}, expected a UTF-8 text file") from None
+        return data, tomllib.loads(text)
     except RecursionError:
         raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
     except ValueError as error:  # also of numbers with thousands of digits
-        raise ValueError(f"not TOML: {error}{spelling(str(error), text.decode('utf-8'))}") from None
+        raise ValueError(f"not TOML: {error}{spelling(str(error), text)}") from None
 
 
 def spelling(error: str, text: str) -> str:

@@ -6,6 +6,7 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import entries, read_toml
 from contact.run import Scene
 from contact.scene.problems import Problems, SceneError, validated
@@ -22,8 +23,9 @@ def load_scene(path: str | Path) -> Scene:
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
     """
     file = Path(path)
-    table, text = read_scene(file)
-    return _built(table, file, text)
+    with pipes_read_once():
+        table, text = read_scene(file)
+        return _built(table, file, text)
 
 
 def scene_of(data: dict[str, Any], file: Path) -> Scene:
@@ -46,7 +48,7 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     problems.check()
     source = {"scene": file.name}
     if text is not None:
-        contents = [text, *((file.parent / name).read_bytes() for name in table.files())]
+        contents = [text, *(read_bytes(file.parent / name) for name in table.files())]
         source["sha256"] = hashlib.sha256(b"\0".join(contents)).hexdigest()
     heads = table.scene, table.scheme
     given = {name: getattr(part, name) for part in heads for name in GIVEN if name in type(part).model_fields}
@@ -65,7 +67,7 @@ def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:
         text, data = read_toml(file)
         return data, text
     except OSError as error:
-        raise SceneError([f"{file}: cannot be read ({error.strerror}), expected a scene.toml"]) from error
+        raise SceneError([f"{file}: {error.strerror}"]) from error
     except ValueError as error:
         raise SceneError([f"{file}: {error}"]) from error
 

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.errors import InputError
+from contact.io.infiles import read_text
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
@@ -53,9 +54,10 @@ class RecordTable(Table):
         if isinstance(channels, str):
             path = folder / channels
             try:
-                channels = np.loadtxt(path, delimiter=",", comments="#", ndmin=2)
+                channels = np.loadtxt(read_text(path).splitlines(), delimiter=",", comments="#", ndmin=2)
             except (OSError, ValueError) as error:
-                raise InputError(f"channels: {path}: {error}, expected rows of numbers") from error
+                reason = getattr(error, "strerror", f"{error}, expected rows of numbers")
+                raise InputError(f"channels: {path}: {reason}") from error
         given: dict[str, Any] = self.model_dump(exclude={"channels"}) | {"channels": channels}
         return Record(**given)
 

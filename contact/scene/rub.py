@@ -12,6 +12,7 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import readonly
 from contact.base.errors import InputError
+from contact.io.infiles import TextError, read_text
 from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
@@ -272,10 +273,10 @@ class RubFile(SceneFile):
 def read_profile(path: Path) -> tuple[list[float], list[float]]:
     """Angles [deg] and depths [m] of a CSV file under theta_deg,depth_m; raises InputError naming the line."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        lines = read_text(path).splitlines()
+    except (OSError, TextError) as error:
         reason = getattr(error, "strerror", error)  # the text of an OSError would repeat the path
-        raise InputError(f"profile: {path}: {reason}, expected a CSV file theta_deg,depth_m") from error
+        raise InputError(f"profile: {path}: {reason}") from error
     rows = [(n, line.split(",")) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if not rows or [cell.strip() for cell in rows[0][1]] != ["theta_deg", "depth_m"]:
         raise InputError(f"profile: {path}: found no header theta_deg,depth_m")

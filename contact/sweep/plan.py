@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.io.brief import brief
+from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.outfiles import digest_of
 from contact.io.toml import entries
 from contact.scene.load import scene_data, scene_of
@@ -58,6 +59,7 @@ class SweepPlan:
         return changed(self.base, self.keys, run.values)
 
 
+@pipes_read_once()
 def load_sweep(path: str | Path) -> SweepPlan:
     """Read a scene file with [sweep], and spread it out.
 
@@ -191,7 +193,7 @@ def _definition(data: dict[str, Any], file: Path, run_on: dict[str, str], conten
     for name in sorted(set(_words(data))):
         path = file.parent / name
         if path not in contents:
-            contents[path] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "none"
+            contents[path] = hashlib.sha256(read_bytes(path)).hexdigest() if path.is_file() else "none"
         if contents[path] != "none":
             files[name] = contents[path]
     return {"scene": data, "files": files, "versions": run_on, "measures": MEASURES}

@@ -16,6 +16,7 @@ from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
 from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.io.strict_csv import read
+from contact.io.infiles import regular_file
 from contact.io.npz import require_kinds
 from contact.io.outfiles import write_atomic
 
@@ -129,9 +130,10 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
     """
     _h5py(path)
     try:
-        stored = arrays_of(Path(path), __name__, "_contents")
+        stored = arrays_of(regular_file(path), __name__, "_contents")
     except (UnreadableError, OSError) as error:
-        raise InputError(str(path), found=f"no readable HDF5 file ({error})", expected="HDF5") from None
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(str(path), found=f"no readable HDF5 file ({reason})", expected="HDF5") from None
     arrays = {name: stored[name] for name in ARRAYS if name in stored}
     for name in ("x", "responses"):
         if name not in arrays:

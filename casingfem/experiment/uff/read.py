@@ -11,7 +11,6 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +31,7 @@ from casingfem.experiment.uff.set_55 import Shape, read_shape
 from casingfem.experiment.uff.set_58 import Function, FunctionHeader, read_function, read_function_header
 from casingfem.experiment.uff.split import KINDS, RawSet, split
 from casingfem.io.arrays import IntArray
+from contact.io.infiles import read_bytes
 
 SAME = 1e-5  # two sets name one node: coordinates equal to this part of the structure's size
 FEW = 4  # numbers left out are doubted where they are fewer than a quarter of those there
@@ -106,7 +106,7 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     ...     read_uff(write_uff(Path(folder) / "two.uff", nodes=nodes)).nodes
     Nodes(2, 1 to 2)
     """
-    return parse_uff(Path(path).read_bytes(), str(path), strict=strict)
+    return parse_uff(read_bytes(path), str(path), strict=strict)
 
 
 def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
@@ -119,7 +119,7 @@ def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
     FileNotFoundError
         When there is no such file.
     """
-    sets = split(Path(path).read_bytes(), str(path))
+    sets = split(read_bytes(path), str(path))
     return tuple(read_function_header(raw) for raw in sets if raw.number in ("58", "58b"))
 
 

@@ -19,6 +19,7 @@ from casingfem.structure.imported.readers.bdf import read_bdf
 from casingfem.structure.imported.readers.cdb import read_cdb
 from casingfem.structure.imported.readers.draft import Block, Draft, build, joined
 from casingfem.structure.imported.readers.inp import read_inp
+from contact.io.infiles import read_bytes, regular_file
 from contact.io.units import units_of
 
 LONGEST = 10_000  # characters of a line of names
@@ -108,7 +109,7 @@ def blocks_of(mesh: Any, file: Path) -> list[Block]:
 
 def read_gmsh(file: Path) -> Draft:
     """Gmsh's msh format; groups are the physical names, or `surface 7` where a number has no name."""
-    content = file.read_bytes()
+    content = read_bytes(regular_file(file))
     for section in (b"Nodes", b"Elements"):
         if b"$" + section not in content or b"$End" + section not in content:
             raise ModelError("mesh-file", f"{file.name}: ${section.decode()} is missing or not closed: cut short?")
@@ -162,7 +163,7 @@ def without_copies(blocks: list[Block], sets: dict[str, Any]) -> tuple[list[Bloc
 
 def read_vtu(file: Path) -> Draft:
     """VTK's unstructured grid; groups are the integer arrays on cells or points that hold only 0 and 1."""
-    pieces = re.findall(rb"<Piece\b[^>]*>", file.read_bytes())
+    pieces = re.findall(rb"<Piece\b[^>]*>", read_bytes(regular_file(file)))
     if len(pieces) != 1:
         raise ModelError("mesh-file", f"{file.name}: {len(pieces)} pieces, expected one")
     stated = {name.decode(): int(number) for name, number in re.findall(rb'NumberOf(Points|Cells)="(\d+)"', pieces[0])}

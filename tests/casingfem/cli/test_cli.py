@@ -489,7 +489,7 @@ BROKEN = {
     "start outside the bounds": ("sigma = 20e9", "start = 300e9", "update.parameter[1]: material.E: found the"),
     "sigma negative": ("sigma = 20e9", "sigma = -20e9", "update.parameter[1].sigma"),
     "log of zero": ("lower = 1e11", "lower = 0.0", "update.parameter[2]: support.base.k_face: a log parameter"),
-    "missing table file": ('"table.csv"', '"no.csv"', "update.table: found "),
+    "missing table file": ('"table.csv"', '"no.csv"', "no.csv: found no such file"),
     "no parameter": (UPDATE[UPDATE.index("[[") :], "parameter = []", "update.parameter: found []"),
     "toml syntax": ("nu = 0.3", "nu = = 0.3", "not TOML: Invalid value (at line 4"),
     "repeated key": ("nu = 0.3", "nu = 0.3\nnu = 0.2", "not TOML: Cannot overwrite a value (at line 5"),
@@ -559,14 +559,14 @@ def test_a_table_that_cannot_be_used_is_refused(study, tmp_path, name):
 
 def test_files_that_are_no_study(tmp_path):
     file = tmp_path / "study.toml"
-    refused(file, "No such file")
+    refused(file, "found no such file, expected one")
     file.write_bytes(b"[material]\nE = 1 # \xff")
     refused(file, "line 2: found byte 0xff, which is not UTF-8")
     file.write_text("")
     refused(file, "material: found nothing, expected a table [material]")
     file.unlink()
     file.mkdir()
-    refused(file, "Is a directory")
+    refused(file, "found a folder")
 
 
 def test_two_mistakes_are_both_reported_a_line_each(study):
@@ -640,7 +640,7 @@ def test_the_program_itself_prints_one_document_and_loads_only_what_it_needs(stu
 def test_the_program_itself_refuses_and_helps(tmp_path):
     bad = run("modes", tmp_path / "no.toml", "--json")
     assert (bad.returncode, bad.stdout) == (2, "")
-    expected = "found No such file or directory, expected a study.toml [study-file]"
+    expected = "found no such file, expected one [study-file]"
     assert bad.stderr == f"{tmp_path / 'no.toml'}: {expected}\n"
     bare = run()
     assert "Commands:" in bare.stdout + bare.stderr

@@ -118,8 +118,8 @@ def test_a_hint_of_decimal_points_stands_where_commas_separate_too_many_cells():
     ("data", "words"),
     [
         (b"PK\x03\x04rest", "found a workbook or another zip file; expected a table saved as CSV"),
-        (b"a,b\n1,2\n3,\xff\n", "line 3: found byte 0xff, which is not UTF-8; expected a UTF-8 text file"),
-        (b"\xff\xfea\x00,\x00\x00\xdc", "line 1: found byte 0x00, which is not UTF-16"),
+        (b"a,b\n1,2\n3,\xff\n", "line 3: found byte 0xff, which is not UTF-8 ('ÿ' in Latin-1); expected UTF-8 text"),
+        (b"\xff\xfea\x00,\x00\x00\xdc", "line 1: found bytes that are not UTF-16"),
     ],
 )
 def test_files_of_another_kind_are_refused(data, words, tmp_path):

@@ -129,13 +129,13 @@ def test_a_long_value_is_cut_to_sixty_characters(value, text):
 def test_errors_of_the_input_become_problems_and_others_pass():
     problems = Problems(Path("s.toml"))
     with problems.at("update.table"):
-        raise FileNotFoundError(errno.ENOENT, "No such file", "a.csv")
+        raise FileNotFoundError(errno.ENOENT, "found no such file, expected one", "a.csv")
     with problems.at("rig"):
         raise ValueError("rig: one\nrig two\nthree")
     with problems.at("imperfection[1].survey"):
         raise ValueError("a point at the axis")
     assert problems == [
-        "s.toml: update.table: found a.csv (No such file), expected a file that can be read [study-file]",
+        "s.toml: update.table: a.csv: found no such file, expected one [study-file]",
         "s.toml: rig: one [study-value]",
         "s.toml: rig: two [study-value]",
         "s.toml: rig: three [study-value]",

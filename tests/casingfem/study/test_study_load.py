@@ -166,7 +166,7 @@ def test_what_an_update_lacks_is_said_of_each_part(problems):
     assert [p.name for p in parameters] == ["material.E", "material.nu"]
     assert [problem.partition(" [")[0].partition(",")[0] for problem in named(problems)] == [
         "update: found an update beside",
-        "update.table: found none.csv (No such file or directory)",
+        "update.table: none.csv: found no such file",
         "update.parameter[2]: name: found material.E again",
     ]
 

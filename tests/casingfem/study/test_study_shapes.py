@@ -121,7 +121,7 @@ def test_keys_are_checked(folder, keys, words):
 @pytest.mark.parametrize(
     ("name", "content", "words"),
     [
-        ("nowhere.uff", None, "update.shapes: found"),
+        ("nowhere.uff", None, "nowhere.uff: found no such file"),
         ("shapes.csv", b"", "found ending '.csv'; expected .uff"),
         ("shapes.npz", b"PK", "no readable npz file"),
         ("shapes2.uff", b"    -1\n   151\n" + b"x\n" * 7 + b"    -1\n", "expected modes in sets 55"),

@@ -112,7 +112,9 @@ def test_long_lines_are_cut_at_sixty_letters():
 def test_a_file_that_is_no_toml_is_told_where(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_bytes(b"a = 1\nb = 2\n# \xe9\n")
-    with pytest.raises(ValueError, match=r"^line 3: found byte 0xe9, which is not UTF-8, expected a UTF-8 text file$"):
+    with pytest.raises(
+        ValueError, match=r"^line 3: found byte 0xe9, which is not UTF-8 \('é' in Latin-1\), expected UTF-8 text: "
+    ):
         read_toml(path)
     path.write_text("a = 1\nb = .5\n")
     with pytest.raises(ValueError, match=r"^not TOML: .*: b = \.5; a number has digits on both sides of its point"):

@@ -257,7 +257,7 @@ def test_swapped_bases(tmp_path):
 
 
 def test_no_such_file(tmp_path):
-    with pytest.raises(ct.scene.SceneError, match=r"none.toml: cannot be read"):
+    with pytest.raises(ct.scene.SceneError, match=r"none.toml: found no such file"):
         ct.load_scene(tmp_path / "none.toml")
 
 

@@ -18,6 +18,7 @@ from casingfem.io.arrays import Array, IntArray
 from casingfem.io.npz import read_npz
 from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
+from contact.io.infiles import open_file, regular_file
 
 TABLES = ("dofs", "nodes")
 SIGNATURE = slice(512, 516)  # where a .mat file of version 7.3 begins to be HDF5
@@ -93,7 +94,7 @@ def put_together(path: Path, stored: dict[str, Any]) -> dict[str, Any]:
 
 def read_from_mat(path: Path) -> dict[str, Any]:
     """MATLAB's variables, read by a process of its own, as scipy's reader crashes on some damaged files."""
-    with path.open("rb") as stream:
+    with open_file(regular_file(path)) as stream:
         head = stream.read(SIGNATURE.stop)
     return read_from_hdf5(path) if head[SIGNATURE] == b"\x89HDF" else of_child(path, ".mat", "mat_arrays")
 
@@ -119,7 +120,7 @@ def read_from_hdf5(path: Path) -> dict[str, Any]:
         import h5py  # noqa: F401
     except ImportError:
         raise ModelError("matrix-file", f"{path.name}: HDF5 needs h5py: {remedy('test-data')}") from None
-    return of_child(path, "HDF5", "hdf5_arrays")
+    return of_child(regular_file(path), "HDF5", "hdf5_arrays")
 
 
 def of_child(path: Path, form: str, reader: str) -> dict[str, Any]:

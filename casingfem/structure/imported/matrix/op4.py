@@ -18,6 +18,7 @@ from scipy.sparse import coo_array, csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, fault, role_of
+from contact.io.infiles import read_bytes
 
 FORMAT = re.compile(r"E(\d+)\.", re.IGNORECASE)
 NUMBERS = re.compile(r"\s*[-+]?\d*\.\d")  # how a line of values begins, and no other
@@ -69,7 +70,7 @@ def read_op4(path: Path) -> dict[str, csc_array]:
     ModelError
         `matrix-file` for a file that is cut short, complex, or no OP4.
     """
-    content = path.read_bytes()
+    content = read_bytes(path)
     if content[:4] in (b"\x18\0\0\0", b"\0\0\0\x18"):
         try:
             return read_binary(content, path.name)

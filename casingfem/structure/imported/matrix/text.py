@@ -8,6 +8,7 @@ from scipy.sparse import coo_array, csc_array
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, fault, from_triples, roles_of
+from contact.io.infiles import read_bytes, read_loose_text
 
 MOST = 10**8  # rows
 PLAIN = str.maketrans(",Dd", " Ee")  # blanks between numbers, exponents as Python has them
@@ -17,7 +18,7 @@ Labelled = tuple[csc_array, IntArray | None]  # a matrix, and what its rows are 
 
 def numbers(path: Path, columns: int) -> FloatArray:
     """A table of numbers separated by commas or blanks, lines of `*` and `%` left out, (rows, columns)."""
-    given = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    given = read_loose_text(path).splitlines()
     lines = [line.translate(PLAIN) for line in given if line.strip() and line.lstrip()[0] not in "*%#"]
     try:
         table = np.loadtxt(lines, ndmin=2) if lines else np.zeros((0, columns))
@@ -37,9 +38,7 @@ def whole(table: FloatArray, path: Path) -> IntArray:
 
 def read_mtx(path: Path) -> Labelled:
     """A matrix of a .mtx file, Matrix Market's or Abaqus's (node, dof, node, dof, value a line)."""
-    with path.open("rb") as stream:
-        head = stream.read(14)
-    if head == b"%%MatrixMarket":
+    if read_bytes(path)[:14] == b"%%MatrixMarket":
         return read_market(path), None
     table = numbers(path, 5)
     dofs, place = np.unique(whole(table[:, :4], path).reshape(-1, 2, 2).reshape(-1, 2), axis=0, return_inverse=True)
@@ -55,7 +54,7 @@ def read_market(path: Path) -> csc_array:
     ModelError
         `matrix-file` for another kind of matrix, entries outside of it, or fewer or more than announced.
     """
-    head = path.read_text(encoding="utf-8", errors="replace").partition("\n")[0].lower().split()
+    head = read_loose_text(path).partition("\n")[0].lower().split()
     shaped = len(head) == 5 and head[1] == "matrix" and head[2] in ("coordinate", "array")
     if not shaped or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
         found = " ".join(head[1:]) or "no kind"
@@ -104,7 +103,7 @@ def real(word: str, path: Path) -> float:
 
 def dense_market(path: Path, *, symmetric: bool) -> csc_array:
     """A matrix of Matrix Market that gives every entry, column by column."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
+    lines = read_loose_text(path).splitlines()[1:]
     words = " ".join(line for line in lines if not line.startswith("%")).split()
     if len(words) < 2 or not all(word.isdecimal() and len(word) < 16 for word in words[:2]):
         raise fault(path.name, f"found {' '.join(words[:2])!r}, expected rows and columns, whole numbers")
@@ -168,7 +167,7 @@ def aligned(A: csc_array, labels: IntArray, wanted: IntArray, source: str) -> cs
 def read_dof(path: Path) -> IntArray:
     """CalculiX's list of dofs, node.direction a line, (n, 2)."""
     rows = []
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").split("\n"), 1):
+    for number, line in enumerate(read_loose_text(path).split("\n"), 1):
         if not line.strip():
             continue
         node, point, direction = line.strip().partition(".")

@@ -22,6 +22,7 @@ from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup
+from contact.io.infiles import read_loose_text
 
 BRICKS = ("45", "95", "185", "186", "190")
 TETRAHEDRA = ("92", "187", "285")
@@ -83,7 +84,7 @@ def read_cdb(path: Path) -> Draft:
     ModelError
         With the line, for an archive that is malformed or cut short, or elements whose nodes are not all there.
     """
-    archive = Archive(path.name, path.read_text(encoding="latin-1").splitlines())
+    archive = Archive(path.name, read_loose_text(path).splitlines())
     at = 0
     while at < len(archive.lines):
         head, *fields = [part.strip() for part in archive.lines[at].upper().split(",")]

@@ -115,7 +115,7 @@ def test_the_hash_covers_the_mesh(tmp_path):
 
 
 BAD = {
-    "no file": (SOLID.replace("MESH", "other.msh"), "solid.mesh: found .*other.msh.*expected a file that can be read"),
+    "no file": (SOLID.replace("MESH", "other.msh"), "solid.mesh: .*other.msh: found no such file, expected one"),
     "no group": (SOLID.replace("support.base", "support.bsae"), "no group 'bsae' .did you mean 'base'"),
     "chart beside": (SOLID + '[chart]\nkind = "cylinder"\nradius = 1.0\nheight = 1.0\n', r"no \[chart\] beside"),
     "rig beside": (SOLID + '[mesh]\norder = 3\n', r"no \[mesh\] beside an imported mesh"),
