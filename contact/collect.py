@@ -9,7 +9,7 @@ import numpy as np
 from contact.base.arrays import Array, readonly
 from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
-from contact.result import Intervals, Result
+from contact.result import Intervals, Result, coordinates_and_forces
 from contact.scheme.protocol import Notes, Stepper
 from contact.version import versions
 
@@ -35,9 +35,10 @@ def collect(
         intervals=intervals, sticking=sticking, impulse=readonly(sums.impulse), peak_force=readonly(sums.peak),
         max_penetration=readonly(np.maximum(sums.penetration, 0.0)), residual=readonly(sums.residual),
         contact_steps=readonly(sums.contact_steps), reversals=readonly(sums.reversals),
-        state_time=joined("state_time"), state=joined("state"), energy=energy,
+        state_time=joined("state_time"), energy=energy,
         motions=tuple(sorted(stepper.motions(), key=lambda m: (m.kind == "rod", m.number))),
-        blocks=stepper.blocks, steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
+        **coordinates_and_forces(joined("state"), stepper.blocks, whole=record.channels is None),
+        steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
         channels=readonly(record.rows(stepper.size)), tracks=getattr(stepper, "wear", tuple)(),

@@ -146,7 +146,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
     tips = [j for j, tip in enumerate(rub.tips) if tip.line == rub.tips[0].line]
     line = rub.tips[0].line
     at, stretches = frames(rub, result, min(FRAMES, NUMBERS // (2 * MOST + 2 * len(tips))))
-    shown = replace(result, state_time=result.state_time[at], state=result.state[at])
+    shown = replace(result, state_time=result.state_time[at], state=result.state[at], tip_force=result.tip_force[at])
     channels = at_channels(rub.casing, shown.state_of("casing"), rub_forces(rub, shown, "casing")[1])
     n_max = rub.casing.n_max
     first = line * rub.casing.directions * (2 * n_max + 1)

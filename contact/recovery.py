@@ -34,7 +34,7 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
 
 
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
-    """Instants (ns,) and forces on the channels of one body (ns, K), from the forces stored in `result.state`.
+    """Instants (ns,) and forces on the channels of one body (ns, K), from `result.tip_force`.
 
     `name` is "casing", "blade" or "blade 2" as in `Rub.names`; feed them to `at_channels`, `at_points` together with
     `result.state_of(name)`. The gap's share of the tip is -n, so that the tips' forces on their blade have that sign.
@@ -44,7 +44,9 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
     rub: Rub = rub_of(scene)
     if name not in rub.names:
         raise InputError(f"name: found {name!r}, expected one of {', '.join(rub.names)}{hint(name, rub.names)}")
-    forces = result.state_of("tips")
+    if result.channels.size:
+        raise InputError(f"state: found {len(result.channels)} channels, expected a record without")
+    forces = result.tip_force
     if not len(forces):
         raise InputError("state: found none stored, expected a record with state_every or at")
     number, d = rub.names.index(name), forces.shape[1] // len(rub.tips)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ ARRAYS = (
     "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
     "contact_steps", "reversals", "state_time", "state", "channels",
 )  # fmt: skip
+TIPS = "tips"  # block of a stepper's coordinates that holds forces on tips: `Result.tip_force`
 
 Intervals = tuple[tuple[float, float], ...]
 
@@ -43,7 +45,9 @@ class Result(Reported):
     their steps (on a `Rub`: to a step);
     `impulse`, `peak_force`, `max_penetration` [m], `residual` = max|min(-lam W_ii, g)| [m], `contact_steps` and
     `reversals` (steps in which the slip changed sign) (K,), all over every step whatever was stored. `state` (ns, N)
-    displacements or modal coordinates u at `state_time`, or R u (ns, c) where `channels` = R (c, N) is not empty.
+    displacements or modal coordinates u at `state_time`; `tip_force` (ns, K d): forces [N] on the tips of a rim or
+    a rub at the same instants, the d components of each tip together, no columns in other problems. Where
+    `channels` = R is not empty, `state` is R (u, tip_force), (ns, c), and `tip_force` has no columns.
     `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
     each track of an abradable coating lost. `divergence`: why the run ended before its time, None where it did not.
 
@@ -73,6 +77,7 @@ class Result(Reported):
     scheme: str
     source: dict[str, str]
     channels: Array
+    tip_force: Array = field(default_factory=lambda: np.zeros((0, 0)))
     every: int = 1
     sticking: tuple[Intervals, ...] = ()
     tracks: tuple[Wear, ...] = ()
@@ -255,7 +260,7 @@ class Result(Reported):
             "flags": self.notes.flags, "heat": self.notes.heat.tolist(), "drive": self.notes.drive.tolist()
         }  # fmt: skip
         rest["divergence"] = None if self.divergence is None else asdict(self.divergence)
-        data = {name: getattr(self, name) for name in ARRAYS}
+        data = {name: getattr(self, name) for name in (*ARRAYS, "tip_force")}
         rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
         for k, track in enumerate(self.tracks):
             data |= {f"wear{k}_{name}": getattr(track, name) for name in WEAR_ARRAYS}
@@ -282,14 +287,28 @@ class Result(Reported):
         )  # fmt: skip
         if rest.get("divergence") is not None:
             rest["divergence"] = Divergence(**rest["divergence"])
-        rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
+        blocks = tuple((name, start, end) for name, start, end in rest.pop("blocks"))
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
-        rest |= {name: readonly(data[name]) for name in ARRAYS}
+        rest |= {name: readonly(data[name]) for name in ARRAYS if name != "state"}
+        parts = coordinates_and_forces(readonly(data["state"]), blocks, whole=not data["channels"].size)
+        if "tip_force" in data:  # files of before have the forces behind the coordinates
+            parts["tip_force"] = readonly(data["tip_force"])
+        rest |= parts
         rest["tracks"] = tuple(
             Wear(**t | {"tips": tuple(t["tips"])}, **{name: data[f"wear{k}_{name}"] for name in WEAR_ARRAYS})
             for k, t in enumerate(rest.get("tracks", ()))
         )
         return Result(**rest, energy=EnergyBudget(**energy))
+
+
+def coordinates_and_forces(stored: Array, blocks: Sequence[Block], *, whole: bool) -> dict[str, Any]:
+    """Split what a stepper stores (ns, N) into the fields `state`, `tip_force` and `blocks` of a result.
+
+    `whole` is False where channels R (u, tip_force) were stored: they are not split.
+    """
+    bodies = tuple(block for block in blocks if block[0] != TIPS)
+    end = max((stop for _, _, stop in bodies), default=0) if whole and len(bodies) < len(blocks) else stored.shape[1]
+    return {"state": readonly(stored[:, :end]), "tip_force": readonly(stored[:, end:]), "blocks": bodies}
 
 
 def _remedy(scheme: str) -> str:

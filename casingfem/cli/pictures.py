@@ -136,7 +136,7 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     lines = [rub.casing.lines[t.line] if rub.casing.lines is not None else (0.0, rub.casing.radius) for t in rub.tips]
     axial, radius = np.array(lines).T
     places = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.broadcast_to(axial, angle.shape)], axis=-1)
-    force = result.state_of("tips")[shown].reshape(len(shown), len(rub.tips), -1)[:, :, 0]
+    force = result.tip_force[shown].reshape(len(shown), len(rub.tips), -1)[:, :, 0]
     files |= point_files("tips", time, places, {"normal_force_N": force})
     return {f"vtu/{name}": content for name, content in files.items()}
 

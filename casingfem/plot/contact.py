@@ -64,10 +64,9 @@ def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4) -> F
 
 
 def _largest(result: _Run) -> list[int]:
-    """Coordinates by their largest value; what a rub keeps behind them, the forces on its tips, left out."""
-    forces = {k for name, a, b in getattr(result, "blocks", ()) if name == "tips" for k in range(a, b)}
-    order = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
-    return [k for k in order if k not in forces]
+    """Coordinates by their largest value."""
+    order: list[int] = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
+    return order
 
 
 def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:

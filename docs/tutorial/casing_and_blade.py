@@ -178,7 +178,7 @@ for speed in (worst, 30.0):
 figure, axes = plt.subplots(layout="constrained")
 for speed, run in histories.items():
     axes.semilogy(1e3 * run.state_time[1:], np.abs(run.state[1:]).max(axis=1), label=f"{speed:.1f} turns/s")
-axes.set(xlabel="time [ms]", ylabel="largest modal coordinate")
+axes.set(xlabel="time [ms]", ylabel="largest modal coordinate [m kg$^{1/2}$]")
 axes.legend()
 
 sizes = {speed: np.abs(run.state[-200:]).max() for speed, run in histories.items()}

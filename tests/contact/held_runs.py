@@ -29,7 +29,7 @@ def numbers_of(result, rows: int = 9) -> dict[str, object]:
         "impulses": result.impulse_history[at],
         "gap": result.gap[at],
         "windowed": result.windowed_force()[at] if result.every else [],
-        "state": result.state[states] if len(states) else [],
+        "state": np.hstack([result.state, result.tip_force])[states] if len(states) else [],
         "closed": [t for times in result.intervals for interval in times[:6] for t in interval],
         "stuck": [t for times in result.sticking for interval in times[:6] for t in interval],
         "motions": [x for motion in result.motions for x in (motion.mean_velocity, motion.momentum)],

@@ -43,7 +43,7 @@ def test_tip_and_rim_meet_where_they_touch(make):
         what = ct.Rub(rim3(), [nodes(1)], tip, clearance=-2e-5, speed=ct.Speed.constant(5.0))
         law = ct.Coulomb(mu=0.1)
         result = ct.run(what, law=law, t_end=0.02, dt=5e-6, record=ct.Record(state_every=1))
-        closed = result.state_of("tips")[:, 0] > 0.2 * result.peak_force[0]
+        closed = result.tip_force[:, 0] > 0.2 * result.peak_force[0]
     motion = tip_motion(what, result)
     gap = what.clearance + motion.rim[:, 0] - motion.tip[:, 0]
     assert closed.sum() > 20

@@ -30,16 +30,17 @@ RUB = ct.Rub(
 STATES = 6
 RNG = np.random.default_rng(4)
 TIME = 0.01 * np.arange(11)
+DRAWN = RNG.standard_normal((STATES, 10 + 3 + 3 + 9))
 RESULT = Result(
     time=TIME, force=RNG.random((11, 3)), gap=RNG.standard_normal((11, 3)),
     impulse_history=np.cumsum(0.01 * RNG.random((11, 3)), axis=0), impulse=np.ones(3), peak_force=np.ones(3),
     max_penetration=np.zeros(3), residual=np.zeros(3), contact_steps=np.ones(3), reversals=np.zeros(3),
-    state_time=TIME[::2], state=RNG.standard_normal((STATES, 10 + 3 + 3 + 9)), intervals=((), (), ()),
+    state_time=TIME[::2], state=DRAWN[:, :16], tip_force=DRAWN[:, 16:], intervals=((), (), ()),
     energy=EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0), motions=(),
-    blocks=(("casing", 0, 10), ("blade 1", 10, 13), ("blade 2", 13, 16), ("tips", 16, 25)), steps=11, dt=0.01,
+    blocks=(("casing", 0, 10), ("blade 1", 10, 13), ("blade 2", 13, 16)), steps=11, dt=0.01,
     window=0.05, seconds=0.1, scheme="made up", source={}, channels=np.zeros((0, 25)),
 )  # fmt: skip
-FORCES = RESULT.state_of("tips").reshape(STATES, 3, 3)
+FORCES = RESULT.tip_force.reshape(STATES, 3, 3)
 PHI = np.radians([25.0, 130.0, 200.0]) - 2.0 * math.pi * 7.0 * TIME[::2, None]  # (states, tips)
 ROUND = np.array([[math.cos(n * a) for n in range(6)] + [math.sin(n * a) for n in range(1, 6)] for a in PHI.ravel()])
 ROUND = ROUND.reshape(STATES, 3, SIZE)
@@ -72,7 +73,7 @@ def test_forces_on_a_blade_push_against_its_normal(name, channels, own):
 def test_names_without_forces_and_results_without_states_are_refused():
     with pytest.raises(InputError, match="found 'blade 3', expected one of casing, blade 1, blade 2"):
         rub_forces(RUB, RESULT, "blade 3")
-    bare = replace(RESULT, state=RESULT.state[:0], state_time=TIME[:0])
+    bare = replace(RESULT, state=RESULT.state[:0], tip_force=RESULT.tip_force[:0], state_time=TIME[:0])
     with pytest.raises(InputError, match="state: found none stored, expected a record with state_every or at"):
         rub_forces(RUB, bare, "casing")
 
@@ -106,7 +107,8 @@ def test_the_first_tip_and_the_rim_before_it_move_as_their_channels():
 
 
 def without_states(count):
-    return replace(RESULT, state=RESULT.state[:count], state_time=RESULT.state_time[:count])
+    few = {name: getattr(RESULT, name)[:count] for name in ("state", "tip_force", "state_time")}
+    return replace(RESULT, **few)
 
 
 def test_motions_need_two_states_and_no_channels():
@@ -154,9 +156,9 @@ def test_a_film_has_the_line_of_the_first_tip_and_all_tips_on_it():
 
 def stored(count, step, mode=0):
     """States in which one mode of the casing moves alone."""
-    state = np.zeros((count, 25))
+    state = np.zeros((count, 16))
     state[:, mode] = 1e-3 * np.cos(np.arange(count))
-    return replace(RESULT, state=state, state_time=step * np.arange(count))
+    return replace(RESULT, state=state, tip_force=np.zeros((count, 9)), state_time=step * np.arange(count))
 
 
 def test_a_film_has_eight_frames_in_a_period_of_the_motion():
@@ -165,7 +167,7 @@ def test_a_film_has_eight_frames_in_a_period_of_the_motion():
     at, stretches = film.frames(RUB, result, 100)
     assert (at.tolist(), stretches.tolist()) == (list(range(0, 200, 26)), [0])
     assert film.frames(RUB, stored(200, 1.0), 200)[0].tolist() == list(range(200))
-    resting = replace(result, state=np.zeros((200, 25)))
+    resting = replace(result, state=np.zeros((200, 16)))
     assert film.frames(RUB, resting, 200)[0].tolist() == list(range(200))
     both = replace(result, state=stored(200, 1e-4).state + stored(200, 1e-4, mode=2).state)
     omega = math.sqrt((300.0**2 + RUB.casing.omega[2] ** 2) / 2.0)

@@ -49,7 +49,7 @@ class RubState(NamedTuple):
     skin: Array  # (K,) depth of the surface that a coating has left [m]
     force: Array
     gap: Array
-    seen: Array  # (m + K d,) what `Result.state` holds: q and lam of one instant
+    seen: Array  # (m + K d,) what a record stores, `Result.state` and `tip_force`: q and lam of one instant
     heat: Array  # dissipated by slip
     drive: Array  # work of the drive against friction
     peaks: Array  # (1,) largest tangential motion of a tip

@@ -128,8 +128,10 @@ def test_each_tip_stands_on_its_line_at_its_angle_and_bodies_move_as_their_modes
     rub = ct.Rub(casing, [nodes(3)], tips(3), clearance=1e-5, speed=ct.Speed.constant(5.0))
     states = 205
     result = replace(
-        MADE, state_time=1e-4 * np.arange(states), state=rng.standard_normal((states, 22)), channels=np.zeros((0, 22)),
-        blocks=(("casing", 0, 10), ("blade", 10, 13), ("tips", 13, 22)),
+        MADE, state_time=1e-4 * np.arange(states),
+        state=rng.standard_normal((states, 13)), tip_force=rng.standard_normal((states, 9)),
+        channels=np.zeros((0, 22)),
+        blocks=(("casing", 0, 10), ("blade", 10, 13)),
     )  # fmt: skip
     write_files(tmp_path, series_files(rub, result))
     assert {path.name[:6] for path in (tmp_path / "vtu").iterdir()} == {"casing", "tips_0", "tips.p"}
@@ -144,7 +146,7 @@ def test_each_tip_stands_on_its_line_at_its_angle_and_bodies_move_as_their_modes
         np.testing.assert_allclose(
             found.points, np.stack([radius * np.cos(angle), radius * np.sin(angle), axial], axis=1)
         )
-        np.testing.assert_allclose(found.point_data["normal_force_N"], result.state[k, 13::3], rtol=1e-6)
+        np.testing.assert_allclose(found.point_data["normal_force_N"], result.tip_force[k, ::3], rtol=1e-6)
         moved = meshio.read(file.with_name(file.name.replace("tips", "casing"))).point_data["displacement"]
         np.testing.assert_allclose(moved.ravel(), recovery @ result.state[k, :10], rtol=1e-5, atol=1e-5)
     assert shown[-1][0] == result.state_time[-1]

@@ -52,7 +52,7 @@ def test_one_tip_is_the_rotating_rim(S, imperfect, mu, speed_hz):
     assert ("averaged" in rim.scheme) == ("averaged" in rub.scheme) == (S > 0.0)
     assert np.abs(rub.force - rim.force).max() <= 1e-9 * rim.force.max()
     assert rub.blocks == rim.blocks
-    assert np.abs(rub.state_of("tips") - rim.state_of("tips")).max() <= 1e-9 * rim.force.max()
+    assert np.abs(rub.tip_force - rim.tip_force).max() <= 1e-9 * rim.force.max()
     for name in ("casing", "blade"):
         assert np.abs(rub.state_of(name) - rim.state_of(name)).max() <= 1e-9 * np.abs(rim.state_of(name)).max()
     assert np.abs(rub.gap - rim.gap).max() <= 1e-9 * np.abs(rim.gap).max()
@@ -162,7 +162,7 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
         rub, law=law(mu), scheme=ct.ExactModal(law=law_of), t_end=steps * h, dt=h, record=ct.Record(state_every=1)
     )
     q, d, lam, worst = np.zeros(16), np.zeros(16), np.zeros(4 * (3 if mu else 1)), 0.0
-    forces = result.state_of("tips")
+    forces = result.tip_force
     for n in range(steps):
         q, d, lam = dense_step(rub, q, d, lam, n, h, mu, law_of == "averaged")
         worst = max(worst, np.abs(forces[n] - lam).max() / np.abs(forces).max())
@@ -188,7 +188,7 @@ def test_many_tips_take_compliance_between_waves_and_move_as_few_do(mu, apart, m
             profile=ct.RimProfile.fourier(WAVES),
         )  # fmt: skip
         found.append(ct.run(rub, law=law(mu), t_end=0.01, dt=4e-5, record=ct.Record(state_every=1)))
-    lam = [result.state_of("tips") for result in found]
+    lam = [result.tip_force for result in found]
     assert np.abs(lam[1] - lam[0]).max() <= 1e-10 * np.abs(lam[0]).max()
     assert np.abs(lam[0]).max() > 0.0
     names = ("lost_in_contact", "rotation", "friction", "damping")
@@ -215,7 +215,7 @@ def test_the_only_one_of_many_tips_that_rubs_moves_as_the_dense_reference_of_it_
         many, law=law(mu), scheme=ct.ExactModal(law="averaged"), t_end=steps * h, dt=h,
         record=ct.Record(state_every=1),
     )  # fmt: skip
-    forces = result.state_of("tips")
+    forces = result.tip_force
     q, d, lam, found = np.zeros(12), np.zeros(12), np.zeros(2), []
     for n in range(steps):
         q, d, lam = dense_step(one, q, d, lam, n, h, mu, True)
@@ -249,7 +249,7 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
     slips = mu * N * (4.0 / flap**2 + S) / drag  # compliance of the flap mode and S: when the cone is full
     h = 2e-5
     result = ct.run(rub, law=ct.Coulomb(mu=mu), t_end=2.0 * slips, dt=h, record=ct.Record(state_every=1))
-    force = result.state_of("tips")
+    force = result.tip_force
     assert force[len(force) // 20 :, 0] == pytest.approx(N, rel=1e-6)
     until = force[: int(0.9 * slips / h), 1]
     t = result.state_time[: until.size]
@@ -316,7 +316,7 @@ def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
     mu, h, steps = 0.2, 2e-5, 400
     result = ct.run(rub, law=law(mu), t_end=steps * h, dt=h)
     longer = ct.run(rub, law=law(mu), t_end=(steps + 2) * h, dt=h, record=ct.Record(state_every=1))
-    q, forces = longer.state[:, :-6], longer.state_of("tips")[:steps]
+    q, forces = longer.state, longer.tip_force[:steps]
     contact, normal, friction, damping, heat, drive = 0.0, 0.0, 0.0, 0.0, np.zeros(2), np.zeros(2)
     omega, zeta = (np.concatenate([getattr(b, name) for b in rub.bodies]) for name in ("omega", "zeta"))
     slid = rub.casing.radius * rub.speed.omega(0.0) * h
@@ -472,7 +472,7 @@ def test_recovered_surfaces_touch(mu):
     d = 3 if mu else 1
     for j, tip in enumerate(rub.tips):
         begin, gaps = tip.line * 3 * SIZE, []
-        for n in np.flatnonzero(result.state_of("tips")[:, j * d] > 0.2 * result.peak_force[j]):
+        for n in np.flatnonzero(result.tip_force[:, j * d] > 0.2 * result.peak_force[j]):
             phi = np.radians(tip.angle_deg) - rub.speed.angle(t[n])
             radial = harmonics(N_MAX, phi) @ casing[n, begin : begin + SIZE]
             share = tip.directions(rub.blades[0])[0] @ blade[n]

@@ -1,6 +1,7 @@
 """What a run stores: at instants, as channels, in chunks of any size; the same numbers for every scheme."""
 
 import importlib
+import json
 
 import numpy as np
 import pytest
@@ -52,7 +53,8 @@ QUICK = ("forward Lagrange", "linear body")  # the others compile other loops
 def test_instants_and_channels_are_what_a_full_record_holds_there(kind, monkeypatch):
     make = KINDS[kind]
     whole = make(record=ct.Record(state_every=1))
-    R = np.random.default_rng(5).standard_normal((3, whole.state.shape[1]))
+    stored = np.hstack([whole.state, whole.tip_force])
+    R = np.random.default_rng(5).standard_normal((3, stored.shape[1]))
     steps = sorted({min(round(t / whole.dt), whole.steps - 1) for t in INSTANTS})
     monkeypatch.setattr(importlib.import_module("contact.run"), "CHUNK", 7)
     some = make(record=ct.Record(at=INSTANTS, channels=R))
@@ -61,7 +63,7 @@ def test_instants_and_channels_are_what_a_full_record_holds_there(kind, monkeypa
     assert np.array_equal(some.state_time, whole.state_time[steps])
     for name in ("force", "gap", "impulse_history"):
         assert np.array_equal(getattr(some, name), getattr(whole, name)[steps])
-    np.testing.assert_allclose(some.state, whole.state[steps] @ R.T, atol=1e-13 * np.abs(whole.state).max())
+    np.testing.assert_allclose(some.state, stored[steps] @ R.T, atol=1e-13 * np.abs(stored).max())
     assert np.array_equal(some.impulse, whole.impulse)
     assert some.energy == whole.energy
     assert some.intervals == whole.intervals
@@ -121,6 +123,26 @@ def test_both_survive_a_file(tmp_path):
     assert again.every == 0
     assert repr(again) == repr(result)
     assert "stored: 1 samples, at the steps nearest to the instants" in repr(result)
+
+
+@pytest.mark.slow
+def test_modal_coordinates_and_tip_forces_are_apart_in_a_result_and_in_its_file(tmp_path):
+    """In files of before, the forces are the last columns of the state."""
+    result = KINDS["rim"](record=ct.Record(state_every=10))
+    path = result.save(tmp_path / "run.npz")
+    np.testing.assert_allclose(result.tip_force[:, 0], result.force[::10, 0], rtol=1e-12)
+    with np.load(path) as file:
+        data = dict(file)
+    document = json.loads(str(data["document"]))
+    end = result.state.shape[1]
+    document["blocks"].append(["tips", end, end + result.tip_force.shape[1]])
+    whole = np.hstack([data["state"], data.pop("tip_force")])
+    np.savez(tmp_path / "before.npz", **data | {"document": json.dumps(document), "state": whole})
+    for again in (ct.Result.load(path), ct.Result.load(tmp_path / "before.npz")):
+        assert again.blocks == result.blocks
+        assert [name for name, _, _ in again.blocks] == ["casing", "blade"]
+        assert np.array_equal(again.state, result.state)
+        assert np.array_equal(again.tip_force, result.tip_force)
 
 
 def test_buffers_stay_small_however_wide_the_state():
