@@ -173,7 +173,7 @@ def prepared(scene: Scene) -> Prepared:
         problem=problem, mu=law.mu, coated=law.coating is not None, on_limit=scene.on_limit, stepper=stepper,
         count=count, record=record, source=scene.source,
         load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
-        overlap=getattr(stepper, "overlap", 0.0), start=stepper.stored(),
+        overlap=getattr(stepper, "overlap", 0.0), start=getattr(stepper, "start", None) or stepper.stored(),
     )  # fmt: skip
 
 

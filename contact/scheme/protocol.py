@@ -74,9 +74,9 @@ Block = tuple[str, int, int]
 class Stepper(Protocol):
     """A run in progress; see the module's contract.
 
-    It may have four more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far,
-    `overlap`, how far bodies stand inside each other at t = 0 [m], and `limits`, those of `motion_limits`, at which
-    `advance` stops after the step that passed one.
+    It may have five more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far,
+    `overlap`, how far bodies overlap at t = 0 [m], `limits`, those of `motion_limits`, at which `advance` stops after
+    the step that passed one, and `start`, the energy of the given state, where `stored()` reads half a step before.
     """
 
     @property

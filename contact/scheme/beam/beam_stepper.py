@@ -40,6 +40,19 @@ class BeamRun:
     label: str
 
     @property
+    def start(self) -> Stored:
+        """Energy of the straight beam as it begins to turn; a leapfrog scheme reads its own half a step before."""
+        x, mass, load, velocity = _start(self.problem.beam)
+        return Stored(
+            kinetic=0.5 * float(np.sum(mass * velocity**2)), strain=0.0, potential=-float(load[0, 2] * x[0, 2]),
+            residual=0.0, discrete=self.stored().discrete,
+        )  # fmt: skip
+
+    def stored(self) -> Stored:
+        """Energy now."""
+        raise NotImplementedError
+
+    @property
     def size(self) -> int:
         """Number of coordinates of the beam: x, y, theta of each node."""
         return 3 * (self.problem.beam.elements + 1)

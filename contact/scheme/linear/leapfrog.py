@@ -14,7 +14,16 @@ from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.linear_system import LinearSystem, omega_max
 from contact.model.law import Law
 from contact.scheme.beam.beam_stepper import prepare_beam, require_rigid
-from contact.scheme.linear.stepper import LinearStepper, Rebound, linear_stepper, parts_of, product, setup, start
+from contact.scheme.linear.stepper import (
+    LinearStepper,
+    Rebound,
+    linear_stepper,
+    parts_of,
+    product,
+    setup,
+    start,
+    started,
+)
 from contact.scheme.protocol import Problem, Stepper
 
 if TYPE_CHECKING:
@@ -172,7 +181,7 @@ class MasslessBoundary:
             "massless boundary, contact closed", limit=2.0, leapfrog=True, begin=(u, v, np.zeros(u.size)),
         )  # fmt: skip
         _settle_start(stepper, static, run.law)
-        return stepper
+        return started(stepper)
 
 
 def _massless_places(system: LinearSystem) -> Indices:

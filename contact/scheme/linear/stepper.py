@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 Advance = Callable[..., int]  # (parts, state, sums, out, amplitudes, h, first, steps, *method)
 
 
+NOTHING = Stored(kinetic=0.0, strain=0.0, potential=0.0, residual=0.0, discrete=0.0)
 FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
 
 
@@ -42,6 +43,7 @@ class LinearStepper:
     window: float
     label: str
     leapfrog: bool
+    start: Stored
     fault: list[str]  # filled when a load fails, empty until then
 
     @property
@@ -189,6 +191,35 @@ def start(system: LinearSystem) -> tuple[Array, Array, Array]:
     return u, v, solve(factor(system.M, "M"), force[:, None])[:, 0]
 
 
+def energy_at_start(system: LinearSystem, discrete: float) -> Stored:
+    """Energy of the given displacements and velocities [J], whatever the scheme makes of them."""
+    body = system.body
+    assert body.displacement is not None
+    assert body.velocity is not None
+    assert body.load is not None
+    u, v = body.displacement, body.velocity
+    with np.errstate(over="ignore", invalid="ignore"):
+        kinetic, strain = 0.5 * float(v @ (body.M @ v)), 0.5 * float(u @ (body.K @ u))
+        potential = body.potential - float(body.load @ u)
+    return Stored(kinetic=kinetic, strain=strain, potential=potential, residual=0.0, discrete=discrete)
+
+
+def leave_out_half_step(stepper: LinearStepper) -> float:
+    """Take the half step before t = 0 out of the books of a leapfrog scheme; its discrete energy without it [J].
+
+    The scheme reads its energy at half steps, first at -h/2. Damping and varying loads do the work
+    h/2 v^T (f(0) - C v) until t = 0: it belongs to no instant of the run.
+    """
+    system, parts, sums = stepper.system, stepper.parts, stepper.sums
+    assert system.body.velocity is not None
+    v, half = system.body.velocity[system.order], 0.5 * stepper.dt
+    with np.errstate(over="ignore", invalid="ignore"):
+        damping = -half * float(v @ product(parts.C, v))
+    external = half * float(system.amplitudes(0, 0, 1.0)[0] @ (parts.shapes @ v))
+    sums.damping[0], sums.external[0] = -damping, -external
+    return stepper.stored().discrete + damping + external
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Setup:
     """What every scheme on a linear problem begins with: the packed system, the law's numbers, step and omega_max."""
@@ -236,7 +267,14 @@ def linear_stepper(
     square, width = np.zeros((contacts, contacts)), max(part.off.shape[0] for part in (parts.M, parts.C, parts.K))
     state = State(u, v, a, force, gap, free, shifted, closed, square, np.zeros((8, u.size)), np.zeros(u.size + width))
     window = 2.0 * math.pi / run.omega if run.omega > 0.0 else h
-    return LinearStepper(
+    stepper = LinearStepper(
         system=run.system, parts=parts, state=state, sums=tally(contacts), loop=loop, method=method, dt=h,
-        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, fault=[],
+        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, start=NOTHING, fault=[],
     )  # fmt: skip
+    return started(stepper)
+
+
+def started(stepper: LinearStepper) -> LinearStepper:
+    """The same stepper, its state at t = 0 complete: it knows the energy it starts from."""
+    discrete = leave_out_half_step(stepper) if stepper.leapfrog else stepper.stored().discrete
+    return replace(stepper, start=energy_at_start(stepper.system, discrete))
