@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.running import NUMERICS_FAILED, STORES, ProgressMessage, deliver, fail, options, source_of
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import NUMERICS_FAILED, STORES, deliver, fail, options, source_of
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 
@@ -132,7 +133,7 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
     with ProgressMessage(f"cycles {file.name}") as working:
 
         def progress(branch: int, at: float, points: int) -> None:
-            working.say(f"cycles {file.name}: branch {branch}, {points} orbits, at {at:.6g}, {working.seconds:.0f} s")
+            working.say(f"cycles {file.name}: branch {branch}, {points} orbits, at {at:.6g}")
 
         found = scene.solve(progress, part)
         reached = scene.reached(found, lambda k: working.say(f"cycles {file.name}: {k} random starts"))
@@ -175,7 +176,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
-        result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}: {done:.0%}"), out is not None)
+        result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}", done), out is not None)
     document = result.to_dict()
     files: dict[str, Content] = {}
     if out is not None:
@@ -227,7 +228,7 @@ def scene_report(file: Path, as_json: bool, folder: Path) -> None:
 
     scene = load_scene(file)
     with ProgressMessage(f"report on {file.name}: running") as working:
-        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}: run {done:.0%}"), True)
+        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}, run", done), True)
         html = page(scene, result, file, lambda what: working.say(f"report on {file.name}: {what}"))
     document = {"report": str(folder / "report.html"), "seconds": working.seconds, "flags": list(result.flags)}
     deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import ProgressMessage, deliver, options, source_of
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import deliver, options, source_of
 from casingfem.cli.study import STUDY, chart_study
 from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import click
 
-from casingfem.cli.running import ProgressMessage, collected, deliver, free_way, options, with_exit_codes
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import collected, deliver, free_way, options, with_exit_codes
 from contact.io.outfiles import json_text, write_files
 
 TABLE = click.Path(path_type=Path)

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from casingfem.cli.running import ProgressMessage, collected, deliver
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import collected, deliver
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 

@@ -1,9 +1,6 @@
-"""What all commands share: --json and --out, what goes to stdout and stderr, warnings, exit codes, progress."""
+"""What all commands share: --json and --out, what goes to stdout and stderr, warnings, exit codes."""
 
 import hashlib
-import sys
-import threading
-import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -19,7 +16,6 @@ from contact.io.outfiles import Content, in_the_way, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
-PATIENCE = 1.0  # seconds before a terminal is told what takes so long
 MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
 _collected: list[dict[str, str]] = []
 
@@ -158,49 +154,3 @@ def source_of(file: Path) -> dict[str, str]:
     from contact.version import versions
 
     return {"file": file.name, "sha256": hashlib.sha256(read_bytes(file)).hexdigest(), **versions()}
-
-
-class ProgressMessage:
-    """Says on a terminal what is being done and for how long, once it takes longer than a second.
-
-    >>> with ProgressMessage("modes") as working:
-    ...     working.say("modes: assembling")
-    """
-
-    def __init__(self, what: str) -> None:
-        self.what = what
-        self.started = time.perf_counter()
-        self._status: Any = None
-        self._lock = threading.Lock()
-        self._timer = threading.Timer(PATIENCE, self._show)
-        self._timer.daemon = True
-
-    def __enter__(self) -> "ProgressMessage":
-        if sys.stderr.isatty():
-            self._timer.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._timer.cancel()
-        with self._lock:
-            if self._status is not None:
-                self._status.stop()
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start."""
-        return time.perf_counter() - self.started
-
-    def say(self, what: str) -> None:
-        """Change what is said."""
-        self.what = what
-        with self._lock:
-            if self._status is not None:
-                self._status.update(what)
-
-    def _show(self) -> None:
-        from rich.console import Console
-
-        with self._lock:
-            self._status = Console(stderr=True).status(self.what)
-            self._status.start()

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import click
 
 from casingfem.cli.mode_files import modes_tables, print_wheel, shape_files
-from casingfem.cli.running import ProgressMessage, collected, deliver, options
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import collected, deliver, options
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from casingfem.cli.contact import SCENE
-from casingfem.cli.running import NUMERICS_FAILED, ProgressMessage, deliver, fail, options
+from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.running import NUMERICS_FAILED, deliver, fail, options
 from casingfem.cli.study import STUDY, chart_study
 from casingfem.cli.tables import csv_text
 from casingfem.io.side_by_side import usable_cores
@@ -38,7 +39,7 @@ def sweep(file: Path, jobs: int | None, scheduler: str | None, as_json: bool, ou
         working.say(f"sweep {file.name}")
 
         def progress(done: int) -> None:
-            working.say(f"sweep {file.name}: {done} of {len(plan.runs)} runs, {working.seconds:.0f} s")
+            working.say(f"sweep {file.name}, {done} of {len(plan.runs)} runs", done / len(plan.runs))
 
         store = None if out is None else out / "store"
         found = run_sweep(plan, folder=store, jobs=jobs or usable_cores(), scheduler=scheduler, progress=progress)
@@ -121,7 +122,7 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
     with ProgressMessage(f"mistuning of {file.name}") as working:
 
         def progress(done: int) -> None:
-            working.say(f"mistuning of {file.name}: {done} of {draws} draws, {working.seconds:.0f} s")
+            working.say(f"mistuning of {file.name}, {done} of {draws} draws", done / draws)
 
         folder = None if out is None else out / "draws"
         run = run_mistune(study, draws, processes=processes, folder=folder, progress=progress)

@@ -1,10 +1,8 @@
 """The command line: documents, files, exit codes. Bad input ends with 2, names file and key, writes nothing."""
 
-import io
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +11,6 @@ from click.testing import CliRunner, Result
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.cli.running import ProgressMessage
 from casingfem.cli.sweep import result_files
 from casingfem.cli.sweep import words as sweep_words
 from casingfem.study import load_study
@@ -216,63 +213,6 @@ def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
     assert len(cf.ModalBasis.load(tmp_path / "casing.npz")) == 8
     (tmp_path / "blade.toml").write_text(BLADE)
     assert "not written: give --out DIR" in invoke("reduce", tmp_path / "blade.toml").stdout
-
-
-def test_a_waiting_user_is_told_that_a_first_run_compiles(monkeypatch):
-    said = []
-
-    class Told(ProgressMessage):
-        def __init__(self, what: str) -> None:
-            super().__init__(what)
-            said.append(what)
-
-        def say(self, what: str) -> None:
-            said.append(what)
-
-    monkeypatch.setattr(sys.modules["casingfem.cli.contact"], "ProgressMessage", Told)
-    assert invoke("contact", SCENES / "two_rods.toml").exit_code == 0
-    assert said[0] == "contact two_rods.toml: starting; a first run compiles its loop"
-    assert said[-1] == "contact two_rods.toml: 100%"
-
-
-@pytest.mark.slow
-def test_a_waiting_user_is_told_that_the_study_is_read(monkeypatch, study):
-    said = []
-
-    class Told(ProgressMessage):
-        def __init__(self, what: str) -> None:
-            super().__init__(what)
-            said.append(what)
-
-    monkeypatch.setattr(sys.modules["casingfem.cli.study"], "ProgressMessage", Told)
-    assert invoke("modes", study).exit_code == 0
-    assert said[0] == f"reading {study.name}"
-
-
-def test_a_message_says_the_seconds_of_the_clock(monkeypatch):
-    monkeypatch.setattr("time.perf_counter", lambda: 100.0)
-    message = ProgressMessage("modes")
-    monkeypatch.setattr("time.perf_counter", lambda: 107.0)
-    assert message.seconds == 7.0
-
-
-def test_a_message_that_was_shown_ends_with_the_work_and_gives_the_cursor_back(monkeypatch):
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
-    hidden, shown = "\x1b[?25l", "\x1b[?25h"
-    terminal = Terminal()
-    monkeypatch.setattr("sys.stderr", terminal)
-    monkeypatch.setattr("casingfem.cli.running.PATIENCE", 0.0)
-    monkeypatch.setenv("TERM", "xterm")
-    with ProgressMessage("modes"):
-        end = time.monotonic() + 10.0
-        while "modes" not in terminal.getvalue() and time.monotonic() < end:
-            time.sleep(0.005)
-    said = terminal.getvalue()
-    assert "modes" in said
-    assert said.rindex(shown) > said.rindex(hidden)
 
 
 @pytest.mark.slow

@@ -1,0 +1,100 @@
+"""Progress of a long command on stderr: what is done, for how long, and about how long it will still take.
+
+A terminal gets one line that changes. A file or a pipe gets whole lines, the first after three seconds, then fewer and
+fewer. `CASINGFEM_PROGRESS=off` turns both off.
+"""
+
+import os
+import sys
+import threading
+import time
+from types import TracebackType
+from typing import Any
+
+PATIENCE = 1.0  # seconds until a terminal shows what takes so long
+FIRST, LONGEST = 2.5, 60.0  # seconds until the first line in a file, and between two lines at most
+SWITCH = "CASINGFEM_PROGRESS"
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words.
+
+    >>> duration(7.4), duration(200.0), duration(7500.0)
+    ('7 s', '3 min 20 s', '2 h 5 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+class ProgressMessage:
+    """Shows what a command does while it takes long; `say` changes the text and the share that is done.
+
+    The remaining time is the time since the first share divided by what was done since, times what is left.
+
+    >>> with ProgressMessage("modes") as working:
+    ...     working.say("modes: assembling")
+    ...     working.say("modes: 3 of 4 parts", 0.75)
+    """
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        self.started = time.perf_counter()
+        self._done: float | None = None
+        self._since: tuple[float, float] | None = None  # time of the first share, and that share
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> "ProgressMessage":
+        if os.environ.get(SWITCH, "") != "off":
+            self._thread = threading.Thread(target=self._on_terminal if sys.stderr.isatty() else self._in_lines)
+            self._thread.daemon = True
+            self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start."""
+        return time.perf_counter() - self.started
+
+    def say(self, what: str, done: float | None = None) -> None:
+        """Change what is said; `done` is the share of the work that is done, 0 to 1, None where it is not known."""
+        if done is None:
+            self._since = None
+        elif self._since is None or done < self._since[1]:
+            self._since = self.seconds, done
+        self.what, self._done = what, done
+
+    @property
+    def text(self) -> str:
+        """What is said now, with the time so far and the estimate of what is left."""
+        words, done, since, now = self.what, self._done, self._since, self.seconds
+        share = "" if done is None else f": {done:.0%}"
+        if done is None or since is None or done <= since[1]:
+            return f"{words}{share}, {duration(now)} so far"
+        left = (now - since[0]) * (1.0 - done) / (done - since[1])
+        return f"{words}{share}, {duration(now)} so far, about {duration(left)} left"
+
+    def _on_terminal(self) -> None:
+        if self._ended.wait(PATIENCE):
+            return
+        from rich.console import Console
+
+        with Console(stderr=True).status(self.text) as status:
+            while not self._ended.wait(0.5):
+                status.update(self.text)
+
+    def _in_lines(self) -> None:
+        stream: Any = sys.stderr
+        pause = FIRST
+        while not self._ended.wait(pause):
+            print(self.text, file=stream, flush=True)
+            pause = min(max(self.seconds, FIRST), LONGEST)
