@@ -6,6 +6,8 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -14,6 +16,7 @@ from contact.base.arrays import require_positive
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
+from contact.io.checkpoint import Checkpoint
 from contact.io.notebook import notebook_progress
 from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral
@@ -21,9 +24,11 @@ from contact.problem import What, default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
 from contact.result import Result
+from contact.resumed import Moment, asked, moment, restored
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
-CHUNK = 20_000  # steps per compiled call, which end at every LEDGER-th step
+CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
+WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
 LEDGER = 20_000  # steps between looks at the energy
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
 MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
@@ -64,10 +69,11 @@ class Chunk:
     done: float
 
 
-def steps(stepper: Stepper, count: int, *, record: Record) -> Iterator[Chunk]:
-    """Yield the chunks of a run of `count` steps; ends early after a chunk whose `failed` >= 0."""
-    first, contacts, at = 0, stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
-    most = min(CHUNK, record.chunk(contacts, stepper.size))
+def steps(stepper: Stepper, count: int, *, record: Record, first: int = 0) -> Iterator[Chunk]:
+    """Yield the chunks of a run of `count` steps from step `first`; ends early after a chunk whose `failed` >= 0."""
+    contacts, at = stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
+    work = max(1, WORK // max(1, stepper.size * contacts))
+    most = min(CHUNK, work, record.chunk(contacts, stepper.size))
     while first < count:
         size = min(most, count - first, LEDGER - first % LEDGER)
         here = at[np.searchsorted(at, first) : np.searchsorted(at, first + size)]
@@ -101,6 +107,7 @@ def run(
     record: Record | None = None,
     progress: Progress | None = None,
     on_limit: OnLimit | None = None,
+    checkpoint: str | Path | None = None,
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
@@ -112,6 +119,8 @@ def run(
     `gravity` [m/s^2] pulls bodies towards -x; `progress` is called with the fraction done, which a notebook shows
     by itself.
     `record` defaults to every step, or to as many as make 1,000,000 samples. `on_limit` as in `Scene`.
+    `checkpoint` names a file that a run of more than two seconds writes from time to time. Where it exists, the run
+    goes on from there and gives the same result to the last bit, but for the seconds.
 
     Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
     carries the result so far) at the step that failed, DivergedError (one of these) at the step that passed a limit.
@@ -130,7 +139,7 @@ def run(
     )  # fmt: skip
     if dt is not None or courant is not None:
         settings = replace(settings, dt=dt, courant=courant)
-    return completed(prepared(settings), progress or notebook_progress("run", "{:.0%}".format))
+    return completed(prepared(settings), progress or notebook_progress("run", "{:.0%}".format), checkpoint)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -187,23 +196,33 @@ def _count(end: float, dt: float) -> int:
     return max(1, math.ceil(ratio))
 
 
-def completed(ready: Prepared, progress: Progress | None = None) -> Result:
-    """Run what is prepared to its end."""
+def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
+    """Run what is prepared to its end, from the start or from where a checkpoint is; raises InputError as that."""
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
-    began, chunks, taken = time.perf_counter(), [], 0
-    calm: EnergyBudget | None = None  # of the first call, which may begin with bodies that overlap
-    for chunk in steps(stepper, ready.count, record=record):
-        chunks.append(chunk)
+    digest = "" if checkpoint is None else asked(ready)
+    file = None if checkpoint is None else Checkpoint(checkpoint, digest, Moment)
+    at = (file and file.found) or Moment(asked=digest, taken=0, seconds=0.0, memory=(), samples=(), calm=None)
+    if at.taken:
+        restored(ready, at)
+    began, parts, taken, failed = time.perf_counter() - at.seconds, list(at.samples), at.taken, -1
+    calm = at.calm  # of the first call, which may begin with bodies that overlap
+    if progress is not None:
+        progress(taken / ready.count)
+    for chunk in steps(stepper, ready.count, record=record, first=taken):
+        parts.append(chunk.samples)
+        taken, failed = taken + chunk.steps, chunk.failed
         if progress is not None:
             progress(chunk.done)
-        taken += chunk.steps
-        if chunk.failed < 0 and taken % LEDGER == 0:
+        if failed < 0 and taken % LEDGER == 0:
             now = _budget(ready)
             if _runs_away(ready, now, calm or now):
                 break
             calm = calm or now
-    return finished(ready, [c.samples for c in chunks], taken, time.perf_counter() - began, chunks[-1].failed, calm)
+        if file is not None and failed < 0:
+            here = partial(moment, ready, digest, parts, taken, time.perf_counter() - began, calm)
+            file.keep(here)
+    return finished(ready, parts, taken, time.perf_counter() - began, failed, calm)
 
 
 def _budget(ready: Prepared) -> EnergyBudget:

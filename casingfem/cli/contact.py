@@ -34,7 +34,8 @@ SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 def contact(file: Path, as_json: bool, out: Path | None) -> None:
     """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle.
 
-    --out DIR gets the result, pictures of force, gap, spectrum and energy, and the forces as a table.
+    --out DIR gets the result, pictures of force, gap, spectrum and energy, and the forces as a table. After a stop the
+    same command goes on where the run was.
     """
     run_scene(file, "contact", as_json, out)
 
@@ -47,7 +48,8 @@ def rub(file: Path, as_json: bool, out: Path | None, vtu: bool) -> None:
     """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub).
 
     --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
-    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". --vtu needs a basis
+    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". After a stop the
+    same command goes on where the run was. --vtu needs a basis
     that recovers its nodes: recovery = true in [reduce] of its study.
     """
     if vtu and out is None:
@@ -128,8 +130,6 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
 
     scene = load_cycles(file)
     part = None if out is None else out / STORES["cycles"]
-    if part is not None:
-        part.parent.mkdir(parents=True, exist_ok=True)
     with ProgressMessage(f"cycles {file.name}") as working:
 
         def progress(branch: int, at: float, points: int) -> None:
@@ -175,8 +175,9 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
         kind = read_scene(file)[0].scene.kind
         problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
         raise SceneError([f"{file}: {problem}"])
+    part = None if out is None else out / STORES[command]
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
-        result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}", done), out is not None)
+        result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}", done), part)
     document = result.to_dict()
     files: dict[str, Content] = {}
     if out is not None:
@@ -189,22 +190,27 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
 
         files |= series_files(scene.what, result)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
+    if part is not None:
+        part.unlink(missing_ok=True)
     if broken is not None:
         fail(f"{command} {file}: the numerics failed: {broken}", NUMERICS_FAILED)
 
 
-def ran(scene: "Scene", progress: Callable[[float], None], pictured: bool) -> "tuple[Result, NumericsError | None]":
-    """Run a scene; of one that failed or diverged its result so far, and why. With states where it is to be drawn."""
+def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) -> "tuple[Result, NumericsError | None]":
+    """Run a scene; of one that failed or diverged its result so far, and why.
+
+    `part` is the file of a run under way, from which it goes on; with one, states are kept, to be drawn.
+    """
     from contact import NumericsError
     from contact.run import completed, prepared
 
     ready = prepared(scene)
-    if pictured and scene.record is None:
+    if part is not None and scene.record is None:
         from casingfem.cli.pictures import with_states
 
         ready = with_states(ready)
     try:
-        return completed(ready, progress), None
+        return completed(ready, progress, part), None
     except NumericsError as error:
         if error.result is None:
             raise
@@ -227,10 +233,12 @@ def scene_report(file: Path, as_json: bool, folder: Path) -> None:
     from contact import load_scene
 
     scene = load_scene(file)
+    part = folder / STORES["report"]
     with ProgressMessage(f"report on {file.name}: running") as working:
-        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}, run", done), True)
+        result, broken = ran(scene, lambda done: working.say(f"report on {file.name}, run", done), part)
         html = page(scene, result, file, lambda what: working.say(f"report on {file.name}: {what}"))
     document = {"report": str(folder / "report.html"), "seconds": working.seconds, "flags": list(result.flags)}
     deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
+    part.unlink(missing_ok=True)
     if broken is not None:
         fail(f"report {file}: the numerics failed: {broken}", NUMERICS_FAILED)

@@ -15,7 +15,10 @@ from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.outfiles import Content, in_the_way, json_text, write_files
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
-STORES = {"sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz"}  # where commands keep what is finished
+STORES = {  # where commands keep what is finished
+    "sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz", "contact": "contact.part.npz",
+    "rub": "rub.part.npz", "report": "report.part.npz",
+}  # fmt: skip
 MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
 _collected: list[dict[str, str]] = []
 

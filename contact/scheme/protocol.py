@@ -16,7 +16,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -105,6 +105,10 @@ class Stepper(Protocol):
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """Arrays that `advance` changes, in tuples of any depth: written back, a run goes on to the same bits."""
 
     def why(self) -> str:
         """Explain a failed step."""

@@ -74,7 +74,7 @@ def test_how_a_run_ends(monkeypatch):
 def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(monkeypatch):
     """Zero too; a step of one kind replaces the other's; what is left out stays."""
     monkeypatch.setattr(RUN, "prepared", lambda scene: scene)
-    monkeypatch.setattr(RUN, "completed", lambda scene, progress: scene)
+    monkeypatch.setattr(RUN, "completed", lambda scene, *_: scene)
     said = block(
         gravity=9.81, law=ct.Unilateral(), scheme=ct.CentralDifference(), record=ct.Record(every=3), on_limit="flag"
     )

@@ -17,10 +17,8 @@ from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, orbit, settled
 from contact.io import notebook
-from contact.io.stored import StoredError, load_value, save_value
+from contact.io.checkpoint import Checkpoint
 
-EVERY = 2.0  # s between two writings, at least
-SHARE = 20.0  # times what a writing takes, likewise
 TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
 SETTLE = 200  # periods of such a run
 Progress = Callable[[int, float, int], None]
@@ -40,33 +38,6 @@ class Found:
         if number < len(self.done):
             return self.done[number].points[0]
         return self.way.points[0] if self.way is not None and number == len(self.done) else None
-
-
-class Checkpoint:
-    """The file of a search, or none: what it held at the start, and when it is written again."""
-
-    def __init__(self, path: str | Path | None, asked: str) -> None:
-        self.path = None if path is None else Path(path)
-        self.found = Found(asked=asked)
-        self._due = time.monotonic() + EVERY
-        if self.path is None or not self.path.exists():
-            return
-        try:
-            self.found = load_value(self.path, Found)
-        except StoredError as error:
-            raise InputError(f"checkpoint: {error}; remove it to begin anew") from error
-        if self.found.asked != asked:
-            found = "that of another body, range or way to continue"
-            expected = "this one's; name another file, or remove it"
-            raise InputError(f"checkpoint: {self.path}: found {found}, expected {expected}")
-
-    def keep(self, done: list[Branch], way: Way | None = None) -> None:
-        """Write what there is: at the end of a branch, within one when it is time."""
-        if self.path is None or (way is not None and time.monotonic() < self._due):
-            return
-        begun = time.monotonic()
-        save_value(self.path, Found(asked=self.found.asked, done=tuple(done), way=way))
-        self._due = time.monotonic() + max(EVERY, SHARE * (time.monotonic() - begun))
 
 
 def digest(family: Family, between: tuple[float, float], first: Orbit | None, *how: float) -> str:
@@ -103,31 +74,37 @@ def follow(
     if between[0] == between[1]:
         raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected a range")
     started = time.perf_counter()
-    kept = Checkpoint(checkpoint, digest(family, between, first, longest, most, doublings) if checkpoint else "")
+    asked = digest(family, between, first, longest, most, doublings) if checkpoint else ""
+    kept = None if checkpoint is None else Checkpoint(checkpoint, asked, Found)
+    before = (kept and kept.found) or Found(asked=asked)
     found: list[Branch] = []
+
+    def keep(way: Way | None = None) -> None:
+        if kept is not None:
+            kept.keep(lambda: Found(asked=asked, done=tuple(found), way=way), now=way is None)
 
     def go(course: Course, begin: Orbit, ahead: Tangent) -> Branch:
         number = len(found)
 
         def told(way: Way) -> None:
-            kept.keep(found, way)
+            keep(way)
             if progress is not None:
                 progress(number + 1, way.points[-1].value, len(way.points))
 
-        if number < len(kept.found.done):
-            found.append(kept.found.done[number])
+        if number < len(before.done):
+            found.append(before.done[number])
             return found[-1]
-        way = kept.found.way if number == len(kept.found.done) else None
+        way = before.way if number == len(before.done) else None
         way = way or begun(course, begin, ahead, longest)
         found.append(followed(course, way, longest=longest, most=most, progress=told))
-        kept.keep(found)
+        keep()
         return found[-1]
 
     def looking(value: float) -> None:
         if progress is not None:
             progress(len(found) + 1, value, 0)
 
-    _main(family, between, first, go, looking, lambda: kept.found.begins(len(found)))
+    _main(family, between, first, go, looking, lambda: before.begins(len(found)))
     for branch in list(found):
         _doubled(family, between, branch, doublings, longest, go)
     return Cycles(name=family.name, branches=tuple(found), seconds=time.perf_counter() - started)

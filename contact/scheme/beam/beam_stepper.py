@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -94,6 +94,11 @@ class BeamStepper(BeamRun):
         from contact.loop.beam.beam import advance_beam
 
         return advance_beam(self.state, self.work, self.sums, out, self.dt, first, steps)
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, work arrays and sums."""
+        return self.state, self.work, self.sums
 
     def why(self) -> str:
         """Explain a failed step."""
@@ -198,6 +203,11 @@ class ImplicitBeamStepper(BeamRun):
         from contact.loop.beam.implicit import advance_implicit
 
         return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, work arrays and sums."""
+        return self.state, self.work, self.sums
 
     def why(self) -> str:
         """Explain a failed step."""

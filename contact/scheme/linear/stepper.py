@@ -73,6 +73,11 @@ class LinearStepper:
             out.state[:states] = out.state[:states, self.system.place]
         return failed
 
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, sums and the arrays of the scheme."""
+        return self.state, self.sums, self.method
+
     def why(self) -> str:
         """Explain a failed step."""
         if self.fault:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly
+from contact.base.arrays import Array, Indices, readonly
 from contact.model.gaps.limits import REACHED, RIM, wall_flags
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.trig import Terms
@@ -22,7 +22,7 @@ from contact.scheme.protocol import Block, Motion, Notes
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
-    from contact.loop.modal.modal import ModalState
+    from contact.loop.modal.modal import EnergyState, ModalState
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -49,11 +49,12 @@ class ModalRun:
     dt: float
     sums: Tally
     label: str
+    state: ModalState | EnergyState
     loop: Callable[[Tally, Samples, int, int], int]
     energy: Callable[[int], Stored]  # after this many steps
     velocity: Callable[[], Array]
     failure: Callable[[], str]
-    steps: list[int]  # steps taken so far, one entry
+    steps: Indices  # taken so far, one entry
     rim: RimRun | None = None
     tracks: Tracks | None = None
 
@@ -79,6 +80,12 @@ class ModalRun:
         failed = self.loop(self.sums, out, first, steps)
         self.steps[0] = first + steps if failed < 0 else failed
         return failed
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, sums, what skipping and limits hold, and the coating."""
+        rim = () if self.rim is None else (self.rim.wide, self.rim.limits, self.rim.flight)
+        return self.state, self.sums, self.steps, rim, () if self.tracks is None else self.tracks.memory
 
     @property
     def limits(self) -> Array | None:
@@ -110,7 +117,7 @@ class ModalRun:
 
     def stored(self) -> Stored:
         """Energy now."""
-        return self.energy(self.steps[0])
+        return self.energy(int(self.steps[0]))
 
     def motions(self) -> tuple[Motion, ...]:
         """Mean velocity and momentum of each body from its mode of frequency zero, NaN unless it has one."""

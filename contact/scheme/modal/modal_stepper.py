@@ -63,7 +63,8 @@ def modal_stepper(
         return loop(state, sums, out, first, steps)
 
     return ModalRun(
-        system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=[0],
+        system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=np.zeros(1, dtype=np.int64),
+        state=state,
         energy=lambda steps: _stored(system, parts, state, steps, tracks), velocity=lambda: state.d / parts.h,
         failure=lambda: _failure(state), rim=rim, tracks=tracks,
     )  # fmt: skip
@@ -215,7 +216,7 @@ def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     top = float(system.omega.max(initial=0.0))
     label = f"exact modal, energy law, dt omega_max = {h * top:.3g} (no limit)"
     return ModalRun(
-        system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=[0],
+        system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=np.zeros(1, dtype=np.int64), state=state,
         energy=lambda _: _energy_stored(system, state), velocity=lambda: state.v,
         failure=lambda: "the gap is not a number",
     )  # fmt: skip

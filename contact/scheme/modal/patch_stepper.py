@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -54,6 +54,11 @@ class PatchStepper(ExactRun):
         failed = advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
         self.work.room.otherwise.pass_on()
         return failed
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, work arrays and sums."""
+        return self.state, self.work, self.sums
 
     @property
     def limits(self) -> Array:

@@ -48,7 +48,7 @@ class RubStepper(ExactRun):
     work: Work
     dimensions: int
     averaged: bool
-    steps: list[int]
+    steps: Indices  # taken so far, one entry
     worn: tuple[Tracks, Coats] | None = None
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
 
@@ -91,6 +91,12 @@ class RubStepper(ExactRun):
         return () if self.worn is None else self.worn[0].wear()
 
     @property
+    def memory(self) -> tuple[Any, ...]:
+        """State, work arrays, sums and the coating."""
+        coating = () if self.worn is None else (self.worn[0].memory, self.worn[1])
+        return self.wide, self.work, self.rows, self.sums, self.steps, coating
+
+    @property
     def limits(self) -> Array:
         """Those of `motion_limits`."""
         return self.state.limits
@@ -116,7 +122,7 @@ class RubStepper(ExactRun):
     def stored(self) -> Stored:
         """Energy now; what S stores counts as residual, and what bends a coating."""
         s = self.state
-        turned = self.rub.speed.angle((self.steps[0] - 1) * self.dt)
+        turned = self.rub.speed.angle((int(self.steps[0]) - 1) * self.dt)
         residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
         residual += 0.0 if self.worn is None else self.worn[0].elastic
         return self.parts.stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
@@ -146,7 +152,8 @@ def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, di
     return RubStepper(
         rub=rub, system=system, parts=parts, state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
         rows=rows, work=work_space(wide, rows), dimensions=dimensions, averaged=averaged,
-        sums=tally(system.contacts), label=label, steps=[0], worn=None if law is None else rub_tracks(rub, law),
+        sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
+        worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 
 

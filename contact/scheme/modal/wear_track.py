@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,26 +74,42 @@ class Track:
         """Sum over its tips: 0 energy dissipated, 1 elastic energy now [J]."""
         return float(self.memory[list(self.tips), what].sum())
 
-    def wear(self, maps: Sequence[tuple[float, Array]]) -> Wear:
-        """What was lost so far, `maps` of time and worn depths on the way."""
+    def wear(self, times: Array, depths: Array) -> Wear:
+        """What was lost so far, with maps on the way: `times` (m,) [s], worn `depths` (m, bars) [m]."""
         worn, law = self.coating.worn, self.law
         cut = np.maximum(self.coating.round - self.made, 0.0)
         return Wear(
-            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=np.array([time for time, _ in maps]),
-            map=np.array([depth for _, depth in maps]).reshape(len(maps), worn.size),
+            angle=_angles(worn.size), made=self.made, cut=cut, worn=worn, map_time=times.copy(), map=depths.copy(),
             volume=self.area * float(worn.sum()), dissipated=self.memorised(0),
             stated=self.area * float(np.sum(law.dissipated(worn))),
             bare=int(np.count_nonzero(worn >= law.thickness - cut)), tips=self.tips,
         )  # fmt: skip
 
 
-@dataclass(eq=False, slots=True, kw_only=True)
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Tracks:
-    """All tracks of a run, and maps of their worn depths at steps so far."""
+    """All tracks of a run, and maps of their worn depths at steps so far.
+
+    `pace`: number of maps and steps between them; `times` and `depths` of the maps, the tracks one behind the other.
+    """
 
     tracks: tuple[Track, ...]
-    every: int = FIRST_EVERY
-    maps: list[tuple[float, tuple[Array, ...]]] = field(default_factory=list)
+    pace: Indices = field(default_factory=lambda: np.array([0, FIRST_EVERY]))
+    times: Array = field(default_factory=lambda: np.zeros(MOST_MAPS + 1))
+    depths: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "depths", np.zeros((MOST_MAPS + 1, len(self.worn))))
+
+    @property
+    def worn(self) -> Array:
+        """Worn depth of each bar of all tracks now [m]."""
+        return np.concatenate([track.coating.worn for track in self.tracks])
+
+    @property
+    def memory(self) -> tuple[Any, ...]:
+        """What a run changes of it."""
+        return self.pace, self.times, self.depths, *((track.coating.worn, track.memory) for track in self.tracks)
 
     @staticmethod
     def of(system: ModalSystem, law: Abradable) -> Tracks:
@@ -109,22 +125,32 @@ class Tracks:
         """Run the loop, keeping a map every so many steps; -1, or the step that failed."""
         start, end = first, first + steps
         while start < end:
-            stop = min(end, (start // self.every + 1) * self.every)
+            every = int(self.pace[1])
+            stop = min(end, (start // every + 1) * every)
             failed = loop(start, stop - start)
             if failed >= 0:
                 return failed
             start = stop
-            if start % self.every == 0:
-                self.maps.append((start * h, tuple(track.coating.worn.copy() for track in self.tracks)))
-                if len(self.maps) > MOST_MAPS:
-                    self.maps, self.every = self.maps[1::2], 2 * self.every
+            if start % every == 0:
+                self._keep(start * h)
         return -1 if steps else loop(first, 0)
+
+    def _keep(self, time: float) -> None:
+        """Store a map; of too many every second one is dropped, and they come half as often."""
+        count = int(self.pace[0])
+        self.times[count], self.depths[count] = time, self.worn
+        count += 1
+        if count > MOST_MAPS:
+            half = count // 2
+            self.times[:half], self.depths[:half] = self.times[1:count:2].copy(), self.depths[1:count:2].copy()
+            count, self.pace[1] = half, 2 * self.pace[1]
+        self.pace[0] = count
 
     def wear(self) -> tuple[Wear, ...]:
         """What each track has lost so far."""
-        return tuple(
-            track.wear([(time, depths[k]) for time, depths in self.maps]) for k, track in enumerate(self.tracks)
-        )
+        count, ends = int(self.pace[0]), np.cumsum([track.coating.worn.size for track in self.tracks])
+        maps = np.split(self.depths[:count], ends[:-1], axis=1)
+        return tuple(track.wear(self.times[:count], part) for track, part in zip(self.tracks, maps, strict=True))
 
 
 def _angles(cells: int) -> Array:

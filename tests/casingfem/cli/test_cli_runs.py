@@ -1,14 +1,18 @@
-"""What commands refuse before they begin, and how a run that breaks off is taken."""
+"""What commands refuse before they begin, and how a run that was stopped goes on."""
 
-from importlib import import_module
-from types import SimpleNamespace
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.cli.contact import is_scene, ran
-from contact import NumericsError
+from casingfem.cli.contact import is_scene
 
 
 @pytest.mark.parametrize(
@@ -45,39 +49,47 @@ def test_a_scene_is_a_file_with_its_table(tmp_path, content, scene):
     assert is_scene(tmp_path / "a.toml") is scene
 
 
-@pytest.fixture
-def broken(monkeypatch):
-    """A run that ends as a test says; what was drawn."""
-    drawn = []
-    run = import_module("contact.run")
-    error = NumericsError("diverged")
-
-    def completed(ready, progress):
-        progress(0.5)
-        if ready == "whole":
-            return "result"
-        raise error
-
-    monkeypatch.setattr(run, "prepared", lambda scene: scene.ready)
-    monkeypatch.setattr(run, "completed", completed)
-    monkeypatch.setattr("casingfem.cli.pictures.with_states", lambda ready: drawn.append(ready) or ready)
-    return SimpleNamespace(error=error, drawn=drawn)
-
-
-@pytest.mark.parametrize(
-    ("pictured", "record", "drawn"),
-    [(True, None, ["whole"]), (False, None, []), (True, "a", []), (False, "a", [])],
-)
-def test_states_are_stored_for_pictures_where_the_scene_says_nothing(broken, pictured, record, drawn):
-    done = []
-    assert ran(SimpleNamespace(ready="whole", record=record), done.append, pictured) == ("result", None)
-    assert (broken.drawn, done) == (drawn, [0.5])
+LONG = """
+[scene]
+kind = "rods"
+t_end = 4.0
+[[mass]]
+mass = 1.0
+x = 0.5
+anchor = 0.0
+stiffness = 1e4
+velocity = 1.0
+force = 20.0
+force_hz = 20.0
+[wall]
+x = 0.55
+[scheme]
+kind = "cd-lagrange"
+restitution = 0.8
+dt = 2e-7
+"""
 
 
-def test_a_run_that_breaks_off_keeps_what_it_has(broken):
-    scene = SimpleNamespace(ready="breaks", record=None)
-    broken.error.result = "so far"
-    assert ran(scene, lambda done: None, False) == ("so far", broken.error)
-    broken.error.result = None
-    with pytest.raises(NumericsError):
-        ran(scene, lambda done: None, False)
+@pytest.mark.campaign
+def test_a_killed_run_goes_on_to_the_same_numbers(tmp_path: Path) -> None:
+    (tmp_path / "long.toml").write_text(LONG, encoding="utf-8")
+    here = {**os.environ, "CASINGFEM_PROGRESS": "on"}
+
+    def command(out: str) -> list[str]:
+        return [sys.executable, "-m", "casingfem", "contact", "long.toml", "--json", "--out", out]
+
+    whole = subprocess.run(command("whole"), cwd=tmp_path, env=here, capture_output=True, text=True, check=False)
+    assert "left" in whole.stderr  # an estimate in a pipe
+    running = subprocess.Popen(command("killed"), cwd=tmp_path, env=here, stdout=subprocess.DEVNULL)
+    part, end = tmp_path / "killed/contact.part.npz", time.monotonic() + 120.0
+    while not part.exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    assert part.exists()
+    again = subprocess.run(command("killed"), cwd=tmp_path, env=here, capture_output=True, text=True, check=False)
+    assert not part.exists()
+    first, second = (json.loads(each.stdout) for each in (whole, again))
+    assert first.pop("seconds") > 0.0 < second.pop("seconds")
+    assert first == second
+    assert (tmp_path / "whole/contact_forces.csv").read_bytes() == (tmp_path / "killed/contact_forces.csv").read_bytes()

@@ -1,0 +1,56 @@
+"""A file that keeps what a long computation has found so far, so that it can go on after a stop."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Generic, Protocol, TypeVar
+
+from contact.base.errors import InputError
+from contact.io.stored import StoredError, load_value, save_value
+
+EVERY = 2.0  # s between two writings, at least
+SHARE = 20.0  # times what a writing takes, likewise: a twentieth of the time at most goes into it
+
+
+class Asked(Protocol):
+    """What a file keeps says which computation it belongs to."""
+
+    @property
+    def asked(self) -> str:
+        """Digest of all that decides the result."""
+
+
+Kept = TypeVar("Kept", bound=Asked)
+
+
+class Checkpoint(Generic[Kept]):
+    """The file of a computation; `found` is what it held at the start, None where it did not exist.
+
+    Raises InputError for a file that cannot be read, and for one of another computation.
+    """
+
+    def __init__(self, path: str | Path, asked: str, kind: type[Kept]) -> None:
+        self.path = Path(path)
+        self.found: Kept | None = None
+        self._due = time.monotonic() + EVERY
+        if not self.path.exists():
+            return
+        try:
+            self.found = load_value(self.path, kind)
+        except StoredError as error:
+            raise InputError(f"checkpoint: {error}; remove it to begin anew") from error
+        if self.found is not None and self.found.asked != asked:
+            found = "that of another computation or version"
+            expected = "this one's: name another file or folder, or remove it to begin anew"
+            raise InputError(f"checkpoint: {self.path}: found {found}, expected {expected}")
+
+    def keep(self, value: Callable[[], Kept], *, now: bool = False) -> None:
+        """Write a value when it is time, or now."""
+        if not now and time.monotonic() < self._due:
+            return
+        begun = time.monotonic()
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        save_value(self.path, value())
+        self._due = time.monotonic() + max(EVERY, SHARE * (time.monotonic() - begun))

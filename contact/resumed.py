@@ -1,0 +1,77 @@
+"""Where a run stands between two calls of its loop, and how it goes on from there to the same bits."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.io.stored import Packing, StoredError
+from contact.record.energy import EnergyBudget
+from contact.record.record import Samples
+from contact.version import versions
+
+if TYPE_CHECKING:
+    from contact.run import Prepared
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Moment:
+    """A run after `taken` steps: the arrays of its stepper, samples so far, seconds spent, energies of the first call.
+
+    `asked` is the digest of the run that it belongs to.
+    """
+
+    asked: str
+    taken: int
+    seconds: float
+    memory: tuple[Array, ...]
+    samples: tuple[Samples, ...]
+    calm: EnergyBudget | None
+
+
+def arrays_in(memory: Any) -> Iterator[Array]:
+    """Yield the arrays in tuples of any depth that can be written, in their order."""
+    if isinstance(memory, np.ndarray):
+        if memory.flags.writeable:
+            yield memory
+    elif isinstance(memory, tuple):
+        for part in memory:
+            yield from arrays_in(part)
+
+
+def asked(ready: Prepared) -> str:
+    """Digest of a run at t = 0: problem, step, record, arrays of the stepper, versions. Raises InputError.
+
+    The error names a part of the problem that no file can hold: a function, for example.
+    """
+    packing = Packing()
+    try:
+        document = packing.packed((ready.problem, ready.record), "")
+    except StoredError as error:
+        raise InputError(f"checkpoint: a run with {error} cannot be recognised again: run it without one") from error
+    rest = ready.mu, ready.coated, ready.count, ready.on_limit, ready.stepper.label, ready.stepper.dt
+    digest = hashlib.sha256(json.dumps([document, rest, versions()], sort_keys=True).encode())
+    for array in (*packing.arrays.values(), *arrays_in(ready.stepper.memory)):
+        digest.update(str((array.dtype, array.shape)).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def moment(ready: Prepared, asked: str, parts: list[Samples], taken: int, seconds: float,
+           calm: EnergyBudget | None) -> Moment:  # fmt: skip
+    """Copy where a run stands."""
+    memory = tuple(array.copy() for array in arrays_in(ready.stepper.memory))
+    return Moment(asked=asked, taken=taken, seconds=seconds, memory=memory, samples=tuple(parts), calm=calm)
+
+
+def restored(ready: Prepared, at: Moment) -> None:
+    """Bring a prepared run to a moment of it."""
+    for array, kept in zip(arrays_in(ready.stepper.memory), at.memory, strict=True):
+        np.copyto(array, kept, casting="no")
