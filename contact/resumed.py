@@ -1,4 +1,4 @@
-"""Where a run stands between two calls of its loop, and how it goes on from there to the same bits."""
+"""The state of a run between two calls of its loop, and how the run goes on from there to the same bits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,8 @@ from contact.base.errors import InputError
 from contact.io.stored import Packing, StoredError
 from contact.record.energy import EnergyBudget
 from contact.record.record import Samples
+from contact.scheme.protocol import Stepper
 from contact.version import versions
-
-if TYPE_CHECKING:
-    from contact.run import Prepared
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -46,32 +44,32 @@ def arrays_in(memory: Any) -> Iterator[Array]:
             yield from arrays_in(part)
 
 
-def asked(ready: Prepared) -> str:
-    """Digest of a run at t = 0: problem, step, record, arrays of the stepper, versions. Raises InputError.
+def asked(stepper: Stepper, *decisive: Any) -> str:
+    """Digest of a run at t = 0: all that decides it, its step, the arrays of its stepper, versions. Raises InputError.
 
     The error names a part of the problem that no file can hold: a function, for example.
     """
     packing = Packing()
     try:
-        document = packing.packed((ready.problem, ready.record), "")
+        document = packing.packed(decisive, "")
     except StoredError as error:
         raise InputError(f"checkpoint: a run with {error} cannot be recognised again: run it without one") from error
-    rest = ready.mu, ready.coated, ready.count, ready.on_limit, ready.stepper.label, ready.stepper.dt
-    digest = hashlib.sha256(json.dumps([document, rest, versions()], sort_keys=True).encode())
-    for array in (*packing.arrays.values(), *arrays_in(ready.stepper.memory)):
+    text = json.dumps([document, stepper.label, stepper.dt, versions()], sort_keys=True)
+    digest = hashlib.sha256(text.encode())
+    for array in (*packing.arrays.values(), *arrays_in(stepper.memory)):
         digest.update(str((array.dtype, array.shape)).encode())
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 
 
-def moment(ready: Prepared, asked: str, parts: list[Samples], taken: int, seconds: float,
+def moment(stepper: Stepper, asked: str, parts: list[Samples], taken: int, seconds: float,
            calm: EnergyBudget | None) -> Moment:  # fmt: skip
-    """Copy where a run stands."""
-    memory = tuple(array.copy() for array in arrays_in(ready.stepper.memory))
+    """Copy where a run is."""
+    memory = tuple(array.copy() for array in arrays_in(stepper.memory))
     return Moment(asked=asked, taken=taken, seconds=seconds, memory=memory, samples=tuple(parts), calm=calm)
 
 
-def restored(ready: Prepared, at: Moment) -> None:
-    """Bring a prepared run to a moment of it."""
-    for array, kept in zip(arrays_in(ready.stepper.memory), at.memory, strict=True):
+def restored(stepper: Stepper, at: Moment) -> None:
+    """Bring a stepper at t = 0 to a moment of its run."""
+    for array, kept in zip(arrays_in(stepper.memory), at.memory, strict=True):
         np.copyto(array, kept, casting="no")

@@ -13,10 +13,10 @@ from typing import Literal
 import numpy as np
 
 from contact.base.arrays import require_positive
+from contact.base.checkpoint import Checkpoint
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
-from contact.io.checkpoint import Checkpoint
 from contact.io.notebook import notebook_progress
 from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral
@@ -200,11 +200,12 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
     """Run what is prepared to its end, from the start or from where a checkpoint is; raises InputError as that."""
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
-    digest = "" if checkpoint is None else asked(ready)
+    decisive = ready.problem, record, ready.mu, ready.coated, ready.on_limit, ready.count
+    digest = "" if checkpoint is None else asked(stepper, *decisive)
     file = None if checkpoint is None else Checkpoint(checkpoint, digest, Moment)
     at = (file and file.found) or Moment(asked=digest, taken=0, seconds=0.0, memory=(), samples=(), calm=None)
     if at.taken:
-        restored(ready, at)
+        restored(stepper, at)
     began, parts, taken, failed = time.perf_counter() - at.seconds, list(at.samples), at.taken, -1
     calm = at.calm  # of the first call, which may begin with bodies that overlap
     if progress is not None:
@@ -220,7 +221,7 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
                 break
             calm = calm or now
         if file is not None and failed < 0:
-            here = partial(moment, ready, digest, parts, taken, time.perf_counter() - began, calm)
+            here = partial(moment, stepper, digest, parts, taken, time.perf_counter() - began, calm)
             file.keep(here)
     return finished(ready, parts, taken, time.perf_counter() - began, failed, calm)
 

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from contact.base.arrays import require_count, require_finite, require_positive
+from contact.base.checkpoint import Checkpoint
 from contact.base.errors import InputError, NumericsError
 from contact.growth.cycles.branch import Course, Tangent, Way, begun, followed
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, orbit, settled
 from contact.io import notebook
-from contact.io.checkpoint import Checkpoint
 
 TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
 SETTLE = 200  # periods of such a run
