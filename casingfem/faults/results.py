@@ -119,6 +119,18 @@ RESULTS = {
         "nothing need be done: they are kept; a number that should count has one of the names mode, n, freq_hz, "
         "sigma_hz, angle_deg, zeta",
     ),
+    "uff-bytes": (
+        "the first line of a binary function states another number of bytes than its data have",
+        "nothing need be done: the data end where their own header says, and are read whole",
+    ),
+    "uff-empty": (
+        "a set of a universal file is empty: two marks -1 follow each other where a set should begin",
+        "look whether the export was complete: some programs lose the first binary function of a file",
+    ),
+    "uff-end": (
+        "the last set of the file lacks its closing -1; every number that its header announces is there",
+        "look whether the export was complete: sets may be missing behind it",
+    ),
     "uff-gap": (
         "sets of nodes and elements hold no count, and here a few of their numbers are left out",
         "compare with the program that wrote the file: were lines lost?",

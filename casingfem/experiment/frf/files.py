@@ -1,6 +1,6 @@
 """Frequency responses from a file of any kind that is read, and the angles of their points.
 
-In HDF5 the arrays of `FrfSet` are data sets, kind, unit and card attributes of the file.
+In HDF5 the arrays of `FrfSet` are data sets, kind, unit, form and card attributes of the file.
 """
 
 import os
@@ -25,7 +25,7 @@ HDF5 = (".h5", ".hdf5")
 COHERENCE = 6, 26  # of functions of universal files: ordinary, multiple
 KINDS = ", ".join((*UNIVERSAL, ".npz", *HDF5, ".csv"))
 ARRAYS = ("x", "responses", *PLACES)
-SAID = ("kind", "unit", "card")
+SAID = ("kind", "unit", "form", "card")
 
 
 def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
@@ -147,7 +147,8 @@ def read_hdf5(path: str | os.PathLike[str]) -> FrfSet:
         raise InputError(str(path), found="no attribute 'unit'", expected="the unit, such as '(m/s^2)/N'")
     card = tuple(str(line) for line in np.atleast_1d(stored.get("card", ())).tolist())
     kind: Any = str(stored.get("kind", "frf"))
-    return FrfSet.from_arrays(kind=kind, unit=str(stored["unit"]), card=card, path=str(path), **arrays)
+    unit, form = str(stored["unit"]), str(stored.get("form", ""))
+    return FrfSet.from_arrays(kind=kind, unit=unit, form=form, card=card, path=str(path), **arrays)
 
 
 def _contents(path: Path) -> dict[str, Any]:
@@ -167,6 +168,8 @@ def write_hdf5(frfs: FrfSet, path: str | os.PathLike[str]) -> Path:
             for name in ARRAYS:
                 file[name] = getattr(frfs, name)
             file.attrs["kind"], file.attrs["unit"] = frfs.kind, frfs.unit
+            if frfs.form:
+                file.attrs["form"] = frfs.form
             if frfs.card:
                 file.attrs["card"] = list(frfs.card)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
+from casingfem.experiment.frf.forms import FORMS, form_of_codes, quantity_of, unit_of
 from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
@@ -41,6 +42,7 @@ class FrfSet:
         Where each channel was measured, and what it refers to, (channels,): node, and 1, 2, 3 for x, y, z, 4, 5, 6
         for turns, 0 without direction, signed.
     unit : unit of the responses, as the file has it
+    form : "receptance", "mobility" or "accelerance" where the file states it beside a unit, "" where it does not
     card : source lines
     path : where it was read from
 
@@ -63,6 +65,7 @@ class FrfSet:
     reference_point: IntArray
     reference_direction: IntArray
     unit: str
+    form: str = ""
     card: tuple[str, ...] = ()
     path: str = "functions"
 
@@ -82,6 +85,8 @@ class FrfSet:
 
     def _check(self) -> None:
         _kind(self.kind, self.path)
+        if self.form not in ("", *FORMS):
+            raise InputError(self.path, found=f"form {self.form!r}", expected=" or ".join(FORMS))
         channels = self.responses.shape[:1]
         fit = self.responses.ndim == 2 and self.responses.size and self.x.shape == self.responses.shape[1:]
         if not fit or any(getattr(self, name).shape != channels for name in PLACES):
@@ -115,6 +120,7 @@ class FrfSet:
         response_direction: ArrayLike = 0,
         reference_point: ArrayLike = 0,
         reference_direction: ArrayLike = 0,
+        form: str = "",
         card: Sequence[str] = (),
         path: str = "functions",
     ) -> FrfSet:
@@ -126,7 +132,7 @@ class FrfSet:
             for name, value in zip(PLACES, given, strict=True)
         }
         at = np.asarray(x, np.float64)
-        return cls(kind=kind, x=at, responses=values, unit=unit, card=tuple(card), path=path, **places)
+        return cls(kind=kind, x=at, responses=values, unit=unit, form=form, card=tuple(card), path=path, **places)
 
     @classmethod
     def from_uff(cls, path: str | os.PathLike[str], kind: Kind = "frf") -> FrfSet:
@@ -153,24 +159,30 @@ class FrfSet:
     def from_functions(cls, functions: Sequence[Function], kind: Kind, path: str = "functions") -> FrfSet:
         """Put functions of a universal file together."""
         first = functions[0]
-        units = [_unit(function) for function in functions]
+        units = [unit_of(each) or (quantity_of(each) if kind == "frf" else "") for each in functions]
+        forms = [form_of_codes(each) if kind == "frf" else "" for each in functions]
         for k, function in enumerate(functions):
             _check_abscissa(function, kind, k, path)
             if not np.array_equal(function.x, first.x):
                 raise InputError(path, found=f"function {k + 1} over other abscissas", expected="those of the first")
             if units[k] != units[0]:
                 raise InputError(path, found=f"function {k + 1} in {units[k]!r}", expected=f"{units[0]!r} as the first")
+            if forms[k] != forms[0]:
+                found = f"function {k + 1} of code {function.axes.ordinate.kind} ({forms[k] or 'unknown'})"
+                expected = f"{first.axes.ordinate.kind} ({forms[0] or 'unknown'}) as the first"
+                raise InputError(path, found=found, expected=expected)
         ends = [(f.response.node, f.response.direction, f.reference.node, f.reference.direction) for f in functions]
         places = dict(zip(PLACES, np.array(ends, np.int64).T, strict=True))
         values = np.stack([function.values for function in functions])
-        return cls(kind=kind, x=first.x, responses=values, unit=units[0], path=path, **places)
+        return cls(kind=kind, x=first.x, responses=values, unit=units[0], form=forms[0], path=path, **places)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read rows of freq_hz (or time_s), the four places, real, imag; a card line `unit: ...` is required.
 
         Empty cells of real and imag are missing numbers of responses.
-        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra.
+        Rows of a channel follow one another. A card line `kind: spectrum` makes them spectra, `form: mobility` says
+        what the responses are where the unit does not.
 
         Raises
         ------
@@ -200,6 +212,7 @@ class FrfSet:
             x=x[:lines],
             responses=complete.reshape(len(starts), lines),
             unit=entries["unit"],
+            form=entries.get("form", ""),
             card=csv.card,
             path=csv.path,
             **dict(zip(PLACES, places[starts].T, strict=True)),
@@ -208,8 +221,9 @@ class FrfSet:
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write the table, whole or not at all; reading it back gives every number bit for bit."""
         timed = self.kind == "time"
-        card = [line for line in self.card if line.partition(":")[0].strip() not in ("unit", "kind")]
-        lines = [f"# {line}".rstrip() for line in (*card, f"unit: {self.unit}", f"kind: {self.kind}")]
+        card = [line for line in self.card if line.partition(":")[0].strip() not in ("unit", "kind", "form")]
+        said = [f"unit: {self.unit}", f"kind: {self.kind}", *([f"form: {self.form}"] if self.form else [])]
+        lines = [f"# {line}".rstrip() for line in (*card, *said)]
         lines.append(",".join(("time_s" if timed else "freq_hz", *PLACES, "real", *(() if timed else ("imag",)))))
         for channel, values in enumerate(self.responses.tolist()):
             place = ",".join(str(getattr(self, name)[channel]) for name in PLACES)
@@ -221,11 +235,12 @@ class FrfSet:
     def load(cls, path: str | os.PathLike[str]) -> FrfSet:
         """Read what `save` wrote, without pickle."""
         wanted = {"kind", "x", "responses", *PLACES, "unit", "card"}
-        kinds: dict[str, ArrayKind] = {"kind": "text", "unit": "text", "card": "text", "responses": "complex"}
+        texts: dict[str, ArrayKind] = dict.fromkeys(("kind", "unit", "form", "card"), "text")
+        kinds: dict[str, ArrayKind] = texts | {"responses": "complex"}
         stored = read_npz(path, wanted, "what FrfSet.save wrote", kinds)
         arrays = {name: stored[name] for name in ("x", "responses", *PLACES)}
         kind, unit, card = _kind(str(stored["kind"]), str(path)), str(stored["unit"]), tuple(stored["card"].tolist())
-        return cls(kind=kind, unit=unit, card=card, path=str(path), **arrays)
+        return cls(kind=kind, unit=unit, form=str(stored.get("form", "")), card=card, path=str(path), **arrays)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write an npz file of plain arrays, whole or not at all."""
@@ -281,13 +296,6 @@ def _common_lines(csv: StrictCsv, x: FloatArray, starts: IntArray) -> int:
             found = f"{end - start} rows of a channel over other abscissas"
             raise csv.refuse(row=start, found=found, expected=f"the {lines} abscissas of the first channel, in order")
     return lines
-
-
-def _unit(function: Function) -> str:
-    """Unit of the ordinate over that of its denominator."""
-    ends = function.axes.ordinate, function.axes.denominator
-    above, below = (axis.unit if axis.unit.upper() != "NONE" else "" for axis in ends)
-    return f"({above or 1})/({below})" if below else above
 
 
 def _check_abscissa(function: Function, kind: Kind, k: int, path: str) -> None:

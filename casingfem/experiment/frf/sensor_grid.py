@@ -1,6 +1,5 @@
 """Channels of a set put in order: sensors by references, angles of the sensors, what was measured."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -8,13 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from casingfem.errors import InputError
+from casingfem.experiment.frf.forms import FORMS, power_of_unit
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 from contact.io.brief import brief
-
-FORMS = {"receptance": 0, "mobility": 1, "accelerance": 2}
-NO_UNITS = ("", "1", "NONE")
-_ACCELERATION, _VELOCITY, _LENGTH = r"m/s(\^?2|\*\*2|²)|m/sec(\^?2|²)|g", r"m/s(ec)?", r"m|mm|um|µm"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -90,7 +86,14 @@ def angles_of(places: Mapping[int, FloatArray]) -> dict[int, float]:
 
 
 def form_of(frfs: FrfSet, form: str | None) -> int | None:
-    """Power of j omega by which responses exceed receptances: from the unit, or as said; None without a unit.
+    """Power of j omega by which responses exceed receptances: as said, or from the unit and the set's own form.
+
+    None without either.
+
+    Raises
+    ------
+    InputError
+        A unit of something else than a motion; a unit and a form of the file that contradict each other.
 
     >>> form_of(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="(m/s^2)/N"), None)
     2
@@ -99,15 +102,17 @@ def form_of(frfs: FrfSet, form: str | None) -> int | None:
         if form not in FORMS:
             raise InputError(frfs.path, found=f"form {form!r}", expected=" or ".join(FORMS))
         return FORMS[form]
-    above = frfs.unit.replace(" ", "").replace("(", "").replace(")", "")
-    if above.upper() in NO_UNITS:
-        return None
-    above = re.sub(r"/(k|m)?(N|lbf|V)$|^1/(k|m)?(N|lbf|V)\*", "", above)
-    for power, pattern in ((2, _ACCELERATION), (1, _VELOCITY), (0, _LENGTH)):
-        if re.fullmatch(pattern, above, flags=re.IGNORECASE):
-            return power
-    expected = "one such as (m/s^2)/N, or form=" + "|".join(FORMS)
-    raise InputError(frfs.path, found=f"unit {frfs.unit!r}", expected=expected)
+    say = "form=" + "|".join(FORMS)
+    try:
+        power = power_of_unit(frfs.unit)
+    except ValueError as error:
+        raise InputError(frfs.path, found=str(error), expected=f"one such as (m/s^2)/N, or {say}") from None
+    stated = FORMS.get(frfs.form)
+    if None not in (power, stated) and power != stated:
+        names = {value: name for name, value in FORMS.items()}
+        found = f"unit {frfs.unit!r}, which is of {names[power or 0]}, in a file that states {frfs.form}"
+        raise InputError(frfs.path, found=found, expected=f"one of the two, or {say}")
+    return stated if power is None else power
 
 
 def radial_signs(grid: SensorGrid) -> Array:

@@ -7,8 +7,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from casingfem.errors import InputError
+from casingfem.experiment.frf.forms import FORMS
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
-from casingfem.experiment.frf.sensor_grid import FORMS, form_of
+from casingfem.experiment.frf.sensor_grid import form_of
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
 
 LEAST_LINES = 30

@@ -96,6 +96,7 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     -----
     ModelWarning
         `uff-gap`, `uff-local`, `uff-shapes`, `uff-unknown`: what the format has no count for, but looks incomplete.
+        `uff-bytes`, `uff-empty`, `uff-end`: binary data of another length than stated; an empty set; no closing -1.
 
     Examples
     --------
@@ -126,12 +127,14 @@ def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
 def parse_uff(data: bytes, path: str, *, strict: bool = False) -> UniversalFile:
     """Read a universal file from its bytes; ``path`` is only named in errors."""
     found = _Found()
-    for raw in split(data, path):
+    sets = split(data, path)
+    for raw in sets:
         _read_set(raw, found, strict)
     nodes = _merged_nodes(found.nodes)
     elements = _merged_elements(found.elements)
     _check_references(found, nodes)
     _warn(path, found, nodes, elements)
+    _warn_of_bytes(path, sets)
     return UniversalFile(
         path=path,
         header=found.header,
@@ -250,6 +253,16 @@ def _warn(path: str, found: _Found, nodes: Nodes | None, elements: Elements | No
     if len(lists) > 1:
         counts = sorted(lists.values())
         warn("uff-shapes", f"{path}: shapes at {counts[0]} to {counts[-1]} nodes, not the same", stacklevel=5)
+
+
+def _warn_of_bytes(path: str, sets: Iterable[RawSet]) -> None:
+    """Warn once of all binary functions whose first line states another number of bytes than their data have."""
+    wrong = [raw for raw in sets if raw.binary is not None and raw.binary.size != len(raw.payload)]
+    if wrong:
+        first, size = wrong[0], 0 if wrong[0].binary is None else wrong[0].binary.size
+        more = f", and {len(wrong) - 1} more such sets" if len(wrong) > 1 else ""
+        found = f"found {len(first.payload)} bytes of data, expected {size} as line {first.first - 1} states{more}"
+        warn("uff-bytes", f"{path}, {first.name}: {found}", stacklevel=5)
 
 
 def few_gaps(labels: IntArray) -> IntArray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.uff.numbers import Columns, check_lines, integers, reals
-from casingfem.experiment.uff.set_58_numbers import TEXTS, Layout, from_bytes, from_text
+from casingfem.experiment.uff.set_58_numbers import TEXTS, Layout, as_stored, from_bytes, from_text
 from casingfem.experiment.uff.split import RawSet
 from casingfem.io.arrays import Array, FloatArray, freeze
 
@@ -139,7 +139,8 @@ def read_function(raw: RawSet) -> Function:
     InputError
         Anything that is not exactly as the format and the function's own header say.
     """
-    head, layout, start = _head(raw)
+    head, stated, start = _head(raw)
+    layout = as_stored(raw, stated)
     x, values = (from_text if raw.binary is None else from_bytes)(raw, layout)
     if layout.even:
         x = start + head["step"] * np.arange(layout.points, dtype=np.float64)

@@ -55,15 +55,23 @@ def _mixed(raw: RawSet, layout: Layout, start: int) -> tuple[FloatArray, Array]:
     return _parted(table[: layout.points], layout)
 
 
+def as_stored(raw: RawSet, layout: Layout) -> Layout:
+    """The layout in the precision that the length of binary data shows, which a header may state wrongly."""
+    if raw.binary is None:
+        return layout
+    other = layout._replace(double=not layout.double)
+    fits = [
+        any(form.itemsize * each.points == len(raw.payload) for form in _forms(each, raw.binary.order))
+        for each in (layout, other)
+    ]
+    return other if fits == [False, True] else layout
+
+
 def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
     """The numbers of set 58b: the length of the data tells whether an abscissa beside doubles has 4 bytes or 8."""
     assert raw.binary is not None
     check_end(raw, TEXTS + 6, "header")
-    order, size = raw.binary
-    wide = f"{order}f{8 if layout.double else 4}"
-    abscissas = [] if layout.even else [f"{order}f4", wide]
-    ordinate = [("y", wide, (layout.ordinates,))]
-    forms = [np.dtype([("x", each), *ordinate]) for each in abscissas] or [np.dtype(ordinate)]
+    size, forms = len(raw.payload), _forms(layout, raw.binary.order)
     fitting = [form for form in forms if form.itemsize * layout.points == size]
     if not fitting:
         expected = " or ".join(dict.fromkeys(f"{form.itemsize * layout.points}" for form in forms))
@@ -79,6 +87,14 @@ def from_bytes(raw: RawSet, layout: Layout) -> tuple[FloatArray, Array]:
         raise raw.error(TEXTS + 6, f"nan or infinity at point {point}", "finite numbers")
     _check_order(raw, table["y"], fitting[0]["y"].base)
     return _parted(whole, layout)
+
+
+def _forms(layout: Layout, order: str) -> list[np.dtype[Any]]:
+    """How the bytes of one point may stand: an uneven abscissa beside doubles has 4 bytes or 8."""
+    wide = f"{order}f{8 if layout.double else 4}"
+    ordinate = [("y", wide, (layout.ordinates,))]
+    abscissas = [] if layout.even else dict.fromkeys((f"{order}f4", wide))
+    return [np.dtype([("x", each), *ordinate]) for each in abscissas] or [np.dtype(ordinate)]
 
 
 def _check_order(raw: RawSet, values: Array, form: np.dtype[Any]) -> None:

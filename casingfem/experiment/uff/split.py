@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from casingfem.errors import InputError
+from casingfem.errors import InputError, warn
 
 KINDS = {
     "15": "nodes",
@@ -43,7 +43,11 @@ KINDS = {
     "2467": "permanent groups",
 }
 TEXT_LINES = {"55": 5, "58": 5, "151": 7}  # lines below the number that may hold any text
+UNCOUNTED = ("15", "55", "781", "2411", "2412")  # sets that are read and do not say how many entries they have
 BINARY_LINES = 11  # the header of a binary function
+NUMBERS_LINE = 6  # of the header of a function, from 0: data type, points, spacing (3I10)
+NUMBERS = {2: 1, 4: 1, 5: 2, 6: 2}  # of the ordinate at a point, by data type
+DOUBLES = (4, 6)
 _BINARY_ENDS = (7, 13, 19, 31, 43)  # ends of the columns of the line "58b ..."
 
 
@@ -56,7 +60,10 @@ class BinaryHeader(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawSet:
-    """One set as text: its lines below the number, the number of the first of them, and the bytes of binary data."""
+    """One set as text: its lines below the number, the number of the first of them, and the bytes of binary data.
+
+    `payload` may have another length than the header `binary` states: it ends at the closing mark.
+    """
 
     path: str
     number: str
@@ -90,7 +97,13 @@ def split(data: bytes, path: str) -> list[RawSet]:
     Raises
     ------
     InputError
-        No set; text outside sets; a set that does not end; binary data of another length than its header says.
+        No set; text outside sets; a set that does not end; binary data that end nowhere that its header says.
+
+    Warns
+    -----
+    ModelWarning
+        `uff-end`: the last set lacks its closing -1, and its header says how much it holds; `uff-empty`: a mark
+        opens a set and another closes it at once.
 
     Examples
     --------
@@ -108,7 +121,14 @@ def split(data: bytes, path: str) -> list[RawSet]:
         if not is_mark(text):
             found, expected = repr(text.strip()[:40]), "-1 in columns 5 and 6, which opens a set"
             raise InputError(path, where=before, line=scan.number(position), found=found, expected=expected)
-        raw, position = _one_set(scan, following, before)
+        opened = scan.skip_marks(following)
+        ended = scan.skip_blank(opened) >= len(data)
+        if opened != following or (ended and sets):
+            line = scan.number(position)
+            warn("uff-empty", f"{path}, line {line}, {before}: found -1 and no set below it", stacklevel=5)
+        if ended and sets:
+            break
+        raw, position = _one_set(scan, opened, before)
         sets.append(raw)
         position = scan.skip_blank(position)
     return sets
@@ -141,6 +161,14 @@ class _Scan:
             if text.strip():
                 break
             position = following
+        return position
+
+    def skip_marks(self, position: int) -> int:
+        """The position behind further marks and the blank lines before them; the same where no mark follows."""
+        at = self.skip_blank(position)
+        while at < len(self.data) and is_mark(self.text(at)[0]):
+            position = self.text(at)[1]
+            at = self.skip_blank(position)
         return position
 
     def closes(self, following: int) -> bool:
@@ -186,9 +214,16 @@ def _one_set(scan: _Scan, position: int, before: str) -> tuple[RawSet, int]:
                 raise InputError(scan.path, where=named(name), line=line, found=found, expected=expected)
         lines.append(text)
         following = after
-    raise InputError(
-        scan.path, where=named(name), line=start + len(lines), found="the end of the file", expected="-1, the set's end"
-    )
+    if name in UNCOUNTED:
+        found, expected = "the end of the file", "-1, the set's end"
+        raise InputError(scan.path, where=named(name), line=start + len(lines), found=found, expected=expected)
+    warn_end(scan.path, name, start + len(lines))
+    return RawSet(path=scan.path, number=name, lines=tuple(lines), first=start + 1), following
+
+
+def warn_end(path: str, number: str, line: int) -> None:
+    """Warn of a last set without its closing mark."""
+    warn("uff-end", f"{path}, line {line}, {named(number)}: found the end of the file, expected -1", stacklevel=7)
 
 
 def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawSet, int]:
@@ -201,20 +236,54 @@ def _binary_set(scan: _Scan, text: str, start: int, position: int) -> tuple[RawS
             raise InputError(scan.path, where=named("58b"), line=start + len(lines) + 1, found=found, expected=expected)
         line, position = scan.text(position)
         lines.append(line)
-    payload = scan.data[position : position + header.size]
     place = scan.number(position)
-    end = position + header.size
-    if len(payload) < header.size:
-        found, expected = f"{len(payload)} bytes of data", f"{header.size}, as line {start} says"
+    likely, other = _sizes(lines[NUMBERS_LINE])
+    for size in dict.fromkeys((*likely, header.size, *other)):
+        if (after := _closed(scan, position, size, header.order)) is not None:
+            break
+    else:
+        there = len(scan.data) - position
+        if there < header.size:
+            found, expected = f"{there} bytes of data", f"{header.size}, as line {start} says"
+        else:
+            sizes = " or ".join(str(size) for size in dict.fromkeys((header.size, *likely)))
+            found, expected = f"no closing -1 behind {sizes} bytes of data", f"it there, as line {start} says"
         raise InputError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
-    behind = next(end + len(mark) for mark in (b"\r\n", b"\n", b"") if scan.data.startswith(mark, end))
-    mark, after = scan.text(behind)
-    swallowed = header.order == "<" and behind == end and payload.endswith(b"\n")  # a number of 1e-33 at most
-    if mark.rstrip() != "    -1" or not scan.closes(after) or swallowed:
-        found, expected = f"no closing -1 behind {header.size} bytes of data", f"it there, as line {start} says"
-        raise InputError(scan.path, where=named("58b"), line=place, found=found, expected=expected)
+    if not scan.data[position + size : after].strip():
+        warn_end(scan.path, "58b", place)
+    payload = scan.data[position : position + size]
     raw = RawSet(path=scan.path, number="58b", lines=tuple(lines), first=start + 1, binary=header, payload=payload)
     return raw, after
+
+
+def _closed(scan: _Scan, position: int, size: int, order: str) -> int | None:
+    """The position behind the mark that follows so many bytes, or the end of the file there; None where neither is."""
+    end = position + size
+    if end > len(scan.data):
+        return None
+    behind = next(end + len(mark) for mark in (b"\r\n", b"\n", b"") if scan.data.startswith(mark, end))
+    if behind == len(scan.data):
+        return behind
+    mark, after = scan.text(behind)
+    swallowed = order == "<" and behind == end and scan.data.endswith(b"\n", position, end)  # a number of 1e-33 at most
+    return after if mark.rstrip() == "    -1" and scan.closes(after) and not swallowed else None
+
+
+def _sizes(line: str) -> tuple[list[int], list[int]]:
+    """Bytes of a function's points by its record 7: in the precision of its data type, and in the other.
+
+    The abscissa of uneven points has 4 bytes; beside doubles 4 or 8.
+
+    >>> _sizes(f"{6:10d}{400:10d}{1:10d}"), _sizes(f"{2:10d}{10:10d}{0:10d}"), _sizes("no numbers")
+    (([6400], [3200]), ([80], [120, 160]), ([], []))
+    """
+    cells = [line[low : low + 10].strip() for low in (0, 10, 20)]
+    if not all(re.fullmatch("[0-9]{1,10}", cell) for cell in cells) or int(cells[0]) not in NUMBERS:
+        return [], []
+    form, points, even = map(int, cells)
+    single = [points * (4 * NUMBERS[form] + (0 if even else 4))]
+    double = [points * (8 * NUMBERS[form] + x) for x in ((0,) if even else (4, 8))]
+    return (double, single) if form in DOUBLES else (single, double)
 
 
 def _binary_header(path: str, text: str, start: int) -> BinaryHeader:

@@ -161,7 +161,7 @@ DAMAGED = (  # sample, what becomes what, line and finding of the error
     ("58 real single even", b"-8.66749E+06", b"-8.667E+9999", 14, "'-8.667E+9999'"),
     ("58 real single even", b"  2.50000E-01", b" -2.50000E-01", 9, "the step -0.25"),
     ("58 real single uneven", b"        41", b"        42", 27, "nothing in columns"),
-    ("58b real double even", b"         328", b"         320", 14, "no closing -1 behind 320 bytes"),
+    ("58b real double even", b"        41", b"        40", 2, "328 bytes of data; expected 320 for the 40 points"),
     ("58b real double even", b"     2          11", b"     1          11", 2, "floating format 1"),
     ("82", b"        15         8", b"        25         8", 7, "2 lines"),
     ("2412", b"         7         4", b"         7         5", 3, "5 nodes"),

@@ -45,10 +45,6 @@ def test_sets_have_their_lines_and_the_number_of_the_first():
             "line 4, set 18 (coordinate systems): found -1, and neither another -1 nor the",
         ),
         (
-            [MARK, "    18", MARK, MARK],
-            "line 5, after set 18 (coordinate systems): found the end of the file; expected the",
-        ),
-        (
             [MARK, "  1234567", MARK],
             "line 2, before the first set: found '1234567'; expected the number of a set in colu",
         ),
@@ -57,8 +53,8 @@ def test_sets_have_their_lines_and_the_number_of_the_first():
             "line 2, before the first set: found '151'; expected the number of a set in columns",
         ),
         (
-            [MARK, "    18", "c"],
-            "line 3, set 18 (coordinate systems): found the end of the file; expected -1, the set's",
+            [MARK, "  2411", "c"],
+            "line 3, set 2411 (nodes, double precision): found the end of the file; expected -1, the set's",
         ),
         ([MARK, "   151", *"abcdefg", MARK, "x"], "line 10, set 151 (header): found -1, and neither"),
     ],
