@@ -17,6 +17,10 @@ RESULTS = {
         "there is no such range of speeds, or nothing that turns",
         'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
     ),
+    "interface-circle": (
+        "contact sees a rim by harmonics about z, and this edge or line is no plane circle about z",
+        "name an edge that runs around z, by the angle that the chart's second parameter is",
+    ),
     "interface-edge": (
         "the interface is not an edge that contact can see",
         "name a curved edge of a casing (Rim), or root or tip of an open panel or blade (Tip); of an imported part a "

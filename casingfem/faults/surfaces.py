@@ -13,6 +13,10 @@ SURFACES = {
         "the surface is a thousand times longer than wide, or wider than long",
         "check the units of each length; a model of a rod or a wire needs no shell",
     ),
+    "chart-axisymmetric": (
+        "a chart that states it is axisymmetric changes around, or its second parameter is not the angle about z",
+        "leave axisymmetric False; or turn one meridian about z, with the angle as second parameter",
+    ),
     "chart-bounds": (
         "the chart's parameters do not run over finite ranges from low to high",
         "let `bounds` return ((from, to), (from, to)), each ascending",
@@ -44,6 +48,10 @@ SURFACES = {
     "chart-open-seam": (
         "a chart said to close on itself does not: its two ends lie at different places",
         "let the second parameter run once around, or say periodic = False",
+    ),
+    "chart-turn": (
+        "the second parameter of a closed chart is an angle: fields, bolts and harmonics take it so",
+        "let the second parameter run over 2 pi, 0 to 1 as 2 pi times it, or say periodic = False",
     ),
     "chart-twist": ("the twist is not a finite angle", "give the twist in radians, 30 degrees as 0.5236"),
     "chart-twist-units": (

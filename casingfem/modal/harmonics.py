@@ -2,20 +2,24 @@
 
 On every ring of nodes the cylindrical displacements are interpolated to equally spaced angles, four times as
 many as nodes, and Fourier transformed: u(theta) = Re sum_n c_n e^(i n theta). The energy of each n, summed
-over the rings and the three components, labels the mode; its share is the purity.
+over the rings and the three components, labels the mode; its share is the purity. On a closed chart that is not
+axisymmetric theta is 2 pi times the arc length around over its total, halfway along the chart, and the components are
+those along the chart's own directions: the label does not depend on the parameters.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.structure.geometry.chart import Chart
+from casingfem.structure.geometry.chart import Chart, is_axisymmetric
 from casingfem.structure.mesh.element import lobatto
 from casingfem.structure.mesh.place import ring_transform
 from casingfem.structure.mesh.shell_mesh import Grid
 from contact.io.brief import brief
 
+ARC = 1025  # samples of the arc length around
 DOUBLE = 1e-7  # a pair closer than this, relative, has no orientation of its own
 
 
@@ -55,11 +59,14 @@ class Rings:
 def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = None) -> Rings:
     """Fourier amplitudes of nodal fields (nodes, 5, modes) up to n_max nodal diameters, by default what nodes carry."""
     n_max = n_max or max(2, grid.mesh.order * grid.mesh.around // 3)
-    rings, transform = ring_transform(chart, grid, n_max)
-    theta = grid.nodes[1]
-    c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
-    x, y, axial = fields[:, 0], fields[:, 1], fields[:, 2]
-    cylindrical = np.stack([x * c + y * s, y * c - x * s, axial], axis=1)
+    rings, transform = ring_transform(chart, grid, n_max, None if is_axisymmetric(chart) else arc_places(chart))
+    if is_axisymmetric(chart):
+        theta = grid.nodes[1]
+        c, s = np.cos(theta)[:, None], np.sin(theta)[:, None]
+        x, y, axial = fields[:, 0], fields[:, 1], fields[:, 2]
+        cylindrical = np.stack([x * c + y * s, y * c - x * s, axial], axis=1)
+    else:
+        cylindrical = np.einsum("din,nik->ndk", np.real(chart.directions(*grid.nodes)), fields[:, :3])
     parts = np.concatenate([transform.real, transform.imag])  # products of real numbers: half of those of complex ones
     on_rings = np.matmul(parts, cylindrical[rings].reshape(*rings.shape, -1))
     waves = on_rings[:, : n_max + 1] + 1j * on_rings[:, n_max + 1 :]
@@ -70,6 +77,16 @@ def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = No
         start = row * (len(w) - 1)
         weights[start : start + len(w)] += width * w
     return Rings(amplitudes=amplitudes, weights=weights)
+
+
+def arc_places(chart: Chart) -> Callable[[FloatArray], FloatArray]:
+    """The second parameter of a closed chart at angles 2 pi s/L, s the arc length around halfway along, L its total."""
+    (a0, a1), (b0, b1) = np.real(np.array(chart.bounds, dtype=complex))
+    b = np.linspace(b0, b1, ARC)
+    speed = np.linalg.norm(np.real(chart.surface(np.full(ARC, 0.5 * (a0 + a1)), b, None).x2), axis=0)
+    arc = np.append(0.0, np.cumsum(speed[1:] + speed[:-1]))
+    turns = arc / arc[-1]
+    return lambda angle: np.interp(np.mod(angle / (2.0 * np.pi), 1.0), turns, b)
 
 
 def orientation(profile: Array, n: int) -> float:

@@ -12,6 +12,7 @@ from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
+from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.shell.shell import Shell, require_shell
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
@@ -195,8 +196,8 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
 def require_pairs(shell: Shell) -> None:
     """Refuse shells whose modes do not come in pairs, and those on which nothing is random."""
     require_shell(shell, "mistune")
-    if not shell.chart.periodic:
-        raise ValueError("mistuning is about the pairs of closed casings; this chart is open")
+    if not is_axisymmetric(shell.chart):
+        raise ValueError("mistuning is about the pairs of casings of revolution; this chart is not axisymmetric")
     redrawn_shell(shell, 0)
 
 

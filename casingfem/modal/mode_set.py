@@ -8,6 +8,7 @@ import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
+from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.rigid import rigid_modes
@@ -29,7 +30,8 @@ class ModeSet(Reported):
     fields
         Shapes at the nodes: u_x, u_y, u_z, and w_1, w_2 on shells, (nodes, 3 or 5, modes), phi^T M phi = 1.
     nodal_diameters
-        Dominant circumferential order n, -1 on open shells, (modes,).
+        Dominant circumferential order n (waves around, by arc length on a closed chart that is not axisymmetric), -1 on
+        open shells, (modes,).
     purity
         Share of the dominant order in the shape's circumferential energy, nan on open shells.
     meridional
@@ -38,7 +40,7 @@ class ModeSet(Reported):
         Index pairs (lower, upper).
     angle_deg
         Orientation: an antinode of the radial displacement, in [0, 180/n); nan where it means nothing,
-        as for a perfect double mode.
+        as for a perfect double mode, and on surfaces that are not of revolution.
     rigid
         Number of rigid motions, which come first: modes that move as the supports let the body move.
     sturm_count
@@ -206,7 +208,8 @@ def labelled(
     beside[:, 3] = own
     labels = make_labels(rings, freq, np.concatenate([fields, beside]), rigid)
     own = labels.fields[len(fields) :, 3]
-    labels = labels._replace(fields=labels.fields[: len(fields)])
+    angle = labels.angle if is_axisymmetric(shell.chart) else np.full(len(freq), np.nan)
+    labels = labels._replace(fields=labels.fields[: len(fields)], angle=angle)
     kept = min(count, len(freq))
     return Modes(
         shell=shell,

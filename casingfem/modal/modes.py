@@ -19,6 +19,7 @@ from casingfem.linalg.memory import require_affordable
 from casingfem.modal.fourier import SHIFT, fourier_band, fourier_modes
 from casingfem.modal.mesh_modes import MeshModes, mesh_modes, require_stable
 from casingfem.modal.mode_set import Modes, ModeSet, frequency_scale, labelled
+from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.kinematics import DOFS
@@ -198,9 +199,9 @@ def finest_shares(modes: Modes) -> FloatArray:
 
 
 def split_by_mesh(modes: Modes) -> BoolArray:
-    """Modes of a closed casing whose pairs equal elements split: their number divides 2n, (modes,)."""
+    """Modes of a casing of revolution whose pairs equal elements split: their number divides 2n, (modes,)."""
     n = np.asarray(modes.nodal_diameters)
-    return np.asarray((n > 0) & (2 * n % modes.grid.mesh.around == 0) & modes.shell.chart.periodic)
+    return np.asarray((n > 0) & (2 * n % modes.grid.mesh.around == 0) & is_axisymmetric(modes.shell.chart))
 
 
 def warn_of_coarse_mesh(modes: Modes, *, around: bool = True) -> None:

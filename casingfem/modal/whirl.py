@@ -23,6 +23,7 @@ from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.harmonics import Rings, ring_content
 from casingfem.modal.mesh_modes import projected
 from casingfem.modal.mode_set import frequency_scale
+from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.revolution import round_about_z
@@ -42,7 +43,7 @@ class WhirlModes(Reported):
     fields
         Complex shapes at the nodes, (nodes, 3 or 5, modes): the motion is the real part of shape times e^(i omega t).
     nodal_diameters
-        Dominant n of a closed casing that turns about z, -1 elsewhere, (modes,).
+        Dominant n of a casing of revolution that turns about z, -1 elsewhere, (modes,).
     sense
         1 for a wave that runs with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
     sturm_count
@@ -173,13 +174,13 @@ def expand_complex(system: System | MeshSystem, vectors: Array) -> Array:
 
 
 def wave_labels(system: System | MeshSystem, rotation: Rotation, fields: Array) -> tuple[IntArray, IntArray]:
-    """Nodal diameters and sense of the waves on a closed casing that turns about z, each (modes,).
+    """Nodal diameters and sense of the waves on a casing of revolution that turns about z, each (modes,).
 
     e^(i n theta) e^(i omega t) runs towards smaller theta, e^(-i n theta) e^(i omega t) towards larger.
     """
     both = (fields.conj(), fields)
     about_z = bool(np.abs(rotation.direction[2]) > 1.0 - 1e-9 and not np.any(rotation.centre[:2]))
-    if isinstance(system, System) and system.shell.chart.periodic:
+    if isinstance(system, System) and about_z and is_axisymmetric(system.shell.chart):
         waves = [ring_content(system.shell.chart, system.grid, part) for part in both]
     elif isinstance(system, MeshSystem) and about_z and round_about_z(system.structure.mesh):
         waves = [projected(system.structure, part) for part in both]

@@ -14,6 +14,7 @@ from casingfem.locate.located import Localisation
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import ModeSet
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, SKY, new_figure, styled
+from casingfem.structure.geometry.chart import is_axisymmetric
 
 
 @styled
@@ -72,8 +73,10 @@ def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[Flo
         wide = np.sort(np.argsort(np.ptp(found.measured.points, axis=0))[1:])
         across, up = ((found.measured.points[:, axis], f"{'xyz'[axis]} [m]") for axis in wide.tolist())
         return across, up
-    if found.modes.shell.chart.periodic:
-        return (np.degrees(found.sensors.b) % 360.0, "angle [deg]"), (found.sensors.a, "z [m]")
+    chart = found.modes.shell.chart
+    if is_axisymmetric(chart):
+        z = np.real(chart.surface(found.sensors.a, found.sensors.b, None).x[2])
+        return (np.degrees(found.sensors.b) % 360.0, "angle [deg]"), (z, "z [m]")
     return (found.sensors.b, "second parameter"), (found.sensors.a, "first parameter")
 
 

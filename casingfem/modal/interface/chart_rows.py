@@ -14,6 +14,7 @@ from casingfem.structure.shell.shell import Shell, require_shell
 from casingfem.structure.shell.system import System
 
 LEAST = 64  # angles at which the radius is read
+CIRCLE = 1e-6  # rad, and parts of the radius: how far a rim may leave a plane circle about z
 ROUND_OFF = 1e-14  # of the radius
 
 
@@ -38,6 +39,7 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     if not 0 < rim.n_max <= around // 3:
         found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
         raise ModelError("interface-harmonics", found)
+    require_circles(system.shell, rim)
     theta = grid.nodes[1]
     c, s, one, none = np.cos(theta), np.sin(theta), np.ones_like(theta), np.zeros_like(theta)
     unit = np.array([[c, s, none], [-s, c, none], [none, none, one]])[: len(rim.directions)]
@@ -46,6 +48,25 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
         real = np.concatenate([transform.real, -transform.imag[1:]])
         line[..., :3] = np.einsum("hn,din->dhni", real, unit)
     return rows.reshape(-1, theta.size * DOFS), rim.channels
+
+
+def require_circles(shell: Shell, rim: Rim) -> None:
+    """Refuse lines of a chart that do not run around z by the angle that the second parameter is.
+
+    Raises
+    ------
+    ModelError
+        `interface-circle`.
+    """
+    theta = 2.0 * np.pi * np.arange(LEAST) / LEAST
+    turn = np.exp(-1j * theta)
+    for on in rim_geometry(shell, rim, LEAST):
+        x, y, z = np.real(on.surface.x)
+        off = float(np.abs(np.angle((x + 1j * y) * turn)).max())
+        height = float(np.ptp(z) / np.hypot(x, y).mean())
+        if max(off, height) > CIRCLE:
+            found = f"angles about z {off:.2g} rad off the chart's second parameter, heights {height:.2g} radii apart"
+            raise ModelError("interface-circle", f"a Rim needs a circle about z: on {rim.edge!r} found {found}")
 
 
 def line_transforms(system: System, rim: Rim) -> list[Array]:

@@ -1,5 +1,5 @@
 from .blade import Blade, TwistedPlate
-from .chart import Chart, Cylinder, Frustum, Panel, Plate
+from .chart import Chart, Closed, ClosedOfRevolution, Cylinder, Frustum, Open, Panel, Plate, Surface
 from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
@@ -10,9 +10,12 @@ __all__ = [
     "Arc",
     "Blade",
     "Chart",
+    "Closed",
+    "ClosedOfRevolution",
     "Cylinder",
     "Frustum",
     "Meridian",
+    "Open",
     "Panel",
     "Piece",
     "PiecewiseMeridian",
@@ -21,6 +24,7 @@ __all__ = [
     "RevolvedPanel",
     "Rotation",
     "Strip",
+    "Surface",
     "Taper",
     "TwistedPlate",
 ]

@@ -6,7 +6,7 @@ coordinate z [m] and the angle theta [rad]; a relative radius defect f(z, theta)
     X = (r cos theta, r sin theta, z),   r = r0(z) (1 + f(z, theta)),
 
 so that the metric of the imperfect surface is not linearised. A user's own chart only has to satisfy the
-`Chart` protocol.
+`Chart` protocol; `Closed` and `Open` bring what most charts of one kind share.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,12 @@ class Chart(Protocol):
 
     @property
     def periodic(self) -> bool:
-        """Whether the second parameter closes on itself."""
+        """Whether the second parameter closes on itself; it then runs over 2 pi."""
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the surface is that at b = 0 turned about z by b. False if the chart does not state it."""
+        return False
 
     @property
     def edges(self) -> dict[str, tuple[int, int]]:
@@ -55,6 +60,15 @@ class Chart(Protocol):
 
     def directions(self, a: Array, b: Array) -> Array:
         """The unit vectors (r, theta, z) along which line springs act, (3 directions, 3, ...)."""
+
+
+def is_axisymmetric(chart: Chart) -> bool:
+    """What the chart states of itself; a chart without the statement is not axisymmetric.
+
+    >>> is_axisymmetric(Cylinder(radius=1.0, height=2.0)), is_axisymmetric(Plate(length=1.0, width=0.5))
+    (True, False)
+    """
+    return bool(getattr(chart, "axisymmetric", False))
 
 
 def require_positive(owner: str, code: str = "chart-dimension", /, **values: float) -> None:
@@ -110,9 +124,14 @@ def cylindrical_directions(z: Array, theta: Array) -> Array:
 
 
 class Closed:
-    """What closed charts of revolution share: edges base and top, springs along e_r, e_theta, e_z."""
+    """What closed charts share: edges base and top, springs along e_r, e_theta, e_z; not axisymmetric."""
 
     __slots__ = ()
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Closed surfaces of any shape; charts of revolution state True."""
+        return False
 
     @property
     def periodic(self) -> bool:
@@ -129,10 +148,26 @@ class Closed:
         return cylindrical_directions(a, b)
 
 
+class ClosedOfRevolution(Closed):
+    """What closed charts of revolution about z share: as `Closed`, axisymmetric."""
+
+    __slots__ = ()
+
+    @property
+    def axisymmetric(self) -> bool:
+        """The second parameter is the angle about z, and nothing of the surface changes around."""
+        return True
+
+
 class Open:
     """What open charts share: edges root, tip, left and right; of a sector, springs along e_r, e_theta, e_z."""
 
     __slots__ = ()
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Open surfaces are not."""
+        return False
 
     @property
     def periodic(self) -> bool:
@@ -150,7 +185,7 @@ class Open:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frustum(Closed):
+class Frustum(ClosedOfRevolution):
     """Frustum of a cone about the z axis: mean radius r_base [m] at z = 0, r_top at z = height [m].
 
     Edges: base (z = 0), top (z = height).
@@ -181,7 +216,7 @@ class Frustum(Closed):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder(Closed):
+class Cylinder(ClosedOfRevolution):
     """Circular cylinder about the z axis: mean radius [m], height [m]. Edges: base, top.
 
     >>> Cylinder(radius=1.0, height=2.0).bounds[0]

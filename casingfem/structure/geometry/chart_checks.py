@@ -1,4 +1,4 @@
-"""What a chart must keep to, looked at on a few points: finite, smooth, not folded, closed where it says so.
+"""What a chart must keep to, looked at on a few points: finite, smooth, not folded, closed and round where it says so.
 
 A user's own chart is code; a wrong derivative in it gives frequencies that look right. The derivatives are compared
 with differences of the surface itself.
@@ -8,11 +8,13 @@ import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
-from casingfem.structure.geometry.chart import Chart, Surface
+from casingfem.structure.geometry.chart import Chart, Surface, is_axisymmetric
 
 STEP = 1e-5  # of the differences, as a part of each parameter's range
 ALIKE = 1e-4  # differences and derivatives agree to this part of the largest derivative
 SLANT = 1e-6  # directions across an edge of symmetry agree to this [rad]
+ROUND = 1e-8  # surface and derivatives at b are those at the first b, turned, to this part of the largest
+TURN = 1e-9  # a closed chart's second parameter runs over 2 pi to this part of it
 FLAT = 1e-9  # tangents that span less than this part of the largest area do not span a plane
 
 
@@ -34,10 +36,39 @@ def check_chart(chart: Chart) -> None:
         raise ModelError("chart-fold", f"the chart's tangents span no plane at ({a[where]:.4g}, {b[where]:.4g})")
     check_derivatives(chart, surface, (a, b), np.array([a1 - a0, b1 - b0]))
     if chart.periodic:
+        if abs(b1 - b0 - 2.0 * np.pi) > TURN * 2.0 * np.pi:
+            found = f"chart.bounds: found a second parameter from {b0:.6g} to {b1:.6g} on a closed chart"
+            raise ModelError("chart-turn", f"{found}, expected a range of 2 pi = 6.28319")
         ends = [real(chart.surface(a, 0.0 * a + b, None)).x for b in (b0, b1)]
         gap = float(np.linalg.norm(ends[1] - ends[0], axis=0).max())
         if gap > FLAT * float(np.linalg.norm(np.ptp(surface.x, axis=1))):
             raise ModelError("chart-open-seam", f"the chart is said to be periodic, its ends lie {gap:.3g} m apart")
+    if is_axisymmetric(chart):
+        check_axisymmetry(chart, surface, (a, b))
+
+
+def check_axisymmetry(chart: Chart, surface: Surface, points: tuple[Array, Array]) -> None:
+    """Refuse the statement `axisymmetric` of a chart whose surface at b is not that at b = 0 turned about z by b.
+
+    With the surface turn its first and second derivatives, so that metric and curvature are constant around, and the
+    directions of springs.
+    """
+    if not chart.periodic:
+        raise ModelError("chart-axisymmetric", "the chart states axisymmetric and periodic = False, expected both True")
+    a, b = points
+    zero, one, c, s = np.zeros_like(b), np.ones_like(b), np.cos(b), np.sin(b)
+    turn = np.array([[c, -s, zero], [s, c, zero], [zero, zero, one]])
+    first = real(chart.surface(a, zero, None))
+    named = [*zip(Surface._fields, surface, first, strict=True)]
+    ways = np.real(chart.directions(a, b)), np.real(chart.directions(a, zero))
+    named += [(f"direction {k + 1}", *pair) for k, pair in enumerate(zip(*ways, strict=True))]
+    for name, there, at_zero in named:
+        off = np.abs(there - np.einsum("ij...,j...->i...", turn, at_zero)).max(axis=0)
+        part = off / max(float(np.abs(there).max()), np.finfo(float).tiny)
+        if part.max() > ROUND:
+            k = int(part.argmax())
+            found = f"its {name} at ({a[k]:.4g}, {b[k]:.4g}) is {part[k]:.2g} off that at b = 0 turned about z by b"
+            raise ModelError("chart-axisymmetric", f"the chart states axisymmetric = True, but {found}")
 
 
 def check_derivatives(chart: Chart, surface: Surface, points: tuple[Array, Array], spans: FloatArray) -> None:

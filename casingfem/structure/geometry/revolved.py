@@ -12,7 +12,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.geometry.chart import Bounds, Chart, Closed, Open, Surface, require_positive, revolve
+from casingfem.structure.geometry.chart import Bounds, Chart, ClosedOfRevolution, Open, Surface, require_positive, revolve
 
 
 class MeridianPoints(NamedTuple):
@@ -89,7 +89,7 @@ def revolved_surface(profile: Meridian, s: Array, theta: Array, defect: FieldVal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Revolved(Closed):
+class Revolved(ClosedOfRevolution):
     """A meridian turned once about the z axis. Edges: base (s = 0), top (s = length).
 
     >>> bowl = Revolved(profile=Arc(radius=0.1, start=-1.4, end=0.0))

@@ -1,5 +1,7 @@
 """Values of nodal fields at any place of a shell, and their Fourier amplitudes on rings of nodes around it."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -52,14 +54,19 @@ def place_jets(grid: Grid, a: FloatArray, b: FloatArray) -> tuple[IntArray, Floa
     return grid.elements[element], np.asarray(jets.transpose(0, 2, 1))
 
 
-def ring_transform(chart: Chart, grid: Grid, n_max: int) -> tuple[IntArray, Array]:
-    """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes."""
+def ring_transform(
+    chart: Chart, grid: Grid, n_max: int, places: Callable[[FloatArray], FloatArray] | None = None
+) -> tuple[IntArray, Array]:
+    """Ring nodes (rings, around) sorted by angle, and the transform (n_max + 1, around) to Fourier amplitudes.
+
+    `places` gives the second parameter at angles around, where these are not the same.
+    """
     z, theta = grid.nodes
     edge = next(name for name, (held, _) in chart.edges.items() if held == 0)
     around = len(grid.edges[edge].nodes)
     rings = np.lexsort((theta, np.round(z / np.ptp(z), 9))).reshape(-1, around)
     samples = 2.0 * np.pi * np.arange(4 * around) / (4 * around)
-    nodes, weights = rim_values(grid, edge, samples)
+    nodes, weights = rim_values(grid, edge, samples if places is None else places(samples))
     spread = np.zeros((len(samples), around))
     np.add.at(spread, (np.arange(len(samples))[:, None], places_of(grid.edges[edge].nodes, nodes)), weights)
     kernel = np.exp(-1j * np.outer(np.arange(n_max + 1), samples)) / len(samples)

@@ -7,7 +7,7 @@ from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.ring import EdgeMass, Ring, check_stiffeners
 from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry, outer_support
 from casingfem.structure.field.field import Field
-from casingfem.structure.geometry.chart import require_positive
+from casingfem.structure.geometry.chart import is_axisymmetric, require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import ON_LINE, check_strips
@@ -100,7 +100,7 @@ def check_on_mesh(shell: ShellParts) -> None:
     for edge, holding in outer_supports(shell).items():
         if isinstance(holding, ElasticEdge) and holding.patterns:
             check_springs(shell, edge, holding)
-        if isinstance(holding, Bolts) and shell.chart.periodic:
+        if isinstance(holding, Bolts) and is_axisymmetric(shell.chart):  # other surfaces have no pairs to keep whole
             check_bolt_mesh(shell, edge, holding)
 
 

@@ -10,7 +10,7 @@ from casingfem.io.arrays import Array
 from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
 from casingfem.structure.edge.support import Support
 from casingfem.structure.field.field import Field, relative
-from casingfem.structure.geometry.chart import Chart, Surface
+from casingfem.structure.geometry.chart import Chart, Surface, is_axisymmetric
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, spread
@@ -80,10 +80,10 @@ class ShellParts:
 
     @property
     def axisymmetric(self) -> bool:
-        """Whether nothing varies around: no fields, springs equal all along their edges, plies in balance, at rest."""
+        """Whether nothing varies around: an axisymmetric chart at rest, no fields, even springs, plies in balance."""
         even = all(support.uniform for support in self.supports.values() if isinstance(support, Sprung | Ring))
         even = even and (self.taper is None or self.taper.even) and (not self.plies or mirrored(self.plies))
-        return self.chart.periodic and even and not self.defects and not self.masses and self.rotation is None
+        return is_axisymmetric(self.chart) and even and not self.defects and not self.masses and self.rotation is None
 
     @property
     def layers(self) -> tuple[Ply, ...]:

@@ -16,6 +16,8 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge, outer_support
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import typical
+from casingfem.structure.geometry.chart import is_axisymmetric
+from casingfem.structure.geometry.lengths import Lengths, chart_lengths
 from casingfem.structure.geometry.revolved import chart_lines
 from casingfem.structure.geometry.strip import breaks_between
 from casingfem.structure.mesh.edge_form import Sprung
@@ -79,27 +81,32 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     the shear layer of an edge that nothing holds (free, on springs, bolts or a ring), about 2 t wide, takes a row of
     its own; the rest is divided by the bending length sqrt(R t). Strips, the pieces of a meridian and stiffeners put an
     element line at each of their ends or places, and each stretch between them is divided on its own; where there are
-    many, the order falls. Bolts are followed: a multiple of their number around, which by itself keeps whole what
-    symmetry does, at 8 nodes a wave where nothing else varies.
+    many, the order falls. Lengths are those of the surface in metres, whatever the chart's parameters are; where its
+    second one runs unevenly, elements are more by as much as the longest of them is longer than their mean. Bolts are
+    followed: a multiple of their number around, which by itself keeps whole what symmetry does, at 8 nodes a wave where
+    nothing else varies.
     """
-    (a0, a1), (b0, b1) = np.real(shell.chart.bounds)
-    t, length, span = shell.thinnest, float(a1 - a0), float(b1 - b0)
+    (a0, a1), _ = np.real(shell.chart.bounds)
+    t, lengths = shell.thinnest, chart_lengths(shell.chart)
+    length = lengths.along
     if not shell.chart.periodic:
-        size = float(np.linalg.norm(np.real(shell.chart.surface(np.array([a0]), np.array([b1]), None).x2))) * span
-        around = int(np.clip(round(2.0 * size / length), 2, 8))
-        rows = int(np.clip(round(2.0 * length / size), 2, 8))
-        return ShellMesh(order=8, rows=divided(shell, 1.0 / rows) if shell.strips else rows, around=around)
+        around = int(np.clip(round(2.0 * lengths.across / length), 2, 8))
+        around = int(np.ceil(lengths.unevenness * around - 0.05))
+        rows = int(np.clip(round(2.0 * length / lengths.across), 2, 8))
+        plain = lengths.even and not shell.strips
+        return ShellMesh(order=8, rows=rows if plain else divided(shell, lengths, 1.0 / rows), around=around)
     stretches = len(lines_of(shell)) - 1
     order = 7 if stretches <= MANY else max(2, 7 * MANY // stretches)
-    middle = np.array([0.5 * (a0 + a1)]), np.zeros(1)
-    radius = float(np.linalg.norm(np.real(shell.chart.surface(*middle, None).x2)))
+    radius = lengths.across / (2.0 * np.pi)
     lowest = 0.46 * radius / np.sqrt(t * length)
     finest = max((finest_harmonic(shell, f) for f in shell.defects.values()), default=0)
     bolted = {edge: support.count for edge, support in outer_supports(shell).items() if isinstance(support, Bolts)}
     patterned = any(isinstance(support, ElasticEdge) and support.patterns for support in outer_supports(shell).values())
-    only_bolts = bool(bolted) and not (shell.defects or shell.masses or patterned)  # which the mesh follows
+    free_of_fields = is_axisymmetric(shell.chart) and not (shell.defects or shell.masses or patterned)
+    only_bolts = bool(bolted) and free_of_fields  # which the mesh follows
     elements = max((16.0 if shell.axisymmetric or only_bolts else 34.0) * lowest, 14.0 * finest) / order
     around = int(np.clip(2 * np.ceil((elements - 1.0) / 2.0) + 1, 21, 75))
+    around = 2 * int(np.ceil(0.5 * (lengths.unevenness * around - 1.0) - 1e-6)) + 1  # the longest as long as all
     springy = any(not s.uniform for s in shell.supports.values() if isinstance(s, Sprung | Ring))
     period = around_period(shell) if springy else 1
     whole = period * -(-around // period) if period > 1 else 0
@@ -111,7 +118,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
     longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.modes.locking
-    return ShellMesh(order=order, rows=divided(shell, longest, (layers[0], layers[1])), around=around)
+    return ShellMesh(order=order, rows=divided(shell, lengths, longest, (layers[0], layers[1])), around=around)
 
 
 def lines_of(shell: ShellParts) -> list[float]:
@@ -119,18 +126,24 @@ def lines_of(shell: ShellParts) -> list[float]:
     return breaks_between(shell.strips, shell.chart.bounds[0], [*chart_lines(shell.chart), *shell.stations.values()])
 
 
-def divided(shell: ShellParts, longest: float, layers: tuple[float, float] = (0.0, 0.0)) -> tuple[float, ...]:
+def divided(
+    shell: ShellParts, lengths: Lengths, longest: float, layers: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, ...]:
     """Breaks of the rows: a layer at either end, and stretches between strip ends in equal rows below `longest`.
 
-    A layer wider than half of its stretch is left out.
+    All are parts of the chart's length in metres; breaks are parts of its first parameter. A layer wider than half of
+    its stretch is left out.
     """
     breaks = lines_of(shell)
     rows: set[float] = set()
-    for low, high in pairwise(breaks):
-        first = layers[0] * (low == 0.0 and layers[0] < 0.5 * (high - low))
-        last = layers[1] * (high == 1.0 and layers[1] < 0.5 * (high - low))
+    for start, end in pairwise(breaks):
+        low, high = lengths.at(start), lengths.at(end)
+        first = layers[0] * (start == 0.0 and layers[0] < 0.5 * (high - low))
+        last = layers[1] * (end == 1.0 and layers[1] < 0.5 * (high - low))
         count = max(1, int(np.ceil((high - low - first - last) / longest - 1e-9)))
-        rows |= {low, high, *np.linspace(low + first, high - last, count + 1).tolist()}
+        inner = np.linspace(low + first, high - last, count + 1)
+        inner = inner[(inner > low) & (inner < high)]
+        rows |= {start, end, *lengths.part(inner).tolist()}
     return tuple(sorted(rows))
 
 

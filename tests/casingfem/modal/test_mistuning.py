@@ -155,12 +155,12 @@ def test_summary_counts_and_quantiles():
     assert repr(found).splitlines()[3].split()[3:] == ["0"] + 6 * ["-"]
 
 
-def test_only_closed_casings_have_pairs(steel):
+def test_only_casings_of_revolution_have_pairs(steel):
     from casingfem import Plate, Shell
 
     field = RandomField(spectrum=Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
     plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=field)
-    with pytest.raises(ValueError, match="pairs of closed casings"):
+    with pytest.raises(ValueError, match="pairs of casings of revolution"):
         mistune(plate, 2)
 
 

@@ -170,10 +170,10 @@ def test_the_share_of_the_finest_polynomials_is_that_of_legendre():
     np.testing.assert_allclose(found, [[along, 0.0], [0.0, across]], atol=1e-9)
 
 
-@pytest.mark.parametrize("periodic", [True, False])
-def test_equal_elements_split_the_pairs_whose_waves_they_divide(periodic):
+@pytest.mark.parametrize("round_", [True, False])
+def test_equal_elements_split_the_pairs_whose_waves_they_divide(round_):
     modes = SimpleNamespace(
         nodal_diameters=np.array([-1, 0, 3, 4, 6, 9, 12]), grid=SimpleNamespace(mesh=SimpleNamespace(around=12)),
-        shell=SimpleNamespace(chart=SimpleNamespace(periodic=periodic)),
+        shell=SimpleNamespace(chart=SimpleNamespace(axisymmetric=round_)),
     )  # fmt: skip
-    assert split_by_mesh(modes).tolist() == [False, False, False, False, periodic, False, periodic]
+    assert split_by_mesh(modes).tolist() == [False, False, False, False, round_, False, round_]

@@ -111,6 +111,10 @@ class HelicalCylinder:
         return True
 
     @property
+    def axisymmetric(self):
+        return False
+
+    @property
     def edges(self):
         return self.cylinder.edges
 
@@ -136,6 +140,10 @@ class Upturned:
     @property
     def periodic(self):
         return True
+
+    @property
+    def axisymmetric(self):
+        return False
 
     @property
     def edges(self):

@@ -49,6 +49,10 @@ class Moved:
         return self.plain.periodic
 
     @property
+    def axisymmetric(self):
+        return self.plain.axisymmetric
+
+    @property
     def edges(self):
         return self.plain.edges
 

@@ -135,12 +135,13 @@ def test_default_mesh_is_odd_around_and_finer_for_finer_fields(frustum):
 
 
 def test_default_mesh_grades_edges_that_nothing_holds(frustum):
-    assert frustum().mesh.rows == (0.0, 0.97, 1.0)
-    assert frustum(supports={}).mesh.rows == (0.0, 0.03, 0.97, 1.0)
+    layer = 2.5 * 3e-3 / np.hypot(0.25, 0.05)  # of the length along the wall
+    assert frustum().mesh.rows == pytest.approx((0.0, 1.0 - layer, 1.0), abs=1e-12)
+    assert frustum(supports={}).mesh.rows == pytest.approx((0.0, layer, 1.0 - layer, 1.0), abs=1e-12)
     assert frustum(supports={"base": Clamped(), "top": Clamped()}).mesh.rows == (0.0, 1.0)
     ring = Ring(section=Section.rectangle(width=0.04, depth=0.04))
     for loose in (ElasticEdge(k_face=1e12), ring, Bolts(count=24, k=2e8)):
-        assert frustum(supports={"base": loose, "top": Clamped()}).mesh.rows == (0.0, 0.03, 1.0)
+        assert frustum(supports={"base": loose, "top": Clamped()}).mesh.rows == pytest.approx((0.0, layer, 1.0), abs=1e-12)
 
 
 def test_default_mesh_of_a_plate_follows_its_shape(steel):
