@@ -205,8 +205,9 @@ def closed_rub(what: RotatingRim | Rub | HandPair, speed_hz: float, mu: float) -
 def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
     casing = perfect_mean(what.casing) if mean_contact(what)[1] else what.casing  # of split pairs the mean
     tips = tuple(replace(tip, clearance=0.0, axial=None) for tip in what.tips)
+    least = min(casing.line_radius(tip.line) for tip in tips)
     return replace(
-        what, casing=casing, tips=tips, clearance=-PRESS * casing.radius, speed=Speed.constant(speed_hz),
+        what, casing=casing, tips=tips, clearance=-PRESS * least, speed=Speed.constant(speed_hz),
         profile=RimProfile(), closing=Closing.none(), whirl=(), stiffening=(), forces=(), thickness=math.inf,
         casing_start=Start(), blade_starts=(),
     ), mu  # fmt: skip

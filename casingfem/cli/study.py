@@ -1,5 +1,6 @@
 """Commands on study.toml: modes, campbell, update, reduce, report."""
 
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -194,6 +195,10 @@ def reduce(file: Path, as_json: bool, out: Path | None) -> None:
         "channels": list(basis.channels),
         "n_max": basis.n_max,
         "radius": basis.radius,
+        "lines": [
+            {"axial_m": axial, "radius_m": radius, "thickness_m": wall}
+            for (axial, radius), wall in zip_longest(basis.lines.tolist(), basis.line_thickness.tolist())
+        ],
         "seconds": working.seconds,
         "provenance": basis.provenance,
         "source": study.source,

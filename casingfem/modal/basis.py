@@ -24,8 +24,8 @@ from contact.io.reported import Reported
 FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 ARRAYS = (
-    "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows",
-    "output_S", "K_omega", "participation", "out_of_roundness",
+    "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines",
+    "line_thickness", "output_rows", "output_S", "K_omega", "participation", "out_of_roundness",
 )  # fmt: skip
 
 
@@ -46,12 +46,15 @@ class ModalBasis(Reported):
     kind
         "rim": Fourier amplitudes around an edge; "point": displacements of one place.
     n_max, radius, thickness
-        Of a rim: highest harmonic, mean radius and least thickness of the wall [m], 0 where that is not known.
+        Of a rim: highest harmonic, mean radius of its lines and least thickness of the wall there [m], 0 where that is
+        not known.
     recovery, recovery_S, recovery_points, recovery_cells
         Displacements elsewhere, u = recovery q + recovery_S lam: (3 points, modes), (3 points, channels),
         (points, 3); the cells between the points, each VTK's number of its kind and its nodes; empty unless asked for.
     lines
         Of a rim: axial place and radius of each of its lines [m], (lines, 2).
+    line_thickness
+        Of a rim: least thickness of the wall on each of its lines [m], (lines,); empty where that is not known.
     outputs, output_rows, output_S
         Names of displacements and strains at chosen places, and output_rows q + output_S lam that gives them.
     K_omega, spin
@@ -83,6 +86,7 @@ class ModalBasis(Reported):
     recovery_points: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     recovery_cells: IntArray = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    line_thickness: FloatArray = field(default_factory=lambda: np.zeros(0))
     outputs: tuple[str, ...] = ()
     output_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))

@@ -101,8 +101,8 @@ def reduce(
     wanted = output_rows(system, tuple(outputs))
     P = seen.loads
     if not P.any():
-        where = getattr(interface, "edge", "")  # nodes that are held are refused one by one
-        raise ModelError("interface-held", f"interface: edge {where!r} is held, nothing can be pushed there")
+        where = interface.where if isinstance(interface, Rim) else repr(getattr(interface, "edge", ""))
+        raise ModelError("interface-held", f"interface: {where} is held, nothing can be pushed there")
     if method == "free":
         attachment = static_shapes(system, P)
         vectors, omega = free_vectors(system, modes)
@@ -137,6 +137,7 @@ def reduce(
         outputs=tuple(output.name for output in outputs),
         spin=0.0 if rotation is None else rotation.omega,
         lines=seen.lines,
+        line_thickness=seen.line_thickness,
         out_of_roundness=seen.out_of_roundness,
         rows=at_interface,
         S=S,

@@ -14,6 +14,7 @@ from casingfem.experiment.correlation.measured_shapes import read_shapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.included import included_files
 from casingfem.linalg.krylov import START_SEED
+from casingfem.modal.interface.chart_rows import require_lines
 from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.imported.shell import MeshShell
@@ -221,22 +222,25 @@ def load_interface(table: ReduceTable | None, chart: Chart | None, problems: Pro
         if getattr(table, key) is not None:
             found = str(getattr(table, key))
             problems.add(f"reduce.{key}", found, "no such key: it is for imported meshes", "study-key")
-    if table.interface is None:
+    if table.interface is None and not table.lines:
         return None
     curved = [edge for edge, (held, _) in chart.edges.items() if held == 0]
-    if table.interface not in curved:
+    if table.interface is not None and table.interface not in curved:
         expected = f"one of the chart's edges {', '.join(curved)}"
         problems.add("reduce.interface", repr(table.interface), expected, "interface-edge")
     if chart.periodic:
         if table.nodes is not None:
             problems.add("reduce.nodes", str(table.nodes), "no such key: a casing's rim has no pieces", "study-key")
         n_max = 40 if table.n_max is None else table.n_max
-        return Rim(table.interface, n_max, axial=table.axial, lines=tuple(table.lines))
+        with problems.at("reduce"):
+            require_lines(chart, table.lines)
+        return Rim(table.interface or "", n_max, axial=table.axial, lines=tuple(table.lines))
     for key in ("n_max", "axial", "lines"):
         if getattr(table, key):
             found = str(getattr(table, key))
             problems.add(f"reduce.{key}", found, "no such key: an open chart has no harmonics around", "study-key")
-    return Tip(table.interface) if table.nodes is None else TipNodes(table.interface, table.nodes)
+    edge = table.interface or ""
+    return Tip(edge) if table.nodes is None else TipNodes(edge, table.nodes)
 
 
 def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:

@@ -177,7 +177,7 @@ def _flags(result: Result, rim: RotatingRim | Rub | None, radial: Array) -> list
     if result.reversals.any():
         found.append(f"slip reversed in {int(result.reversals.sum())} steps")
     largest = max(float(radial.max(initial=0.0)), -float(radial.min(initial=0.0)))
-    if rim is not None and largest > FAR * rim.casing.radius:
+    if rim is not None and largest > FAR * rim.casing.line_radius(0):
         found.append("motion beyond a tenth of the radius: the linear model has no meaning there")
     if abs(energy.unaccounted) > 1e-8 * energy.scale:
         found.append("energy ledger open")

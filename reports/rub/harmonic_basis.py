@@ -91,7 +91,7 @@ def harmonic_basis(
         kind="rim",
         n_max=rim.n_max,
         radius=rim_radius(shell, rim),
-        thickness=rim_thickness(shell, rim),
+        thickness=float(rim_thickness(shell, rim).min()),
         provenance={"method": "harmonic", "residual": residual},
     )
 

@@ -1,5 +1,6 @@
 """Interfaces of a shell on a chart: rows over its nodal fields, and the out-of-roundness and thickness of a rim."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.modal.interface.kinds import AtNodes, Interface, Rim, Tip, TipNodes
+from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation, ring_transform
 from casingfem.structure.shell.parts import ShellGeometry
@@ -33,8 +35,8 @@ def interface_rows(system: System, interface: Interface) -> tuple[FloatArray, tu
 def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
     """Rows (channels, 5 nodes) of a rim, and the channel names: radial, then tangential."""
     grid, chart = system.grid, system.shell.chart
-    if not chart.periodic or rim.edge not in grid.edges:
-        raise ModelError("interface-edge", f"a Rim needs a closed casing with an edge {rim.edge!r}")
+    if not chart.periodic or not (rim.lines or rim.edge in chart.edges):
+        raise ModelError("interface-edge", f"a Rim needs a closed casing with {rim.where}{found_edges(chart)}")
     around = grid.mesh.order * grid.mesh.around
     if not 0 < rim.n_max <= around // 3:
         found = f"rim.n_max must lie between 1 and {around // 3} on this mesh, found {rim.n_max}"
@@ -48,6 +50,27 @@ def rim_rows(system: System, rim: Rim) -> tuple[FloatArray, tuple[str, ...]]:
         real = np.concatenate([transform.real, -transform.imag[1:]])
         line[..., :3] = np.einsum("hn,din->dhni", real, unit)
     return rows.reshape(-1, theta.size * DOFS), rim.channels
+
+
+def require_lines(chart: Chart, lines: Sequence[float]) -> None:
+    """Refuse lines off a chart, or given twice.
+
+    Raises
+    ------
+    ModelError
+        `interface-lines`.
+    """
+    low, high = np.real(chart.bounds[0])
+    off = [at for at in lines if not low <= at <= high]
+    if off or len(set(lines)) < len(lines):
+        found = ", ".join(f"{at:g}" for at in off or lines)
+        expected = f"places from {low:g} to {high:g} m, once each"
+        raise ModelError("interface-lines", f"lines: found {found} m, expected {expected}")
+
+
+def found_edges(chart: Chart) -> str:
+    """What a chart has in place of a closed casing's edge, in words."""
+    return f"; this one has {', '.join(chart.edges)}" if chart.periodic else "; this chart is open"
 
 
 def require_circles(shell: Shell, rim: Rim) -> None:
@@ -66,7 +89,7 @@ def require_circles(shell: Shell, rim: Rim) -> None:
         height = float(np.ptp(z) / np.hypot(x, y).mean())
         if max(off, height) > CIRCLE:
             found = f"angles about z {off:.2g} rad off the chart's second parameter, heights {height:.2g} radii apart"
-            raise ModelError("interface-circle", f"a Rim needs a circle about z: on {rim.edge!r} found {found}")
+            raise ModelError("interface-circle", f"a Rim needs a circle about z: on {rim.where} found {found}")
 
 
 def line_transforms(system: System, rim: Rim) -> list[Array]:
@@ -77,9 +100,7 @@ def line_transforms(system: System, rim: Rim) -> list[Array]:
         full = np.zeros((rim.n_max + 1, grid.nodes.shape[1]), dtype=complex)
         full[:, grid.edges[rim.edge].nodes] = transform
         return [full]
-    low, high = chart.bounds[0]
-    if min(rim.lines) < low or max(rim.lines) > high:
-        raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected places from {low:g} to {high:g}")
+    require_lines(chart, rim.lines)
     samples = 8 * grid.mesh.order * grid.mesh.around
     theta = 2.0 * np.pi * np.arange(samples) / samples
     kernel = np.exp(-1j * np.outer(np.arange(rim.n_max + 1), theta)) / samples
@@ -102,9 +123,9 @@ def rim_geometry(shell: Shell, rim: Rim, count: int) -> list[ShellGeometry]:
     return [shell.geometry(np.full(count, place), theta) for place in places]
 
 
-def rim_lines(system: System, rim: Rim) -> FloatArray:
+def rim_lines(shell: Shell, rim: Rim) -> FloatArray:
     """Axial place and mean radius of each line of a rim [m], (lines, 2)."""
-    on_lines = [on.surface.x for on in rim_geometry(system.shell, rim, LEAST)]
+    on_lines = [on.surface.x for on in rim_geometry(shell, rim, LEAST)]
     return np.array([[float(x[2].mean()), float(np.hypot(x[0], x[1]).mean())] for x in on_lines])
 
 
@@ -183,9 +204,9 @@ def rim_shape(shell: Shell, rim: Rim) -> FloatArray:
     return np.array(found)
 
 
-def rim_thickness(shell: Shell, rim: Rim) -> float:
-    """Least thickness of the wall on a rim's lines [m]: linear theory carries deflections of part of it."""
-    return float(min(on.thickness.min() for on in rim_geometry(shell, rim, LEAST)))
+def rim_thickness(shell: Shell, rim: Rim) -> FloatArray:
+    """Least thickness of the wall on each line of a rim [m], (lines,): the linear model is valid to part of it."""
+    return np.array([float(np.real(on.thickness).min()) for on in rim_geometry(shell, rim, LEAST)])
 
 
 def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str, float]]:

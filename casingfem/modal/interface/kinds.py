@@ -3,29 +3,49 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from casingfem.errors import ModelError
+
 
 @dataclass(frozen=True, slots=True)
 class Rim:
-    """An edge of a casing, radial and tangential, by Fourier amplitudes up to n_max.
+    """An edge of a casing, or lines around its wall, radial and tangential, by Fourier amplitudes up to n_max.
 
     u(theta) = sum_n c_n cos n theta + s_n sin n theta. A force at one angle reaches the shell through the same
     band: it acts on an arc of about 2 pi r/(2 n_max), which keeps its compliance finite as the mesh is
     refined (a point force on a shear-deformable edge would sink in without limit).
 
-    `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of several
-    lines around in place of the edge, for blades whose tips are long in that direction. `axis` through `point`: of an
+    `axial` adds the motion along the axis. `lines`: places of the chart's first parameter (z of a frustum) of one or
+    several lines around in place of the edge, for a track inside the casing or blades whose tips are long in that
+    direction; `edge` is then not needed. `axis` through `point`: of an
     imported part, whose edge is a group of facets; a chart's axis is z.
 
     >>> Rim("top", n_max=2).names
     ('cos0', 'cos1', 'cos2', 'sin1', 'sin2')
+    >>> Rim(lines=(0.7,), n_max=2).where
+    'a line at 0.7 m'
     """
 
-    edge: str
+    edge: str = ""
     n_max: int = 40
     axial: bool = False
     lines: tuple[float, ...] = ()
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def where(self) -> str:
+        """The edge or the lines, in words.
+
+        Raises
+        ------
+        ModelError
+            `interface-edge` where there is neither.
+        """
+        if self.lines:
+            return f"{'a line' if len(self.lines) == 1 else 'lines'} at {', '.join(f'{at:g}' for at in self.lines)} m"
+        if not self.edge:
+            raise ModelError("interface-edge", "rim: found neither an edge nor lines, expected one of them")
+        return repr(self.edge)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -138,7 +138,8 @@ def rim_rows(system: MeshSystem, rim: Rim) -> RimView:
         its nodes resolve, `interface-lines` for lines, which need a chart.
     """
     if rim.lines:
-        raise ModelError("interface-lines", f"rim.lines: found {rim.lines} on an imported mesh, expected a group")
+        found = ", ".join(f"{at:g}" for at in rim.lines)
+        raise ModelError("interface-lines", f"lines: found {found} m on an imported mesh, expected a group of facets")
     facets, count = facets_of(system, rim.edge), len(system.points)
     axes = axis_frame(rim.axis)
     x = (facets.x - np.asarray(rim.point)) @ axes.T

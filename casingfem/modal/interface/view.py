@@ -25,7 +25,7 @@ class View:
         Their names.
     axes
         Directions of the participation factors: x, y and the axis of a rim, span, flap, chord of a tip, (3, 3).
-    lines, out_of_roundness, radius, thickness
+    lines, line_thickness, out_of_roundness
         Of a rim, as in `ModalBasis`.
     facts
         What the provenance says of it.
@@ -35,10 +35,19 @@ class View:
     channels: tuple[str, ...]
     axes: FloatArray
     lines: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    line_thickness: FloatArray = field(default_factory=lambda: np.zeros(0))
     out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    radius: float = 0.0
-    thickness: float = 0.0
     facts: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def radius(self) -> float:
+        """Mean radius of the lines of a rim [m], 0 of a tip."""
+        return float(self.lines[:, 1].mean()) if len(self.lines) else 0.0
+
+    @property
+    def thickness(self) -> float:
+        """Least thickness of the wall on the lines of a rim [m], 0 where it is not known."""
+        return float(self.line_thickness.min(initial=np.inf)) if self.line_thickness.size else 0.0
 
 
 def view(system: System | MeshSystem, interface: Interface) -> View:
@@ -61,10 +70,9 @@ def of_chart(system: System, interface: Interface) -> View:
             loads=loads,
             channels=channels,
             axes=np.eye(3),
-            lines=rim_lines(system, interface),
+            lines=rim_lines(system.shell, interface),
+            line_thickness=rim_thickness(system.shell, interface),
             out_of_roundness=rim_shape(system.shell, interface),
-            radius=float(np.linalg.norm(system.points[system.grid.edges[interface.edge].nodes, :2], axis=1).mean()),
-            thickness=rim_thickness(system.shell, interface),
         )
     assert not isinstance(interface, AtNodes)  # refused with the rows
     return View(loads=loads, channels=channels, axes=tip_directions(system, interface))
@@ -80,7 +88,6 @@ def of_mesh(system: MeshSystem, interface: Interface) -> View:
             axes=rim.axes,
             lines=rim.line,
             out_of_roundness=rim.shape,
-            radius=float(rim.line[0, 1]),
         )
     if isinstance(interface, AtNodes):
         rows = mesh_rows.node_rows(system, interface)

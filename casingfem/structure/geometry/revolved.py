@@ -12,7 +12,15 @@ import numpy as np
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.geometry.chart import Bounds, Chart, ClosedOfRevolution, Open, Surface, require_positive, revolve
+from casingfem.structure.geometry.chart import (
+    Bounds,
+    Chart,
+    ClosedOfRevolution,
+    Open,
+    Surface,
+    require_positive,
+    revolve,
+)
 
 
 class MeridianPoints(NamedTuple):

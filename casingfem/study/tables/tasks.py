@@ -155,7 +155,9 @@ class ReduceTable(Table):
     )
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
     axial: bool = Field(default=False, description="a casing's rim along the axis too")
-    lines: list[float] = Field(default_factory=list, description="places along a casing's meridian [m], for the edge")
+    lines: list[float] = Field(
+        default_factory=list, description="places of lines around a casing, along its meridian [m], in place of an edge"
+    )
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
     axis: Axis | None = Field(default=None, description='axis of an imported rim, "x", "y", "z" or [x, y, z]')
     point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
@@ -170,8 +172,11 @@ class ReduceTable(Table):
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        if (self.interface is None) == (self.at is None):
-            raise ValueError("found interface and at, or neither, expected one: an edge or group, or nodes of a mesh")
+        given = [name for name in ("interface", "lines", "at") if getattr(self, name)]
+        if not given or ("at" in given and len(given) > 1):
+            found = " and ".join(given) or "none of interface, lines and at"
+            expected = "an edge or group (interface), lines around a casing, nodes of a mesh (at)"
+            raise ValueError(f"found {found}, expected one: {expected}")
         return self
 
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 OPTIONAL = (
-    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "output_rows", "output_S", "K_omega",
-    "participation", "out_of_roundness",
+    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
+    "K_omega", "participation", "out_of_roundness",
 )  # fmt: skip
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 
@@ -41,12 +41,13 @@ class ModalBody:
 
     `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
-    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, `radius` and the least
-    `thickness` of the wall [m], 0 where it is not known; of several rim lines line0.radial.cos0 .. line1..., `lines`
-    (L, 2) their axial positions and radii [m]. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points` (R, 3) give
-    displacements elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows` (O, m) and
-    `output_S` (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the modal
-    stiffness of a body whose basis was made at `spin` [rad/s].
+    then tangential.cos0 .. tangential.sinN, then maybe axial alike, with `n_max` = N, mean `radius` and least
+    `thickness` of the wall [m], 0 where it is not known; of several rim lines line0.radial.cos0 .. line1... Of each
+    line `lines` (L, 2) are axial place and radius [m], `line_thickness` (L,) the wall there [m]; of a file without
+    them every line has the one `radius` and `thickness`. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points`
+    (R, 3) give displacements elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows`
+    (O, m) and `output_S` (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the
+    modal stiffness of a body whose basis was made at `spin` [rad/s].
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
     `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
@@ -75,6 +76,7 @@ class ModalBody:
     recovery_points: Array | None = None
     recovery_cells: Array | None = None
     lines: Array | None = None
+    line_thickness: Array | None = None
     outputs: tuple[str, ...] = ()
     output_rows: Array | None = None
     output_S: Array | None = None
@@ -135,6 +137,10 @@ class ModalBody:
             )
         if self.lines is not None:
             require_shape("lines", self.lines, (self.rim_lines, 2))
+            require_not_negative(**{"radii of lines": float(self.lines[:, 1].min())})
+        if self.line_thickness is not None:
+            require_shape("line_thickness", self.line_thickness, (self.rim_lines,))
+            require_positive(line_thickness=float(self.line_thickness.min()))
 
     @property
     def directions(self) -> int:
@@ -157,8 +163,12 @@ class ModalBody:
         return [{"p": p, "cos": float(c[p]), "sin": float(c[N + p])} for p in range(1, N + 1) if c[p] or c[N + p]]
 
     def line_radius(self, line: int) -> float:
-        """Radius of one rim line [m]; the mean radius when the lines are not told apart."""
+        """Radius of one rim line [m]; the mean radius where the basis has no lines."""
         return self.radius if self.lines is None else float(self.lines[line, 1])
+
+    def line_wall(self, line: int) -> float:
+        """Least thickness of the wall on one rim line [m], 0 where it is not known."""
+        return self.thickness if self.line_thickness is None else float(self.line_thickness[line])
 
     def __repr__(self) -> str:
         freq = self.omega / (2.0 * np.pi)

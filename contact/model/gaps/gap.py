@@ -107,12 +107,13 @@ class RotatingRim:
         if not {"span", "flap"} <= set(self.blade.channels):
             found = f"the channels {', '.join(self.blade.channels)}"
             raise InputError(f"blade: found {found}, expected span and flap (Rub takes others)")
-        require_positive(radius=self.casing.radius)
+        radius = self.casing.line_radius(0)
+        require_positive(radius=radius)
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)
-        if abs(self.clearance) > FAR * self.casing.radius:
+        if abs(self.clearance) > FAR * radius:
             raise InputError(
-                f"clearance: found {self.clearance:g} m, expected between -{FAR * self.casing.radius:g} and "
-                f"{FAR * self.casing.radius:g} m, a tenth of the rim's radius {self.casing.radius:g} m"
+                f"clearance: found {self.clearance:g} m, expected between -{FAR * radius:g} and {FAR * radius:g} m, "
+                f"a tenth of the rim's radius {radius:g} m"
             )
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
@@ -124,7 +125,7 @@ class RotatingRim:
         for term in terms:
             require_term(term)
         far = sum(math.hypot(term.get("cos", 0.0), term.get("sin", 0.0)) for term in terms)
-        require_near(self.casing.radius, out_of_roundness=far)
+        require_near(radius, out_of_roundness=far)
         object.__setattr__(self, "out_of_roundness", terms)
 
     def blade_normal(self) -> tuple[str, Array]:

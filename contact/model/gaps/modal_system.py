@@ -161,7 +161,7 @@ def _still_rim(casing: ModalBody, blade: ModalBody, lean_deg: float) -> ModalSys
         zeta=readonly(np.concatenate([casing.zeta, blade.zeta])), load=none, velocity=none,
         first=np.array([0, casing.omega.size, none.size]), names=("casing", "blade"), masses=(math.nan, math.nan),
         Q=none[:0], clearance=fourier([]), S_nn=pruned(S_nn, noise), S_nt=pruned(S_nt, noise),
-        S_tt=pruned(S_tt, noise), table=table, radius=casing.radius, thickness=casing.thickness,
+        S_tt=pruned(S_tt, noise), table=table, radius=casing.line_radius(0), thickness=casing.line_wall(0),
     )  # fmt: skip
 
 

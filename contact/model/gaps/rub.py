@@ -186,8 +186,10 @@ class Rub:
 
     @property
     def wall(self) -> float:
-        """Thickness of the wall [m]: the one given, else that of the casing's basis; infinite where none is known."""
-        return self.thickness if math.isfinite(self.thickness) else self.casing.thickness or math.inf
+        """Thickness of the wall [m]: the one given, else the casing's least on the tips' lines; infinite if unknown."""
+        if math.isfinite(self.thickness):
+            return self.thickness
+        return min(self.casing.line_wall(tip.line) or math.inf for tip in self.tips)
 
     @property
     def dimensions(self) -> int:

@@ -59,7 +59,9 @@ def test_rim_rows_touch_only_their_edge(casing):
 @pytest.mark.parametrize(
     ("rim", "message"),
     [
-        (Rim("tip"), "edge 'tip'"),
+        (Rim("tip"), "closed casing with 'tip'; this one has base, top"),
+        (Rim(n_max=4), "found neither an edge nor lines"),
+        (Rim(lines=(0.1, 0.1), n_max=4), r"lines: found 0\.1, 0\.1 m, .* once each"),
         (Rim("top", n_max=0), "between 1 and 22"),
         (Rim("top", n_max=23), "found 23"),
     ],
@@ -118,7 +120,7 @@ def test_a_rim_in_three_directions_on_several_lines(casing):
         expected[f"line{k}.radial.cos3"] = place
         expected[f"line{k}.axial.sin2"] = 1.0 - place
     np.testing.assert_allclose(list(found.values()), list(expected.values()), atol=1e-4)
-    lines = rim_lines(casing, rim)
+    lines = rim_lines(casing.shell, rim)
     np.testing.assert_allclose(lines[:, 0], rim.lines, atol=1e-12)
     np.testing.assert_allclose(lines[:, 1], 0.5 - 0.05 * np.array(rim.lines) / 0.25, atol=1e-12)
     edge, _ = rim_rows(casing, Rim("top", n_max=5, axial=True))
@@ -131,7 +133,7 @@ def test_a_rim_in_three_directions_on_several_lines(casing):
 def test_the_radius_of_a_line_is_the_mean_of_the_whole_turn(frustum):
     """A harmonic of the radius is no change of it."""
     uneven = frustum(mesh=ShellMesh(order=6, rows=1, around=11), radius_defect=FourierField.of({2: (1e-2, 5e-3)}))
-    ((_, radius),) = rim_lines(assemble(uneven), Rim("top", n_max=3))
+    ((_, radius),) = rim_lines(uneven, Rim("top", n_max=3))
     assert radius == pytest.approx(0.45, rel=1e-4)
 
 
@@ -175,8 +177,8 @@ def test_pieces_of_a_tip_of_uneven_curvature_have_equal_lengths(steel):
         (AtNodes((3, 4)), "at: found nodes 3, 4 of a chart, whose nodes have no numbers"),
         (Rim("top", n_max=2, axis=(1.0, 0.0, 0.0)), "a Rim of a chart turns about z, found another axis"),
         (Rim("top", n_max=2, point=(0.0, 0.1, 0.0)), "a Rim of a chart turns about z, found another axis"),
-        (Rim("top", n_max=2, lines=(-0.01, 0.1)), r"rim.lines: found \(-0.01, 0.1\), expected places from 0 to 0.25"),
-        (Rim("top", n_max=2, lines=(0.1, 0.26)), r"rim.lines: found \(0.1, 0.26\), expected places from 0 to 0.25"),
+        (Rim("top", n_max=2, lines=(-0.01, 0.1)), r"lines: found -0.01 m, expected places from 0 to 0.25 m"),
+        (Rim("top", n_max=2, lines=(0.1, 0.26)), r"lines: found 0.26 m, expected places from 0 to 0.25 m"),
     ],
 )
 def test_interfaces_that_a_casing_does_not_have_are_refused(casing, interface, words):

@@ -141,7 +141,9 @@ def test_default_mesh_grades_edges_that_nothing_holds(frustum):
     assert frustum(supports={"base": Clamped(), "top": Clamped()}).mesh.rows == (0.0, 1.0)
     ring = Ring(section=Section.rectangle(width=0.04, depth=0.04))
     for loose in (ElasticEdge(k_face=1e12), ring, Bolts(count=24, k=2e8)):
-        assert frustum(supports={"base": loose, "top": Clamped()}).mesh.rows == pytest.approx((0.0, layer, 1.0), abs=1e-12)
+        assert frustum(supports={"base": loose, "top": Clamped()}).mesh.rows == pytest.approx(
+            (0.0, layer, 1.0), abs=1e-12
+        )
 
 
 def test_default_mesh_of_a_plate_follows_its_shape(steel):
