@@ -11,7 +11,7 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
-from contact.scheme.modal.batch import WIDTH, Events, Job, batch
+from contact.scheme.modal.batch import WIDTH, Events, Job, Shape, batch, shape_of
 from contact.scheme.modal.modal_run import ModalRun
 
 Outcome = Result | InputError | NumericsError
@@ -24,10 +24,10 @@ def run_many(
 ) -> list[Outcome]:
     """Run scenes, each as `run` would, to the round-off of its sums; failures are returned, not raised.
 
-    Rotating rims with one contact (`RotatingRim`, no coating) are grouped by their number of modes and run eight at a
-    time: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's numbers do not depend
-    on which others are given, nor on their order. `record` says by the number of steps what a run stores whose scene
-    does not; `ended` is called with the place and the outcome of each run, as they end.
+    Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, those together
+    whose arrays have equal shapes: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's
+    numbers do not depend on which others are given, nor on their order. `record` says by the number of steps what a run
+    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -37,15 +37,15 @@ def run_many(
     (134, 't_end: found none, expected the end of the run in seconds')
     """
     found: list[Outcome | None] = [None] * len(scenes)
-    groups: dict[int, list[tuple[int, Prepared]]] = {}
+    groups: dict[Shape, list[tuple[int, Prepared]]] = {}
     for i, scene in enumerate(scenes):
         try:
             ready = _prepared(scene, record)
         except InputError as error:
             found[i] = _note(i, error, ended)
             continue
-        if _fits(ready):
-            groups.setdefault(ready.stepper.size, []).append((i, ready))
+        if (shape := _fits(ready)) is not None:
+            groups.setdefault(shape, []).append((i, ready))
         else:
             found[i] = _note(i, _alone(ready), ended)
     for group in groups.values():
@@ -61,7 +61,7 @@ def first_step(scene: Scene, record: Callable[[int], Record]) -> None:
     Raises InputError for a scene that is refused.
     """
     ready = replace(_prepared(scene, record), count=1)
-    if _fits(ready):
+    if _fits(ready) is not None:
         list(together([(0, ready)]))
     else:
         _alone(ready)
@@ -85,20 +85,18 @@ def _alone(ready: Prepared) -> Outcome:
         return error
 
 
-def _fits(ready: Prepared) -> bool:
-    """Whether the lanes take this run."""
+def _fits(ready: Prepared) -> Shape | None:
+    """Shape of what the lanes take of this run; None where it runs singly."""
     stepper, record = ready.stepper, ready.record
-    if getattr(stepper, "rim", None) is None or getattr(stepper, "tracks", None) is not None:
-        return False
-    if record.at is not None or record.channels is not None:
-        return False
+    if not isinstance(stepper, ModalRun) or record.at is not None or record.channels is not None:
+        return None
     stored = 4.0 * ready.count / record.every
     stored += ready.count / record.state_every * stepper.size if record.state_every else 0.0
-    return 8.0 * WIDTH * stored <= MOST_BYTES
+    return shape_of(stepper) if 8.0 * WIDTH * stored <= MOST_BYTES else None
 
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
-    """Outcomes of prepared runs of one size in the order in which lanes end; None where no force was found."""
+    """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found."""
     jobs = [Job(run=cast(ModalRun, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]

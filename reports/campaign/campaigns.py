@@ -56,6 +56,7 @@ CAMPAIGNS = (
     Campaign("speed.solid_solvers", "large solids: memory and time of the solvers", STRUCTURE, ("--large",)),
     Campaign("robustness.broken", "broken models are refused or doubted by name", (*STRUCTURE, "casingfem/faults")),
     Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),
+    Campaign("contact.batches", "2,000 random lists of scenes equal the runs alone", (*RUBS, "contact/sweep")),
     Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
     Campaign("robustness.file_mutations", "100,000 damaged files of 56 kinds end in no traceback, no hang", READERS),
     Campaign("robustness.stray_points", "stray points of surveys are found unasked", ("casingfem/structure/field",)),

@@ -2,6 +2,7 @@
 
 import importlib
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -112,3 +113,24 @@ def test_what_lanes_do_not_take_runs_singly_and_failures_are_told():
     assert isinstance(found[3], ct.LimitError)
     assert isinstance(found[4], ct.Result)
     assert done == [(0, "Result"), (1, "Result"), (2, "LimitError"), (3, "LimitError"), (4, "Result")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("modes", [(2, 3), (3, 2)])
+def test_friction_and_one_mode_less_is_not_a_run_without_friction(modes: tuple[int, int]) -> None:
+    """Both have as many numbers in their state: modes and forces at the tip."""
+
+    def scene(count: int, law: Any) -> ct.Scene:
+        omega, rows = 500.0 * np.arange(1, count + 1), np.ones((2, count))
+        tip = ct.ModalBody(
+            omega=omega, zeta=np.full(count, 0.002), channels=("span", "flap"), rows=rows, S=np.eye(2) * 1e-8
+        )
+        rim = ct.RotatingRim(ring(), tip, clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
+        return ct.Scene(what=rim, law=law, scheme=ct.ExactModal(), t_end=0.01, dt=1e-5)
+
+    scenes = [scene(modes[0], ct.Coulomb(mu=0.1)), scene(modes[1], ct.Unilateral())]
+    together = ct.run_many(scenes)
+    for one, outcome in zip(scenes, together, strict=True):
+        assert isinstance(outcome, ct.Result)
+        assert outcome.impulse == pytest.approx(ct.run(one).impulse, rel=1e-12)
+        assert outcome.state.shape == ct.run(one).state.shape

@@ -38,6 +38,8 @@ TERMS = ("normal", "tangent")
 FOUR = 4  # rows that are summed at once where lanes share their coefficients
 NONE = np.array([np.inf, np.inf, 0.0, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
+LENGTHS_VARY = {"wave", "row", "value", "reach", "powers"}  # of terms and free flights: lanes take any length
+Shape = tuple[tuple[str, tuple[int, ...]], ...]
 Events = tuple[Indices, Array]  # kinds, times
 NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 
@@ -55,6 +57,23 @@ class Job:
         """What its lane works on."""
         assert self.run.rim is not None
         return self.run.rim
+
+
+def shape_of(run: ModalRun) -> Shape | None:
+    """Name and shape of every array that a run hands to its lane; None for a run that lanes do not take.
+
+    Runs share lanes only where all of these are equal. Lengths that lanes may differ in are left out: terms of a row,
+    skips over free flight.
+    """
+    rim = run.rim
+    if rim is None or run.tracks is not None:
+        return None
+    parts = {"state": rim.state._asdict(), "flight": rim.flight._asdict(), "limits": {"limits": rim.limits}}
+    parts |= {name: {"start": getattr(rim, name).start} for name in TERMS} | {"reach": {"modes": rim.reach}}
+    return tuple(
+        (f"{part}.{name}", np.shape(values))
+        for part, arrays in parts.items() for name, values in arrays.items() if name not in LENGTHS_VARY
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
