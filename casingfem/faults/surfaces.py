@@ -195,6 +195,10 @@ SURFACES = {
         "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
         "use the survey of this casing, in metres and degrees, or correct the nominal value",
     ),
+    "survey-part": (
+        "a survey covers less than half of the shell's height, or less than asked",
+        'survey the rest, or state outside = "nearest", "zero" or "fit" beside the survey',
+    ),
     "survey-outliers": (
         "a robust fit of a survey left stray points out",
         "look at the points named: chips, seams and slips of the probe are no shape, a dent is",

@@ -15,7 +15,7 @@ from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, check_strips
-from casingfem.structure.geometry.survey_check import check_survey, mean_radius, on_meridian
+from casingfem.structure.geometry.survey_check import check_survey, mean_radius, on_meridian, with_rule
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plies import Lamina, Ply
@@ -189,6 +189,7 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
                 centred=bool(table.centred),
                 placed=lambda points: on_meridian(points, chart),
             )
+            survey = with_rule(survey, table.outside, chart)
             check_survey(survey, table.of, chart, None if tables.shell is None else tables.shell.thickness)
             return survey
     return None

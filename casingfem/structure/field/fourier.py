@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, IntArray
 from casingfem.structure.field.field import Field, FieldValues, SumField
+from casingfem.structure.field.reach import Reach
 from casingfem.structure.field.spline import Spline
 
 Coefficient: TypeAlias = float | complex
@@ -38,6 +39,7 @@ class FourierField:
     cos, sin : (H, D), coefficient of zeta^d or B_d; a sine at p = 0 must be zero
     z_mid, z_half : m, the axial coordinate's origin and scale
     spline : B-splines along z in the place of powers, D of them
+    reach : heights where the field counts as it is, and the rule outside; everywhere if None
 
     Raises
     ------
@@ -64,6 +66,7 @@ class FourierField:
     z_mid: float = 0.0
     z_half: float = 1.0
     spline: Spline | None = None
+    reach: Reach | None = None
 
     def __post_init__(self) -> None:
         p, cos, sin = _harmonics(self.p), _coefficients("cos", self.cos), _coefficients("sin", self.sin)
@@ -110,7 +113,10 @@ class FourierField:
         parts = (c @ cos + s @ sin,  # (theta.shape, D): the polynomial's coefficients at each theta
                  c @ (p * sin) - s @ (p * cos), -(c @ (p**2 * cos) + s @ (p**2 * sin)))  # fmt: skip
         around, around_1, around_2 = (part[theta_of] for part in parts)
-        powers = self._powers(z) if self.spline is None else self.spline.evaluate(z)
+        at = z if self.reach is None else self.reach.held(z)
+        powers = self._powers(at) if self.spline is None else self.spline.evaluate(at)
+        if self.reach is not None:
+            powers = self.reach.bounded(z, powers)
         along, along_1, along_2 = (power[z_of] for power in powers)
         first = _contract(around, along), _contract(around, along_1), _contract(around_1, along)
         second = _contract(around, along_2), _contract(around_1, along_1), _contract(around_2, along)
@@ -275,7 +281,10 @@ def _coefficients(name: str, values: ArrayLike) -> Array:
 
 def _same_scaling(a: FourierField, b: FourierField) -> bool:
     if a.spline is not None or b.spline is not None:
-        return a.spline == b.spline
+        return a.spline == b.spline and a.reach == b.reach
+    fades = any(each.reach is not None and each.reach.rule == "zero" for each in (a, b))
+    if a.reach != b.reach and (fades or min(a.cos.shape[1], b.cos.shape[1]) > 1):
+        return False
     constant = a.cos.shape[1] == 1 or b.cos.shape[1] == 1
     return constant or (a.z_mid, a.z_half) == (b.z_mid, b.z_half)
 

@@ -2,17 +2,21 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
-from casingfem.errors import ModelError
+from casingfem.errors import ModelError, warn
 from casingfem.structure.field.field import Field, SumField
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.survey import SurveyField
+from casingfem.structure.field.survey.survey import WORDS, SurveyField
 from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.geometry.revolved import Revolved, RevolvedPanel
 
 ALIKE = 0.1  # a survey's mean and the nominal radius or thickness may differ by this part
+MOST = 0.5  # of the shell's height: a survey over less needs a rule for the rest
+WHOLE = 0.9  # of the shell's height: what a survey covers that must leave nothing out
+Outside = Literal["fit", "nearest", "zero", "refuse"]
 
 
 ASIDE = 1e-3  # what a distance along the radius counts beside one in height
@@ -79,8 +83,72 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
     if nominal is not None and abs(mean / nominal - 1.0) > ALIKE:
         found = f"found a mean {quantity} of {mean:.4g} m, expected about {nominal:.4g} m"
         raise ModelError("survey-other", f"{name}: {found}")
-    shared, least = min(high, end) - max(low, start), 0.5 if survey.heights > 1 else -ALIKE
-    if shared < least * (end - start):
-        found = f"{name}: found z from {low:g} to {high:g} m"
-        part = "at least half" if survey.heights > 1 else "one"
-        raise ModelError("survey-other", f"{found}, expected {part} of the shell's {start:g} to {end:g} m")
+    if chart is None:
+        return
+    part = covered(survey, chart)
+    if part <= (-ALIKE if survey.heights == 1 else 0.0):
+        raise ModelError("survey-other", f"{name}: found {over(survey, chart)}, expected points on it")
+    if survey.heights > 1 and part < MOST and survey.outside == "fit":
+        raise ModelError("survey-part", f"{name}: found {over(survey, chart)}, expected at least half of it or a rule")
+
+
+def axial(chart: Chart, s: float) -> float:
+    """The height z [m] at a value of a chart's first parameter, an arc length along a meridian."""
+    if isinstance(chart, Revolved | RevolvedPanel):
+        return float(np.real(chart.profile.at(np.array([s])).z[0]))
+    return s
+
+
+def ends_of(survey: SurveyField, chart: Chart) -> tuple[float, float, float, float]:
+    """Heights [m] of the lowest and highest point and of the shell's lower and upper end."""
+    start, end = np.real(chart.bounds[0]).tolist()
+    low, high = survey.z_range
+    if isinstance(chart, Revolved | RevolvedPanel):  # whose points lie at arc lengths
+        low, high = np.clip((low, high), start, end).tolist()
+    lowest, highest = sorted((axial(chart, low), axial(chart, high)))
+    bottom, top = sorted((axial(chart, start), axial(chart, end)))
+    return lowest, highest, bottom, top
+
+
+def covered(survey: SurveyField, chart: Chart | None) -> float:
+    """Part of the shell's height z over which a survey has points; below 0 where it lies beside the shell."""
+    if chart is None:
+        return 1.0
+    low, high, start, end = ends_of(survey, chart)
+    return (min(high, end) - max(low, start)) / (end - start)
+
+
+def over(survey: SurveyField, chart: Chart) -> str:
+    """Over which heights a survey has points, and where the shell is."""
+    low, high, start, end = ends_of(survey, chart)
+    where = (
+        f"z from {low:g} to {high:g} m, {max(covered(survey, chart), 0.0):.0%} of the shell's {start:g} to {end:g} m"
+    )
+    return f"points at {where}"
+
+
+def with_rule(survey: SurveyField, outside: Outside | None, chart: Chart | None) -> SurveyField:
+    """The survey with the rule for heights beyond its points: as stated, else "fit", below half of a shell "nearest".
+
+    Raises
+    ------
+    ModelError
+        `survey-part`: "refuse", and more than a tenth of the shell is without points.
+
+    Warns
+    -----
+    ModelWarning
+        `survey-part`: what holds outside, where it is less than half of the shell.
+    """
+    part = 1.0 if chart is None or survey.heights == 1 else covered(survey, chart)
+    if part <= 0.0 or chart is None:
+        return survey  # refused as one of another casing
+    name = Path(survey.path).name
+    if outside == "refuse":
+        if part < WHOLE:
+            raise ModelError("survey-part", f"{name}: found {over(survey, chart)}, expected at least {WHOLE:.0%}")
+        outside = "fit"
+    rule = outside or ("fit" if part >= MOST else "nearest")
+    if part < MOST:
+        warn("survey-part", f"{name}: found {over(survey, chart)}; outside, {WORDS[rule]}", stacklevel=4)
+    return survey.bounded(rule)

@@ -41,6 +41,12 @@ class ImperfectionTable(Table):
     degree: int | None = Field(default=None, ge=0, le=20, description="degree of the fit along z")
     robust: bool | None = Field(default=None, description="set stray points of the survey aside, and say which")
     centred: bool | None = Field(default=None, description="take the survey's points about the part's own axis")
+    outside: Literal["fit", "nearest", "zero", "refuse"] | None = Field(
+        default=None,
+        description="beyond the survey's lowest and highest point: the fit goes on, the shape of the nearest height"
+        " holds, it goes down to zero, or such a survey is refused; fit if left out, nearest where the points cover"
+        " less than half of the shell",
+    )
     random: Random | None = Field(default=None, description='"example" (radius), or [{p, median, high}], relative')
     seed: int | None = Field(default=None, ge=0, description="of the random field: same seed, same field")
     scale: Positive | None = Field(default=None, description="factor on the random field's spectrum [-]")
@@ -50,7 +56,7 @@ class ImperfectionTable(Table):
     def _one_source(self) -> "ImperfectionTable":
         sources = {
             "harmonics": (),
-            "survey": ("n_max", "degree", "robust", "centred"),
+            "survey": ("n_max", "degree", "robust", "centred", "outside"),
             "random": ("seed", "scale", "p_max"),
         }
         given = [name for name in sources if getattr(self, name) is not None]

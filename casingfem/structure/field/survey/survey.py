@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +14,17 @@ from casingfem.errors import warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.fourier import FourierField, SeriesBehind
+from casingfem.structure.field.reach import Outside, Reach
 from casingfem.structure.field.survey.axis import Axis, centred_points, eccentric, refuse_outside
 from casingfem.structure.field.survey.fit import SurveyFit, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import Quantity, SurveyPoints, read_points
 from casingfem.structure.field.survey.stray import passes_words, pure_error
+
+WORDS: dict[Outside, str] = {
+    "fit": "the fitted polynomial goes on",
+    "nearest": "the shape of the nearest height holds",
+    "zero": "the shape goes down to zero over a quarter of the measured heights",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -80,6 +87,7 @@ class SurveyField(SeriesBehind):
         *,
         robust: bool = False,
         centred: bool = False,
+        outside: Outside = "fit",
     ) -> SurveyField:
         """Read and fit a survey CSV: theta_deg|theta_rad, z_m|z_mm, radius_m|radius_mm (or thickness).
 
@@ -93,6 +101,8 @@ class SurveyField(SeriesBehind):
         robust : weigh stray points down (Huber, then bisquare weights, scale by the median deviation), and say which
             were set aside
         centred : take the points about the part's own axis, offset and lean fitted, not the one it was turned about
+        outside : beyond the lowest and highest point the polynomial goes on ("fit"), the shape of the nearest height
+            holds ("nearest"), or it goes down to zero over a quarter of the measured heights ("zero")
 
         Warns
         -----
@@ -106,7 +116,8 @@ class SurveyField(SeriesBehind):
         InputError
             Malformed or implausible tables, a circle not covered for the n_max asked, too few points.
         """
-        return cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
+        survey = cls.fitted(read_points(path), n_max=n_max, degree=degree, robust=robust, centred=centred)
+        return survey.bounded(outside)
 
     @classmethod
     def from_points(
@@ -187,6 +198,16 @@ class SurveyField(SeriesBehind):
             axis=axis,
         )
 
+    def bounded(self, outside: Outside) -> SurveyField:
+        """The same survey with a rule for heights beyond its points; see `from_csv`."""
+        reach = None if outside == "fit" else Reach(*self.z_range, outside)
+        return replace(self, fit=replace(self.fit, reach=reach))
+
+    @property
+    def outside(self) -> Outside:
+        """The rule for heights beyond the points."""
+        return "fit" if self.fit.reach is None else self.fit.reach.rule
+
     def mean_radius(self, z: ArrayLike) -> FloatArray:
         """Return the mean cone's radius a + b z [m] at z [m]."""
         if self.quantity != "radius":
@@ -224,6 +245,8 @@ class SurveyField(SeriesBehind):
             f"  residual  rms {self.residual_rms:.2e} ({self.residual_rms_m * 1e6:.3g} um),"
             f" max {self.residual_max:.2e}",
         ]
+        if self.fit.reach is not None:
+            lines.append(f"  outside   {WORDS[self.outside]}")
         if self.axis is not None:
             lines.append(f"  centred   the part stood {self.axis}")
         if self.pure_error is not None:

@@ -1,10 +1,14 @@
 """What a survey's points are asked before they are fitted: both sides of each bound."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.errors import InputError, ModelWarning
 from casingfem.structure.field.survey.points import SurveyPoints, read_points
+from casingfem.study import load_study
 
 
 def measured(theta, z, value, **changes):
@@ -147,3 +151,98 @@ def test_columns_left_out_are_named(tmp_path):
         points = read_points(path)
     expected = [[np.pi / 2, -np.pi / 6], [0.02, 0.04], [0.5, 0.501]]
     np.testing.assert_allclose([points.theta, points.z, points.value], expected, rtol=1e-15)
+
+
+HEIGHTS = np.array([0.1, 0.2])
+
+
+def partial(outside):
+    """Harmonic 3 that grows from 0.001 to 0.003 between two heights."""
+    z = np.repeat(HEIGHTS, 36)
+    theta = np.tile(2.0 * np.pi * np.arange(36) / 36, 2)
+    radius = 0.5 * (1.0 + (0.001 + 0.02 * (z - 0.1)) * np.cos(3.0 * theta))
+    return cf.SurveyField.from_points(theta, z, radius, n_max=6).bounded(outside)
+
+
+@pytest.mark.parametrize(
+    ("outside", "below", "above"),
+    [("fit", -0.001, 0.005), ("nearest", 0.001, 0.003), ("zero", 0.0, 0.0)],
+)
+def test_outside_the_heights_of_a_survey_its_rule_counts(outside, below, above):
+    """At 0.1 m beyond either end; "zero" is half way down at an eighth of the heights."""
+    field = partial(outside)
+    values = field.derivatives(np.array([0.0, 0.1, 0.15, 0.2, 0.3]), 0.0).value
+    np.testing.assert_allclose(values, [below, 0.001, 0.002, 0.003, above], atol=1e-9)
+    if outside == "zero":
+        half = field.derivatives(np.array([0.1 - 0.0125, 0.2 + 0.0125]), 0.0).value
+        np.testing.assert_allclose(half, [0.0005, 0.0015], atol=1e-9)
+
+
+@pytest.mark.parametrize("outside", ["fit", "nearest", "zero"])
+def test_derivatives_of_a_field_with_a_rule_are_those_of_its_value(outside):
+    field, z, h = partial(outside).with_harmonic(2, cos=1e-3), np.array([0.07, 0.09, 0.12, 0.21, 0.215, 0.3]), 1e-6
+    at, low, high = (field.derivatives(z + step, 0.3) for step in (0.0, -h, h))
+    np.testing.assert_allclose(at.d_z, (high.value - low.value) / (2.0 * h), atol=1e-8)
+    np.testing.assert_allclose(at.d_zz, (high.d_z - low.d_z) / (2.0 * h), atol=1e-5)
+    step = field.derivatives(z + 1e-30j, 0.3).value.imag / 1e-30
+    np.testing.assert_allclose(at.d_z, step, atol=1e-12)
+
+
+STUDY = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "cylinder"
+radius = 0.5
+height = 0.5
+[shell]
+thickness = 3e-3
+[support.base]
+kind = "clamped"
+[[imperfection]]
+of = "radius"
+survey = "rig.csv"
+"""
+
+
+@pytest.mark.parametrize(
+    ("heights", "rule", "words", "outside"),
+    [
+        ((100, 300), "", r"points at z from 0.1 to 0.3 m, 40% of the shell's 0 to 0.5 m; outside, the shape of",
+         "nearest"),
+        ((100, 300), 'outside = "zero"', r"outside, the shape goes down to zero over .*\[survey-part\]", "zero"),
+        ((50, 400), "", "", "fit"),
+        ((50, 400), 'outside = "nearest"', "", "nearest"),
+        ((20, 480), 'outside = "refuse"', "", "fit"),
+        ((50, 400), 'outside = "refuse"', r"refused.*70% of the shell's 0 to 0.5 m, expected at least 90%", ""),
+        ((600, 700), "", r"refused.*0% of the shell's 0 to 0.5 m, expected points on it.*survey-other", ""),
+    ],
+)  # fmt: skip
+def test_a_survey_of_a_part_of_the_height_says_what_holds_outside(heights, rule, words, outside, tmp_path):
+    rows = [
+        f"{angle};{z};{500 + 0.5 * np.cos(np.radians(3 * angle)):.4f}" for z in heights for angle in range(0, 360, 10)
+    ]
+    table(tmp_path, "\n".join(["theta_deg;z_mm;radius_mm", *rows, ""]).replace(".", ","))
+    (tmp_path / "study.toml").write_text(STUDY + rule + "\n")
+    if words.startswith("refused"):
+        with pytest.raises(ValueError, match=words.removeprefix("refused")):
+            load_study(tmp_path / "study.toml")
+        return
+    with pytest.warns(ModelWarning, match=words) if words else nullcontext():
+        study = load_study(tmp_path / "study.toml")
+    assert study.shell.radius_defect.outside == outside
+
+
+def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
+    """A flange of 0.3 m along the radius adds to the arc, not to the height: the survey covers 60 % of it."""
+    corner = "fillet = 4e-3\n[[chart.piece]]\nto = [0.5, 0.5]\n[[chart.piece]]\nto = [0.8, 0.5]\n"
+    chart = 'kind = "meridian"\nstart = [0.5, 0.0]\n' + corner
+    text = STUDY.replace('kind = "cylinder"\nradius = 0.5\nheight = 0.5\n', chart)
+    rows = [
+        f"{angle},{z},{0.5 + 1e-4 * np.cos(np.radians(3 * angle))}" for z in (0.1, 0.4) for angle in range(0, 360, 10)
+    ]
+    table(tmp_path, "\n".join(["theta_deg,z_m,radius_m", *rows, ""]))
+    (tmp_path / "study.toml").write_text(text)
+    assert load_study(tmp_path / "study.toml").shell.radius_defect.outside == "fit"
