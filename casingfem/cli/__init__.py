@@ -8,6 +8,7 @@ from casingfem.cli.doctor import doctor
 from casingfem.cli.identify import identify, rig
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.new import example, new, watch
+from casingfem.cli.recover import recover
 from casingfem.cli.schema import explain, schema
 from casingfem.cli.study import campbell, modes, reduce, report, update
 from casingfem.cli.sweep import mistune, sweep
@@ -26,7 +27,11 @@ def main() -> None:
     """
 
 
-STUDIES = (modes, campbell, identify, correlate, mistune, rig, update, locate, reduce, import_matrices, export_matrices)
-SCENES = (contact, rub, stability, interactions, cycles, sweep)
-for command in (*STUDIES, *SCENES, report, new, watch, schema, example, explain, doctor):
+# commands that change nothing on the disk unless --out names a folder, and those that write without it
+READING = (
+    modes, campbell, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact, rub,
+    stability, interactions, cycles, sweep, schema, explain, doctor,
+)  # fmt: skip
+WRITING = (reduce, report, new, example, watch, recover)
+for command in (*READING, *WRITING):
     main.add_command(command)

@@ -2,7 +2,7 @@
 
 A regular file is read up to a bound on its size. A pipe (`<(command)`, /dev/stdin, a FIFO) is read until its writer
 closes it, up to the same bound and to bounds on time. Folders, devices, sockets and links to nothing are refused.
-Reading changes nothing on the disk.
+A file of a set that was not finished is refused too (`contact.io.publication`). Reading changes nothing on the disk.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import IO
 
 from contact.io.names import hint
+from contact.io.publication.reading import require_whole
 
 MOST = 4e9  # bytes of any file
 MOST_TEXT = 256e6  # bytes of a table or another text that is read line by line
@@ -55,6 +56,7 @@ def open_file(path: str | os.PathLike[str], *, most: float = MOST) -> IO[bytes]:
         number that the system has for it, and in `strerror` a sentence: what was found, what is expected.
     """
     name = os.fspath(path)
+    require_whole(name)
     descriptor = _opened(name)
     try:
         status = os.fstat(descriptor)
@@ -93,6 +95,7 @@ def regular_file(path: str | os.PathLike[str], *, most: float = MOST) -> Path:
     A pipe is refused, since a library reads a file in several places.
     """
     name = os.fspath(path)
+    require_whole(name)
     descriptor = _opened(name)
     try:
         status = os.fstat(descriptor)

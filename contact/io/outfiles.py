@@ -1,38 +1,31 @@
 """Result files: written under a temporary name and moved into place, all of a set or none.
 
 A set for a folder that is not there yet is written into a folder beside it, which then takes its name. In a folder that
-is there the set is made complete in a folder `.new`, and its files are moved from there: where a kill comes between,
-what is in `.new` is moved by whoever reads or writes there next (`settle`).
+is there `contact.io.publication` replaces one set by another. A writer finishes first what a killed one left there.
 """
 
 from __future__ import annotations
 
 import errno
-import hashlib
 import json
 import os
-import platform
-import re
 import shutil
-import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from itertools import count
+from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-try:
-    import fcntl
-except ImportError:  # not on Windows
-    fcntl = None  # type: ignore[assignment]
+from contact.io.digests import digest_of
+from contact.io.infiles import read_bytes
+from contact.io.interrupts import interrupts_held
+from contact.io.publication.lock import alone
+from contact.io.publication.manifest import MANIFEST, Publication, require_no_links, stays_inside
+from contact.io.publication.moves import commit
+from contact.io.publication.recovery import settled
+from contact.io.publication.staging import begun, clear_parts, complete, may_be_announced, part_name
 
 Content = str | bytes | Callable[[Path], object]  # what a file holds, or what writes it at a path
-NEW = ".new"  # a complete set that is not all in its place
-HERE = re.sub(r"\W", "_", platform.node())
-PART = re.compile(r"\.(?P<name>.+)\.(?P<host>\w*)-(?P<process>\d+)-\d+\.part")
-ABANDONED = 86_400.0  # s: whatever the machine, nobody writes one file for a day
-_number = count()
 
 
 def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) -> list[Path]:
@@ -51,16 +44,29 @@ def write_files(folder: str | os.PathLike[str], files: Mapping[str, Content]) ->
     clear_parts(target)
     if len(files) == 1:
         return [_write_one(target / name, content) for name, content in files.items()]
-    if not target.is_dir():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        clear_parts(target.parent, target.name)
-    with _part(target, target.is_dir()) as part:
-        for name, content in files.items():
-            (part / name).parent.mkdir(parents=True, exist_ok=True)
-            _fill(part / name, content, target / name)
-        _commit(part, target)
-    settle(target)
+    clear_parts(target.parent, target.name)
+    if target.is_dir():
+        with _staged(target, target, files) as publication:
+            whole = complete(publication)
+            with alone(target) as certain, interrupts_held():
+                settled(target, certain)
+                commit(whole)
+    elif not _written_as_new(target, files):
+        return write_files(folder, files)
     return [target / name for name in files]
+
+
+def _written_as_new(target: Path, files: Mapping[str, Content]) -> bool:
+    """Whether a folder that was not there has the files now; not where another process has made it meanwhile."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with _staged(target.parent, target, files) as publication:
+        try:
+            os.rename(target.parent / publication.staging / "new", target)
+        except OSError:
+            if not target.is_dir():
+                raise
+            return False
+    return True
 
 
 def write_atomic(path: str | os.PathLike[str], content: Content) -> Path:
@@ -71,67 +77,36 @@ def write_atomic(path: str | os.PathLike[str], content: Content) -> Path:
 
 def _write_one(final: Path, content: Content) -> Path:
     final.parent.mkdir(parents=True, exist_ok=True)
-    with _part(final) as part:
-        _fill(part, content, final)
-        os.replace(part, final)
+    part = final.with_name(part_name(final.name))
+    try:
+        with _named(part, final):
+            _fill(part, content, final)
+            os.replace(part, final)
+    finally:
+        part.unlink(missing_ok=True)
     return final
 
 
-def settle(folder: Path) -> None:
-    """Move the rest of a set whose writer was killed: those it replaces go first, so that old and new never mix."""
-    new = folder / NEW
-    if not new.is_dir():
-        return
-    with _alone(folder):  # else one would remove what another has just moved
-        inside = sorted(new.rglob("*"))
-        names = [path.relative_to(new) for path in inside if not path.is_dir()]
-        for name in names:
-            (folder / name).unlink(missing_ok=True)
-        for name in names:
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            with suppress(FileNotFoundError):  # moved meanwhile, where there is no lock
-                os.replace(new / name, folder / name)
-        for path in (*reversed(inside), new):
-            with suppress(OSError):  # a file that was moved, or a folder with the next set in it already
-                path.rmdir()
-
-
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """One process at a time, where the system can; the lock goes with the process that holds it."""
-    descriptor = os.open(folder, os.O_RDONLY) if fcntl is not None else -1
+def _staged(beside: Path, target: Path, files: Mapping[str, Content]) -> Iterator[Publication]:
+    """The files of a set, complete in a staging folder in `beside`, which is gone in the end."""
+    publication = begun(beside, files, "set" if beside == target else target.name)
+    staging = beside / publication.staging
     try:
-        if fcntl is not None:
-            with suppress(OSError):  # some network drives have none
-                fcntl.flock(descriptor, fcntl.LOCK_EX)
-        yield
+        with _named(staging, target):
+            for name, content in files.items():
+                _fill(staging / "new" / name, content, target / name)
+        yield publication
     finally:
-        if descriptor >= 0:
-            os.close(descriptor)
+        if not may_be_announced(beside, publication.staging):
+            shutil.rmtree(staging, ignore_errors=True)
 
 
-def clear_parts(folder: Path, name: str = "") -> None:
-    """Remove what killed processes left unfinished in a folder; of the file or folder `name` alone if given."""
-    for entry in os.scandir(folder) if folder.is_dir() else ():
-        found = PART.fullmatch(entry.name)
-        if found is None or name not in ("", found["name"]):
-            continue
-        with suppress(OSError):  # gone meanwhile, or another user's
-            if _dead(found) or time.time() - entry.stat().st_mtime > ABANDONED:
-                shutil.rmtree(entry) if entry.is_dir(follow_symlinks=False) else os.unlink(entry)
-
-
-def _dead(part: re.Match[str]) -> bool:
-    """Whether the process that wrote it ran on this machine and has ended."""
-    if part["host"] != HERE or os.name != "posix":
-        return False
-    try:
-        os.kill(int(part["process"]), 0)
-    except (ProcessLookupError, OverflowError):
-        return True
-    except PermissionError:
-        return False
-    return False
+def settle(folder: Path) -> None:
+    """Finish the set that a killed writer left in a folder. Raises OSError where it cannot be recognised."""
+    if os.path.lexists(folder / MANIFEST):
+        with alone(folder) as certain, interrupts_held():
+            settled(folder, certain)
 
 
 def _check(target: Path, files: Mapping[str, Content]) -> None:
@@ -141,6 +116,10 @@ def _check(target: Path, files: Mapping[str, Content]) -> None:
     for name in files:
         if (target / name).is_dir():
             raise IsADirectoryError(errno.EISDIR, "found a folder, expected a file or none", str(target / name))
+        if len(files) > 1:
+            if not stays_inside(name):
+                raise OSError(errno.EINVAL, "found a name that leads elsewhere, expected one below", str(target / name))
+            require_no_links(target, name)
 
 
 def in_the_way(folder: Path) -> str | None:
@@ -153,18 +132,14 @@ def in_the_way(folder: Path) -> str | None:
 
 
 @contextmanager
-def _part(final: Path, inside: bool = False) -> Iterator[Path]:
-    """Where something is written before it is complete: beside or inside what it becomes, hidden, gone in the end."""
-    beside = final / "set" if inside else final
-    part = beside.with_name(f".{beside.name}.{HERE}-{os.getpid()}-{next(_number)}.part")
+def _named(part: Path, final: Path) -> Iterator[None]:
+    """An error of what is on its way names what it was to be."""
     try:
-        yield part
+        yield
     except OSError as error:
         if error.filename is None or str(part) in str(error.filename):
             raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(final)) from error
         raise
-    finally:
-        shutil.rmtree(part, ignore_errors=True) if part.is_dir() else part.unlink(missing_ok=True)
 
 
 def _fill(part: Path, content: Content, final: Path) -> None:
@@ -175,20 +150,6 @@ def _fill(part: Path, content: Content, final: Path) -> None:
             part.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
     except OSError as error:
         raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(final)) from error
-
-
-def _commit(part: Path, target: Path) -> None:
-    """The set is complete: it becomes the folder, or what is to be moved into it."""
-    for _ in range(10):
-        try:
-            os.rename(part, target / NEW if target.is_dir() else target)
-        except OSError:
-            if not target.is_dir():
-                raise
-            settle(target)  # another process writes there too
-        else:
-            return
-    raise FileExistsError(errno.EEXIST, "found a folder that others write to all the time", str(target / NEW))
 
 
 def json_text(document: Any, *, indent: int | None = None) -> str:
@@ -211,16 +172,6 @@ def finite(value: Any) -> Any:
     return value
 
 
-def digest_of(document: Any) -> str:
-    """Hash of plain data, whatever the order of its keys.
-
-    >>> digest_of({"a": 1.0, "b": [2]}) == digest_of({"b": [2], "a": 1.0})
-    True
-    """
-    text = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode("utf-8")).hexdigest()
-
-
 def write_checked(path: str | os.PathLike[str], name: str, value: Any, **head: Any) -> None:
     """Write `value` under its name, what says whose it is, and its checksum: whole or not at all."""
     content = {**head, name: value, "sha256": digest_of(value)}
@@ -230,7 +181,7 @@ def write_checked(path: str | os.PathLike[str], name: str, value: Any, **head: A
 def read_checked(path: str | os.PathLike[str], name: str, **head: Any) -> Any:
     """What `write_checked` wrote with the same head; None where there is none, or none that is whole."""
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json.loads(read_bytes(path))
         value = content[name]
         whole = content["sha256"] == digest_of(value) and all(content[key] == said for key, said in head.items())
     except (OSError, ValueError, KeyError, TypeError, RecursionError):

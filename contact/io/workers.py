@@ -14,6 +14,8 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from contact.io.interrupts import interrupts_held
+
 THREADS = Path("/proc/self/task")  # one entry a thread, those of libraries too
 
 
@@ -26,7 +28,7 @@ def worker_pool(count: int, set_up: Callable[..., None] | None = None, *values: 
     before = set(active_children())
     pool = ProcessPoolExecutor(count, get_context("fork" if forks() else "spawn"), _begin, (set_up, values))
     try:
-        with _interrupts_held():
+        with interrupts_held():  # their parent ends them
             for _ in range(count):  # each starts one process
                 pool.submit(int)
         yield pool
@@ -45,19 +47,6 @@ def forks() -> bool:
     other threads held, and not the threads.
     """
     return sys.platform == "linux" and THREADS.is_dir() and len(list(THREADS.iterdir())) == 1
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits meanwhile; processes started inside never see it: it is their parent who ends them."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(set_up: Callable[..., None] | None, values: tuple[Any, ...]) -> None:

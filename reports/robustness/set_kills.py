@@ -4,8 +4,8 @@
 that is not there and into one that holds another set, and gets kill -9 just before its first, second, ... opening,
 renaming or removal of a file there, up to the last; and where half of its first, second, ... text or picture is
 written. Commands that draw many pictures are killed at one in three or four of these moments. Then what lies there is
-looked at as it is, as a command of the program finds it, and once more after the command has run again. Needs fork
-(Linux, macOS).
+looked at as it is, as a reader of the program gets it, after `casingfem recover`, and once more after the command has
+run again. Needs fork (Linux, macOS).
 """
 
 import json
@@ -13,18 +13,23 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
-from contact.io.outfiles import settle
+from contact.io.infiles import read_bytes
+from contact.io.publication.manifest import MANIFEST
+from contact.io.publication.recovery import recover
 from reports.robustness.kill_targets import SEED, Target, targets
 from reports.tables import Row, command_line, show, write
 
-WATCHED = ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "shutil.rmtree")
+WATCHED = ("open", "os.link", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "shutil.rmtree")
 TABLES = (".csv", ".toml")  # with no time of day in them: the same to the last bit
-COUNTS = ("kills", "amid a file", "mixed as it lies", "torn", "unreadable", "other tables", "left over")
+COUNTS = (
+    "kills", "amid a file", "mixed as it lies", "mixed as read", "torn", "unreadable", "other tables", "left over"
+)  # fmt: skip
 ENDS = {".png": b"IEND\xaeB`\x82", ".html": b"</html>", ".vtu": b"</VTKFile>", ".pvd": b"</VTKFile>"}
 
 
@@ -80,6 +85,20 @@ def contents(out: Path) -> dict[str, bytes]:
     }  # fmt: skip
 
 
+def as_read(out: Path, names: Iterable[str]) -> dict[str, bytes]:
+    """What a reader gets of the files of a set, those that are not there or refused left out."""
+    read = {}
+    for name in names:
+        with suppress(OSError):
+            read[name] = read_bytes(out / name)
+    return read
+
+
+def snapshot(folder: Path) -> list[tuple[str, int, int]]:
+    """Names, sizes and times of all that lies in a folder."""
+    return sorted((str(path), (at := path.lstat()).st_size, at.st_mtime_ns) for path in folder.rglob("*"))
+
+
 def is_whole(name: str, data: bytes) -> bool:
     """Whether a file ends as one of its kind does."""
     if name.endswith(".json"):
@@ -97,15 +116,7 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
         target.run(getattr(target, state), folder / state)
         states[state] = contents(folder / state)
     alike = {name for name, data in states["old"].items() if data == states["new"].get(name)}
-    row: Row = {
-        "kills": 0,
-        "amid a file": 0,
-        "mixed as it lies": 0,
-        "torn": 0,
-        "unreadable": 0,
-        "other tables": 0,
-        "left over": 0,
-    }
+    row: Row = dict.fromkeys(COUNTS, 0)
     for out, at, half in moments(target, folder, over, quick):
         if over:
             shutil.copytree(folder / "old", out)
@@ -113,7 +124,12 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
             continue
         lying = {name: data for name, data in contents(out).items() if name not in alike}
         of_old = {name for name, data in lying.items() if data == states["old"].get(name)}
-        settle(out)
+        before = snapshot(folder)
+        read = {name: data for name, data in as_read(out, states["new"]).items() if name not in alike}
+        read_of_old = {name for name, data in read.items() if data == states["old"].get(name)}
+        changed = snapshot(folder) != before
+        if out.is_dir():
+            recover(out)
         found = contents(out)
         is_old = found == (states["old"] if over else {})
         is_new = found.keys() == states["new"].keys() and all(
@@ -122,10 +138,10 @@ def tried(target: Target, folder: Path, over: bool, quick: bool) -> Row:
         target.run(target.new, out)
         again = contents(out)
         tables = [name for name in states["new"] if name.endswith(TABLES)]
-        left = [*folder.rglob("*.part"), *folder.rglob(".new")]
+        left = [*folder.rglob("*.part"), *folder.rglob(MANIFEST)]
         counts = {
             "kills": 1, "amid a file": half, "mixed as it lies": 0 < len(of_old) < len(lying),
-            "torn": not (is_old or is_new),
+            "mixed as read": changed or 0 < len(read_of_old) < len(read), "torn": not (is_old or is_new),
             "unreadable": sum(not is_whole(*file) for file in found.items()),
             "other tables": sum(again[name] != states["new"][name] for name in tables), "left over": len(left),
         }  # fmt: skip

@@ -11,8 +11,9 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.io import strict_csv
-from contact.io.outfiles import HERE, NEW, settle, write_files
+from contact.io.outfiles import write_files
+from contact.io.publication.manifest import HERE
+from contact.io.publication.staging import start_of
 
 OLD = {"a.csv": "old,a\n1,2\n", "sub/b.csv": "old,b\n1,2\n"}
 SET = {"a.csv": "new,a\n1,2\n", "sub/b.csv": "new,b\n1,2\n"}
@@ -30,7 +31,7 @@ def broken_off(tmp_path, monkeypatch):
 
     def killed(source, target):
         moves.append(target)
-        if len(moves) == 2:
+        if str(target) == str(folder / "sub" / "b.csv"):
             raise KeyboardInterrupt
         replace(source, target)
 
@@ -41,19 +42,6 @@ def broken_off(tmp_path, monkeypatch):
     return folder
 
 
-def test_a_set_broken_off_between_two_moves_is_no_mixture_and_is_finished_later(broken_off):
-    assert found(broken_off) == {"a.csv": SET["a.csv"], f"{NEW}/sub/b.csv": SET["sub/b.csv"]}
-    settle(broken_off)
-    assert found(broken_off) == SET
-
-
-def test_reading_leaves_it_as_it_is(broken_off):
-    before = found(broken_off)
-    strict_csv.read(broken_off / "a.csv")
-    CliRunner().invoke(main, ["modes", str(broken_off / "study.toml")])
-    assert found(broken_off) == before
-
-
 def test_the_next_set_is_not_mixed_with_one_broken_off(broken_off):
     write_files(broken_off, {"a.csv": "third", "c.csv": "third"})
     assert found(broken_off) == {"a.csv": "third", "c.csv": "third", "sub/b.csv": SET["sub/b.csv"]}
@@ -62,16 +50,26 @@ def test_the_next_set_is_not_mixed_with_one_broken_off(broken_off):
 def test_what_a_killed_process_left_is_cleared_and_nothing_else(tmp_path):
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
+    key, alive = "0123456789abcdef" * 2, os.getppid()
     parts = {
-        "dead": f".a.npz.{HERE}-{ended.pid}-0.part", "dead set": f".set.{HERE}-{ended.pid}-0.part",
-        "alive": f".a.npz.{HERE}-{os.getppid()}-0.part", "elsewhere": f".a.npz.{HERE}x-{ended.pid}-0.part",
-        "old": f".b.npz.{HERE}x-{ended.pid}-0.part", "no part of ours": ".a.part",
+        "dead": f".a.npz.{HERE}-{ended.pid}-0-{key}.part", "dead set": f".set.{HERE}-{ended.pid}-0-{key}.part",
+        "dead and full": f".full.{HERE}-{ended.pid}-0-{key}.part", "alive": f".a.npz.{HERE}-{alive}-{start_of(alive)}-{key}.part",
+        "elsewhere": f".a.npz.{HERE}x-{ended.pid}-0-{key}.part", "old": f".b.npz.{HERE}x-{ended.pid}-0-{key}.part",
+        "link": f".c.npz.{HERE}-{ended.pid}-0-{key}.part", "no part of ours": ".a.part",
+        "number again": f".d.npz.{HERE}-{alive}-1-{key}.part",
+        "not so long": f".a.npz.{HERE}-{ended.pid}-0-{key[1:]}.part",
     }  # fmt: skip
     for what, name in parts.items():
-        (tmp_path / name).mkdir() if what == "dead set" else (tmp_path / name).write_text("half")
+        if what == "link":
+            (tmp_path / name).symlink_to("target")
+        elif what in ("dead set", "dead and full"):
+            (tmp_path / name / "new").mkdir(parents=True)
+        else:
+            (tmp_path / name).write_text("half")
+    (tmp_path / parts["dead and full"] / "new" / "mine").write_text("no manifest names it")
     os.utime(tmp_path / parts["old"], (time.time() - 2 * 86_400,) * 2)
     write_files(tmp_path, {"c.csv": "x"})
-    kept = {"alive", "elsewhere", "no part of ours"}
+    kept = {"dead and full", "alive", "elsewhere", "link", "no part of ours", "not so long"}
     assert {path.name for path in tmp_path.iterdir()} == {parts[what] for what in kept} | {"c.csv"}
 
 
@@ -104,28 +102,6 @@ def test_what_cannot_hold_a_set_is_refused_before_anything_is_written(tmp_path):
     result = CliRunner().invoke(main, ["schema", "--out", str(tmp_path / "link")])
     assert result.exit_code == 2
     assert result.stderr == f"{tmp_path / 'link'}: found a link to nothing, expected a folder or none\n"
-
-
-@pytest.mark.parametrize("others", [1, 9, 10])
-def test_a_folder_is_left_as_it_was_when_others_come_first_ten_times(tmp_path, monkeypatch, others):
-    folder, tries, rename = tmp_path / "out", [], os.rename
-    write_files(folder, OLD)
-
-    def late(source, target):
-        tries.append(target)
-        if len(tries) <= others:
-            raise OSError(errno.ENOTEMPTY, "Directory not empty")
-        rename(source, target)
-
-    monkeypatch.setattr(os, "rename", late)
-    if others < 10:
-        write_files(folder, SET)
-        assert found(tmp_path) == {f"out/{name}": text for name, text in SET.items()}
-        return
-    with pytest.raises(FileExistsError, match="found a folder that others write to all the time") as caught:
-        write_files(folder, SET)
-    assert (caught.value.errno, caught.value.filename, len(tries)) == (errno.EEXIST, str(folder / NEW), 10)
-    assert found(tmp_path) == {f"out/{name}": text for name, text in OLD.items()}
 
 
 def test_a_folder_that_cannot_take_its_name_is_no_crowd(tmp_path, monkeypatch):

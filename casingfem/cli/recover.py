@@ -1,0 +1,57 @@
+"""`casingfem recover DIR`: what a killed writer left in a folder is finished, put back or removed."""
+
+from pathlib import Path
+
+import click
+
+from casingfem.cli.running import deliver, with_exit_codes
+from contact.io.publication.recovery import Recovery
+from contact.io.publication.recovery import recover as recovered
+
+FORMER = ".new"  # the folder in which an earlier way of writing sets had the new files
+SHOWN = 6  # names of files
+
+
+@click.command()
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
+@with_exit_codes
+def recover(folder: Path, as_json: bool) -> None:
+    """Finish the set of result files in DIR whose writer was killed, or put the files before it back.
+
+    Old files come back where a new one is damaged. Only files that the manifest of the set names are touched, and none
+    of them where one was changed since.
+    """
+    found = recovered(folder)
+    former = (folder / FORMER).is_dir() and not (folder / FORMER).is_symlink()
+    document = {
+        "action": found.action,
+        "files": list(found.files),
+        "damaged": list(found.damaged),
+        "removed": list(found.removed),
+        "left": [FORMER] if former else [],
+    }
+    deliver(document, words(folder, found, former), as_json=as_json, out=None, files={})
+
+
+def words(folder: Path, found: Recovery, former: bool) -> str:
+    """What was done, and what was left."""
+    lines = {
+        "finished": [f"{folder}: finished a set of {len(found.files)} files: {listed(found.files)}"],
+        "put back": [
+            f"{folder}: put back the files before a set of {len(found.files)}: {listed(found.files)}",
+            f"damaged or missing in the set: {listed(found.damaged)}; run the command that wrote it again",
+        ],
+        "nothing": [] if found.removed else [f"{folder}: every set is complete"],
+    }[found.action]
+    if found.removed:
+        lines.append(f"{folder}: removed what {len(found.removed)} killed writers left: {listed(found.removed)}")
+    if former:
+        lines.append(f"{folder / FORMER}: left as it is: no manifest says what belongs there; move its files yourself")
+    return "\n".join(lines)
+
+
+def listed(names: tuple[str, ...]) -> str:
+    """Some names, and how many more."""
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more

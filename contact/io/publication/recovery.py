@@ -1,0 +1,74 @@
+"""A set whose writer was killed: finished, or the files before it put back, or left alone with the reason."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from contact.io.publication.lock import alone
+from contact.io.publication.manifest import MANIFEST, STOPPED, State, read_manifest, require_no_links
+from contact.io.publication.moves import finish, move_back, withdraw
+from contact.io.publication.staging import clear_parts, is_written
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recovery:
+    """What became of a set that was not finished: "finished", "put back" or "nothing", and of which files."""
+
+    action: Literal["finished", "put back", "nothing"]
+    files: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
+
+
+def recover(folder: Path) -> Recovery:
+    """Finish the set that a killed writer left in a folder, or put the files before it back where it is damaged.
+
+    Raises
+    ------
+    OSError
+        Where there is no folder, the set cannot be recognised, or files were changed since: nothing is changed then.
+    """
+    if not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "found no such folder, expected that of a set of files", str(folder))
+    with alone(folder) as certain:
+        found = settled(folder, certain)
+        removed = tuple(path.name for path in clear_parts(folder))
+    return Recovery(action=found.action, files=found.files, damaged=found.damaged, removed=removed)
+
+
+def settled(folder: Path, certain: bool) -> Recovery:
+    """The same for the announced set, in a locked folder; `certain` where the lock shows that no writer lives."""
+    if not os.path.lexists(folder / MANIFEST):
+        return Recovery(action="nothing")
+    publication = read_manifest(folder)
+    if publication is None:
+        found = f"found {MANIFEST}, which is no manifest of this program, expected none: move it away"
+        raise OSError(errno.EEXIST, found, str(folder))
+    if not certain and is_written(publication):
+        found = "found a set that another program is writing, expected it to end: try again"
+        raise OSError(errno.EBUSY, found, str(folder))
+    for entry in publication.entries:
+        for name in (entry.name, f"{publication.staging}/new/{entry.name}", f"{publication.staging}/old/{entry.name}"):
+            require_no_links(folder, name)
+    states: Mapping[str, State] = {entry.name: publication.state(entry) for entry in publication.entries}
+    names = tuple(states)
+    if changed := [name for name, state in states.items() if state == "changed"]:
+        found = f"found {', '.join(changed)}, changed or made since the writer was stopped"
+        raise OSError(errno.EEXIST, f"{found}, expected none: move them away, then recover again", str(folder))
+    missing = tuple(name for name, state in states.items() if state == "missing")
+    if not missing:
+        finish(publication)
+        return Recovery(action="finished", files=names)
+    if not all(publication.can_go_back(entry) for entry in publication.entries):
+        whole = len(names) - len(missing)
+        found = f"{STOPPED.format(whole, len(names))}, without {', '.join(missing)} and without the files before it"
+        advice = f"move {MANIFEST} away to use what is there"
+        raise OSError(errno.EIO, f"{found}, expected all new or all old files: {advice}", str(folder))
+    move_back(publication)
+    withdraw(publication)
+    return Recovery(action="put back", files=names, damaged=missing)
