@@ -53,7 +53,8 @@ def test_what_a_killed_process_left_is_cleared_and_nothing_else(tmp_path):
     key, alive = "0123456789abcdef" * 2, os.getppid()
     parts = {
         "dead": f".a.npz.{HERE}-{ended.pid}-0-{key}.part", "dead set": f".set.{HERE}-{ended.pid}-0-{key}.part",
-        "dead and full": f".full.{HERE}-{ended.pid}-0-{key}.part", "alive": f".a.npz.{HERE}-{alive}-{start_of(alive)}-{key}.part",
+        "dead and full": f".full.{HERE}-{ended.pid}-0-{key}.part",
+        "alive": f".a.npz.{HERE}-{alive}-{start_of(alive)}-{key}.part",
         "elsewhere": f".a.npz.{HERE}x-{ended.pid}-0-{key}.part", "old": f".b.npz.{HERE}x-{ended.pid}-0-{key}.part",
         "link": f".c.npz.{HERE}-{ended.pid}-0-{key}.part", "no part of ours": ".a.part",
         "number again": f".d.npz.{HERE}-{alive}-1-{key}.part",
