@@ -92,7 +92,7 @@ def machine_code() -> dict[str, object]:
     from contact.jit import machine_code
 
     read, written = list(machine_code.directories()), machine_code.writable()
-    loops = sum(len(list(each.glob(f"*{machine_code.ENDING}"))) for each in read)
+    loops = sum(map(machine_code.kept_in, read))
     return {"read": ", ".join(map(str, read)), "written": None if written is None else str(written), "loops": loops}
 
 

@@ -1,8 +1,8 @@
-"""Machine code on disk: one file for each loop and signature, in a directory named after all sources of all loops.
+"""Machine code on disk: one file for each loop and signature, in a directory named after all sources of the loop.
 
 Numba's own cache compares the file of a function and not the files of what the function calls. Its index of several
 files may also name another signature's code after two processes wrote at once. Here a file is complete in itself: it
-holds its key (digest of all sources, versions of numba and llvmlite, processor, signature) and a checksum, and it is
+holds its key (digest of its sources, versions of numba and llvmlite, processor, signature) and a checksum, and it is
 written under a temporary name and renamed. A file that does not fit its key is compiled again.
 
 Directories are read in this order, up to the first one that can be written: `NUMBA_CACHE_DIR`, the `__pycache__` of
@@ -32,23 +32,43 @@ config: Any = numba.config
 result: Any = CompileResult
 packed_by_numba: Any = dumps
 ROOT = Path(__file__).parents[1]
+JIT = sorted((ROOT / "jit").glob("*.py"))
 SOURCES = (
-    *sorted((ROOT / "jit").glob("*.py")),
+    *JIT,
     ROOT / "record/record.py",
     ROOT / "model/bodies/band.py",
     ROOT / "model/gaps/limits.py",
     *sorted((ROOT / "loop").rglob("*.py")),
     *sorted((ROOT / "solver").rglob("*.py")),
 )
+IMPORT = "from contact."
 ENDING = ".code"
 
 
 @cache
-def digest() -> str:
-    """Hash of the contents and names of all compiled sources and of the versions of Python and compiler."""
+def sources_of(file: Path) -> frozenset[Path]:
+    """Compiled sources that a module takes names from, itself and those of `contact.jit` included.
+
+    Modules are found by their lines `from contact.x import ...`. A test holds that compiled code takes nothing else.
+    """
+    found, waiting = set(SOURCES[: len(JIT)]), [file]
+    while waiting:
+        source = waiting.pop()
+        if source in found and source != file:
+            continue
+        found.add(source)
+        names = [line.split()[1] for line in source.read_text("utf-8").splitlines() if line.startswith(IMPORT)]
+        files = [(ROOT.parent / name.replace(".", "/")).with_suffix(".py") for name in names]
+        waiting += [each for each in files if each in SOURCES and each not in found]
+    return frozenset(found)
+
+
+@cache
+def digest(file: Path) -> str:
+    """Hash of the contents and names of a module's compiled sources and of the versions of Python and compiler."""
     made_by = sys.implementation.cache_tag, getattr(sys, "abiflags", ""), numba.__version__, llvmlite.__version__
     read = hashlib.sha256(str(made_by).encode())
-    for source in SOURCES:
+    for source in sorted(sources_of(file)):
         read.update(f"\0{source.relative_to(ROOT).as_posix()}\0".encode())
         read.update(source.read_bytes())
     return read.hexdigest()
@@ -68,10 +88,10 @@ def can_write(directory: Path) -> bool:
 
 
 def directories() -> Iterator[Path]:
-    """Directories of the machine code of exactly these sources, up to the first that can be written."""
+    """Directories of machine code, up to the first that can be written."""
     for base in (config.CACHE_DIR, ROOT / "__pycache__", user_directory()):
         if base:
-            yield Path(base) / f"contact-{digest()[:16]}"
+            yield Path(base)
             if can_write(Path(base)):
                 return
 
@@ -81,12 +101,19 @@ def writable() -> Path | None:
     return next((each for each in directories() if can_write(each)), None)
 
 
+def kept_in(directory: Path) -> int:
+    """Number of files of machine code in a directory, of older sources too."""
+    return len(list(directory.glob(f"contact-*/*{ENDING}")))
+
+
 class MachineCode:
     """What numba asks of a cache, for one function. Only functions of `SOURCES` are kept: the digest covers them."""
 
     def __init__(self, function: Callable[..., object]) -> None:
         file = Path(function.__code__.co_filename)
         self.kept = file in SOURCES
+        self.digest = digest(file) if self.kept else ""
+        self.folder = f"contact-{self.digest[:16]}"
         self.name = f"{file.stem}.{function.__qualname__}".replace("<", "").replace(">", "")
         self.code = hashlib.sha256(function.__code__.co_code).hexdigest()
 
@@ -94,10 +121,10 @@ class MachineCode:
     def cache_path(self) -> str | None:
         """Directory where new code goes; None where none can be written, or for a function that is not kept."""
         directory = writable() if self.kept else None
-        return None if directory is None else str(directory)
+        return None if directory is None else str(directory / self.folder)
 
     def _key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
-        return digest(), self.name, self.code, codegen.magic_tuple(), signature
+        return self.digest, self.name, self.code, codegen.magic_tuple(), signature
 
     def _file(self, key: tuple[Any, ...]) -> str:
         return f"{self.name}-{hashlib.sha256(str(key).encode()).hexdigest()[:16]}{ENDING}"
@@ -109,7 +136,7 @@ class MachineCode:
         context.refresh()
         key = self._key(signature, context.codegen())
         for directory in directories():
-            found = whole(directory / self._file(key), key)
+            found = whole(directory / self.folder / self._file(key), key)
             if found is not None:
                 return result._rebuild(context, *found)
         return None

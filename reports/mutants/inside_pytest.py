@@ -3,8 +3,6 @@
 A pytest plugin, told what to do by the file that the environment variable MUTANTS_JOB names.
 """
 
-import functools
-import hashlib
 import json
 import os
 import resource
@@ -12,7 +10,6 @@ import time
 from collections.abc import Generator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -108,32 +105,6 @@ class Runner:
             journal.write(json.dumps([outcome, test]) + "\n")
 
 
-def keep_what_stays_compiled() -> None:
-    """Let a mutant in one loop leave the machine code of the others in the cache: a directory for each module.
-
-    It is named after the compiled sources that the module takes names from, directly or through others, and its own.
-    """
-    from contact.jit import compiled
-
-    @functools.cache
-    def below(module: str) -> frozenset[Path]:
-        path = compiled.ROOT.parent.joinpath(*module.split(".")).with_suffix(".py")
-        if path not in compiled.SOURCES:
-            return frozenset()
-        named = {line.split()[1] for line in path.read_text("utf-8").splitlines() if line.startswith("from contact.")}
-        return frozenset({path}).union(*(below(name) for name in sorted(named)))
-
-    everywhere, original = Path(compiled.CACHE).parent, compiled.compiled
-
-    def cached(function: Any, *arguments: Any, **options: Any) -> Any:
-        sources = sorted(below(function.__module__) or compiled.SOURCES)
-        digest = hashlib.sha256(b"\0".join(source.read_bytes() for source in sources)).hexdigest()
-        compiled.CACHE = str(everywhere / f"contact-{digest[:12]}")
-        return original(function, *arguments, **options)
-
-    compiled.compiled = cached
-
-
 def pytest_configure(config: pytest.Config) -> None:
     """Take the job."""
     job = Job.read(Path(os.environ[JOB]))
@@ -142,5 +113,3 @@ def pytest_configure(config: pytest.Config) -> None:
         from reports.mutants.executed import Recorder
 
         config.pluginmanager.register(Recorder(Path(job.record), job.packages))
-    if (config.rootpath / "contact/jit/compiled.py").exists():
-        keep_what_stays_compiled()

@@ -7,9 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from contact.jit import compiled
 from reports.mutants.draw import draw, mutant
-from reports.mutants.inside_pytest import keep_what_stays_compiled
 from reports.mutants.judge import Limits, verdict
 from reports.mutants.reach import read_reach
 from reports.mutants.share import Campaign, command_line, main, record
@@ -307,12 +305,3 @@ def test_tests_that_cannot_be_collected_kill_nothing(campaign: Campaign) -> None
     (campaign.root / "tests/test_module.py").write_text(TESTS.replace("seen, unseen", "seen, unseen, gone"), "utf-8")
     with pytest.raises(RuntimeError, match=r"(?s)tests are not collected without a mutant either.*gone"):
         main(replace(campaign, count=1))
-
-
-def test_loops_are_compiled_with_all_that_they_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[object] = []
-    monkeypatch.setattr(compiled, "CACHE", compiled.CACHE)
-    monkeypatch.setattr(compiled, "compiled", lambda function, *given, **named: asked.append((given, named)))
-    keep_what_stays_compiled()
-    compiled.compiled(draw, {"fastmath": True}, pipeline="own")
-    assert asked == [(({"fastmath": True},), {"pipeline": "own"})]

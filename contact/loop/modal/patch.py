@@ -17,6 +17,7 @@ from contact.solver.friction.coulomb import friction_forces, solver_room
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.friction.room import Room
 from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, active_space, project
+from contact.solver.unilateral.springs import SpringSpace, spring_forces, spring_space
 
 JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
 
@@ -34,7 +35,8 @@ class PatchState(NamedTuple):
     rows: Array  # (d k, m)
     S: Array  # (d k, d k), empty when zero
     W: Array  # rows c rows^T + S, empty without friction
-    roots: Array  # A with A A^T = W, empty with friction
+    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty with friction
+    springs: Array  # diagonal of S (k,) where the contacts are solved as springs, else empty
     own: Array  # W of each normal with itself (k,)
     mu: Array  # (k,)
     slide: Array  # (d k,), motion of the ground in one step
@@ -61,7 +63,8 @@ class PatchWork(NamedTuple):
     W: Array  # (d k, d k), empty without friction
     short: Array  # (d k,)
     lam: Array  # (d k,)
-    active: ActiveSpace  # empty with friction
+    active: ActiveSpace  # empty with friction and with springs
+    soft: SpringSpace  # empty without springs
     room: Room  # empty without
 
 
@@ -69,16 +72,24 @@ def patch_work(s: PatchState, rough: bool) -> PatchWork:
     """Work space of a run."""
     k, n, m = s.mu.size, s.lam.size, s.q.size
     size = n if rough else 0
+    columns, springs = s.roots.shape[1], s.springs.size
     return PatchWork(
         b=np.zeros(n), old=np.zeros(m), pushed=np.zeros(m), after=np.zeros(n), inside=np.zeros(k, dtype=np.int64),
         chosen=np.zeros(n, dtype=np.int64), mu=np.zeros(k), W=np.zeros((size, size)), short=np.zeros(n),
-        lam=np.zeros(n), active=active_space(k, s.roots.shape[1]), room=solver_room(size // (n // k), n // k),
+        lam=np.zeros(n), active=active_space(k, 0 if springs else columns),
+        soft=spring_space(springs, columns if springs else 0), room=solver_room(size // (n // k), n // k),
     )  # fmt: skip
 
 
 @jit
 def frictionless(s: PatchState, w: PatchWork) -> bool:
-    """Forces of the active set method into `lam`; False when the gaps cannot all open."""
+    """Forces of springs or of the active set method into `lam`; False when the gaps cannot all open."""
+    if s.springs.size > 0:
+        solved, count = spring_forces(s.roots, s.springs, w.b, s.lam, w.soft)
+        note_iterations(s, count)
+        if not solved:
+            s.counts[3] = JAMMED
+        return solved
     status, changes = project(s.roots, w.b, s.mu.size, s.roots.shape[1], s.lam, w.active)
     note_iterations(s, changes)
     if status != SOLVED:

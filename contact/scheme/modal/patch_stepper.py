@@ -96,6 +96,7 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
     """Stepper at t = 0; without friction only the normal rows take part."""
     from contact.loop.modal.patch import PatchState, patch_work
     from contact.loop.tally import Sticking
+    from contact.solver.unilateral.springs import springs_of
 
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions
@@ -104,18 +105,21 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
     k = problem.contacts
     dim = len(rows) // k
     own = np.sum(rows**2 * parts.c, axis=1)[::dim] + np.diag(S)[::dim]
+    none = np.zeros((0, 0))
     if not S.any():
-        S = np.zeros((0, 0))
+        S = none
+    scaled = rows * np.sqrt(parts.c)
+    springs = np.zeros(0) if rough else springs_of(scaled, S)
+    roots = scaled if springs.size else none if rough else _roots(rows, parts.c, S)
     clearance, slide = problem.opening, np.zeros((k, dim))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
     q = np.array(problem.displacement, dtype=float)
     d = parts.backward(q, np.asarray(problem.velocity))
-    none = np.zeros((0, 0))
     state = PatchState(
         q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.c * parts.load,
         weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
-        W=_delassus(rows, parts.c, S) if rough else none, roots=none if rough else _roots(rows, parts.c, S),
+        W=_delassus(rows, parts.c, S) if rough else none, roots=roots, springs=springs,
         mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
         past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),

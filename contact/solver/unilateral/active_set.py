@@ -92,7 +92,7 @@ class ActiveSpace(NamedTuple):
     r: Array  # (m,)
     y: Array  # (m,)
     lengths: Array  # (n,)
-    settled: Indices  # (n,)
+    settled: Indices  # (n,), 1 for active contacts and for those that the active rows fix
 
 
 def active_space(contacts: int, size: int) -> ActiveSpace:
@@ -151,9 +151,11 @@ def project(A: Array, b: Array, contacts: int, size: int, force: Array, w: Activ
             if full <= reach:
                 enter(J, R, count, size, d)
                 active[count], lam[count] = p, pushed
+                w.settled[p] = 1  # its gap is zero; what is computed of it is round-off
                 count += 1
                 break
             leave(J, R, count, blocked, size)
+            w.settled[active[blocked]] = 0
             for k in range(blocked, count - 1):
                 active[k], lam[k] = active[k + 1], lam[k + 1]
             count -= 1

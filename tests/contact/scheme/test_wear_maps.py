@@ -52,19 +52,23 @@ def test_what_a_track_lost_is_volume_energy_and_bars_worn_to_the_casing():
     worn = one.coating.worn
     cut = np.maximum(one.coating.round - one.made, 0.0)
     worn[:3] = 1e-4, 2e-3 - cut[1], 2e-3
-    found = one.wear([(0.5, 2.0 * worn), (0.7, worn)])
+    found = one.wear(np.array([0.5, 0.7]), np.array([2.0 * worn, worn]))
     assert (found.dissipated, one.memorised(1), found.bare, found.tips) == (5.0, 50.0, 2, (0, 2))
     assert found.volume == pytest.approx(one.area * worn.sum(), rel=1e-13)
     assert found.stated == pytest.approx(one.area * np.sum(worn * (2e4 + 1e6 * 0.5 * worn / 2e-3)), rel=1e-12)
     np.testing.assert_allclose(found.cut, cut, rtol=1e-13)
     assert 0.0 < cut.max() <= 5e-4 * (1.0 + 1e-12)
     assert (found.map_time.tolist(), found.map.tolist()) == ([0.5, 0.7], [(2.0 * worn).tolist(), worn.tolist()])
-    assert one.wear([]).map.shape == (0, worn.size)
-    assert not track().wear([]).cut.any()
+    none = np.zeros(0), np.zeros((0, worn.size))
+    assert one.wear(*none).map.shape == (0, worn.size)
+    assert not track().wear(*none).cut.any()
 
 
 def test_maps_are_kept_every_hundred_steps_and_every_second_is_dropped_beyond_four_hundred():
     tracks, calls = Tracks(tracks=(track(),)), []
+
+    def times():
+        return tracks.wear()[0].map_time.tolist()
 
     def loop(first, steps):
         calls.append((first, steps))
@@ -75,23 +79,20 @@ def test_maps_are_kept_every_hundred_steps_and_every_second_is_dropped_beyond_fo
     assert calls == [(0, 100), (100, 100), (200, 50)]
     assert tracks.watch(0.5, 250, 120, loop) == -1
     assert calls[3:] == [(250, 50), (300, 70)]
-    assert [time for time, _ in tracks.maps] == [50.0, 100.0, 150.0]
-    assert [depths[0][0] for _, depths in tracks.maps] == [100.0, 200.0, 300.0]
+    assert times() == [50.0, 100.0, 150.0]
+    assert tracks.wear()[0].map[:, 0].tolist() == [100.0, 200.0, 300.0]
     assert tracks.watch(0.5, 370, 40_000 - 370, loop) == -1
-    assert (len(tracks.maps), tracks.every) == (400, 100)
+    assert (len(times()), times()[-1]) == (400, 20_000.0)
     assert tracks.watch(0.5, 40_000, 100, loop) == -1
-    assert (len(tracks.maps), tracks.every) == (200, 200)
-    assert [time for time, _ in tracks.maps[:2]] == [100.0, 200.0]
+    assert (len(times()), times()[:2]) == (200, [100.0, 200.0])
     assert tracks.watch(0.5, 40_100, 300, loop) == -1
-    assert tracks.maps[-1][0] == 20_200.0
-    (worn,) = tracks.wear()
-    assert worn.map_time[-1] == 20_200.0
+    assert times()[-1] == 20_200.0
 
 
 def test_a_step_that_fails_ends_the_watch_and_no_steps_are_passed_on():
     tracks = Tracks(tracks=(track(),))
     assert tracks.watch(0.5, 0, 250, lambda first, steps: 117 if first == 100 else -1) == 117
-    assert len(tracks.maps) == 1
+    assert tracks.wear()[0].map_time.tolist() == [50.0]
     assert tracks.watch(0.5, 7, 0, lambda first, steps: 10 * first + steps) == 70
 
 

@@ -1,7 +1,6 @@
 """Branches, folds and stability against published orbits and runs in time."""
 
 import math
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.base import checkpoint
 from contact.growth.cycles import branch as way_along
 from contact.growth.cycles.branch import Signs, Tangent, kinds, signs
 from contact.growth.cycles.follow import Found
@@ -98,8 +98,8 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
 
     Stopped on that one, it is not looked for again.
     """
-    monkeypatch.setattr(sys.modules[Found.__module__], "EVERY", 0.0)
-    monkeypatch.setattr(sys.modules[Found.__module__], "SHARE", 0.0)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
     said = []
     family = mass_on_stop().over("freq_hz", freq_hz=0.15)
     found = ct.growth.cycles.follow(family, (0.13, 0.16), longest=0.05, progress=lambda *told: said.append(told))
@@ -202,8 +202,8 @@ def test_branches_done_and_under_way_begin_with_their_first_orbits():
 @pytest.mark.campaign
 def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     """Stopped within its second branch, of doubled period."""
-    monkeypatch.setattr(sys.modules[Found.__module__], "EVERY", 0.0)
-    monkeypatch.setattr(sys.modules[Found.__module__], "SHARE", 0.0)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
     file, said = tmp_path / "part.npz", []
     scene = ct.scene.load_cycles(SCENES / "bouncing_ball.toml")
 
@@ -228,7 +228,7 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatc
         assert np.array_equal([p.multipliers for p in one.points], [p.multipliers for p in other.points])
         assert [(s.kind, s.orbit.value) for s in one.specials] == [(s.kind, s.orbit.value) for s in other.specials]
     assert again.table() == whole.table()
-    with pytest.raises(ct.InputError, match="found that of another body"):
+    with pytest.raises(ct.InputError, match="found that of another computation"):
         ct.growth.cycles.follow(scene.family, scene.between, longest=0.05, checkpoint=file)
     file.write_bytes(b"not a file of numbers")
     with pytest.raises(ct.InputError, match="remove it to begin anew"):

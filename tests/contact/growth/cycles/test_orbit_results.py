@@ -1,16 +1,13 @@
 """What a continuation found, as lines, rows and documents; what changes between neighbours; when a file is written."""
 
 import math
-import sys
-import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.branch import Tangent, Way, passed, signs
-from contact.growth.cycles.follow import Checkpoint
+from contact.growth.cycles.branch import Tangent, passed, signs
 from contact.growth.cycles.passage import Event, Extremes, pressing
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit, _free_time, _nearer
@@ -149,45 +146,6 @@ def test_changes_between_neighbours_are_located_one_after_the_other():
     assert len(walked(*np.linspace(0.1, 0.9, 9))) == 8  # at most
     (coarse,) = walked(0.3, fails=0.4)  # beyond which nothing is found
     assert (coarse.before.value, coarse.orbit.value) == (0.0, 1.0)
-
-
-def test_a_file_is_written_at_the_end_of_a_branch_and_within_one_when_it_is_time(tmp_path, monkeypatch):
-    file, now = tmp_path / "part.npz", [0.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    kept = Checkpoint(file, "asked")
-    way = Way((orbit(1.0),), (), Tangent(np.zeros(2), 1.0), 0.1)
-    now[0] = 1.99
-    kept.keep([], way)
-    assert not file.exists()
-    now[0] = 2.0
-    kept.keep([], way)
-    assert Checkpoint(file, "asked").found.begins(0).value == 1.0
-    file.unlink()
-    now[0] = 3.99
-    kept.keep([], way)
-    assert not file.exists()
-    kept.keep([])
-    assert file.exists()
-    Checkpoint(None, "").keep([], way)
-
-
-def test_a_long_writing_is_not_soon_done_again(tmp_path, monkeypatch):
-    """Twenty times as long as it takes."""
-    file, now = tmp_path / "part.npz", [10.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
-
-    def slow(path, value):
-        now[0] += 0.5
-        path.write_bytes(b"")
-
-    kept, way = Checkpoint(file, "asked"), Way((orbit(1.0),), (), Tangent(np.zeros(2), 1.0), 0.1)
-    monkeypatch.setattr(sys.modules[Checkpoint.__module__], "save_value", slow)
-    kept.keep([])
-    for later, written in ((9.99, False), (10.0, True)):
-        file.unlink(missing_ok=True)
-        now[0] = 10.5 + later
-        kept.keep([], way)
-        assert file.exists() == written
 
 
 def flown(*events, start=10.0, rigid=(True, True)):

@@ -11,7 +11,7 @@ import contact as ct
 from contact.growth.cycles import passage, shooting
 from contact.growth.cycles.basins import _start
 from contact.growth.cycles.branch import Course, Tangent
-from contact.growth.cycles.follow import Checkpoint, digest
+from contact.growth.cycles.follow import digest
 from contact.growth.cycles.passage import Event, pressing
 from contact.growth.cycles.switched import Plant, phase_of
 from contact.model.bodies.modal_body import rim_channels
@@ -44,17 +44,6 @@ def test_a_start_outside_the_rigid_contacts_is_drawn_a_thousand_times():
         ct.NumericsError, match="no start outside the rigid contacts in 1,000 draws: give smaller sizes"
     ):
         drawn(1000)
-
-
-def test_a_checkpoint_of_another_search_or_of_nothing_is_refused(tmp_path):
-    file = tmp_path / "part.npz"
-    Checkpoint(file, "one").keep([])
-    assert Checkpoint(file, "one").found.done == ()
-    with pytest.raises(ct.InputError, match=r"checkpoint: .*part.npz: found that of another body, range or way"):
-        Checkpoint(file, "other")
-    file.write_bytes(b"not a file of numbers")
-    with pytest.raises(ct.InputError, match=r"checkpoint: .*part.npz.*; remove it to begin anew"):
-        Checkpoint(file, "one")
 
 
 def test_what_is_asked_for_is_told_by_its_motion_range_and_way():
