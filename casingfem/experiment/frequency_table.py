@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError, warn
 from casingfem.experiment.grouping import Doublet, Group, grouped
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.columns import TABLE, named
 from casingfem.io.strict_csv import StrictCsv, read
+from casingfem.io.together import together
 from contact.io.outfiles import write_atomic
 from contact.io.reported import Reported
 
@@ -36,6 +38,7 @@ _EXPECTED = {
     "angle_deg": "0 <= angle_deg < 360, or an empty cell",
     "zeta": "a damping ratio in [0, 1), not per cent, or an empty cell",
 }
+PERCENT = 0.1  # a median damping ratio above it was written in per cent: structures have less
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -125,9 +128,11 @@ class FrequencyTable(Reported):
     def from_csv(cls, path: str | os.PathLike[str], *, sigma: float | None = None) -> FrequencyTable:
         """Read mode,n,freq_hz,sigma_hz,angle_deg,zeta; n, angle_deg, zeta may be empty or absent.
 
-        The table of `casingfem modes --out` is read too, without what it says beyond these. Other columns are kept and
-        used by nobody, unless one looks like a misspelt name. `sigma`, relative to the frequency, stands for sigma_hz
-        where the row or the file says nothing.
+        Names of columns are read without regard to case, with units in brackets, by common words, and units are
+        converted: `Frequency [kHz]`, `Nodal diameter`, `Damping [%]` (`casingfem.io.columns`). The table of
+        `casingfem modes --out` is read too, without what it says beyond these. Other columns are kept and used by
+        nobody, unless one looks like a misspelt name of one that is missing. `sigma`, relative to the frequency,
+        stands for sigma_hz where the row or the file says nothing.
 
         Warns
         -----
@@ -139,28 +144,24 @@ class FrequencyTable(Reported):
         InputError
             Everything that is not exactly such a table, with file, line and column.
         """
-        csv = read(path)
+        csv = named(read(path), TABLE)
         extra = _extra_columns(csv, sigma)
-        rows = len(csv.lines)
-        columns: dict[str, Array] = {}
+        columns, wrong = dict[str, Array](), list[InputError]()
         for name in COLUMNS:
-            blank = _BLANK.get(name)
-            if name == "sigma_hz" and sigma is not None:
-                stated = csv.numbers(name, blank=np.nan) if name in csv.header else np.full(rows, np.nan)
-                columns[name] = np.where(np.isnan(stated), sigma * columns["freq_hz"], stated)
-            elif name not in csv.header:
-                columns[name] = np.full(rows, blank)
-            elif name in ("mode", "n"):
-                columns[name] = csv.integers(name, blank=None if blank is None else -1)
-            else:
-                columns[name] = csv.numbers(name, blank=blank)
+            try:
+                columns[name] = _column(csv, name, sigma, columns)
+            except InputError as error:
+                wrong.append(error)
+        if wrong:
+            raise together(wrong)
         _check_values(csv, columns)
         return cls(**columns, card=csv.card, path=csv.path, extra={name: csv.cells[name] for name in extra})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table, whole or not at all; reading it back gives every number bit for bit."""
         lines = [f"# {line}".rstrip() for line in self.card]
-        lines.append(",".join((*COLUMNS, *map(_quoted, self.extra))))
+        own = [*COLUMNS[:-1], "zeta [-]" if _looks_like_percent(self.zeta) else "zeta"]
+        lines.append(",".join((*own, *map(_quoted, self.extra))))
         for row in range(len(self)):
             values = ((name, getattr(self, name)[row].item()) for name in COLUMNS)
             cells = ["" if value != value or (name == "n" and value < 0) else repr(value) for name, value in values]
@@ -232,12 +233,31 @@ def _quoted(cell: str) -> str:
     return '"' + cell.replace('"', '""') + '"' if set(cell) & set(',"') or cell.startswith("#") else cell
 
 
+def _column(csv: StrictCsv, name: str, sigma: float | None, columns: Mapping[str, Array]) -> Array:
+    """The numbers of one column; where it is absent, what stands for it."""
+    blank = _BLANK.get(name)
+    if name == "sigma_hz" and sigma is not None:
+        stated = csv.numbers(name, blank=np.nan) if name in csv.header else np.full(len(csv.lines), np.nan)
+        relative = sigma * columns["freq_hz"] if "freq_hz" in columns else stated
+        return np.where(np.isnan(stated), relative, stated)
+    if name not in csv.header:
+        return np.full(len(csv.lines), blank)
+    if name in ("mode", "n"):
+        return csv.integers(name, blank=None if blank is None else -1)
+    return csv.numbers(name, blank=blank)
+
+
+def _looks_like_percent(zeta: FloatArray) -> bool:
+    known = zeta[~np.isnan(zeta)]
+    return known.size > 0 and float(np.median(known)) > PERCENT
+
+
 def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
     """Columns that are used by nobody; refuse those that look misspelt first: they explain what is missing."""
     extra = [name for name in csv.header if name not in COLUMNS + COMPUTED]
     for name in extra:
         stem = re.split(r"[_\[( ]", name.lower())[0]
-        absent = [c for c in COLUMNS if c not in csv.header]
+        absent = [c for c in COLUMNS if c not in csv.header and c != "n"]
         near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
         if near:
             expected = f"{near[0]}, unit and all"
@@ -246,18 +266,25 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
         if name not in csv.header and not (name == "sigma_hz" and sigma is not None):
             raise InputError(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
     if extra:
-        warn("table-columns", f"{csv.path}: {', '.join(extra)}", stacklevel=4)
+        warn("table-columns", f"{csv.path}: {', '.join(csv.written.get(name, name) for name in extra)}", stacklevel=4)
     return extra
 
 
 def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
-    """Refuse the first value out of range, with its line; -1 stands for an empty n only in memory."""
+    """Refuse values out of range, with their lines; -1 stands for an empty n only in memory."""
     written = [(row, "n") for row, text in enumerate(csv.cells.get("n", ())) if text.startswith("-")]
-    for row, name in sorted(_faults(columns) + written)[:1]:
+    wrong = list[InputError]()
+    for row, name in sorted(_faults(columns) + written):
         found = csv.cells[name][row] if name in csv.cells else f"{columns[name][row]:.6g} by default"
         if name == "mode" and csv.cells[name].index(found) < row:
             found += " again"
-        raise csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name])
+        wrong.append(csv.refuse(row=row, column=name, found=found, expected=_EXPECTED[name]))
+    if not wrong and "zeta" not in csv.factors and _looks_like_percent(columns["zeta"]):
+        found = f"a median damping ratio of {np.nanmedian(columns['zeta']):.3g}, as in per cent"
+        expected = "a ratio; name the column zeta [%] if it is per cent, zeta [-] if it is a ratio"
+        wrong.append(InputError(csv.path, line=csv.header_line, column="zeta", found=found, expected=expected))
+    if wrong:
+        raise together(wrong)
 
 
 def _faults(columns: Mapping[str, Array]) -> list[tuple[int, str]]:

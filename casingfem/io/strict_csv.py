@@ -1,6 +1,6 @@
 """A strict reader for small measured tables: everything doubtful is an error that names its line.
 
-The format: UTF-8, '#' lines above the header (the source card), one header row of
+The format: UTF-8, '#' lines anywhere (the source card), one header row of
 distinct names, then rows with exactly one cell per name, comma separated, numbers
 with a decimal point; or, as spreadsheets of half of Europe write it, separated by
 semicolons or tabs, where numbers may all have a decimal comma.  General readers repair
@@ -15,23 +15,26 @@ import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from unicodedata import category
 
 import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.together import together
 from contact.io.infiles import MOST_TEXT, TextError, read_bytes, text_of
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
-_SEPARATORS = (";", "\t")  # of a header without commas
+_SEPARATORS = (";", "\t")  # of a header with fewer commas
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StrictCsv:
     r"""Cells of a well-formed table, still text, with the file's line numbers.
+
+    `written` has the names of the file for columns that `columns.named` gave others, `factors` what it converts by.
 
     Examples
     --------
@@ -47,15 +50,26 @@ class StrictCsv:
     cells: Mapping[str, tuple[str, ...]]
     lines: IntArray
     decimal: str = "."
+    written: Mapping[str, str] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
 
     def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> InputError:
         """Return the reader's error for a row (from 0) and column, to be raised."""
         line = None if row is None else int(self.lines[row])
+        column = None if column is None else self.written.get(column, column)
         return InputError(self.path, found=found, expected=expected, line=line, column=column)
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
         """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
-        return np.array([self._number(row, column, text, blank) for row, text in enumerate(self.cells[column])], float)
+        values, wrong = np.empty(len(self.lines)), list[InputError]()
+        for row, text in enumerate(self.cells[column]):
+            try:
+                values[row] = self._number(row, column, text, blank)
+            except InputError as error:
+                wrong.append(error)
+        if wrong:
+            raise together(wrong)
+        return values * self.factors[column] if column in self.factors else values
 
     def _number(self, row: int, column: str, text: str, blank: float | None) -> float:
         if not text:
@@ -71,7 +85,7 @@ class StrictCsv:
 
     def integers(self, column: str, *, blank: int | None = None) -> IntArray:
         """Return a column as whole numbers; ``blank`` stands for empty cells, refused when None."""
-        values = np.empty(len(self.lines), np.int64)
+        values, wrong = np.empty(len(self.lines), np.int64), list[InputError]()
         for row, text in enumerate(self.cells[column]):
             if not text and blank is not None:
                 values[row] = blank
@@ -79,7 +93,10 @@ class StrictCsv:
                 values[row] = int(text)
             else:
                 found = repr(text) if text else "an empty cell"
-                raise self.refuse(row=row, column=column, found=found, expected="a whole number" + _or_empty(blank))
+                expected = "a whole number" + _or_empty(blank)
+                wrong.append(self.refuse(row=row, column=column, found=found, expected=expected))
+        if wrong:
+            raise together(wrong)
         return values
 
 
@@ -111,41 +128,68 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
 
 def parse(text: str, path: str) -> StrictCsv:
     """Parse a table from text; ``path`` is only named in errors."""
-    card: list[str] = []
-    header: tuple[str, ...] = ()
-    header_line, separator = 0, ","
-    rows: list[tuple[str, ...]] = []
-    lines: list[int] = []
+    card, body = list[str](), list[tuple[int, str]]()
     for number, line in _significant_lines(text, path):
         if line.lstrip().startswith("#"):
-            if header:
-                found, expected = "a '#' line below the header", "card lines above the header only"
-                raise InputError(path, line=number, found=found, expected=expected)
             card.append(line.strip()[1:].strip())
-            continue
-        if not header:
-            separator = next((mark for mark in _SEPARATORS if mark in line and "," not in line), ",")
-        cells = _split(line, number, path, separator)
-        if not header:
-            header, header_line = _checked_header(cells, number, path), number
-        elif len(cells) != len(header):
-            found = f"{len(cells)} cells in {line.strip()!r}"
-            expected = f"{len(header)}, one for each of {','.join(header)}"
-            if len(cells) > len(header) and separator == ",":
-                expected += " (numbers take a decimal point, not a comma)"
-            raise InputError(path, line=number, found=found, expected=expected)
         else:
-            rows.append(cells)
-            lines.append(number)
-    if not header:
+            body.append((number, line))
+    if not body:
         raise InputError(path, found="no header row", expected="a header with the names of the columns")
+    often = body[0][1].count
+    separator = next((mark for mark in _SEPARATORS if often(mark) > often(",")), ",")
+    _refuse_title(body, separator, path)
+    header = _checked_header(_split(body[0][1], body[0][0], path, separator), body[0][0], path)
+    rows, lines, wrong = list[tuple[str, ...]](), list[int](), list[InputError]()
+    for number, line in body[1:]:
+        try:
+            rows.append(_row(line, number, path, separator, header))
+            lines.append(number)
+        except InputError as error:
+            wrong.append(error)
+    if wrong:
+        raise together(wrong)
     if not rows:
-        raise InputError(path, line=header_line, found="no rows below the header", expected="at least one row")
+        raise InputError(path, line=body[0][0], found="no rows below the header", expected="at least one row")
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
+    for name in [name for name in header if not name.strip("\0")]:  # a spreadsheet's columns beyond the last
+        _check_unnamed(header.index(name), columns.pop(name), body[0][0], path)
     return StrictCsv(
-        path=path, card=tuple(card), header=header, header_line=header_line, cells=columns,
+        path=path, card=tuple(card), header=tuple(columns), header_line=body[0][0], cells=columns,
         lines=np.array(lines), decimal="." if separator == "," else _decimal(rows, lines, path),
     )  # fmt: skip
+
+
+def _row(line: str, number: int, path: str, separator: str, header: Sequence[str]) -> tuple[str, ...]:
+    """The cells of a line, one for each column."""
+    cells = _split(line, number, path, separator)
+    if len(cells) == len(header):
+        return cells
+    found = f"{len(cells)} cells in {line.strip()!r}"
+    expected = f"{len(header)}, one for each of {','.join(header)}"
+    if len(cells) > len(header) and separator == ",":
+        expected += " (numbers take a decimal point, not a comma)"
+    raise InputError(path, line=number, found=found, expected=expected)
+
+
+def _refuse_title(body: Sequence[tuple[int, str]], separator: str, path: str) -> None:
+    """Refuse a first line that has one cell with text above a line of several names."""
+    (number, first), *rest = body
+    filled = [cell for cell in _split(first, number, path, separator) if cell]
+    if len(filled) > 1 or not rest:
+        return
+    marks = [mark for mark in (*_SEPARATORS, ",") if mark in rest[0][1]]
+    below = [] if not marks else [cell.strip(' "') for cell in rest[0][1].split(marks[0])]
+    if len(below) > 1 and not any(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell) for cell in below):
+        found = f"{first.strip(separator + ' ')!r} above the names of the columns"
+        raise InputError(path, line=number, found=found, expected="a header: put # before a title, or remove the line")
+
+
+def _check_unnamed(index: int, cells: Sequence[str], number: int, path: str) -> None:
+    """Refuse a column without a name that has something in it."""
+    if any(cells):
+        found = f"no name for column {index + 1}"
+        raise InputError(path, line=number, found=found, expected="a name for every column")
 
 
 def _significant_lines(text: str, path: str) -> Iterator[tuple[int, str]]:
@@ -186,9 +230,6 @@ def _checked_header(cells: tuple[str, ...], number: int, path: str) -> tuple[str
         found = f"numbers ({cells[0]}) in the first row"
         raise InputError(path, line=number, found=found, expected="a header with the names of the columns")
     for index, cell in enumerate(cells):
-        if not cell:
-            found = f"no name for column {index + 1}"
-            raise InputError(path, line=number, found=found, expected="a name for every column")
-        if cell in cells[:index]:
+        if cell and cell in cells[:index]:
             raise InputError(path, line=number, column=cell, found="this column twice", expected="distinct columns")
-    return cells
+    return tuple(cell or "\0" * (index + 1) for index, cell in enumerate(cells))

@@ -14,6 +14,7 @@ from casingfem.experiment.frf.frf_set import PLACES, FrfSet
 from casingfem.experiment.uff.read import read_uff
 from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
+from casingfem.io.columns import FREQUENCY, PLACE, named
 from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.io.strict_csv import read
 from contact.io.infiles import regular_file
@@ -85,7 +86,7 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     InputError
         Other columns, a point twice, a radius below zero, cells that are no numbers.
     """
-    csv = read(path)
+    csv = named(read(path), PLACE)
     if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
         expected = "point,angle_deg, or point,angle_deg,radius_m,z_m"
         raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
@@ -111,7 +112,7 @@ def read_picks(path: str | os.PathLike[str]) -> FloatArray:
     InputError
         No such column, cells that are no numbers.
     """
-    csv = read(path)
+    csv = named(read(path), (FREQUENCY,))
     if "freq_hz" not in csv.header:
         raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected="a column freq_hz")
     return csv.numbers("freq_hz")

@@ -1,5 +1,7 @@
 """Frequency tables at their bounds: values out of range, doublets just close or alike enough, units just seen."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -102,19 +104,78 @@ def test_leaving_out_rows_keeps_what_belongs_to_the_others(tmp_path):
     )
 
 
-@pytest.mark.parametrize(("header", "column"), [
-    ("mode,freq,sigma_hz", "freq_hz"), ("mode,Frequency [Hz],sigma_hz", "freq_hz"), ("mode,f,sigma_hz", "freq_hz"),
-    ("mode,freq_hz,sigma", "sigma_hz"), ("mode,freq_hz,sig(Hz)", "sigma_hz"),
-    ("mode,freq_hz,sigma_hz,angle", "angle_deg"),
-    ("mode,freq_hz,sigma_hz,zeta_pct", "zeta"), ("mode_no,freq_hz,sigma_hz", "mode"),
+@pytest.mark.parametrize(("header", "words"), [
+    ("mode,freq,sigma_hz", "column 'freq': found a column without a unit in its name; expected freq_hz, or freq [hz]"),
+    ("mode,Frequency [eV],sigma_hz", "column 'Frequency [eV]': found an unknown unit in its name, 'ev'; expected freq"),
+    ("mode,freq_hz,sigma", "column 'sigma': found a column without a unit in its name; expected sigma_hz"),
+    ("mode,freq_hz,sig(Hz)", "column 'sig(Hz)': found an unknown column; expected sigma_hz, unit and all"),
+    ("mode,freq_hz,sigma_hz,angle", "column 'angle': found a column without a unit in its name; expected angle_deg"),
+    ("mode,freq_hz,sigma_hz,damping", "column 'damping': found a column without a unit in its name; expected zeta"),
+    ("mode,freq_hz,sigma_hz,zetas", "column 'zetas': found an unknown column; expected zeta, unit and all"),
+    ("mode,f [Hz],fn [Hz],sigma_hz", "'f [Hz]' and 'fn [Hz]' for one quantity; expected one column, freq_hz, or"),
 ])  # fmt: skip
-def test_a_column_that_looks_misspelt_is_refused_where_the_right_one_is_absent(header, column, tmp_path):
+def test_a_column_without_its_unit_or_misspelt_is_refused(header, words, tmp_path):
     (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * header.count(",")) + ",1\n")
-    with pytest.raises(InputError, match=f"line 1, column .*: found an unknown column; expected {column}, un"):
+    with pytest.raises(InputError, match="line 1, .*" + re.escape(words)):
         FrequencyTable.from_csv(tmp_path / "t.csv")
 
 
-@pytest.mark.parametrize("name", ["f", "sigma_rel", "damping", "(x)"])
+@pytest.mark.parametrize(
+    ("freq", "factor"),
+    [("Frequency [Hz]", 1.0), ("freq (Hz)", 1.0), ("f/Hz", 1.0), ("FREQ_HZ", 1), ("Eigenfrequenz, Hz", 1),
+     ("f_Hz", 1), ("Natural frequency [kHz]", 1e3),
+     ("f [rpm]", 1 / 60), ("f [rad/s]", 0.5 / np.pi), ("f [1/min]", 1 / 60)],
+)  # fmt: skip
+def test_columns_are_found_by_words_and_units_are_converted(freq, factor, tmp_path):
+    rows = [f"Mode;Nodal diameter;{freq};Sigma [Hz];Damping [%];Angle [rad]", "# lower pair", "1;8;2,5;0,001;0,2;0,5"]
+    (tmp_path / "t.csv").write_bytes("\r\n".join([*rows, ""]).encode("utf-8-sig"))
+    found = FrequencyTable.from_csv(tmp_path / "t.csv")
+    np.testing.assert_allclose(found.freq_hz, [2.5 * factor], rtol=1e-14)
+    np.testing.assert_allclose([found.zeta[0], found.angle_deg[0]], [0.002, np.degrees(0.5)], rtol=1e-14)
+    assert (found.mode.tolist(), found.n.tolist(), found.card) == ([1], [8], ("lower pair",))
+
+
+def test_a_table_of_a_laboratory_keeps_its_remarks(tmp_path):
+    """Byte-order mark, semicolons, decimal commas, `Mode` in capitals, a remark, a row without n."""
+    text = "Mode;n;freq_hz;Bemerkung;;\r\n1;3;107,9;;;\r\n7;;231,6;unsauber;;\r\n"
+    (tmp_path / "t.csv").write_bytes(text.encode("utf-8-sig"))
+    with pytest.warns(ModelWarning, match="Bemerkung.*table-columns"):
+        found = FrequencyTable.from_csv(tmp_path / "t.csv", sigma=0.003)
+    assert (found.freq_hz.tolist(), found.n.tolist()) == ([107.9, 231.6], [3, -1])
+    assert found.extra == {"Bemerkung": ("", "unsauber")}
+
+
+def test_all_problems_of_a_table_are_named_at_once_up_to_a_bound(tmp_path):
+    rows = ["1,107.9,0.1", "x,1o9.2,0.1", "3,159.7,-1", "3,0,0.1"]
+    (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", *rows, ""]))
+    with pytest.raises(InputError) as caught:
+        FrequencyTable.from_csv(tmp_path / "t.csv")
+    assert [line.split(": ")[0].split(", ", 1)[1] for line in str(caught.value).splitlines()] == [
+        "line 3, column 'mode'", "line 3, column 'freq_hz'",
+    ]  # fmt: skip
+    (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", rows[0], *rows[2:], ""]))
+    with pytest.raises(InputError) as caught:
+        FrequencyTable.from_csv(tmp_path / "t.csv")
+    assert len(str(caught.value).splitlines()) == 4
+    (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", *["1,x,0.1"] * 50, ""]))
+    with pytest.raises(InputError, match="30 further problems of this kind"):
+        FrequencyTable.from_csv(tmp_path / "t.csv")
+
+
+@pytest.mark.parametrize(("name", "expected"), [("zeta", None), ("zeta [%]", 0.008), ("zeta [-]", 0.8)])
+def test_damping_ratios_that_look_like_per_cent_need_a_unit(name, expected, tmp_path):
+    (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,100,0.1,0.8\n2,120,0.1,0.7\n")
+    if expected is None:
+        with pytest.raises(InputError, match=r"median damping ratio of 0\.75, as in per cent; expected a ratio; name"):
+            FrequencyTable.from_csv(tmp_path / "t.csv")
+        return
+    found = FrequencyTable.from_csv(tmp_path / "t.csv")
+    assert found.zeta[0] == pytest.approx(expected, rel=1e-15)
+    found.to_csv(tmp_path / "again.csv")
+    assert FrequencyTable.from_csv(tmp_path / "again.csv").zeta.tolist() == found.zeta.tolist()
+
+
+@pytest.mark.parametrize("name", ["f", "sigma_rel", "Bemerkung", "(x)"])
 def test_another_column_beside_the_right_ones_is_kept(name, tmp_path):
     (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,3.5,0.1,7\n")
     with pytest.warns(ModelWarning, match="table-columns"):

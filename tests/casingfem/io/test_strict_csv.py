@@ -91,7 +91,8 @@ def test_a_number_with_a_comma_has_no_second_mark():
     [
         ("a;b\n1,5;2\n3.5;4\n", "line 3: found '3.5' below numbers with a decimal comma; expected one"),
         ("a;b\n1.5;2\n3,5;4\n", "line 3: found '3,5' below numbers with a decimal point; expected one"),
-        ("a,b\n1,2\n# late\n", "line 3: found a '#' line below the header; expected card lines"),
+        ("Survey of part 7;;\na;b;c\n1;2;3\n", "line 1: found 'Survey of part 7' above the names of the columns"),
+        ("Survey\na,b\n1,2\n", "line 1: found 'Survey' above the names of the columns; expected a header: put # b"),
         ("a,b\n1,2,3\n", "found 3 cells in '1,2,3'; expected 2, one for each of a,b (numbers take a decimal point"),
         ("a,b\n1\n", "line 2: found 1 cells in '1'; expected 2, one for each of a,b"),
         ("# only\n", "found no header row"),

@@ -10,7 +10,9 @@ import numpy as np
 
 from casingfem.errors import InputError, warn
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
+from casingfem.io.columns import SURVEY, named
 from casingfem.io.strict_csv import StrictCsv, read
+from casingfem.io.together import together
 
 Quantity: TypeAlias = Literal["radius", "thickness"]
 
@@ -102,7 +104,8 @@ def largest_gap_deg(theta: FloatArray) -> float:
 def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     """Read a survey CSV with units in the column names: theta, z and radius (or thickness), or x, y and z.
 
-    Without a column of radii these are sqrt(x^2 + y^2). Other columns are left out.
+    Names are read without regard to case, with units in brackets, by common words (`casingfem.io.columns`). Without a
+    column of radii these are sqrt(x^2 + y^2). Other columns are left out.
 
     Warns
     -----
@@ -115,30 +118,39 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
         Malformed tables (see strict_csv), missing or unit-less columns, values
         that are not positive, values that look like another unit than the column's.
     """
-    table = read(path)
-    z, z_name = _numbers(table, _Z)
-    flat = set(table.header) & (_X.keys() | _Y.keys())
+    table = named(read(path), SURVEY)
+    wrong, parts = list[InputError](), dict[str, tuple[FloatArray, str]]()
+    flat = bool(set(table.header) & (_X.keys() | _Y.keys()))
+    choices = {"z": _Z} | ({"x": _X, "y": _Y} if flat else {"theta": _THETA})
+    if not flat or set(table.header) & (_RADIUS.keys() | _THICKNESS.keys()):
+        choices["value"] = _RADIUS | _THICKNESS
+    for part, choice in choices.items():
+        try:
+            parts[part] = _numbers(table, choice)
+        except InputError as error:
+            wrong.append(error)
+    if wrong:
+        raise together(wrong)
+    (z, z_name), taken = parts["z"], {name for _, name in parts.values()}
     if flat:
-        (x, x_name), (y, y_name) = _numbers(table, _X), _numbers(table, _Y)
-        theta, taken = np.arctan2(y, x) % (2.0 * np.pi), {x_name, y_name, z_name}
+        x, y = parts["x"][0], parts["y"][0]
+        theta = np.arctan2(y, x) % (2.0 * np.pi)
+        value, value_name = parts.get("value", (np.hypot(x, y), parts["x"][1]))
     else:
-        theta, theta_name = _numbers(table, _THETA)
+        (theta, theta_name), (value, value_name) = parts["theta"], parts["value"]
         if theta_name == "theta_rad":
             _check_angle_unit(table, theta)
-        taken = {theta_name, z_name}
-    if flat and not set(table.header) & (_RADIUS.keys() | _THICKNESS.keys()):
-        value, value_name = np.hypot(x, y), x_name
-    else:
-        value, value_name = _numbers(table, _RADIUS | _THICKNESS)
     quantity: Quantity = "thickness" if value_name in _THICKNESS else "radius"
-    for row in np.flatnonzero(value <= 0.0)[:1]:
-        raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected="a value > 0")
-    for row in np.flatnonzero(value > _BEYOND * np.median(value))[:1]:
-        expected = f"a value like the others, whose median is {np.median(value):g} m"
-        raise table.refuse(row=row, column=value_name, found=table.cells[value_name][row], expected=expected)
+    like = f"a value like the others, whose median is {np.median(value):g} m"
+    for bad, expected in ((value <= 0.0, "a value > 0"), (value > _BEYOND * np.median(value), like)):
+        for row in np.flatnonzero(bad).tolist():
+            found = table.cells[value_name][row]
+            wrong.append(table.refuse(row=row, column=value_name, found=found, expected=expected))
+    if wrong:
+        raise together(wrong)
     _check_length_unit(table, value_name, quantity, float(np.median(value)))
     _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
-    if rest := [name for name in table.header if name not in taken | {value_name}]:
+    if rest := [table.written.get(name, name) for name in table.header if name not in taken | {value_name}]:
         warn("survey-columns", f"{table.path}: {', '.join(rest)}", stacklevel=4)
     return SurveyPoints(theta=theta, z=z, value=value, quantity=quantity, path=table.path, card=table.card)
 

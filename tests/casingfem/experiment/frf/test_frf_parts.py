@@ -225,8 +225,8 @@ def test_points_have_one_angle_each_and_picks_a_column(tmp_path):
         read_places(file)
     file.write_text("mode,freq_hz\n4,90.5\n5,91\n")
     assert read_picks(file).tolist() == [90.5, 91.0]
-    file.write_text("mode,freq\n4,90.5\n")
-    with pytest.raises(InputError, match="line 1: found mode,freq; expected a column freq_hz"):
+    file.write_text("mode,tone\n4,90.5\n")
+    with pytest.raises(InputError, match="line 1: found mode,tone; expected a column freq_hz"):
         read_picks(file)
     with pytest.raises(InputError, match=r"found ending '\.txt'; expected one of \.uff, "):
         read_frfs(tmp_path / "f.txt")

@@ -246,3 +246,21 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
     table(tmp_path, "\n".join(["theta_deg,z_m,radius_m", *rows, ""]))
     (tmp_path / "study.toml").write_text(text)
     assert load_study(tmp_path / "study.toml").shell.radius_defect.outside == "fit"
+
+
+def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
+    text = "# scan 1\nTheta [deg];Z (mm);Radius [cm];Remark\n0;20;50,0;a\n90;20;50,1;\n# scan 2\n180;0,4e2;50,2;\n"
+    with pytest.warns(ModelWarning, match="rig.csv: Remark: .*survey-columns"):
+        points = read_points(table(tmp_path, text))
+    np.testing.assert_allclose(points.theta, np.radians([0.0, 90.0, 180.0]), rtol=1e-15)
+    np.testing.assert_allclose([points.z, points.value], [[0.02, 0.02, 0.04], [0.5, 0.501, 0.502]], rtol=1e-14)
+    assert points.card == ("scan 1", "scan 2")
+
+
+def test_all_bad_cells_and_columns_of_a_survey_are_named_at_once(tmp_path):
+    with pytest.raises(InputError) as caught:
+        read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,x,0.5\n1,0,y\n2,0,z\n"))
+    lines = [line.partition("rig.csv, ")[2].partition(":")[0] for line in str(caught.value).splitlines()]
+    assert sorted(lines) == ["line 2, column 'z_m'", "line 3, column 'radius_m'", "line 4, column 'radius_m'"]
+    with pytest.raises(InputError, match=r"(?s)line 2: found 2 cells.*line 4: found 1 cells"):
+        read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,0\n1,0,0.5\n2\n"))
