@@ -24,13 +24,21 @@ def node_list(context: click.Context, option: click.Parameter, value: str | None
 
 @click.command(name="import")
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--nodes", type=TABLE, metavar="CSV", help="Table node,x,y,z; contact is at these nodes if left out.")
+@click.option(
+    "--nodes",
+    type=TABLE,
+    metavar="CSV",
+    help="Table node,x,y,z, maybe xx,xy,xz,yx,yy,yz (own x and y axes); contact is at these nodes if left out.",
+)
 @click.option("--dofs", type=TABLE, metavar="CSV", help="Table node,direction, a line for each row of the matrices.")
 @click.option("--contact", callback=node_list, metavar="6,79", help="Nodes that contact sees: channels 6.x 6.y 6.z ...")
 @click.option("--units", default="m-kg-s", show_default=True, help="Length, mass, time of the files, such as mm-t-s.")
 @click.option("--modes", "count", type=click.IntRange(1), default=20, show_default=True, help="Modes kept.")
 @click.option(
-    "--zeta", type=click.FloatRange(0.0, 1.0, max_open=True), default=0.0, help="Damping ratio where there is no C."
+    "--zeta",
+    type=click.FloatRange(0.0, 1.0, max_open=True),
+    default=0.0,
+    help="Damping ratio where there is no C, no K4.",
 )
 @click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.", callback=free_way)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
@@ -46,13 +54,15 @@ def import_matrices(
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Reduce the matrices M, K and maybe C of another program to a basis, and say what they are.
+    """Reduce the matrices M, K and maybe C and K4 of another program to a basis, and say what they are.
 
     FILE: DMIG cards (.pch, .bdf), OP4, CalculiX's .sti, .mat, HDF5 or npz, or the .mtx files of stiffness and mass.
+    A superelement of Nastran: part.op4 part.pch, the latter gives rows (EXTRN), nodes and their axes (GRID, CORD).
     Reduced sets (Craig-Bampton) are taken alike; their modal dofs are scalars, direction q or 0.
     """
     from casingfem.errors import InputError
-    from casingfem.structure.imported.matrix.read import read_matrices, read_nodes
+    from casingfem.structure.imported.matrix.read import read_matrices
+    from casingfem.structure.imported.matrix.tables import read_nodes
     from contact.model.bodies.from_matrices import body_of
     from contact.model.bodies.matrices import DIRECTIONS, Matrices
 
@@ -60,13 +70,14 @@ def import_matrices(
         raise click.UsageError(f"--out: found {out.name!r}, expected a file name ending in .npz")
     with ProgressMessage(f"import of {files[0].name}") as working:
         read = read_matrices(files, nodes=nodes, dofs=dofs)
-        seen = contact if contact is not None else [] if nodes is None else list(read_nodes(nodes))
+        seen = contact if contact is not None else list(read.boundary if nodes is None else read_nodes(nodes))
         if not seen:
-            raise InputError(str(files[0]), found="no nodes that contact sees", expected="--contact, or --nodes")
+            raise InputError(str(files[0]), found="no nodes that contact sees", expected="--contact, --nodes, or EXTRN")
         labels = [(node, DIRECTIONS[direction]) for node, direction in read.dofs.tolist()]
         matrices = Matrices.of(
-            read.M, read.K, read.C, dofs=labels, units=units, points={n: x.tolist() for n, x in read.points.items()}
-        )
+            read.M, read.K, read.C, K4=read.K4, dofs=labels, units=units, axes=read.axes,
+            points={n: x.tolist() for n, x in read.points.items()},
+        )  # fmt: skip
         body, facts = body_of(matrices, seen, modes=min(count, matrices.size), zeta=zeta)
     document = {
         "file": None if out is None else str(out),
@@ -75,6 +86,7 @@ def import_matrices(
         "channels": list(body.channels),
         "matrices": asdict(facts),
         "words": facts.words,
+        "left_out": list(read.left_out),
         "seconds": working.seconds,
         "warnings": collected(),
     }
@@ -83,7 +95,8 @@ def import_matrices(
     if as_json:
         click.echo(json_text(document), nl=False)
         return
-    click.echo(f"{facts}\n{body}\n" + ("not written: give --out FILE.npz" if out is None else f"wrote {out}"))
+    unused = f"matrices left out: {', '.join(read.left_out)}\n" if read.left_out else ""
+    click.echo(f"{facts}\n{unused}{body}\n" + ("not written: give --out FILE.npz" if out is None else f"wrote {out}"))
 
 
 @click.command(name="export")

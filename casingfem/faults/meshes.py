@@ -211,7 +211,8 @@ MESHES = {
     ),
     "matrix-dofs": (
         "the matrices do not say which node and direction a row belongs to",
-        "give --dofs, a table with the columns node, direction; beside .mtx files a .dof file does; in arrays, dofs",
+        "give --dofs, a table with the columns node, direction; or a .pch with EXTRN cards beside it; beside .mtx "
+        "files a .dof file does; in arrays, dofs",
     ),
     "matrix-file": (
         "a file of matrices is malformed, cut short, or not of this kind",
@@ -219,11 +220,13 @@ MESHES = {
     ),
     "matrix-format": (
         "the files are not of a format of matrices, or not of one format",
-        "give one .pch, .bdf, .op4, .sti, .mat, .h5 or .npz, or the .mtx files of stiffness and mass",
+        "give one .sti, .mat, .h5 or .npz, .op4 files, or the .mtx files of stiffness and mass, maybe beside bulk data "
+        "(.pch, .bdf, .dat, .asm), or bulk data with DMIG cards alone",
     ),
     "matrix-names": (
         "stiffness and mass cannot be told by the names of the matrices",
-        "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., one each",
+        "name the stiffness K... or ...STIF..., the mass M..., the damping B..., C... or ...DAMP..., structural "
+        "damping K4... or ...DMPS..., one each",
     ),
     "matrix-size": (
         "matrices and dofs do not belong together",

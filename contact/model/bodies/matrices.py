@@ -1,9 +1,9 @@
-"""Someone's matrices M, K, C, checked and in SI: what their rows mean, unit forces on a contact, their facts."""
+"""Someone's matrices M, K, C, K4, checked and in SI: what their rows mean, unit forces on a contact, their facts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +14,12 @@ from contact.io.units import units_of
 
 DIRECTIONS = ("q", "x", "y", "z", "rx", "ry", "rz")  # q: a scalar, such as the amplitude of a mode
 NUMBERED: dict[str | int, str] = dict(enumerate(DIRECTIONS))
+EYE = np.eye(3)
+OPTIONAL = ("C", "K4")
+SQUARE = 1e-3  # of axes: three digits
+ROUND_OFF = 1e-12  # of a direction's components
+UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
+MINOR = 1e-6  # of minors and diagonals: matrices of single precision have seven digits
 SKEW = 1e-4  # asymmetry of a matrix, of the entries in its rows, beyond which it is refused
 
 Dof: TypeAlias = tuple[int, str | int]
@@ -24,8 +30,9 @@ Contact: TypeAlias = Sequence[int] | Sequence[Dof] | Mapping[str, Any]
 class Matrices:
     """Matrices in SI, and what their rows mean.
 
-    `M`, `K` (n, n) sparse; `C` likewise or None. `dofs` (n,) pairs (node, direction), direction one of `DIRECTIONS`.
-    `points` node -> position [m].
+    `M`, `K` (n, n) sparse; `C` and `K4` (structural damping, the imaginary part of K) likewise or None. `dofs` (n,)
+    pairs (node, direction), direction one of `DIRECTIONS`. `points` node -> position [m]; `axes` node -> directions of
+    its own x, y, z in the axes of the points, rows (3, 3), for nodes whose dofs are along those.
     """
 
     M: Any
@@ -34,6 +41,8 @@ class Matrices:
     dofs: tuple[tuple[int, str], ...]
     points: Mapping[int, Array]
     skew: tuple[float, float]
+    K4: Any = None
+    axes: Mapping[int, Array] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -44,6 +53,8 @@ class Matrices:
         dofs: Sequence[Dof],
         points: Mapping[int, Sequence[float]] | None = None,
         units: str = "m-kg-s",
+        K4: Any = None,
+        axes: Mapping[int, Any] | None = None,
     ) -> Matrices:
         """Check matrices in any consistent units; raises InputError naming what does not fit."""
         from scipy.sparse import csc_array, diags_array
@@ -60,8 +71,9 @@ class Matrices:
         scale = csc_array(diags_array(np.array(size)))
         matrices: list[Any] = []
         skews: list[float] = []
-        for name, A, unit in (("M", M, system.mass), ("K", K, system.stiffness), ("C", C, system.damping)):
-            if A is None and name == "C":
+        given = [("M", M, system.mass), ("K", K, system.stiffness), ("C", C, system.damping)]
+        for name, A, unit in (*given, ("K4", K4, system.stiffness)):
+            if A is None and name in OPTIONAL:
                 matrices.append(None)
                 continue
             symmetric, skew = symmetric_part(name, A, len(named))
@@ -71,30 +83,40 @@ class Matrices:
         for node, x in places.items():
             if x.shape != (3,) or not np.isfinite(x).all():
                 raise InputError(f"points: found {points[node] if points else x!r} for node {node}, expected x, y, z")
-        M, K, C = matrices
+        M, K, C, K4 = matrices
+        check_minors(M, named)
         empty = np.flatnonzero((abs(M) + abs(K)).sum(axis=0) == 0.0)
         if empty.size:
             node, direction = named[int(empty[0])]
             found = f"found neither mass nor stiffness at {node}.{direction}, the first of {empty.size} such dofs"
             raise InputError(f"M, K: {found}, expected one or both; leave out their rows and columns")
-        return Matrices(M=M, K=K, C=C, dofs=named, points=places, skew=(skews[0], skews[1]))
+        turned = {int(node): checked_axes(int(node), own) for node, own in (axes or {}).items()}
+        return Matrices(M=M, K=K, C=C, K4=K4, dofs=named, points=places, axes=turned, skew=(skews[0], skews[1]))
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
         return len(self.dofs)
 
-    def rigid_motions(self) -> Array:
-        """Translations along x, y, z and rotations about the origin, (n, 6); rotations only where points are known."""
-        motions = np.zeros((self.size, 6))
+    def along(self) -> Array:
+        """Direction of each row in the axes of the points, (n, 3); zero for a scalar."""
+        directions = np.zeros((self.size, 3))
         for row, (node, direction) in enumerate(self.dofs):
-            if direction in ("x", "y", "z"):
-                i = "xyz".index(direction)
-                motions[row, i] = 1.0
-                if node in self.points:
-                    motions[row, 3:] = np.cross(np.eye(3), self.points[node])[:, i]
-            elif direction != "q":
-                motions[row, 3 + "xyz".index(direction[1])] = 1.0
+            if direction != "q":
+                directions[row] = self.axes.get(node, EYE)["xyz".index(direction[-1])]
+        return directions
+
+    def rigid_motions(self, about: Array | None = None) -> Array:
+        """Translations along x, y, z and rotations about a point (the origin), (n, 6); these where points are known."""
+        motions = np.zeros((self.size, 6))
+        at = np.zeros(3) if about is None else about
+        for row, ((node, direction), along) in enumerate(zip(self.dofs, self.along(), strict=True)):
+            if len(direction) == 2:
+                motions[row, 3:] = along
+                continue
+            motions[row, :3] = along
+            if node in self.points:
+                motions[row, 3:] = np.cross(self.points[node] - at, along)
         return motions
 
     def loads(self, contact: Contact) -> tuple[tuple[str, ...], Array]:
@@ -109,17 +131,64 @@ class Matrices:
             if isinstance(item, tuple):
                 wanted.append(checked_dof(item))
                 continue
-            own = [(int(item), axis) for axis in "xyz" if (int(item), axis) in self.dofs]
+            own = [(int(item), axis) for axis in "xyz" if self.unit_force(int(item), axis) is not None]
             if not own:
                 raise InputError(f"contact: found node {item}, which no dof belongs to")
             wanted += own
-        missing = [f"{node}.{direction}" for node, direction in wanted if (node, direction) not in self.dofs]
+        forces = [self.unit_force(node, direction) for node, direction in wanted]
+        missing = [f"{node}.{axis}" for (node, axis), force in zip(wanted, forces, strict=True) if force is None]
         if missing or not wanted or len(set(wanted)) < len(wanted):
             found = f"{missing[0]}, which is no dof" if missing else f"{wanted}"
             raise InputError(f"contact: found {found}, expected nodes or dofs of the matrices, each once")
         P = np.zeros((self.size, len(wanted)))
-        P[[self.dofs.index(dof) for dof in wanted], range(len(wanted))] = 1.0
+        for column, force in enumerate(forces):
+            for row, share in (force or {}).items():
+                P[row, column] = share
         return tuple(f"{node}.{direction}" for node, direction in wanted), P
+
+    def unit_force(self, node: int, direction: str) -> dict[int, float] | None:
+        """Row -> share of a unit force along x, y or z of the points' axes; None where the node's dofs lack a part."""
+        kind = direction[:-1]
+        own = {"q": 1.0}
+        if direction != "q":
+            shares = self.axes.get(node, EYE)[:, "xyz".index(direction[-1])]
+            own = {kind + axis: float(v) for axis, v in zip("xyz", shares, strict=True) if abs(v) > ROUND_OFF}
+        rows = {dof: row for row, dof in enumerate(self.dofs) if dof[0] == node}
+        if not all((node, axis) in rows for axis in own):
+            return None
+        return {rows[node, axis]: share for axis, share in own.items()}
+
+
+def checked_axes(node: int, own: Any) -> Array:
+    """Axes of a node, at right angles."""
+    axes = np.asarray(own, dtype=float)
+    if axes.shape != (3, 3) or not np.abs(axes @ axes.T - EYE).max() <= SQUARE or np.linalg.det(axes) < 0.0:
+        raise InputError(f"axes: found {axes.tolist()} at node {node}, expected three unit vectors at right angles")
+    return axes
+
+
+def check_minors(M: Any, dofs: Sequence[tuple[int, str]]) -> None:
+    """Refuse what no mass matrix has: M_ii < 0, or |M_ij| above the root of M_ii M_jj, by a millionth of the mean."""
+    from scipy.sparse import coo_array
+
+    diagonal = M.diagonal()
+    if not diagonal.any():
+        return
+    floor = MINOR * float(np.abs(diagonal).mean())
+    expected = "expected a mass matrix without negative eigenvalues"
+    worst = int(diagonal.argmin())
+    if diagonal[worst] < -floor:
+        node, direction = dofs[worst]
+        raise InputError(f"M: found {diagonal[worst]:.3g} on the diagonal at {node}.{direction}, {expected}")
+    entries = coo_array(M)
+    rows, columns = entries.coords
+    root = np.sqrt(np.maximum(diagonal, 0.0))
+    beyond = np.abs(entries.data) - (1.0 + MINOR) * root[rows] * root[columns] - floor
+    if beyond.size and beyond.max() > 0.0:
+        k = int(beyond.argmax())
+        (one, axis), (other, other_axis) = dofs[int(rows[k])], dofs[int(columns[k])]
+        found = f"found {entries.data[k]:.3g} between {one}.{axis} and {other}.{other_axis}"
+        raise InputError(f"M: {found}, more than their diagonals allow, {expected}")
 
 
 def checked_dof(dof: Dof) -> tuple[int, str]:
@@ -144,7 +213,7 @@ def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
     if not np.isfinite(sparse.data).all():
         raise InputError(f"{name}: found entries that are NaN or infinite, expected finite numbers")
     if not sparse.count_nonzero():
-        if name == "C":
+        if name in OPTIONAL:
             return sparse, 0.0
         raise InputError(f"{name}: found zeros alone, expected a mass and a stiffness")
     skew = asymmetry(sparse)
@@ -181,7 +250,8 @@ class MatrixReport:
     about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the
     same rows; `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual`
     the share of S in the static compliance at the contact; `coupling` the largest damping between two modes over their
-    own; `undamped` rigid modes that C damps and the body does not.
+    own; `undamped` rigid modes that C damps and the body does not; `structural` the least and largest loss factor g of
+    a mode by structural damping, None without; `rigid_motion` what the test of rigid motions found.
     """
 
     size: int
@@ -196,6 +266,8 @@ class MatrixReport:
     residual: float
     coupling: float | None
     undamped: int | None
+    structural: tuple[float, float] | None = None
+    rigid_motion: str = ""
 
     def __str__(self) -> str:
         """The lines of the printout."""
@@ -208,13 +280,21 @@ class MatrixReport:
             rows = "; ".join(" ".join(f"{x:.6g}" for x in row) for row in self.inertia)
             lines.append(f"inertia about it [kg m^2]: {rows}")
         else:
-            lines.append("inertia: not known without the positions of the nodes")
+            lines.append("inertia: not known without the positions of the nodes, or with masses that differ")
         lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
         lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
         if self.coupling is not None:
             lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, left out")
         if self.undamped:
             lines.append(f"damping of rigid modes: left out in {self.undamped} of {self.rigid}, which move on undamped")
+        if self.structural is not None:
+            least, most = self.structural
+            lines.append(
+                f"structural damping: g from {least:.4g} to {most:.4g}, taken as zeta = g/2 of each mode: "
+                "the same at resonance alone"
+            )
+        if self.rigid_motion:
+            lines.append(self.rigid_motion)
         return "\n".join([*lines, self.words])
 
     @property
@@ -239,6 +319,7 @@ def report_of(
     inertia = motions.T @ (matrices.M @ motions)
     mass = np.diag(inertia)[:3]
     known = all(node in matrices.points for node, axis in matrices.dofs if axis != "q") and mass.min() > 0.0
+    known = known and np.ptp(mass) <= UNEQUAL * mass.max()  # supports may leave out single directions
     centre = about = None
     if known:
         # the mean of the diagonal's three masses: the part of the first moment that is skew gives the centre

@@ -1,4 +1,4 @@
-"""Someone's matrices M, K, C as a body: reduced to modes with residual compliance.
+"""Someone's matrices M, K, C, K4 as a body: reduced to modes with residual compliance.
 
     K phi = omega^2 M phi,   S = P^T G P - (P^T Phi) diag(1/omega^2) (P^T Phi)^T
 
@@ -11,7 +11,7 @@ are the sharpest, rigid modes and massless dofs do no harm.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -19,13 +19,14 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.matrices import Contact, Matrices, MatrixReport, report_of
+from contact.model.bodies.rigid_test import rigid_findings
 
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
 SHIFT = 1e-6  # s over the median K_ii / M_ii
 ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
-NOTHING = 1e-9  # of the static compliance: below it the residual is round-off
+NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, of the modes beside a shift of 1e-6
 
 
 def reduced(
@@ -46,12 +47,22 @@ def reduced(
     rows = P.T @ phi
     elastic = rows[:, rigid:] / omega[rigid:]
     total, S = P.T @ G, P.T @ G - elastic @ elastic.T
-    S = 0.5 * (S + S.T)
-    if np.abs(S).max() <= NOTHING * np.abs(total).max():
-        S = np.zeros_like(S)
-    damping, coupling, undamped = modal_damping(matrices, phi, omega, zeta)
+    S = without_round_off(0.5 * (S + S.T), NOTHING * float(np.abs(total).max()))
+    found = rigid_findings(matrices, R, median_rate(matrices))
+    damping, coupling, undamped = modal_damping(matrices, phi, omega, 0.0 if matrices.K4 is not None else zeta)
+    structural = None
+    if matrices.K4 is not None:
+        loss, across = loss_factors(matrices, phi, omega)
+        damping = damping + 0.5 * loss
+        if damping.max(initial=0.0) >= 1.0:
+            k = int(damping.argmax())
+            raise InputError(f"K4: found a damping ratio of {damping[k]:.3g} in mode {k + 1}, expected less than 1")
+        coupling = max(across, coupling or 0.0)
+        structural = (float(loss[rigid:].min(initial=np.inf)), float(loss[rigid:].max(initial=0.0)))
+        structural = structural if structural[0] <= structural[1] else (0.0, 0.0)
     share = float(np.trace(S) / np.trace(total)) if S.any() else 0.0
     facts = report_of(matrices, lam, rigid, len(lam), share, coupling, undamped)
+    facts = replace(facts, structural=structural, rigid_motion=found)
     body = dict(
         omega=omega,
         zeta=damping,
@@ -62,6 +73,19 @@ def reduced(
         provenance=json.dumps({"method": "matrices", "modes": len(lam), "matrices": asdict(facts)}, sort_keys=True),
     )
     return body, facts
+
+
+def without_round_off(S: Array, level: float) -> Array:
+    """A residual compliance without what is round-off: all of it, or eigenvalues a little below zero."""
+    if np.abs(S).max() <= level:
+        return np.zeros_like(S)
+    values, vectors = np.linalg.eigh(S)
+    below = (values < 0.0) & (values > -level)
+    if not below.any():
+        return S
+    values[below] = 0.0
+    mended = (vectors * values) @ vectors.T
+    return np.asarray(0.5 * (mended + mended.T))
 
 
 def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
@@ -184,3 +208,23 @@ def modal_damping(matrices: Matrices, phi: Array, omega: Array, zeta: float) -> 
     coupling = np.divide(off, size, out=np.zeros_like(off), where=size > 0.0).max(initial=0.0)
     undamped = np.count_nonzero(own[omega == 0.0] > RIGID * own.max())
     return ratio, float(coupling), int(undamped)
+
+
+def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, float]:
+    """Loss factor g of each mode by structural damping, phi^T K4 phi / phi^T K phi, and its largest coupling of two modes.
+
+    A rigid mode has none.
+    """
+    k4 = phi.T @ (matrices.K4 @ phi)
+    own = np.diag(k4)
+    size = float(np.abs(own).max(initial=0.0))
+    if own.min(initial=0.0) < -RIGID * size:
+        raise InputError(f"K4: found negative damping in mode {int(own.argmin()) + 1}, expected one that takes energy")
+    own = np.maximum(own, 0.0)
+    elastic = omega > 0.0
+    stiffness = np.einsum("ij,ij->j", phi, matrices.K @ phi)  # omega^2, to more digits
+    loss = np.divide(own, stiffness, out=np.zeros_like(omega), where=elastic)
+    root = np.sqrt(np.outer(own, own))
+    off = np.abs(k4 - np.diag(np.diag(k4)))
+    part = np.divide(off, root, out=np.zeros_like(off), where=(root > 0.0) & np.outer(elastic, elastic))
+    return loss, float(part.max(initial=0.0))

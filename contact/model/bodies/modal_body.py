@@ -242,17 +242,22 @@ class ModalBody:
         units: str = "m-kg-s",
         modes: int | None = None,
         zeta: float = 0.0,
+        K4: Any = None,
+        axes: Mapping[int, Any] | None = None,
     ) -> ModalBody:
-        """Modes and residual compliance of someone's matrices M, K and maybe C, dense or sparse.
+        """Modes and residual compliance of someone's matrices M, K and maybe C, K4, dense or sparse.
 
         `dofs`: (node, direction) of each row, directions x, y, z, rx, ry, rz or 1 to 6; q or 0 for a scalar, such as a
         mode of a Craig-Bampton set. `contact`: nodes (channels 6.x, 6.y, 6.z), dofs, or channel name -> row over the
         dofs. `points`: node -> x, y, z. `units` of all of them, length-mass-time. `modes` kept: 20 if left out, or all
-        if they are fewer. `zeta` where there is no C. A free body keeps its rigid modes; modes left out go into S, as
-        do massless dofs. The provenance holds what `ct.bodies.body_of` reports: mass, inertia, rigid modes, symmetry,
-        frequencies, residual compliance.
+        if they are fewer. `zeta` where there is no C and no K4. `K4`: structural damping, the imaginary part of K; a
+        mode has zeta = phi^T K4 phi / (2 omega^2). `axes`: node -> directions of its own x, y, z, rows (3, 3), for
+        nodes whose dofs are not along the axes of the points; channels are along the latter. A free body keeps its
+        rigid modes; modes left out go into S, as do massless dofs. The provenance holds what `ct.bodies.body_of`
+        reports: mass, inertia, rigid modes, symmetry, frequencies, residual compliance.
 
-        Raises InputError naming the matrix, dof or unit that cannot be used.
+        Raises InputError naming the matrix, dof or unit that cannot be used, or the node at which a free part resists
+        rigid motion: wrong axes, positions or units.
 
         >>> two = ModalBody.from_matrices([[2.0, 0.0], [0.0, 1.0]], [[2e6, -1e6], [-1e6, 1e6]], contact=[2],
         ...                               dofs=[(1, "x"), (2, "x")], modes=1)
@@ -262,7 +267,7 @@ class ModalBody:
         from contact.model.bodies.matrices import Matrices
         from contact.model.bodies.matrix_modes import reduced
 
-        matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units)
+        matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units, K4=K4, axes=axes)
         return ModalBody(**reduced(matrices, contact, modes=modes, zeta=zeta)[0])
 
     @staticmethod

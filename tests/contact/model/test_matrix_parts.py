@@ -215,7 +215,8 @@ def test_mass_centre_and_inertia_of_point_masses():
 
 def test_the_lines_that_are_told_of_matrices():
     _, facts = body_of(point_masses(), [1])
-    text = str(replace(facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, undamped=1)).splitlines()
+    changed = replace(facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, undamped=1, rigid_motion="")
+    text = str(changed).splitlines()
     assert text[0] == "9 unknowns, 2 of them without mass, 1 rigid modes"
     assert text[1] == "mass [kg]: 10 10 10 along x, y, z"
     assert text[2] == "centre [m]: 0.2 0.6 2"
@@ -227,7 +228,7 @@ def test_the_lines_that_are_told_of_matrices():
     assert text[7] == "damping of rigid modes: left out in 1 of 1, which move on undamped"
     assert text[8].startswith("residual compliance: none")
     plain = str(replace(facts, centre=None, residual=0.125)).splitlines()
-    assert plain[2] == "inertia: not known without the positions of the nodes"
+    assert plain[2] == "inertia: not known without the positions of the nodes, or with masses that differ"
     assert plain[-1].startswith("residual compliance: present, 12.5 % of the static compliance at the contact; without")
     assert "the 9 modes" in plain[-1]
     assert not any("damping" in line for line in plain)

@@ -1,7 +1,8 @@
 """Matrices as named arrays: npz, MATLAB's .mat (old ones by scipy, version 7.3 by h5py), HDF5.
 
-K, M and maybe C, dense, or sparse as MATLAB keeps it, or in an npz as NAME_data, NAME_indices, NAME_indptr of
-compressed columns; `dofs` (n, 2) and `nodes` (k, 4: number, x, y, z) if they are there.
+K, M and maybe C and K4 (structural damping), dense, or sparse as MATLAB keeps it, or in an npz as NAME_data,
+NAME_indices, NAME_indptr of compressed columns; `dofs` (n, 2), `nodes` (k, 4: number, x, y, z) and `axes` (k, 7:
+number, directions of the node's own x and y) if they are there.
 """
 
 import warnings
@@ -17,16 +18,17 @@ from casingfem.extras import remedy
 from casingfem.io.arrays import Array, IntArray
 from casingfem.io.npz import read_npz
 from casingfem.io.probe import UnreadableError, arrays_of
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of, without_null
+from casingfem.structure.imported.matrix.tables import own_axes
 from contact.io.infiles import open_file, regular_file
 
-TABLES = ("dofs", "nodes")
+TABLES = ("dofs", "nodes", "axes")
 SIGNATURE = slice(512, 516)  # where a .mat file of version 7.3 begins to be HDF5
 PARTS = {"data": "data", "indices": "ir", "indptr": "jc"}  # MATLAB's names of the parts of compressed columns
 
 
 def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
-    """K, M and C of a file of arrays, told apart by their names.
+    """K, M, C and K4 of a file of arrays, told apart by their names.
 
     Raises
     ------
@@ -36,20 +38,35 @@ def read_arrays(path: Path, dofs: IntArray | None) -> MatrixSet:
     read = {".npz": read_from_npz, ".mat": read_from_mat}.get(path.suffix.lower(), read_from_hdf5)
     found = read(path)
     tables = {name: np.asarray(found.pop(name)) for name in TABLES if name in found}
-    square = {name: A for name, A in found.items() if A.ndim == 2 and A.shape[0] == A.shape[1]}
-    roles = roles_of([name for name, A in square.items() if A.dtype.kind in "iufc"], path.name)
+    numeric = {name: A for name, A in found.items() if A.ndim == 2 and A.dtype.kind in "iufc"}
+    square = without_null(numeric)
+    roles = roles_of(list(square), path.name)
     if dofs is None:
         if "dofs" not in tables:
             raise ModelError("matrix-dofs", f"{path.name}: found no array dofs")
         dofs = whole_numbers(tables["dofs"], 2, "matrix-dofs", f"{path.name}: dofs").astype(np.int64)
     nodes = whole_numbers(tables.get("nodes", np.zeros((0, 4))), 4, "matrix-file", f"{path.name}: nodes", numbered=1)
+    turned = whole_numbers(tables.get("axes", np.zeros((0, 7))), 7, "matrix-file", f"{path.name}: axes", numbered=1)
     matrices = {role: fitting(f"{path.name}: {name}", square[name]) for role, name in roles.items()}
     if odd := [name for role, name in roles.items() if matrices[role].dtype.kind == "c"]:
         said = f"{odd[0]} of complex numbers, expected K, M and C, each of real ones"
         raise ModelError("matrix-file", f"{path.name}: found {said}")
-    K, M, C = (None if role not in matrices else matrices[role].astype(float) for role in "KMC")
+    named = {role: A.astype(float) for role, A in matrices.items()}
     points = {int(row[0]): row[1:] for row in nodes}
-    return MatrixSet(K=K, M=M, C=C, dofs=dofs, points=points, source=path.name)
+    left_out = tuple(name for name in numeric if name not in roles.values())
+    return MatrixSet(**named, dofs=dofs, points=points, axes=axes_of(turned, path), source=path.name, left_out=left_out)
+
+
+def axes_of(table: Array, path: Path) -> dict[int, Array]:
+    """Own axes of nodes from their table, (k, 7)."""
+    axes = {}
+    for row in table:
+        try:
+            axes[int(row[0])] = own_axes(row[1:].astype(float))
+        except ValueError as error:
+            found = f"found {error} at node {int(row[0])}, expected two unit vectors at right angles"
+            raise ModelError("matrix-file", f"{path.name}: axes: {found}") from None
+    return axes
 
 
 def whole_numbers(table: Array, width: int, code: str, what: str, numbered: int = 2) -> Array:

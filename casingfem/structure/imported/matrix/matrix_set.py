@@ -1,8 +1,9 @@
-"""M, K and maybe C of a part with the meaning of their rows, in the units of the file they come from."""
+"""M, K and maybe C and K4 of a part with the meaning of their rows, in the units of the file they come from."""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array
@@ -11,9 +12,12 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.brief import brief
 
-WORDS = {"K": re.compile("STIF"), "M": re.compile("MASS"), "C": re.compile("DAMP|DMPV")}
-OF_A_SET = re.compile(r"[KMB]([A-Z])\1X?")  # Nastran's names: KAA, MGGX
-LETTERS = {"K": re.compile("K(?!4)"), "M": re.compile("M"), "C": re.compile("[BC]")}  # K4 is structural damping
+STIFFNESS_AND_MASS = {"K": re.compile("STIF"), "M": re.compile("MASS")}
+WORDS = STIFFNESS_AND_MASS | {"C": re.compile("DAMP|DMPV"), "K4": re.compile("DMPS")}  # DMPV, DMPS: Abaqus
+OF_A_SET = re.compile(r"(K4|[KMB])([A-Z])\2X?\d?")  # Nastran's names: KAA, MGGX, BXX1, K4AA
+LETTERS = {"K4": re.compile("K4"), "K": re.compile("K"), "M": re.compile("M"), "C": re.compile("[BC]")}
+ROLES = ("K", "M", "C", "K4")
+NEEDED = ("K", "M")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -22,22 +26,33 @@ class MatrixSet:
 
     Attributes
     ----------
-    K, M, C
-        Stiffness, mass, damping; C is None where there is none.
+    K, M, C, K4
+        Stiffness, mass, viscous damping, structural damping (the imaginary part of the stiffness); C and K4 are None
+        where there is none.
     dofs
         Node and direction of each row, (n, 2): 1 to 3 along x, y, z, 4 to 6 about them, 0 a scalar.
     points
         Node -> position, (3,).
+    axes
+        Node -> directions of its own x, y, z in the axes of the points, rows (3, 3); other nodes have those axes.
     source
         Name of the file, for messages.
+    left_out
+        Names of matrices of the files that are none of these.
+    boundary
+        Nodes at which the part is joined to others, where the files say it: the grids of EXTRN cards.
     """
 
     K: csc_array
     M: csc_array
     C: csc_array | None = None
+    K4: csc_array | None = None
     dofs: IntArray
     points: Mapping[int, FloatArray] = field(default_factory=dict)
+    axes: Mapping[int, FloatArray] = field(default_factory=dict)
     source: str = "matrices"
+    left_out: tuple[str, ...] = ()
+    boundary: tuple[int, ...] = ()
 
     __repr__ = brief
 
@@ -57,7 +72,8 @@ class MatrixSet:
     @property
     def named(self) -> dict[str, csc_array]:
         """The matrices there are, by their letters."""
-        return {name: A for name, A in (("K", self.K), ("M", self.M), ("C", self.C)) if A is not None}
+        named = {"K": self.K, "M": self.M, "C": self.C, "K4": self.K4}
+        return {name: A for name, A in named.items() if A is not None}
 
 
 def fault(source: str, message: str) -> ModelError:
@@ -66,7 +82,7 @@ def fault(source: str, message: str) -> ModelError:
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
-    """Which of the names is K, which M, which C: KAAX, MAAX, BAAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
+    """Which of the names is K, which M, which C or K4: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
 
     Where several fit, those that Nastran gives to its sets: KAA, KGG, KXX, not KASMX.
 
@@ -76,17 +92,17 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
         `matrix-names` where K or M has none or several.
 
     >>> roles_of(["KAAX", "MAAX", "K4AAX", "PAX"], "part.pch")
-    {'K': 'KAAX', 'M': 'MAAX'}
+    {'K': 'KAAX', 'M': 'MAAX', 'K4': 'K4AAX'}
     >>> roles_of(["KAA", "KASMX", "MAA", "MASMX"], "part.op4")
     {'K': 'KAA', 'M': 'MAA'}
     """
     found: dict[str, str] = {}
     roles = [role_of(name) for name in names]
-    for role in LETTERS:
+    for role in ROLES:
         fitting = [name for name, own in zip(names, roles, strict=True) if own == role]
         if len(fitting) > 1:
             fitting = [name for name in fitting if OF_A_SET.fullmatch(name.upper())] or fitting
-        if len(fitting) > 1 or (not fitting and role != "C"):
+        if len(fitting) > 1 or (not fitting and role in NEEDED):
             have = ", ".join(names) or "none"
             raise ModelError("matrix-names", f"{source}: found the matrices {have}, {len(fitting)} of them for {role}")
         if fitting:
@@ -95,16 +111,28 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
 
 
 def role_of(name: str) -> str:
-    """K, M or C by a word in a name, by the letter that its last part begins with, or its first; "" for none.
+    """K, M, C or K4 by a word in a name, by how its last part begins, or its first; "" for none.
 
-    >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("PAX")
-    ('K', 'M', 'K', '')
+    >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("K4XX1"), role_of("PAX")
+    ('K', 'M', 'K', 'K4', '')
     """
     upper = name.upper()
     by_word = [role for role, pattern in WORDS.items() if pattern.search(upper)]
     last = re.split(r"[_.-]", upper)[-1]
     by_letter = [role for part in (last, upper) for role, pattern in LETTERS.items() if pattern.match(part)]
     return [*by_word, *by_letter, ""][0]
+
+
+def is_part(name: str) -> bool:
+    """Whether a name is sure to be that of a K, M, C or K4: one of Nastran's sets, or the letter alone."""
+    upper = name.upper()
+    return OF_A_SET.fullmatch(upper) is not None or upper in ("B", *ROLES)
+
+
+def without_null(matrices: Mapping[str, Any]) -> dict[str, Any]:
+    """Square matrices but null ones of 1 x 1: Nastran writes these for a matrix that is purged, i.e. that is zero."""
+    square = {name: A for name, A in matrices.items() if A.shape[0] == A.shape[1]}
+    return {name: A for name, A in square.items() if A.shape != (1, 1) or csc_array(A).count_nonzero()}
 
 
 def from_triples(

@@ -1,45 +1,40 @@
-"""Read matrices of any format, the ending tells which; those of Nastran's DMIG cards, by node and component, here.
-
-DMIG, NAME, 0, IFO, TIN, TOUT, POLAR, , NCOL          the header: IFO 1 square, 6 symmetric
-DMIG, NAME, GJ, CJ, , G1, C1, A1, B1, G2, C2, A2, B2  a column: node, component, and the entries of rows G, C
-"""
+"""Read matrices of any format; the endings of the files tell which, in any order."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
+from scipy.sparse import csc_array
 
-from casingfem.errors import InputError, ModelError
-from casingfem.io import strict_csv
-from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.io.included import read_lines
+from casingfem.errors import ModelError
+from casingfem.io.arrays import IntArray
 from casingfem.structure.imported.matrix.arrays import read_arrays
-from casingfem.structure.imported.matrix.matrix_set import OF_A_SET, MatrixSet, from_triples, roles_of
+from casingfem.structure.imported.matrix.bulk import Bulk, read_bulk
+from casingfem.structure.imported.matrix.matrix_set import MatrixSet, fault, role_of, roles_of, without_null
 from casingfem.structure.imported.matrix.op4 import read_op4
+from casingfem.structure.imported.matrix.tables import nodes_and_axes, read_dofs
 from casingfem.structure.imported.matrix.text import read_calculix, read_mtx_pair
-from casingfem.structure.imported.readers.bdf import Parser
-from casingfem.structure.imported.readers.bdf_cards import Card, cards
 
-DMIG = (".pch", ".bdf", ".dmig", ".dat")
+BULK = (".pch", ".bdf", ".dmig", ".dat", ".nas", ".asm")
 ARRAYS = (".npz", ".mat", ".h5", ".hdf5")
 CALCULIX = (".sti", ".mas", ".dof")
-ENDINGS = (*DMIG, ".op4", ".mtx", *CALCULIX, *ARRAYS)
-DIRECTIONS = {"q": 0, "x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6} | {str(k): k for k in range(7)}
+ENDINGS = (*BULK, ".op4", ".mtx", *CALCULIX, *ARRAYS)
 
 
 def read_matrices(
     paths: str | Path | Sequence[str | Path], *, nodes: str | Path | None = None, dofs: str | Path | None = None
 ) -> MatrixSet:
-    """Read K, M and maybe C of a part, in the file's own units.
+    """Read K, M and maybe C and K4 (structural damping) of a part, in the file's own units.
 
     Parameters
     ----------
     paths
-        One file of DMIG cards (.pch, .bdf), OP4, CalculiX (.sti, .mas and .dof side by side), .mat, HDF5 or npz, or
-        the .mtx files of K, M and maybe C.
+        Files of DMIG cards (.pch, .bdf), of OP4, one of CalculiX (.sti, .mas and .dof side by side), .mat, HDF5 or npz,
+        or the .mtx files of K, M and maybe C. Beside matrices of another format, bulk data (.pch, .bdf, .dat, .asm)
+        give the rows (EXTRN), the grids with their own axes (GRID, CORD), and structural damping (PARAM G).
     nodes
-        A table with the columns node, x, y, z.
+        A table with the columns node, x, y, z, and maybe xx, xy, xz, yx, yy, yz: the directions of the node's own x and
+        y, along which its dofs are.
     dofs
         A table with the columns node, direction (x, y, z, rx, ry, rz, q, or 1 to 6 and 0), a line for each row of the
         matrices; for formats that do not say it.
@@ -50,133 +45,73 @@ def read_matrices(
         `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what the files lack, with the line where it is one.
     """
     files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
-    endings = {file.suffix.lower() for file in files}
-    rows = None if dofs is None else read_dofs(Path(dofs))
-    if len(endings) != 1 or not endings <= set(ENDINGS) or (len(files) > 1 and endings != {".mtx"}):
+    beside = [file for file in files if file.suffix.lower() in BULK]
+    others = [file for file in files if file not in beside]
+    endings = {file.suffix.lower() for file in others}
+    several = endings <= {".mtx"} or endings <= {".op4"}
+    if not files or len(endings) > 1 or not endings <= set(ENDINGS) or (len(others) > 1 and not several):
         found = ", ".join(file.name for file in files) or "no file"
         raise ModelError("matrix-format", f"found {found}")
-    first, ending = files[0], endings.pop()
-    if ending in DMIG:
-        found_set = read_dmig(first)
-    elif ending in CALCULIX:
-        found_set = read_calculix(first)
-    elif ending == ".mtx":
-        found_set = read_mtx_pair(files, rows)
-    elif ending == ".op4":
-        found_set = of_op4(first, rows)
+    rows = None if dofs is None else read_dofs(Path(dofs))
+    bulk = read_bulk(beside) if beside else None
+    if not others:
+        assert bulk is not None
+        found_set = of_dmig(bulk)
     else:
-        found_set = read_arrays(first, rows)
+        found_set = of_others(others, rows if rows is not None or bulk is None else bulk.rows, bulk)
+    found_set = with_bulk(found_set, bulk)
     if nodes is None:
         return found_set
-    return replace(found_set, points={**found_set.points, **read_nodes(Path(nodes))})
+    points, axes = nodes_and_axes(Path(nodes))
+    return replace(found_set, points={**found_set.points, **points}, axes={**found_set.axes, **axes})
 
 
-def of_op4(path: Path, dofs: IntArray | None) -> MatrixSet:
-    """K, M and C of an OP4 file, which does not say what its rows are."""
-    matrices = read_op4(path)
-    roles = roles_of([name for name, A in matrices.items() if A.shape[0] == A.shape[1]], path.name)
+def of_others(files: Sequence[Path], rows: IntArray | None, bulk: Bulk | None) -> MatrixSet:
+    """Matrices of files that are no bulk data; those may not have matrices too."""
+    if bulk is not None and (again := [name for name in bulk.dmig.names if role_of(name) in ("K", "M")]):
+        names = ", ".join(file.name for file in files)
+        raise fault(bulk.source, f"found DMIG {again[0]}, beside the matrices of {names}, expected one or the other")
+    ending = files[0].suffix.lower()
+    if ending in CALCULIX:
+        return read_calculix(files[0])
+    if ending == ".mtx":
+        return read_mtx_pair(list(files), rows)
+    return of_op4(files, rows) if ending == ".op4" else read_arrays(files[0], rows)
+
+
+def of_op4(paths: Sequence[Path], dofs: IntArray | None) -> MatrixSet:
+    """K, M, C and K4 of OP4 files, which do not say what their rows are; null ones of 1 x 1 are as none."""
+    source = ", ".join(path.name for path in paths)
+    every: dict[str, csc_array] = {}
+    for path in paths:
+        matrices = read_op4(path)
+        if again := [name for name in matrices if name in every and role_of(name)]:
+            raise fault(path.name, f"found the matrix {again[0]}, which another of the files has too, expected it once")
+        every |= matrices
+    square = without_null(every)
+    roles = roles_of(list(square), source)
     if dofs is None:
-        raise ModelError("matrix-dofs", f"{path.name}: an OP4 file has no dofs")
-    return MatrixSet(**{role: matrices[name] for role, name in roles.items()}, dofs=dofs, source=path.name)
+        raise ModelError("matrix-dofs", f"{source}: an OP4 file has no dofs")
+    left_out = tuple(name for name, A in every.items() if name not in roles.values() and A.count_nonzero())
+    named = {role: square[name] for role, name in roles.items()}
+    return MatrixSet(**named, dofs=dofs, source=source, left_out=left_out)
 
 
-def read_nodes(path: Path) -> dict[int, FloatArray]:
-    """Positions of nodes, from a table node, x, y, z."""
-    table = table_with(path, ("node", "x", "y", "z"))
-    numbers = table.integers("node")
-    values, first = np.unique(numbers, return_index=True)
-    if len(values) < len(numbers):
-        again = int(np.setdiff1d(np.arange(len(numbers)), first)[0])
-        raise table.refuse(row=again, column="node", found=f"node {numbers[again]} again", expected="each once")
-    return dict(zip(numbers.tolist(), np.stack([table.numbers(axis) for axis in "xyz"], axis=1), strict=True))
+def of_dmig(bulk: Bulk) -> MatrixSet:
+    """K, M, C and K4 of DMIG cards."""
+    dmig = bulk.dmig
+    roles = roles_of(dmig.names, bulk.source)
+    matrices, dofs = dmig.matrices(roles)
+    left_out = (*(name for name in dmig.names if name not in roles.values()), *sorted(dmig.others))
+    return MatrixSet(**matrices, dofs=dofs, source=bulk.source, left_out=left_out)
 
 
-def read_dofs(path: Path) -> IntArray:
-    """Node and direction of each row, from a table node, direction, (n, 2)."""
-    table = table_with(path, ("node", "direction"))
-    rows = []
-    for k, (node, word) in enumerate(zip(table.cells["node"], table.cells["direction"], strict=True)):
-        direction = DIRECTIONS.get(word.strip().lower())
-        if direction is None or not node.strip().isdecimal():
-            raise table.refuse(row=k, found=f"{node}, {word}", expected=f"a node, and {', '.join(DIRECTIONS)}")
-        rows.append((int(node), direction))
-    return np.array(rows, dtype=np.int64)
-
-
-def table_with(path: Path, columns: tuple[str, ...]) -> strict_csv.StrictCsv:
-    """A table that has some columns."""
-    table = strict_csv.read(path)
-    if missing := [name for name in columns if name not in table.header]:
-        found, expected = f"no column {', '.join(missing)}", f"columns {', '.join(columns)}"
-        raise InputError(str(path), line=table.header_line, found=found, expected=expected)
-    return table
-
-
-Entry = tuple[int, int, int, int, float]  # column's node and component, row's node and component, value
-SQUARE, RECTANGULAR, REAL, COMPLEX = ("1", "6"), ("2", "9"), ("1", "2"), ("3", "4")
-
-
-def read_dmig(path: Path) -> MatrixSet:
-    """K, M and C of a file with DMIG cards; points from its GRID cards.
-
-    Raises
-    ------
-    ModelError
-        With the line, for cards that cannot be read: complex or rectangular matrices, missing fields.
-    """
-    parser = Parser(path.name)
-    entries: dict[str, list[Entry]] = {}
-    symmetric, others = set[str](), set[str]()
-    points: dict[int, FloatArray] = {}
-    for card in cards(read_lines(path)):
-        if card.name == "GRID":
-            parser.take_grid(card)
-            number, *x = parser.grids[-1]
-            points[number] = np.array(x)
-        elif card.name == "DMIG":
-            take(parser, card, entries, symmetric, others)
-    roles = roles_of(list(entries), path.name)
-    known = {dof for name in roles.values() for entry in entries[name] for dof in (entry[:2], entry[2:4])}
-    dofs = sorted(known, key=lambda dof: (dof[1] == 0, dof))  # scalars last, as in a Craig-Bampton set
-    place = {dof: k for k, dof in enumerate(dofs)}
-    matrices = {}
-    for role, name in roles.items():
-        table = entries[name]
-        columns = np.array([place[entry[:2]] for entry in table])
-        rows = np.array([place[entry[2:4]] for entry in table])
-        values = np.array([entry[4] for entry in table])
-        matrices[role] = from_triples(rows, columns, values, len(dofs), symmetric=name in symmetric)
-    return MatrixSet(**matrices, dofs=np.array(dofs), points=points, source=path.name)
-
-
-def take(parser: Parser, card: Card, entries: dict[str, list[Entry]], symmetric: set[str], others: set[str]) -> None:
-    """One DMIG card: its header, or a column; loads and recovery matrices are passed over by their names."""
-    fields = card.fields
-    if len(fields) < 3:
-        raise parser.fault(card, f"found {len(fields)} fields, expected a name, a node and a component")
-    name = fields[0].upper()
-    if fields[1] == "0" and name not in entries:
-        form, kind = fields[2], (fields[3:4] or [""])[0]
-        if (form in RECTANGULAR or kind in COMPLEX) and not OF_A_SET.fullmatch(name):
-            others.add(name)
-            return
-        if form not in SQUARE or kind not in REAL:
-            found = f"{name} of form {form} and type {kind}"
-            raise parser.fault(card, f"found {found}, expected form 1 or 6 (square), type 1 or 2 (real)")
-        entries[name] = []
-        if form == "6":
-            symmetric.add(name)
-        return
-    if name in others:
-        return
-    if name not in entries:
-        raise parser.fault(card, f"found a column of {name} before its header")
-    node, component = parser.integer(card, fields[1]), parser.integer(card, fields[2] or "0")
-    for k in range(4, len(fields), 4):
-        row = fields[k : k + 4]
-        if not any(row):
-            continue
-        if len(row) < 3 or not row[0] or not row[2]:
-            raise parser.fault(card, f"found {', '.join(row)}, expected node, component and value of a row")
-        value, at = parser.real(card, row[2]), parser.integer(card, row[0])
-        entries[name].append((node, component, at, parser.integer(card, row[1] or "0"), value))
+def with_bulk(matrices: MatrixSet, bulk: Bulk | None) -> MatrixSet:
+    """Positions, axes, boundary and structural damping of bulk data added to matrices."""
+    if bulk is None:
+        return matrices
+    K4 = matrices.K4
+    if bulk.g:
+        K4 = csc_array(bulk.g * matrices.K + (0.0 * matrices.K if K4 is None else K4))
+    points, axes = {**matrices.points, **bulk.points}, {**matrices.axes, **bulk.axes}
+    return replace(matrices, points=points, axes=axes, K4=K4, boundary=bulk.boundary)

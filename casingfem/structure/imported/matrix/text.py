@@ -119,7 +119,7 @@ def dense_market(path: Path, *, symmetric: bool) -> csc_array:
 
 
 def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
-    """K, M and maybe C of .mtx files, told apart by their names; dofs from the files or beside them.
+    """K, M and maybe C and K4 of .mtx files, told apart by their names; dofs from the files or beside them.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
         dofs = read_dof(beside)
     K, wanted = labelled(read["K"], dofs)
     others = {role: aligned(*labelled(read[role], dofs), wanted, source) for role in read if role != "K"}
-    return MatrixSet(K=K, M=others["M"], C=others.get("C"), dofs=wanted, source=source)
+    return MatrixSet(K=K, M=others["M"], C=others.get("C"), K4=others.get("K4"), dofs=wanted, source=source)
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:

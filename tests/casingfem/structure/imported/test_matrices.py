@@ -20,7 +20,8 @@ from casingfem.modal.matrices import basis_matrices, structure_matrices
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_dofs, read_matrices
+from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.tables import read_dofs
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, matrix_files
 from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
@@ -597,7 +598,7 @@ def test_import_needs_nodes_and_an_npz(tmp_path):
     assert "--out: found 'set.json', expected a file name ending in .npz" in ran.stderr
     ran = run("import", tmp_path / "set.pch")
     assert ran.exit_code == 2
-    assert "set.pch: found no nodes that contact sees; expected --contact, or --nodes" in ran.stderr
+    assert "set.pch: found no nodes that contact sees; expected --contact, --nodes, or EXTRN" in ran.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["set.pch"]
 
 
@@ -783,7 +784,7 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
         ({"K.mtx": f"{MARKET}2 2 1\n1 2 1.0\n", "M.mtx": ""}, "K.mtx: found entries above the diagonal"),
         ({"K.mtx": MARKET.replace("real", "complex"), "M.mtx": ""}, "K.mtx: found matrix coordinate complex"),
         ({"a.op4": f"{'2K':>8}{2:8d}{6:8d}{2:8d}KAAX    1P,3E23.16\n"}, "a.op4: line 1: found '.*2K"),
-        ({"a.pch": "", "b.sti": ""}, "found a.pch, b.sti"),
+        ({"a.op4": "", "b.sti": ""}, "found a.op4, b.sti"),
         ({"a.xyz": ""}, "found a.xyz"),
         ({"a.mat": "no"}, "no readable .mat file"),
         ({"a.h5": "no"}, "no readable HDF5 file"),
@@ -849,6 +850,6 @@ def test_dofs_of_another_shape_are_refused(dofs, shape, tmp_path):
 
 
 def test_names_of_matrices():
-    assert roles_of(["K2GG", "M2GG", "B2GG", "K42GG"], "a") == {"K": "K2GG", "M": "M2GG", "C": "B2GG"}
+    assert roles_of(["K2GG", "M2GG", "B2GG", "K42GG"], "a") == {"K": "K2GG", "M": "M2GG", "C": "B2GG", "K4": "K42GG"}
     assert roles_of(["kit_M", "kit_K"], "a") == {"K": "kit_K", "M": "kit_M"}
     assert roles_of(["job_STIF1", "job_MASS1", "job_DMPV1"], "a")["K"] == "job_STIF1"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.matrix.read import read_dmig
+from casingfem.structure.imported.matrix.read import read_matrices
 
 HEAD = "DMIG,KAA,0,{form},{kind},0\n"
 MASS = "DMIG,MAA,0,6,2,0\nDMIG,MAA,7,1,,7,1,2.\nDMIG,MAA,7,3,,7,3,3.\nDMIG,MAA,4,,,4,,5.\n"
@@ -13,7 +13,7 @@ FULL = "DMIG,KAA,7,1,,7,1,10.\n,7,3,-1.\nDMIG,KAA,7,3,,7,3,20.\n,7,1,-2.\nDMIG,K
 
 def read(folder, text):
     (folder / "a.pch").write_text(text)
-    return read_dmig(folder / "a.pch")
+    return read_matrices(folder / "a.pch")
 
 
 def test_a_column_has_the_entries_of_its_rows(tmp_path):

@@ -3,7 +3,8 @@
 import pytest
 
 from casingfem.errors import InputError, ModelError
-from casingfem.structure.imported.matrix.read import read_dofs, read_matrices, read_nodes
+from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.tables import read_dofs, read_nodes
 
 SPARSE = "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 {}\n"
 DMIG = "GRID,7,,1.,2.,3.\nDMIG,K,0,6,2,0\nDMIG,K,7,1,,7,1,2.\nDMIG,M,0,6,2,0\nDMIG,M,7,1,,7,1,3.\n"
@@ -58,7 +59,7 @@ def test_an_op4_file_needs_dofs_and_may_have_damping(tmp_path):
     [
         ([], "no file"),
         (["a.xyz"], "a.xyz"),
-        (["a.op4", "b.op4"], "a.op4, b.op4"),
+        (["a.op4", "b.npz"], "a.op4, b.npz"),
         (["k.mtx", "m.npz"], "k.mtx, m.npz"),
         (["a"], "a"),
     ],

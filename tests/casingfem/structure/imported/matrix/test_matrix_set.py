@@ -13,10 +13,10 @@ ONE = csc_array(np.eye(1))
 @pytest.mark.parametrize(
     ("name", "role"),
     [
-        ("KAAX", "K"), ("maa", "M"), ("BAA", "C"), ("C", "C"), ("K2GG", "K"), ("K4AA", ""), ("kit_M", "M"),
+        ("KAAX", "K"), ("maa", "M"), ("BAA", "C"), ("C", "C"), ("K2GG", "K"), ("K4AA", "K4"), ("kit_M", "M"),
         ("Mine_K", "K"),
         ("part.c", "C"), ("part-k", "K"), ("kit_x", "K"), ("MASS1", "M"), ("job_STIF1", "K"), ("job_DAMP1", "C"),
-        ("kdmpv", "C"), ("PAX", ""), ("Stiffness", "K"), ("x", ""), ("K_MASS", "M"), ("x_K4AA", ""),
+        ("kdmpv", "C"), ("PAX", ""), ("Stiffness", "K"), ("x", ""), ("K_MASS", "M"), ("x_K4AA", "K4"),
     ],
 )  # fmt: skip
 def test_what_a_name_says(name, role):

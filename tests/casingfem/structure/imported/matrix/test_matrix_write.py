@@ -8,7 +8,8 @@ from scipy.sparse import csc_array
 from casingfem.structure.imported.matrix.arrays import read_arrays
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_dmig, read_dofs, read_nodes
+from casingfem.structure.imported.matrix.read import read_matrices
+from casingfem.structure.imported.matrix.tables import read_dofs, read_nodes
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, dmig, market, mat, matrix_files, npz, op4, tables
 
@@ -81,7 +82,7 @@ def test_dmig_cards_have_fixed_columns():
 
 
 def test_dmig_cards_are_read_again_to_ten_digits(tmp_path):
-    found = read_dmig(stored(tmp_path, dmig(SET, "p")) / "p.pch")
+    found = read_matrices(stored(tmp_path, dmig(SET, "p")) / "p.pch")
     order = [DOFS.tolist().index(dof) for dof in found.dofs.tolist()]
     np.testing.assert_allclose(found.K.toarray(), K[np.ix_(order, order)], rtol=1e-9)
     np.testing.assert_array_equal(found.M.toarray(), M[np.ix_(order, order)])

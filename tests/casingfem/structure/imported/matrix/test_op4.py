@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from casingfem.errors import ModelError
-from casingfem.structure.imported.matrix.op4 import Entries, begun, check_column, integers, read_op4, split_word
+from casingfem.structure.imported.matrix.op4 import read_op4
+from casingfem.structure.imported.matrix.op4_entries import Entries, begun, split_word
+from casingfem.structure.imported.matrix.op4_text import check_column, integers
 
 A = np.array([[0.0, 2.5, 0.0], [1.5, 0.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 4.0, 7.0]])  # not square
 
@@ -174,7 +176,7 @@ def test_a_column_has_the_words_that_it_says(words, parts, taken, refused):
     [
         ("x", "line 1: found 'x', expected columns, rows, form, type, name"),
         (header() + DENSE + END + "x\n", "line 11: found 'x', expected columns, rows, form, type, name"),
-        (header().replace("1P,3E23.16", ""), "line 1: .*expected columns, rows, form, type, name"),
+        (header().replace("1P,3E23.16", "") + DENSE, "line 3: found .*, expected numbers of 16 characters"),
         (
             header() + DENSE.replace(f"{2:8d}{1:8d}{8:8d}", f"{2:8d}{1:8d}{9:8d}{9:8d}"),
             "line 4: .*expected column, row, words",
