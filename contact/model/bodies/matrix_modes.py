@@ -211,7 +211,7 @@ def modal_damping(matrices: Matrices, phi: Array, omega: Array, zeta: float) -> 
 
 
 def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, float]:
-    """Loss factor g of each mode by structural damping, phi^T K4 phi / phi^T K phi, and its largest coupling of two modes.
+    """Loss factor g of each mode by structural damping, phi^T K4 phi / phi^T K phi, and the largest coupling of two.
 
     A rigid mode has none.
     """
