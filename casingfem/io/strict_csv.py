@@ -152,8 +152,9 @@ def parse(text: str, path: str) -> StrictCsv:
     if not rows:
         raise InputError(path, line=body[0][0], found="no rows below the header", expected="at least one row")
     columns = dict(zip(header, zip(*rows, strict=True), strict=True))
-    for name in [name for name in header if not name.strip("\0")]:  # a spreadsheet's columns beyond the last
-        _check_unnamed(header.index(name), columns.pop(name), body[0][0], path)
+    for index, name in enumerate(header):
+        if name.startswith("\0"):  # a spreadsheet's column beyond the last
+            _check_unnamed(index, columns.pop(name), body[0][0], path)
     return StrictCsv(
         path=path, card=tuple(card), header=tuple(columns), header_line=body[0][0], cells=columns,
         lines=np.array(lines), decimal="." if separator == "," else _decimal(rows, lines, path),
@@ -229,7 +230,9 @@ def _checked_header(cells: tuple[str, ...], number: int, path: str) -> tuple[str
     if _NUMBER.fullmatch(cells[0]):
         found = f"numbers ({cells[0]}) in the first row"
         raise InputError(path, line=number, found=found, expected="a header with the names of the columns")
-    for index, cell in enumerate(cells):
-        if cell and cell in cells[:index]:
+    above = set[str]()
+    for cell in cells:
+        if cell and cell in above:
             raise InputError(path, line=number, column=cell, found="this column twice", expected="distinct columns")
-    return tuple(cell or "\0" * (index + 1) for index, cell in enumerate(cells))
+        above.add(cell)
+    return tuple(cell or f"\0{index}" for index, cell in enumerate(cells))

@@ -18,6 +18,9 @@ HABITS = {
 }
 SHOWN = 60  # characters of a line
 MOST = 16e6  # bytes: large data stand in files of their own
+DEEPEST = 100  # parts of a key, a.b.c
+BETWEEN_KEYS = re.compile(r"[={,\[\]]")
+KEY = re.compile(r"[ \t]*([\w-]+|\"[^\"]*\"|'[^']*')[ \t]*")
 
 
 def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
@@ -32,12 +35,28 @@ def read_toml(file: Path) -> tuple[bytes, dict[str, Any]]:
     """
     data = read_bytes(file, most=MOST)
     text = text_of(data)
+    require_short_keys(text)
     try:
         return data, tomllib.loads(text)
     except RecursionError:
         raise ValueError("not TOML: found values nested some hundred deep, expected tables and lists") from None
     except ValueError as error:  # also of numbers with thousands of digits
         raise ValueError(f"not TOML: {error}{spelling(str(error), text)}") from None
+
+
+def require_short_keys(text: str) -> None:
+    """Refuse keys of more than `DEEPEST` parts, on which the parser spends the square of their number.
+
+    >>> require_short_keys("speed.hz = 5.0")
+    """
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.count(".") <= DEEPEST:
+            continue
+        for part in BETWEEN_KEYS.split(line):
+            words = part.split(".")
+            if len(words) > DEEPEST and all(KEY.fullmatch(word) for word in words):
+                found = f"a key of {len(words)} parts at line {number}"
+                raise ValueError(f"not TOML: found {found}, expected at most {DEEPEST}")
 
 
 def spelling(error: str, text: str) -> str:

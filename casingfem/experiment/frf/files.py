@@ -91,9 +91,11 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
         expected = "point,angle_deg, or point,angle_deg,radius_m,z_m"
         raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
     points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg")
+    above = set[int]()
     for row, point in enumerate(points):
-        if point in points[:row]:
+        if point in above:
             raise csv.refuse(row=row, column="point", found=f"{point} again", expected="each point once")
+        above.add(point)
     by_point = dict(zip(points, angles.tolist(), strict=True))
     if "z_m" not in csv.header:
         return by_point, None

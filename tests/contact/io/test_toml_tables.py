@@ -109,6 +109,22 @@ def test_long_lines_are_cut_at_sixty_letters():
     assert spelling(said, f'"{"x" * 59}"') == f': "{"x" * 59} ...'
 
 
+@pytest.mark.parametrize("text", ["{} = 1", "[{}]", "b = 1\n[[{}]]", "x = {{{} = 1}}", "x = {{y = 2, {} = 1}}"])
+@pytest.mark.parametrize("word", ["a", '"a"', " a-1 ", "'a'"])
+def test_a_key_of_very_many_parts_is_refused_at_once(tmp_path, text, word):
+    path = tmp_path / "scene.toml"
+    path.write_text(text.format(".".join([word] * 20_000)))
+    with pytest.raises(ValueError, match=r"^not TOML: found a key of 20000 parts at line [12], expected at most 100$"):
+        read_toml(path)
+
+
+def test_numbers_texts_and_comments_with_many_points_are_no_keys(tmp_path):
+    path = tmp_path / "scene.toml"
+    numbers = ", ".join(["1.5"] * 200)
+    path.write_text(f'# {"." * 200}\na = [{numbers}]\nb = "{"A sentence. " * 200}"\nc.d = 1.5 # {"a.b " * 200}\n')
+    assert read_toml(path)[1]["a"] == [1.5] * 200
+
+
 def test_a_file_that_is_no_toml_is_told_where(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_bytes(b"a = 1\nb = 2\n# \xe9\n")
