@@ -19,7 +19,7 @@ class Extra(NamedTuple):
 
 EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
-        "test-data": Extra("modes in measured responses (identify), responses in HDF5 files", ("sdypy-EMA", "h5py")),
+        "test-data": Extra("responses in HDF5 files", ("h5py",)),
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
         "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
         "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
@@ -27,7 +27,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "dev": Extra(
             "tests, checks and types of the project itself, with the first three",
             (
-                "sdypy-EMA", "h5py", "emcee", "distributed", "pytest", "pytest-regressions", "pytest-xdist",
+                "h5py", "emcee", "distributed", "pytest", "pytest-regressions", "pytest-xdist",
                 "hypothesis", "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
             ),
         ),

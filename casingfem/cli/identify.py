@@ -9,7 +9,6 @@ import click
 from casingfem.cli.progress import ProgressMessage
 from casingfem.cli.running import deliver, options, source_of
 from casingfem.cli.study import STUDY, chart_study
-from casingfem.io.side_by_side import usable_cores
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -91,7 +90,6 @@ def identify(
         found = find(
             frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
             exponential=exponential, coherence=coherence, say=lambda what: working.say(f"modes in {file.name}: {what}"),
-            processes=usable_cores(),
         )  # fmt: skip
     document = {
         "modes": found.records(),

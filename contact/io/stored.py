@@ -26,7 +26,8 @@ from contact.io.npz import DAMAGE, load_npz, write_npz
 FORMAT = "casingfem-value-1"
 OWN = ("casingfem.", "contact.")
 MOVED = {  # modules that files of before name, and where their classes stand now
-    "casingfem.experiment.identify.stabilisation": "casingfem.experiment.identify.poles.stabilisation",
+    "casingfem.experiment.identify.stabilisation": "casingfem.experiment.identify.lscf",
+    "casingfem.experiment.identify.poles.stabilisation": "casingfem.experiment.identify.lscf",
     "casingfem.modal.imported.modes": "casingfem.modal.mesh_modes",
     "casingfem.structure.imported.attachments.values": "casingfem.structure.imported.mesh.attachments",
     "casingfem.structure.imported.mesh_data": "casingfem.structure.imported.mesh.mesh_data",

@@ -64,7 +64,6 @@ CAMPAIGNS = (
     Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),
     Campaign("updating.identification", "modes of twenty SYNTHETIC tests against the truth", IDENTIFY),
     Campaign("updating.unkind", "modes of forty SYNTHETIC tests with everything that goes wrong in a hall", RIG),
-    Campaign("updating.unkind_bounds", "how well the modes of those forty tests can be known at all", RIG),
     Campaign("updating.fan_blade", "the example script of an update", UPDATING),
     Campaign("updating.checks", "derivatives, cost, and models of the measured blade", UPDATING),
     Campaign("updating.twin", "200 noisy updates: intervals hold the truth", UPDATING),

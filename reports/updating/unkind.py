@@ -214,7 +214,7 @@ def _test(seed: int) -> tuple[Row, list[Judged]]:
     lines = np.arange(0.97 * rig.freq[0], 1.03 * rig.freq[-1], STEP_HZ)
     test = troubled_frfs(rig, lines, TROUBLES, sensors=range(SENSORS), drives=[SENSORS], seed=seed)
     started = time.process_time()
-    found = identify(test.frfs, angles=rig_angles(rig), processes=1)
+    found = identify(test.frfs, angles=rig_angles(rig))
     judged, beside = judge(seed, test.truth, found)
     return set_row(judged, beside, time.process_time() - started), judged
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reports.updating import identification, unkind, unkind_bounds
+from reports.updating import identification, unkind
 
 
 @pytest.mark.campaign
@@ -38,17 +38,6 @@ def test_shifts_that_one_crowded_cluster_hides_are_found_and_no_mode_is_counted_
     (row,) = unkind.main(tmp_path)
     assert row["twice"] == row["spurious"] == 0
     assert row["modes sure"] >= 27
-
-
-@pytest.mark.slow
-def test_the_least_uncertainty_of_modes_in_a_hall_grows_as_they_weaken(tmp_path):
-    rows = unkind_bounds.main(tmp_path, quick=True)
-    least, peak = (np.array([row[name] for row in rows]) for name in ("bound", "peak over noise"))
-    assert len(rows) == 60
-    assert 1e-7 < least.min()
-    assert least.max() < 3e-4
-    assert np.median(least[peak < np.median(peak)]) > 2.0 * np.median(least[peak > np.median(peak)])
-    assert (tmp_path / "unkind_bounds.csv").exists()
 
 
 def test_sure_modes_are_judged_by_the_true_ones_next_to_them():

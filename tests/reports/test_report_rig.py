@@ -9,7 +9,6 @@ from reports.rig import measure
 
 @pytest.mark.campaign
 def test_the_chain_from_records_to_predictions(tmp_path, capsys):
-    pytest.importorskip("sdypy.EMA")
     found = measure.main(tmp_path, quick=True)
     casing = found["casing"]
     assert casing["found"] == casing["modes in band"] >= 20

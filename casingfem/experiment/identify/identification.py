@@ -1,15 +1,17 @@
-"""Modes from frequency responses, without a hand on the mouse.
+"""Modes from frequency responses: spectra, poles, shapes, verdicts.
 
-The axis is cut at the valleys between peaks; in each band sdypy-EMA's LSCF gives poles for growing orders, those that
-stay are the start, and a least-squares fit with residues eliminated does the rest: it decides how many poles there
-are, refines them, and says how sure each is. Shapes give n, orientation and partners. sdypy's part ends with the
-start.
+1. `usable`: lines, channels, kind of response. `spectra`: noise, visible peaks, the end of the ringing.
+2. `lscf`: poles that recur over the orders of p-LSCF. `pole_fit`, `counting`, `clusters`: maximum likelihood of close
+   modes together, as many as the data justify.
+3. `setups`: channels that were measured together are identified alone, and their modes are merged.
+4. `mode`, `verdict`: shapes, nodal diameters, pairs, what is doubtful. Every visible peak has a mode.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,28 +21,33 @@ from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs, sensor_grid
-from casingfem.experiment.identify.band_fits import BandFits, Responses, core_of, fit_bands
-from casingfem.experiment.identify.found_modes import (
-    FoundMode,
-    found_modes,
-    notes_of,
-    paired,
-    settled,
-    window_note,
-    window_time,
-    without_window,
+from casingfem.experiment.identify.clusters import (
+    Modal,
+    Responses,
+    first_poles,
+    fitted_groups,
+    leaks,
+    missing_peaks,
+    modal_of,
+    refined_end,
+    with_residues,
 )
+from casingfem.experiment.identify.exponential import window_note, window_time, without_window
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.poles.bands import find_bands, line_noise
-from casingfem.experiment.identify.poles.stabilisation import join
-from casingfem.experiment.identify.setups.around import Places, suspect_sensors, suspected
+from casingfem.experiment.identify.lscf import Stabilisation
+from casingfem.experiment.identify.mode import Mode, Sensors, found_in, merged, mode_of, pair_notes, paired, settled
+from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.setups import SetUp, Track, setup_notes, setups_of, shift_of, simpler, tracked
+from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, visible_peaks
+from casingfem.experiment.identify.suspects import suspect_sensors, suspected
+from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.usable import usable
-from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray
-from casingfem.io.side_by_side import side_by_side, usable_cores
-from contact.io.workers import forks
+from casingfem.experiment.identify.verdict import doubts
+from casingfem.io.arrays import Array, FloatArray, IntArray
 
 MOST_OFF = 0.5  # share of the sensors that labels may do without
-LARGE = 40_000  # values, whose identification takes seconds
+USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
+PASSES: tuple[bool | None, ...] = (False, True, True, None)  # poles may go; go and come; twice; none
 
 
 def identify(
@@ -56,7 +63,6 @@ def identify(
     exponential: float | None = None,
     coherence: FrfSet | None = None,
     say: Callable[[str], None] = lambda _: None,
-    processes: int | None = None,
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
@@ -73,30 +79,25 @@ def identify(
     form
         "receptance", "mobility" or "accelerance"; None reads it from the unit; without a unit, accelerance.
     order
-        Largest number of modes in a window's LSCF sweep; None takes it from the number of peaks.
+        Largest order of the p-LSCF estimator; None takes it from the number of peaks of each band.
     n_max
-        Largest nodal diameter; None as far as the sensors tell them apart.
+        Largest nodal diameter; None as far as the sensors resolve them.
     pick
-        Frequencies [Hz] of the modes, picked by hand from a stabilisation diagram: they are refined, none is added,
-        none is left out.
+        Frequencies [Hz] of the modes, picked from a stabilisation diagram: they are refined, none is added, none is
+        left out.
     exponential
         Time constant tau [s] of an exponential window exp(-t/tau), whose damping is taken off; None reads it from a
         line `exponential_window_s: ...` of the set's card, where there is one.
     coherence
         Of the responses, over the same lines: a line weighs less where it is low.
     say
-        Is told from time to time what is being done.
-    processes
-        That share the bands of a large test; by default one for each core where they can be copies of this one, as on
-        Linux with one BLAS thread, else this one alone. What is found is the same.
+        Receives the step that is being done, from time to time.
 
     Raises
     ------
     InputError
         No frequency responses, uneven or too few lines, no channel with a signal, magnitudes without phase, sensors
         without angle or reference, picks outside the lines, a coherence over other lines.
-    MissingExtraError
-        sdypy-EMA is not installed.
 
     Examples
     --------
@@ -108,28 +109,39 @@ def identify(
     ([100.0], [0.004], [2])
     """
     started = time.perf_counter()
+    rules = USUAL
     tau = window_time(frfs, exponential)
     frfs, freq, H, power, along, said = usable(frfs, band, form, coherence)
     grid = sensor_grid(frfs, angles, places)
-    noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
-    circle = None if angles is None else Circle.of(grid.theta, n_max)
-    data = Responses(freq, H, noise, power, along, places=None if circle is None else _places(grid, circle))
     picked = None if pick is None else _picked(frfs.path, pick, freq)
-    with side_by_side(_workers(H, processes)) as each:
-        found = fit_bands(data, find_bands(freq, H, noise, picked), order, picked, say, each)
-    cores = [core_of(freq, band) for band in found.bands]
-    kept = picked is not None
-    modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), circle, kept)
-    trusted = trusted_sensors(found, grid)
-    belong = belonging(modes, grid, circle, trusted)
-    if len(belong) < len(grid):  # those that do not belong where they are said to stand spoil labels
-        others = Circle(theta=grid.theta[belong], orders=() if circle is None else circle.orders)
-        modes, left_out = found_modes(found.fits, cores, grid, radial_signs(grid), others, kept, belong)
+    noise = np.maximum(line_noise(H), 1e-9 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1)))
+    data, left = _responses(freq, H, noise, along, rules)
+    data, poles, diagram = _first(data, order, say, rules)
+    fits = (
+        _fits(data, with_residues(data, poles, rules), say, rules)
+        if picked is None
+        else _picked_fits(data, with_residues(data, _picks(picked, poles), rules), rules)
+    )
+    circle = None if angles is None else Circle.of(grid.theta, n_max)
+    alone = [] if picked is not None else _setups(data, fits, order, say, rules)
+    if picked is None and not alone and leaks([(data, modal_of(fits, len(noise)))], rules):
+        data = data._replace(leak=float(freq[1] - freq[0]))
+        fits = _fits(data, modal_of(fits, len(noise)), say, rules)
+    elif alone:
+        data = data._replace(leak=max(fit.window.leak for part in alone for fit in part.fits))
+    tracks = tracked(alone, noise, None if circle is None else (grid, circle), rules) if alone else []
+    sensors = Sensors.of(grid, power, circle)
+    modes = _modes(fits, tracks, noise, sensors, picked is not None, rules)
+    kept = _belonging(modes, grid, circle)
+    if circle is not None and len(kept) < len(grid):  # sensors at a wrong place would spoil the labels
+        sensors = Sensors.of(grid, power, Circle(theta=grid.theta[kept], orders=circle.orders), kept)
+        modes = _modes(fits, tracks, noise, sensors, picked is not None, rules)
     doublets = paired(modes)
     modes = settled(modes, doublets)
-    suspects = channel_notes(modes, grid, circle, trusted)
-    round_it = circle_notes(modes, grid, circle)
-    notes = (*said, *test_notes(found), *round_it, *suspects, *notes_of(modes, doublets), *left_out)
+    notes = (
+        *said, *_test_notes(data, left, rules), *setup_notes(tracks),
+        *_circle_notes(modes, grid, circle), *_sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),
+    )  # fmt: skip
     if tau is not None:
         modes, notes = without_window(modes, tau), (window_note(tau), *notes)
     return Identified(
@@ -137,29 +149,57 @@ def identify(
         sensors=grid,
         lines=freq,
         measured=H,
-        fitted=_fitted(found, H),
+        fitted=_fitted(data, fits, noise, alone),
         doublets=doublets,
         unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
         doubts=tuple(mode.doubt for mode in modes),
         notes=notes,
-        diagram=join(found.diagrams, cores),
+        diagram=diagram,
         card=frfs.card,
         seconds=time.perf_counter() - started,
-        shift=found.shift,
+        shift=shift_of(tracks),
     )
 
 
-def _workers(H: Array, processes: int | None) -> int:
-    """How many processes share a test: one for a small one, which would be done before they begin."""
-    most = processes or (usable_cores() if forks() else 1)
-    return most if H.size >= LARGE else 1
+def _responses(
+    freq: FloatArray, H: Array, noise: FloatArray, along: FloatArray, rules: Thresholds
+) -> tuple[Responses, float]:
+    """The responses over their noise, and the part of the ringing left at the end of the record."""
+    end, left = ringing(freq, H)
+    faded = tapered(freq, H, end)
+    quiet = noise if not np.isfinite(end) else np.maximum(line_noise(faded), 1e-9 * np.abs(H).max(axis=1))
+    peaks = visible_peaks((faded / quiet[:, None]).T, rules)
+    return Responses(freq, (H / noise[:, None]).T, along, peaks, end), left
 
 
-def _places(grid: SensorGrid, circle: Circle) -> Places:
-    """Where each channel stands round the circle."""
-    order = np.argsort(grid.channels.ravel())
-    sensor, reference = (each.ravel()[order] for each in np.indices(grid.channels.shape))
-    return Places(grid.theta[sensor], radial_signs(grid)[sensor], reference, circle.orders)
+def _first(
+    data: Responses, order: int | None, say: Callable[[str], None], rules: Thresholds
+) -> tuple[Responses, Array, Stabilisation]:
+    """Poles that recur; the responses with the end of the ringing that fits them."""
+    poles, diagram = first_poles(data, order, say, rules)
+    if np.isfinite(data.end):
+        data = data._replace(end=refined_end(data, poles, rules))
+        poles, diagram = first_poles(data, order, say, rules)
+    return data, poles, diagram
+
+
+def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thresholds) -> list[PoleFit]:
+    """The fits of all groups of modes, from a start: poles go and come, and every visible peak has one."""
+    channels, fits = data.Y.shape[1], list[PoleFit]()
+    for number, more in enumerate(PASSES):
+        say(f"fit {number + 1} of {len(PASSES)}")
+        starts = missing_peaks(data, modes)
+        modes = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
+        fits = fitted_groups(data, modes, more, rules)
+        modes = modal_of(fits, channels)
+    return fits
+
+
+def _picked_fits(data: Responses, modes: Modal, rules: Thresholds) -> list[PoleFit]:
+    """The fits of picked modes: refined, none added, none left out."""
+    for _ in range(2):
+        modes = modal_of(fitted_groups(data, modes, None, rules), data.Y.shape[1])
+    return fitted_groups(data, modes, None, rules)
 
 
 def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
@@ -172,74 +212,113 @@ def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:
     return picked
 
 
-def test_notes(found: BandFits) -> tuple[str, ...]:
-    """What a test with shifted peaks or with leakage is said to be."""
-    shifted = (
-        "peaks lie at different frequencies in different channels (roving mass, moved hammer?): means over the set-ups"
-        f" are given, which differ by {100.0 * found.shift:.2g} % (standard deviation); the uncertainties shown are"
-        " what one more set-up would give, those of the means are smaller"
+def _picks(picked: FloatArray, poles: Array) -> Array:
+    """Picked poles [rad/s], each with the damping of the recurring pole nearest to it."""
+    zeta = np.full(len(picked), USUAL_ZETA)
+    if len(poles):
+        nearest = np.abs(np.abs(poles) / (2.0 * np.pi) - picked[:, None]).argmin(axis=1)
+        zeta = -poles[nearest].real / np.abs(poles[nearest])
+    return np.asarray(2.0 * np.pi * picked * (-zeta + 1j * np.sqrt(1.0 - zeta**2)))
+
+
+def _setups(
+    data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
+) -> list[SetUp]:
+    """Each set-up identified alone; nothing where the channels are one set-up."""
+    parts = setups_of(fits, data.Y.shape[1], rules)
+    own = [data._replace(Y=data.Y[:, channels], peaks=visible_peaks(data.Y[:, channels], rules)) for channels in parts]
+    alone = []
+    for number, (channels, mine) in enumerate(zip(parts, own, strict=True)):
+        say(f"set-up {number + 1} of {len(parts)}")
+        start = with_residues(mine, first_poles(mine, order, say, rules)[0], rules)
+        alone.append(SetUp(channels, _fits(mine, start, say, rules)))
+    if not simpler(fits, alone):
+        return []
+    found = [modal_of(part.fits, len(part.channels)) for part in alone]
+    if leaks(list(zip(own, found, strict=True)), rules):
+        leak = float(data.freq[1] - data.freq[0])
+        again = [_fits(m._replace(leak=leak), modes, say, rules) for m, modes in zip(own, found, strict=True)]
+        alone = [part._replace(fits=fits) for part, fits in zip(alone, again, strict=True)]
+    return alone
+
+
+def _modes(
+    fits: list[PoleFit], tracks: list[Track], noise: FloatArray, sensors: Sensors, kept: bool, rules: Thresholds
+) -> list[Mode]:
+    """Modes with their doubts; neighbours that are not resolved are one, unless they were picked."""
+    if tracks:
+        return [replace(mode_of(track.found, sensors), doubt=track.doubt) for track in tracks]
+    found: list[Mode] = []
+    for fit in fits:
+        modes = [mode_of(pole, sensors) for pole in found_in(fit, noise, rules)]
+        phases = [mode.collinearity for mode in modes]
+        modes = [replace(mode, doubt=why) for mode, why in zip(modes, doubts(fit, phases, rules), strict=True)]
+        found += modes if kept else merged(fit, modes)
+    return sorted(found, key=lambda mode: mode.freq)
+
+
+def _test_notes(data: Responses, left: float, rules: Thresholds) -> tuple[str, ...]:
+    """What the record itself shows: an end before the ringing has decayed, leakage."""
+    ended = (
+        f"the records end {data.end:.3g} s after the hit, when {100.0 * left:.0f} % of the ringing is left; the fit"
+        " includes this end. Measure longer, or use an exponential window and give its time constant"
     )
-    leaked = "peaks are widened as by a Hann window, which is taken account of"
-    return (*([shifted] if found.shift else []), *([leaked] if found.leak else []))
+    leaked = "peaks are widened as by a Hann window; the fit includes this"
+    return (*([ended] if left > rules.ended else []), *([leaked] if data.leak else []))
 
 
-def trusted_sensors(found: BandFits, grid: SensorGrid) -> BoolArray | None:
-    """Sensors that move, by most of their references, as they should where they stand; None where that is not known."""
-    return None if found.belongs is None else np.median(found.belongs[grid.channels], axis=1) > 0.5
-
-
-def circle_notes(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Where the sensors tell no n, or a mode has the largest that they tell: a larger one would look like a smaller."""
+def _circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
+    """Where the sensors do not resolve n, or a mode has the largest that they resolve."""
     if circle is None or not modes:
         return ()
     if not circle.orders:
         low, high = np.degrees([grid.theta.min(), grid.theta.max()]).tolist()
         where = f"{len(np.unique(grid.theta))} angles from {low:.4g} to {high:.4g} deg"
-        return (f"no n is told: the {len(grid)} sensors stand at {where}, too few or too near (angles in radians?)",)
+        return (f"no n is given: the {len(grid)} sensors have {where}, too few or too near (angles in radians?)",)
     if not any(mode.n == circle.n_max for mode in modes):
         return ()
     return (
-        f"n = {circle.n_max} is the largest looked for, at most what {len(grid)} sensors tell apart: modes of a larger"
+        f"n = {circle.n_max} is the largest that {len(grid)} sensors resolve, or that was asked for: modes of a larger"
         " n would be given a smaller one",
     )
 
 
-def channel_notes(
-    modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None
-) -> tuple[str, ...]:
-    """Which sensors of a circle are suspected, by the modes that are sure."""
-    shapes = _sure_shapes(modes, grid)
-    return () if circle is None else suspected(shapes, circle.n_max, grid.theta, grid.points, trusted)
-
-
-def belonging(modes: list[FoundMode], grid: SensorGrid, circle: Circle | None, trusted: BoolArray | None) -> IntArray:
-    """Sensors that are trusted, or not suspected, by which modes are labelled; all where too few would be left."""
-    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
-    if circle is None or not shapes.size:
-        return every
-    off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points, trusted)
-    off = off if trusted is None else np.union1d(off, np.flatnonzero(~trusted))
-    return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
-
-
-def _sure_shapes(modes: list[FoundMode], grid: SensorGrid) -> FloatArray:
+def _sure_shapes(modes: list[Mode], grid: SensorGrid) -> FloatArray:
     """Radial shapes of the modes that are sure, (sensors, modes)."""
     return np.array([mode.shape for mode in modes if not mode.doubt]).T * radial_signs(grid)[:, None]
 
 
-def _fitted(found: BandFits, H: Array) -> Array:
-    """The fits over their cores, in the units of the responses; nan elsewhere."""
-    whole = np.full(H.shape, complex(np.nan, np.nan))
-    for fit, band in zip(found.fits, found.bands, strict=True):
-        start = band.window[0]
-        core = slice(band.core[0] - start, band.core[1] - start)
-        weight = fit.window.along[core, None] * fit.window.weight
-        there = np.arange(*band.core)[weight[:, 0] > 0.0]
-        whole[:, there] = H[:, there] - (fit.spread[there - start] / weight[there - band.core[0]]).T
+def _sensor_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
+    """Sensors of a circle that are off in the sure modes."""
+    shapes = _sure_shapes(modes, grid)
+    return () if circle is None or not shapes.size else suspected(shapes, circle.n_max, grid.theta, grid.points)
+
+
+def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> IntArray:
+    """Sensors by which modes are labelled: those that are not suspected; all where too few would be left."""
+    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
+    if circle is None or not shapes.size:
+        return every
+    off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points)
+    return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
+
+
+def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list[SetUp]) -> Array:
+    """The fits in the units of the responses (channels, lines); nan where nothing was fitted."""
+    whole = np.full(data.Y.T.shape, complex(np.nan, np.nan))
+    parts = alone or [SetUp(np.arange(len(whole)), fits)]
+    for channels, own in parts:
+        for fit in own:
+            first = int(np.searchsorted(data.freq, fit.window.freq[0]))
+            there = np.flatnonzero(fit.window.along > 0.0)
+            rest = fit.rest[there] / fit.window.along[there, None]
+            values = (data.Y[np.ix_(first + there, channels)] - rest) * noise[channels]
+            whole[np.ix_(channels, first + there)] = values.T
+    whole[:, np.isnan(whole).any(axis=0)] = np.nan
     return whole
 
 
-def _columns(modes: list[FoundMode], doublets: tuple[tuple[int, int], ...], grid: SensorGrid) -> dict[str, Any]:
+def _columns(modes: list[Mode], doublets: tuple[tuple[int, int], ...], grid: SensorGrid) -> dict[str, Any]:
     """Fields of `Identified` that have one entry for each mode."""
 
     def column(name: str) -> FloatArray:

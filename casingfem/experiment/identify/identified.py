@@ -13,7 +13,7 @@ import numpy as np
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
-from casingfem.experiment.identify.poles.stabilisation import Stabilisation
+from casingfem.experiment.identify.lscf import Stabilisation
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
 from contact.io.reported import Reported
 
@@ -132,7 +132,7 @@ class Identified(Reported):
         """
         if not len(self):
             raise ValueError("no mode was identified: there is no table")
-        made = "identified from frequency responses: LSCF poles (sdypy-EMA), refined by least squares"
+        made = "identified from frequency responses: p-LSCF poles, refined by maximum likelihood"
         return FrequencyTable.from_arrays(
             freq_hz=self.freq,
             sigma_hz=self.sigma_setup,

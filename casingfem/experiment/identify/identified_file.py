@@ -10,7 +10,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.poles.stabilisation import Stabilisation
+from casingfem.experiment.identify.lscf import Stabilisation
 from casingfem.io.arrays import Array
 from casingfem.io.npz import read_npz
 from contact.io.npz import ArrayKind, require_kinds, write_npz

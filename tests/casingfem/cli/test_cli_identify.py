@@ -1,7 +1,6 @@
 """casingfem identify: files in, table and pictures out."""
 
 import json
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,6 @@ from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.rig.rig import Probe, Rig, noisy
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
-from casingfem.extras import remedy
 from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
@@ -111,7 +109,7 @@ def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
     assert len(figure_fit(found).axes) == 2
     upper, middle, lower = figure_fit(found, cf.frf.FrfSet.load(tmp_path / "c.npz")).axes
     assert sum(line.get_label() == "sure mode" for line in upper.lines) == 3
-    sizes = [np.median(line.get_ydata()) for line in middle.lines]
+    sizes = [np.nanmedian(line.get_ydata()) for line in middle.lines]
     assert sizes[2] < 0.1 * sizes[0]  # the residual
     assert np.median(lower.lines[0].get_ydata()) == 0.9
 
@@ -157,13 +155,6 @@ def test_a_window_without_a_time_constant_ends_with_2(frfs, tmp_path):
     assert "exponential_window_s 0.0" in result.stderr
 
 
-def test_a_missing_extra_is_named(frfs, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "sdypy.EMA", None)
-    result = invoke(frfs.save(tmp_path / "frfs.npz"))
-    assert result.exit_code == 2
-    assert remedy("test-data") in result.stderr
-
-
 @pytest.mark.slow
 def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
     found = identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
@@ -175,4 +166,7 @@ def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
     assert [text.get_text() for text in axes.texts] == ["3", "3", "0"]
     measured, fitted = figure_responses(found, 4).axes[0].lines[:2]
     np.testing.assert_allclose(measured.get_ydata(), np.abs(found.measured[4]))
-    assert np.linalg.norm(fitted.get_ydata() - measured.get_ydata()) < 0.02 * np.linalg.norm(measured.get_ydata())
+    there = np.isfinite(fitted.get_ydata())
+    left = fitted.get_ydata()[there] - measured.get_ydata()[there]
+    assert there.mean() > 0.5
+    assert np.linalg.norm(left) < 0.02 * np.linalg.norm(measured.get_ydata()[there])

@@ -9,7 +9,7 @@ from casingfem.experiment.correlation.mac import paired
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import form_of
-from casingfem.experiment.identify.found_modes import window_time
+from casingfem.experiment.identify.exponential import window_time
 from casingfem.experiment.identify.identification import _picked
 from casingfem.experiment.identify.usable import LEAST_LINES, usable
 from casingfem.experiment.rig.estimate import estimate

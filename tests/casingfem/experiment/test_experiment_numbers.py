@@ -8,15 +8,12 @@ from casingfem.experiment.circle.record import ScanRecord, turning
 from casingfem.experiment.circle.scan import demodulate
 from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
-from casingfem.experiment.identify.poles.pole_fit import fit_poles
-from casingfem.experiment.identify.poles.pole_selection import select_poles
 from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random
 from casingfem.experiment.rig.record import measured, record
 from casingfem.experiment.rig.rig import Rig
 from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 from tests.casingfem.experiment.identify.test_identification import THETA, ring_rig
-from tests.casingfem.experiment.identify.test_pole_fit import SHAPES, THREE, window
 from tests.probed import probed
 
 PAIRS = [(6, 330.0, 0.004, 11.0), (7, 345.0, 0.01, 3.0)]
@@ -63,21 +60,6 @@ def test_numbers_of_troubles(rig, held):
         fixture=truth.fixture_hz,
         setup=truth.setup,
         where=[*truth.dead, *truth.noisy, *np.ravel(truth.swapped), *truth.flipped],
-    )
-
-
-@pytest.mark.parametrize("residues", ["real", "complex"])
-def test_numbers_of_poles(residues, held):
-    data = window(*THREE, SHAPES, sigma=0.5, residues=residues)
-    fit = fit_poles(data, np.array([396.5, 399.9, 401.0]), np.array([0.002, 0.002, 0.002]))
-    chosen = select_poles(data, np.column_stack([np.array([396.5, 399.9, 401.0, 404.0]), np.full(4, 0.002)]))
-    held(
-        1e-5,
-        freq=fit.freq,
-        zeta=fit.zeta,
-        covariance=np.diag(fit.covariance),
-        squares=[fit.squares],
-        chosen=chosen.freq,
     )
 
 

@@ -139,9 +139,9 @@ def test_the_table_carries_sigma_and_says_synthetic():
 @pytest.mark.parametrize(
     ("angles", "n", "told"),
     [
-        (np.arange(9) * 40.0, 4, "n = 4 is the largest looked for, at most what 9 sensors tell apart"),  # it is 5
-        (np.radians(np.arange(9) * 40.0), -1, "no n is told: the 9 sensors stand at 9 angles from 0 to 5.585 deg"),
-        (np.zeros(9), -1, "no n is told: the 9 sensors stand at 1 angles from 0 to 0 deg"),
+        (np.arange(9) * 40.0, 4, "n = 4 is the largest that 9 sensors resolve"),  # it is 5
+        (np.radians(np.arange(9) * 40.0), -1, "no n is given: the 9 sensors have 9 angles from 0 to 5.585 deg"),
+        (np.zeros(9), -1, "no n is given: the 9 sensors have 1 angles from 0 to 0 deg"),
     ],
 )
 def test_sensors_that_do_not_tell_n_apart_say_so(angles, n, told):

@@ -8,7 +8,7 @@ import pytest
 from casingfem.errors import InputError
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified import Identified
-from casingfem.experiment.identify.poles.stabilisation import Stabilisation
+from casingfem.experiment.identify.lscf import Stabilisation
 
 LINES = np.array([90.0, 100.0, 110.0])
 

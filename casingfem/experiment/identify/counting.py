@@ -1,0 +1,134 @@
+"""How many poles a window has: those that noise explains leave, those that the residual asks for come.
+
+A pole of C channels has 2 C + 2 real parameters. It is justified when the fall of the sum of squares, over the
+variance of the noise about it, is above the chi-squared value that chance exceeds once in a million; noise that is
+alike over K lines counts K times (`PoleFit.noise`). Two poles within a bandwidth must differ in shape.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri
+
+from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles
+from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.io.arrays import Array, BoolArray, FloatArray
+
+TRY_STEPS = 12
+
+
+def counted(
+    window: Window, poles: Array, seen: FloatArray | None = None, more: bool = True, rules: Thresholds = USUAL
+) -> PoleFit:
+    """The fit with as many poles as the data justify, from a start [rad/s].
+
+    `seen` [Hz] are visible peaks: the last pole of one is not left out. Poles come only with `more`.
+
+    Examples
+    --------
+    >>> lines, rng = np.arange(95.0, 105.0, 0.05), np.random.default_rng(4)
+    >>> poles = 2 * np.pi * np.array([-0.4 + 100.0j, -0.4 + 100.1j])
+    >>> Y = (1.0 / (2j * np.pi * lines[:, None] - poles)) @ np.array([[900.0, 500.0, -200.0], [100.0, -700.0, 800.0]])
+    >>> Y = Y + rng.normal(size=Y.shape) + 1j * rng.normal(size=Y.shape)
+    >>> window = Window(freq=lines, Y=Y, along=np.ones(200))
+    >>> (counted(window, poles[:1]).poles.imag / (2 * np.pi)).round(1).tolist()
+    [100.0, 100.1]
+    """
+    seen = np.zeros(0) if seen is None else seen
+    fit = _without_needless(fit_poles(window, poles, rules=rules), seen, rules)
+    while more and len(fit) < rules.together + len(poles) and (larger := _with_one_more(fit, rules)) is not None:
+        fit = larger
+    return fit
+
+
+def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:
+    """What each pole brings over what chance does, (poles,): above 1 it is justified."""
+    return np.asarray(fit.gains() / (fit.noise * asked(fit.window.Y.shape[1], rules)))
+
+
+def asked(channels: int, rules: Thresholds = USUAL) -> float:
+    """Least fall of the sum of squares, in variances of the noise, of a pole seen by so many channels."""
+    return float(chdtri(2 * channels + 2, rules.chance))
+
+
+def widths(poles: Array) -> FloatArray:
+    """Half-power bandwidths [rad/s]."""
+    return np.asarray(-2.0 * poles.real)
+
+
+def _without_needless(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit:
+    """Leave out, one after the other, the poles that bring least, and those that repeat a shape."""
+    while len(fit):
+        value = worth(fit, rules)
+        twice = repeated(fit, rules)
+        value[twice] = np.minimum(value[twice], 0.5 * value[twice] / (value.max() + 1.0))
+        value[undetermined(fit, rules)] *= 0.1
+        value[_last_of_a_peak(fit, seen) & ~twice] = np.inf
+        weakest = int(np.argmin(value))
+        if value[weakest] >= 1.0:
+            break
+        fit = fit_poles(fit.window, np.delete(fit.poles, weakest), rules=rules)
+    return fit
+
+
+def repeated(fit: PoleFit, rules: Thresholds = USUAL) -> BoolArray:
+    """Weaker poles of two that lie within a bandwidth and have one shape, (poles,)."""
+    count = len(fit)
+    apart = np.abs(fit.poles.imag[:, None] - fit.poles.imag)
+    wide = np.maximum(widths(fit.poles)[:, None], widths(fit.poles))
+    close = (apart < rules.near * np.maximum(wide, fit.window.step)) & ~np.eye(count, dtype=bool)
+    stronger = fit.peaks[None, :] > fit.peaks[:, None]
+    return np.asarray((close & stronger & (fit.alike() > rules.same_shape)).any(axis=1))
+
+
+def undetermined(fit: PoleFit, rules: Thresholds = USUAL) -> BoolArray:
+    """Poles whose frequency or damping the data leave open, or that are wider than a third of the window, (poles,)."""
+    by_freq, by_zeta = fit.sigma
+    wide = widths(fit.poles) > 2.0 * np.pi * (fit.window.freq[-1] - fit.window.freq[0]) / 3.0
+    return np.asarray((0.5 * by_freq > rules.known_freq) | (by_zeta > rules.known_zeta) | wide)
+
+
+def _last_of_a_peak(fit: PoleFit, seen: FloatArray) -> BoolArray:
+    """Poles that alone explain a visible peak, (poles,)."""
+    alone = np.zeros(len(fit), bool)
+    for freq in seen.tolist():
+        reach = np.maximum(widths(fit.poles), 2.0 * fit.window.step)
+        near = np.flatnonzero(np.abs(fit.poles.imag - 2.0 * np.pi * freq) < reach)
+        if len(near) == 1:
+            alone[near] = True
+    return alone
+
+
+def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
+    """The fit with one more pole that is justified; None where there is none."""
+    best: PoleFit | None = None
+    for start in _starts(fit):
+        tried = fit_poles(fit.window, start, steps=TRY_STEPS, rules=rules)
+        if best is None or tried.squares < best.squares:
+            best = tried
+    if best is None or fit.squares - best.squares < asked(fit.window.Y.shape[1], rules):
+        return None
+    best = fit_poles(fit.window, best.poles, rules=rules)
+    if worth(best, rules).min() < 1.0 or repeated(best, rules).any() or undetermined(best, rules).any():
+        return None
+    if fit.squares - best.squares < best.noise.min() * asked(fit.window.Y.shape[1], rules):
+        return None
+    return best
+
+
+def _starts(fit: PoleFit) -> list[Array]:
+    """Where one more pole may be: at the largest residual, and beside the pole with the largest residual about it."""
+    power = np.sum(np.abs(fit.rest) ** 2, axis=1)
+    smooth = np.convolve(power, np.ones(3) / 3.0, mode="same")
+    inner = smooth[1:-1]
+    at = 2.0 * np.pi * float(fit.window.freq[1 + int(np.argmax(inner))])
+    if not len(fit):
+        return [np.array([-2.0 * fit.window.step + 1j * at])]
+    usual = float(np.median(fit.poles.real))
+    starts = [np.append(fit.poles, usual + 1j * at)]
+    worst = int(np.argmax(fit.local * fit.peaks**0.5))
+    pole = fit.poles[worst]
+    for aside in (0.3, 1.0):
+        split = np.array([pole + 1j * aside * pole.real, pole - 1j * aside * pole.real])
+        starts.append(np.append(np.delete(fit.poles, worst), split))
+    return starts

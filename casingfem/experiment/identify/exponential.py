@@ -1,0 +1,56 @@
+"""Damping that an exponential window added to the responses.
+
+A response that was multiplied by exp(-t/tau) before its transform has its poles moved by -1/tau: measured is
+p - 1/tau, so that the damping ratio is too high by nearly 1/(tau omega). Residues stay.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.identify.mode import Mode
+
+ENTRY = "exponential_window_s"  # of a card
+ABOVE_ZERO = 2.0  # standard deviations that damping must be above zero
+
+
+def window_time(frfs: FrfSet, given: float | None) -> float | None:
+    """Time constant [s] of the exponential window: as given, or from the card `exponential_window_s: 2.0`, or None.
+
+    >>> card = ["exponential_window_s: 2.0"]
+    >>> window_time(FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N", card=card), None)
+    2.0
+    """
+    entries = [value.strip() for key, _, value in (line.partition(":") for line in frfs.card) if key.strip() == ENTRY]
+    if given is None and not entries:
+        return None
+    word = repr(given) if given is not None else entries[-1]
+    try:
+        tau = float(word)
+    except ValueError:
+        tau = np.nan
+    if not (np.isfinite(tau) and tau > 0.0):
+        raise InputError(frfs.path, found=f"{ENTRY} {word}", expected="the window's time constant [s], above 0")
+    return tau
+
+
+def without_window(modes: list[Mode], tau: float) -> list[Mode]:
+    """Modes of poles p + 1/tau; damping that is not above zero is doubtful, and is given as zero at least."""
+    return [_without(mode, tau) for mode in modes]
+
+
+def _without(mode: Mode, tau: float) -> Mode:
+    omega = 2.0 * np.pi * mode.freq
+    decay, damped = mode.zeta * omega - 1.0 / tau, omega * np.sqrt(1.0 - mode.zeta**2)
+    own = float(np.hypot(decay, damped))
+    added = f"its damping is within the {100.0 / (tau * omega):.2g} % that the exponential window adds: check tau"
+    unclear = decay / omega < ABOVE_ZERO * mode.sigma_zeta
+    doubt = "; ".join(part for part in (mode.doubt, added if unclear else "") if part)
+    return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, doubt=doubt)
+
+
+def window_note(tau: float) -> str:
+    """The note about the damping."""
+    return f"damping is given without the 1/(tau omega) of an exponential window, tau = {tau:g} s"

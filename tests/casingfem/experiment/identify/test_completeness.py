@@ -1,0 +1,139 @@
+"""Every visible peak is in the answer, once: known residues, pairs, records of several lengths, set-ups, bad data."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
+
+THETA = 2.0 * np.pi * np.arange(16) / 16 + 0.03
+ANGLES = dict(enumerate(np.degrees(THETA)))
+
+
+def receptances(x, poles, noise=0.0, seed=1, **places):
+    """Responses of modes (f [Hz], zeta, residues (channels,)) over lines x, peaks of one unit of residue 1/(2 zeta)."""
+    rng = np.random.default_rng(seed)
+    H = sum(np.outer(r, f**2 / (f**2 - x**2 + 2j * z * f * x)) for f, z, r in poles)
+    H = H + noise * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
+    given = {"response_point": np.arange(len(H))} | places
+    return cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", **given)
+
+
+def test_one_mode_gives_its_pole_and_its_residues():
+    residues = np.array([1.0, -0.5, 0.25])
+    found = cf.identify(receptances(np.arange(80.0, 120.0, 0.1), [(100.0, 0.004, residues)], noise=1e-3))
+    assert found.freq == pytest.approx([100.0], abs=5 * found.sigma_freq[0])
+    assert found.zeta == pytest.approx([0.004], abs=5 * found.sigma_zeta[0])
+    np.testing.assert_allclose(found.residues[:, 0, 0], residues, atol=1e-3)
+    assert found.sure.tolist() == [True]
+    assert found.diagram.stable.any()
+
+
+@pytest.mark.parametrize("lines", [0.1, 0.5, 2.0])
+def test_a_mode_narrower_than_the_lines_is_found_with_an_honest_damping(lines):
+    """Bandwidths of 0.1, 0.5 and 2 lines: 1/T over the bandwidth says how long a record was."""
+    x = np.arange(80.0, 120.0, 0.1)
+    zeta = 0.5 * lines * 0.1 / 100.03
+    found = cf.identify(receptances(x, [(100.03, zeta, np.array([1.0, -0.6, 0.4, 0.8]))], noise=1e-2))
+    assert len(found) == 1
+    assert abs(found.freq[0] - 100.03) < 5 * found.sigma_freq[0] + 1e-4
+    assert abs(found.zeta[0] - zeta) < 5 * found.sigma_zeta[0]
+
+
+def test_a_perfect_pair_is_one_mode_with_one_reference_and_an_unresolved_pair_with_two():
+    x, one, two = np.arange(190.0, 210.0, 0.05), np.cos(3 * THETA), np.sin(3 * THETA)
+    single = cf.identify(receptances(x, [(200.0, 0.003, one + 0.5 * two)], noise=1e-2), angles=ANGLES)
+    assert single.n.tolist() == [3]
+    assert "n = 3 at 200.00 Hz has no partner" in " ".join(single.notes)
+    rows = np.r_[one + 0.5 * two, 0.3 * one - two]
+    places = {"response_point": np.tile(np.arange(16), 2), "reference_point": np.repeat([101, 102], 16)}
+    double = cf.identify(receptances(x, [(200.0, 0.003, rows)], noise=1e-2, **places), angles=ANGLES)
+    assert double.n.tolist() == [3]
+    assert double.unresolved == (0,)
+    assert "pair at 200.00 Hz, unresolved" in " ".join(double.notes)
+    assert double.freq == pytest.approx([200.0], abs=1e-2)
+
+
+def test_a_tone_of_one_line_is_in_the_answer_and_doubtful():
+    x = np.arange(20.0, 80.0, 0.1)
+    frfs = receptances(x, [(40.0, 0.004, np.array([1.0, -0.5, 0.25, 0.7]))], noise=1e-2)
+    H = frfs.responses.copy()
+    H[:, 300] += np.array([40.0, 30.0, 20.0, 50.0])
+    found = cf.identify(replace(frfs, responses=H))
+    assert found.freq == pytest.approx([40.0, 50.0], abs=0.1)
+    assert found.sure.tolist() == [True, False]
+    assert "hum" in found.doubts[1]
+
+
+def test_a_mode_that_one_weak_channel_alone_sees_is_found():
+    x, noise = np.arange(80.0, 160.0, 0.1), np.random.default_rng(7)
+    strong, weak = np.array([1.0, -0.5, 0.8, 0.0]), np.array([0.0, 0.0, 0.0, 1e-3])
+    frfs = receptances(x, [(100.0, 0.004, strong), (140.0, 0.004, weak)])
+    size = np.array([1e-2, 1e-2, 1e-2, 1e-4])[:, None]
+    H = frfs.responses + size * (noise.standard_normal((4, len(x))) + 1j * noise.standard_normal((4, len(x))))
+    found = cf.identify(replace(frfs, responses=H))
+    assert found.freq == pytest.approx([100.0, 140.0], abs=0.05)
+
+
+@pytest.mark.slow
+def test_every_visible_peak_of_many_is_in_the_answer_once():
+    rng = np.random.default_rng(17)
+    x = np.arange(100.0, 400.0, 0.1)
+    freqs = 110.0 * np.cumprod(np.r_[1.0, rng.uniform(1.02, 1.08, 20)])
+    poles = [(f, rng.uniform(1e-3, 4e-3), rng.standard_normal(6)) for f in freqs]
+    found = cf.identify(receptances(x, poles, noise=0.5))
+    assert found.freq == pytest.approx(freqs[freqs < 395.0], rel=1e-4)
+    assert found.sure.all()
+
+
+@pytest.mark.slow
+def test_noise_that_channels_share_makes_no_mode_and_its_intervals_hold():
+    """Half of the noise is common to all channels, and alike on three lines."""
+    x, errors = np.arange(80.0, 120.0, 0.1), []
+    for seed in range(24):
+        rng = np.random.default_rng(seed)
+        frfs = receptances(x, [(100.0, 0.004, np.array([1.0, -0.5, 0.8, 0.6]))])
+        common, own = (rng.standard_normal((2, k, len(x) + 2)) for k in (1, 4))
+        noise = (common[0] + 1j * common[1]) + (own[0] + 1j * own[1])
+        noise = 0.3 * (noise[:, :-2] + noise[:, 1:-1] + noise[:, 2:])
+        found = cf.identify(replace(frfs, responses=frfs.responses + noise))
+        assert found.sure.sum() == 1, seed
+        k = int(np.flatnonzero(found.sure)[0])
+        errors.append([(found.freq[k] - 100.0) / found.sigma_freq[k], (found.zeta[k] - 0.004) / found.sigma_zeta[k]])
+    assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.35)
+
+
+@pytest.mark.slow
+def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencies():
+    at = np.r_[THETA, 0.4]
+    orders = (4, 4, 2, 2, 5, 5, 3, 3, 6, 6)
+    freqs = np.array([300.0, 301.5, 320.0, 321.0, 345.0, 347.0, 366.0, 366.8, 390.0, 392.0])
+    rows = np.array([np.cos(n * (at - 0.1) - k % 2 * np.pi / 2) for k, n in enumerate(orders)]).T
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
+    rig = Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
+    what = Troubles(snr_db=45.0, setups=3, shift=2e-3)
+    test = troubled_frfs(rig, np.arange(290.0, 402.0, 0.1), what, sensors=range(16), drives=[16], seed=5)
+    found = cf.identify(test.frfs, angles={k + 1: float(np.degrees(a)) for k, a in enumerate(THETA)})
+    assert found.n.tolist() == list(orders)
+    mean = test.truth.freq.mean(axis=0)
+    assert np.abs(found.freq - mean).max() < 0.03
+    assert np.all(np.abs(found.freq - mean) < 5.0 * found.sigma_freq + 1e-3)
+    assert 3e-4 < found.shift < 3e-3
+    assert "different frequencies in 3 groups of channels" in " ".join(found.notes)
+
+
+@pytest.mark.parametrize("kind", ["constant", "spike", "huge", "tiny"])
+def test_data_without_a_mode_have_no_sure_one(kind):
+    x = np.arange(20.0, 80.0, 0.1)
+    H = np.ones((3, len(x)), complex) * np.array([[1.0], [0.5j], [2.0]])
+    if kind == "spike":
+        H[:, 100] *= 1e6
+    if kind in ("huge", "tiny"):
+        H = H * {"huge": 1e100, "tiny": 1e-100}[kind]
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(3))
+    found = cf.identify(frfs)
+    assert not found.sure.any()
+    assert all(np.isfinite(found.freq))
