@@ -41,6 +41,11 @@ CAMPAIGNS = (
     Campaign("modes.loose_bolts", "casings on bolts: how frequencies settle", STRUCTURE),
     Campaign("modes.steel_ring", "a ring as a beam and as a strip of the shell", STRUCTURE),
     Campaign("modes.imported", "meshes of five formats; solids and quadrilaterals against references", STRUCTURE),
+    Campaign(
+        "modes.imported_relations",
+        "200 imported parts under changes whose effect is exact",
+        ("casingfem/structure/imported", "contact/model/bodies"),
+    ),
     Campaign("modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
     Campaign("modes.mistuning", "restarts from the mean casing's modes", STRUCTURE),
     Campaign("modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE),

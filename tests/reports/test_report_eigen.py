@@ -8,7 +8,7 @@ import pytest
 
 from casingfem.linalg import eigen, krylov
 from casingfem.structure.mesh.shell_mesh import ShellMesh
-from reports.modes import locking, sturm
+from reports.modes import imported_relations, locking, sturm
 from reports.speed import child, modal, solid_solvers
 from reports.verification import locking as verify_locking
 from reports.verification.cylinder import REFERENCE, cylinder
@@ -102,3 +102,21 @@ def test_thin_cylinders_do_not_lock_where_low_orders_do(monkeypatch):
     rows = verify_locking.rows(quick=True)
     assert {row["verdict"] for row in rows} == {"FAIL"}
     assert min(row["error %"] for row in rows if "h/R 0.0001" in row["case"]) > 5.0  # too stiff
+
+
+@pytest.mark.campaign
+def test_imported_parts_follow_changes_whose_effect_is_exact(tmp_path, capsys):
+    rows = imported_relations.main(tmp_path, quick=True)
+    assert "12 parts, 0 faults" in capsys.readouterr().out
+    assert min(row["parts"] for row in rows) >= 3
+    assert max(row["worst"] for row in rows) < 1e-7
+
+
+@pytest.mark.slow
+def test_a_part_taken_with_wrong_axes_is_a_fault(monkeypatch):
+    """The draws have free parts, and one that is not refused counts."""
+    monkeypatch.setattr("contact.model.bodies.rigid_test.TOLERANCE", 10.0)
+    monkeypatch.setattr("contact.model.bodies.rigid_test.MASSES", 1e9)
+    errors = imported_relations.matrix_errors(0) | imported_relations.matrix_errors(1)
+    assert errors["matrices: free, axes left out: refused"] == 1.0
+    assert errors["matrices: own axes of nodes"] < 1e-7
