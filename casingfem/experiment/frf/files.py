@@ -11,10 +11,12 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
+from casingfem.experiment.frf.loose_arrays import from_loose, read_mat
 from casingfem.experiment.uff.read import read_uff
 from casingfem.extras import remedy
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import Array, FloatArray
 from casingfem.io.columns import FREQUENCY, PLACE, named
+from casingfem.io.npz import read_npz
 from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.io.strict_csv import read
 from contact.io.infiles import regular_file
@@ -23,14 +25,17 @@ from contact.io.outfiles import write_atomic
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
 HDF5 = (".h5", ".hdf5")
+LOOSE = (".mat", ".npz")
 COHERENCE = 6, 26  # of functions of universal files: ordinary, multiple
-KINDS = ", ".join((*UNIVERSAL, ".npz", *HDF5, ".csv"))
+KINDS = ", ".join((*UNIVERSAL, ".npz", ".mat", *HDF5, ".csv"))
 ARRAYS = ("x", "responses", *PLACES)
 SAID = ("kind", "unit", "form", "card")
 
 
 def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
-    """Frequency responses of a universal file, an npz of `FrfSet.save`, HDF5 or a csv table, by the file's ending.
+    """Frequency responses of a universal file, npz, MATLAB file, HDF5 or a csv table, by the file's ending.
+
+    An npz is one of `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have.
 
     Raises
     ------
@@ -40,10 +45,20 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
     ending = Path(path).suffix.lower()
     if ending in HDF5:
         return read_hdf5(path)
+    if ending in LOOSE and (stored := _loose(path)) is not None:
+        found = from_loose(stored, str(path))
+        assert found is not None
+        return found
     readers = {**dict.fromkeys(UNIVERSAL, FrfSet.from_uff), ".npz": FrfSet.load, ".csv": FrfSet.from_csv}
     if ending not in readers:
         raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
     return readers[ending](path)
+
+
+def _loose(path: str | os.PathLike[str]) -> dict[str, Array] | None:
+    """Arrays of a MATLAB file or npz; None of an npz that `FrfSet.save` wrote."""
+    stored = read_mat(path) if Path(path).suffix.lower() == ".mat" else read_npz(path)
+    return None if {"x", "responses"} <= stored.keys() else stored
 
 
 def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
@@ -55,17 +70,22 @@ def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
         An unknown ending; what the readers refuse.
     """
     ending = Path(path).suffix.lower()
-    if ending == ".npz":
-        return FrfSet.load(path)
+    if ending in LOOSE:
+        stored = _loose(path)
+        return FrfSet.load(path) if stored is None else from_loose(stored, str(path), coherence=True)
     if ending not in UNIVERSAL:
-        raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {', '.join((*UNIVERSAL, '.npz'))}")
+        raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {', '.join((*UNIVERSAL, *LOOSE))}")
     functions = [function for function in read_uff(path).functions if function.kind in COHERENCE]
     return FrfSet.from_functions(functions, "spectrum", str(path)) if functions else None
 
 
 def file_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
-    """Coherence that stands beside the responses of a universal file; None in other files, or where there is none."""
-    return read_coherence(path) if Path(path).suffix.lower() in UNIVERSAL else None
+    """Coherence that stands beside the responses in a file of several kinds; None where there is none."""
+    ending = Path(path).suffix.lower()
+    if ending in LOOSE:
+        stored = _loose(path)
+        return None if stored is None else from_loose(stored, str(path), coherence=True)
+    return read_coherence(path) if ending in UNIVERSAL else None
 
 
 def file_places(path: str | os.PathLike[str]) -> dict[int, FloatArray] | None:

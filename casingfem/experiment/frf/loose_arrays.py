@@ -1,0 +1,169 @@
+"""Frequency responses in files of plain arrays that other programs write: MATLAB's .mat, .npz.
+
+The layout: `freq_hz` (lines,), `frf` (channels, lines) or (channels, references, lines), complex; optional `coherence`
+of the same shape, `form` or `unit`, `points` and `directions` (channels,), `references` (references,) or
+(references, 2), points and directions. The lines may be the first axis too, as MATLAB's columns are. Without points
+channels count from 1, without directions these are 0.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.forms import FORMS
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.extras import remedy
+from casingfem.io.arrays import Array, IntArray
+from casingfem.io.probe import UnreadableError, arrays_of
+
+NAMES = {
+    "freq_hz": ("freq_hz", "freq", "freqs", "frequency", "frequencies", "f", "f_hz"),
+    "omega": ("omega", "omega_rad_s"),
+    "frf": ("frf", "frfs", "h", "responses", "frf_matrix"),
+    "coherence": ("coherence", "coh"),
+    "form": ("form",),
+    "unit": ("unit", "units"),
+    "points": ("points", "point", "nodes", "response_point"),
+    "directions": ("directions", "direction", "response_direction"),
+    "references": ("references", "reference", "reference_point"),
+}
+EXPECTED = "freq_hz (lines,) and frf (channels, lines) or (channels, references, lines)"
+
+
+def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = False) -> FrfSet | None:
+    """The responses among named arrays, or their coherence, None where there is none.
+
+    Raises
+    ------
+    InputError
+        No frequencies or responses, with the names found; two arrays of one meaning; shapes that do not fit.
+    """
+    arrays = _by_meaning(stored, path)
+    if coherence and "coherence" not in arrays:
+        return None
+    if "frf" not in arrays or not {"freq_hz", "omega"} & arrays.keys():
+        found = "arrays " + (", ".join(sorted(stored)) or "none")
+        raise InputError(path, found=found, expected=EXPECTED)
+    freq = arrays["freq_hz"] if "freq_hz" in arrays else _numbers(arrays["omega"], "omega", path) / (2.0 * np.pi)
+    x = np.ravel(_numbers(freq, "freq_hz", path))
+    values = _lines_last(_numbers(arrays["coherence" if coherence else "frf"], "frf", path), len(x), path)
+    channels, references = values.shape[:2]
+    points = _whole(arrays.get("points", np.arange(1, channels + 1)), (channels,), "points", path)
+    directions = _whole(arrays.get("directions", np.zeros(channels)), (channels,), "directions", path)
+    bases = np.atleast_1d(np.squeeze(arrays.get("references", np.arange(1, references + 1))))
+    bases = bases.reshape(references, -1) if bases.size in (references, 2 * references) else bases
+    bases = _whole(bases, (references, 1 if bases.ndim < 2 else bases.shape[1]), "references", path)
+    form, unit = (str(np.ravel(arrays[name])[0]).strip() if name in arrays else "" for name in ("form", "unit"))
+    if form not in ("", *FORMS):
+        raise InputError(path, found=f"form {form!r}", expected=" or ".join(FORMS))
+    return FrfSet.from_arrays(
+        kind="spectrum" if coherence else "frf",
+        x=x,
+        responses=values.reshape(channels * references, len(x)),
+        unit="" if coherence else unit,
+        form="" if coherence else form,
+        response_point=np.repeat(points, references),
+        response_direction=np.repeat(directions, references),
+        reference_point=np.tile(bases[:, 0], channels),
+        reference_direction=np.tile(bases[:, 1] if bases.shape[1] > 1 else np.zeros(references, np.int64), channels),
+        path=path,
+    )
+
+
+def read_mat(path: str | os.PathLike[str]) -> dict[str, Array]:
+    """Arrays of numbers and text of a MATLAB file, version 5 to 7.3, by name; fields of a struct by `struct.field`.
+
+    Raises
+    ------
+    InputError
+        A file that is none or is damaged; one of version 7.3 without h5py installed.
+    """
+    try:
+        return arrays_of(Path(path), __name__, "mat_contents")
+    except (UnreadableError, OSError) as error:
+        raise InputError(str(path), found=f"no readable MATLAB file ({error})", expected="a .mat file") from None
+
+
+def mat_contents(path: Path) -> dict[str, Array]:
+    """What `read_mat` returns (in a child)."""
+    from scipy.io import loadmat
+
+    try:
+        tree: Any = loadmat(path, simplify_cells=True)
+    except NotImplementedError:
+        tree = _version_73(path)
+    return _flat(tree)
+
+
+def _flat(tree: Mapping[str, Any], above: str = "") -> dict[str, Array]:
+    found = dict[str, Array]()
+    for name, value in tree.items():
+        if name.startswith(("__", "#")):
+            continue
+        if isinstance(value, Mapping):
+            found |= _flat(value, f"{above}{name}.")
+        elif np.asarray(value).dtype.kind in "biufcU":
+            found[above + name] = np.asarray(value)
+    return found
+
+
+def _version_73(path: Path) -> dict[str, Any]:
+    """Groups and data sets of an HDF5 file as MATLAB writes them: axes reversed, complex numbers in two fields."""
+    try:
+        import h5py
+    except ImportError:
+        raise ValueError(f"version 7.3 needs the package h5py: {remedy('test-data')}") from None
+
+    def value(item: Any) -> Any:
+        if isinstance(item, h5py.Group):
+            return {name: value(part) for name, part in item.items()}
+        array = np.asarray(item).T
+        if array.dtype.names == ("real", "imag"):
+            return array["real"] + 1j * array["imag"]
+        if item.attrs.get("MATLAB_class") in (b"char", "char"):
+            return "".join(chr(letter) for letter in np.ravel(array.T))
+        return array
+
+    with h5py.File(path, "r") as file:
+        return {name: value(item) for name, item in file.items()}
+
+
+def _by_meaning(stored: Mapping[str, Array], path: str) -> dict[str, Array]:
+    """Arrays by what they are; a field of a struct counts by its own name."""
+    arrays = dict[str, Array]()
+    for meaning, names in NAMES.items():
+        found = [name for name in stored if name.rpartition(".")[2].lower() in names]
+        if len(found) > 1:
+            raise InputError(path, found=f"{' and '.join(sorted(found))} for {meaning}", expected="one of them")
+        if found:
+            arrays[meaning] = stored[found[0]]
+    return arrays
+
+
+def _numbers(array: Array, name: str, path: str) -> Array:
+    if array.dtype.kind not in "biufc" or (name != "frf" and array.dtype.kind == "c"):
+        expected = "numbers" if name == "frf" else "real numbers"
+        raise InputError(path, found=f"{name} of type {array.dtype}", expected=expected)
+    return array
+
+
+def _lines_last(values: Array, lines: int, path: str) -> Array:
+    """Values (channels, references, lines), whichever end the lines stand at."""
+    ends = [axis for axis in {0, values.ndim - 1} if values.ndim and values.shape[axis] == lines]
+    if values.ndim not in (1, 2, 3) or len(ends) != 1:
+        found = f"frf {values.shape} for {lines} frequencies"
+        square = "; lines that number as the other axis: leave one line out" if len(ends) > 1 else ""
+        raise InputError(path, found=found, expected=f"{EXPECTED}{square}")
+    moved = np.moveaxis(values, ends[0], -1)
+    return moved.reshape(moved.shape[0] if moved.ndim > 1 else 1, moved.shape[1] if moved.ndim > 2 else 1, lines)
+
+
+def _whole(values: Array, shape: tuple[int, ...], name: str, path: str) -> IntArray:
+    given = np.asarray(values)
+    if given.dtype.kind not in "iuf" or given.size != int(np.prod(shape)) or np.any(given % 1 != 0):
+        raise InputError(path, found=f"{name} {given.shape} of {given.dtype}", expected=f"whole numbers {shape}")
+    return given.reshape(shape).astype(np.int64)
