@@ -82,6 +82,7 @@ CAMPAIGNS = (
     Campaign("contact.cycles", "periodic motions before stops: published orbits, stability, times", CYCLES),
     Campaign("contact.random_orbits", "300 random bodies: runs and multipliers agree", CYCLES),
     Campaign("contact.sparse_body", "large sparse bodies as dense ones", ("contact",)),
+    Campaign("contact.metamorphic", "400 random contact problems and their relatives agree", RUBS),
     Campaign("contact.targets", "every target of contact", ("contact",)),
     Campaign("contact.physics", "friction and patches", ("contact",)),
     Campaign("rub.interaction", "coincidences against runs", ("contact", "casingfem/modal")),
