@@ -257,9 +257,9 @@ BAD = {
     "100 pieces": (solid, TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
     "group": (solid, Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
     "pieces": (lambda: strip((2, 1)), TipNodes("tip", 60), "has no facet"),
-    "held edge": (solid, Tip("root"), "edge 'root' is held"),
+    "held edge": (solid, Tip("root"), "'root' is held"),
     "harmonics": (ring, Rim("top", 40), "between 1 and 16 on 'top', found 40"),
-    "lines": (ring, Rim("top", 3, lines=(0.1,)), "rim.lines: found"),
+    "lines": (ring, Rim("top", 3, lines=(0.1,)), "lines: found 0.1 m on an imported mesh"),
     "gaps": (
         lambda: cf.MeshShell(mesh=OPEN, thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}),
         Rim("top", 3), "'top' has a gap of 7. degrees",
