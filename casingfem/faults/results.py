@@ -114,6 +114,10 @@ RESULTS = {
         "leave repeated channels out, or reduce the mass by SEREP",
     ),
     "study-file": ("the file cannot be read", "give the path of a text file in UTF-8"),
+    "study-implausible": (
+        "a number is not that of any structure or material: its unit is probably another one",
+        'give the number in SI units; if it is meant, name its check: [checks] allow = ["E"]',
+    ),
     "study-key": ("a key is unknown, or stands beside one that excludes it", "`casingfem schema` lists all keys"),
     "study-missing": ("a key or table that the study needs is not there", "add it; `casingfem schema` lists all keys"),
     "study-toml": ("the file is not TOML", "correct the line named; text stands in quotes, each table once"),

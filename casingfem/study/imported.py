@@ -25,7 +25,7 @@ from casingfem.study.tables.tasks import ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter
 
 # tables of an imported part; others need a chart
-OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic")
+OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic", "checks")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

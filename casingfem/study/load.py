@@ -23,6 +23,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study.build import build_shell, try_chart
 from casingfem.study.cyclic import build_wheel
 from casingfem.study.imported import MeshStudy, build_imported, is_imported, mesh_interface
+from casingfem.study.plausible import add_implausible
 from casingfem.study.problems import FromFile, Problems, StudyError
 from casingfem.study.tables.tasks import REQUIRED, ParameterTable, ReduceTable, StudyFile, UpdateTable
 from casingfem.updating.addresses import Structure, get_value, with_value
@@ -107,6 +108,7 @@ def load_any(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
         whole = build_wheel(tables, structure, problems)
         if tables.cyclic is not None and not wheel:
             problems.add("cyclic", "a wheel", "a study without it: this command takes a part alone", "study-key")
+        add_implausible(tables, structure, problems)
         if problems or structure is None or not isinstance(begun, Solid | MeshShell):
             raise StudyError(problems)
         return MeshStudy(
@@ -125,6 +127,7 @@ def load_any(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
     shapes = load_shapes(tables.update, start, table, problems)
     chart = try_chart(tables, Problems(file))  # its problems are collected with the shell's
     interface = load_interface(tables.reduce, chart, problems)
+    add_implausible(tables, shell, problems)
     if problems or shell is None or start is None:
         raise StudyError(problems)
     return Study(

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.tables.tasks import StudyFile
+from contact.io.plausible import question
 from contact.io.tables import keys, kinds, models_at, resolved, unknown
 from contact.io.toml import written
 
@@ -148,7 +149,8 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
         expected = "a table of keys"
     if kind == "string_pattern_mismatch" and meaning:
         return f"{key}: found {detail['input']!r}, expected {meaning}"
-    return f"{key}: found {shown(detail['input'])}, expected {expected}{f' ({meaning})' if meaning else ''}"
+    asked = question([keys(m)[str(loc[-1])] for m in models if str(loc[-1]) in keys(m)], detail["input"])
+    return f"{key}: found {shown(detail['input'])}, expected {expected}{f' ({meaning})' if meaning else ''}{asked}"
 
 
 def code_at(detail: Any, data: Mapping[str, Any]) -> str:

@@ -21,8 +21,9 @@ from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
 from contact.scene.load import scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
+from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError, validated
-from contact.scene.scheme import Positive, Table, Unit
+from contact.scene.scheme import CheckedFile, Positive, Table, Unit
 from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ class DriveTable(Table):
         return start or 0.0, stop or 0.0  # the table has one of both ranges
 
 
-class CyclesFile(Table):
+class CyclesFile(CheckedFile):
     """A modal body under a harmonic force before contacts."""
 
     scene: CyclesHead = Field(description="what this scene is")
@@ -165,6 +166,7 @@ def load_cycles(path: str | Path) -> CyclesScene:
 
 def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
     table = validated(CyclesFile, data, file)
+    require_plausible(table, file)
     drive = table.drive
     about = drive.freq_hz or 0.5 * sum(drive.between)
     family = table.driven(file.parent).over(drive.parameter, freq_hz=about, looks=table.continuation.looks)
@@ -175,6 +177,7 @@ def _driven(data: dict[str, Any], file: Path) -> CyclesScene:
 def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> CyclesScene:
     """The bodies as a run has them, without its time."""
     table = validated(model, data, file)
+    require_plausible(table, file)
     speed, vary = table.speed, table.vary
     bodies = {key: part for key, part in data.items() if key not in ("vary", "continuation", "basins")}
     run = scene_of(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import entries, read_toml
 from contact.run import Scene
+from contact.scene.plausible import refusals
 from contact.scene.problems import Problems, SceneError, validated
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     if table.scene.kind == "pair":
         raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     problems = Problems(file)
+    problems.extend(refusals(table, file))
     what, law, scheme = table.built(file.parent, problems)
     with problems.at("record"):
         record = None if table.record is None else table.record.record(file.parent)

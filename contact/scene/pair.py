@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from contact.scene.parts import Lean
-from contact.scene.scheme import NotNegative, Positive, ScanTable, Table
+from contact.scene.scheme import CheckedFile, Friction, Positive, Ratio, ScanTable, Table
 
 
 class PairHead(Table):
@@ -21,7 +21,7 @@ class BladeModeTable(Table):
 
     freq_hz: Positive = Field(description="frequency [Hz]")
     modal_mass: Positive = Field(description="for unit motion along the contact's normal [kg]")
-    zeta: Annotated[NotNegative, Field(lt=1)] = Field(default=0.0, description="damping ratio [-]")
+    zeta: Ratio = Field(default=0.0, description="damping ratio [-]")
 
 
 class CasingPairTable(BladeModeTable):
@@ -35,7 +35,7 @@ class PairContact(Table):
 
     stiffness: Positive | None = Field(default=None, description="of the contact [N/m]")
     compliance: Positive | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
-    friction: NotNegative = Field(default=0.0, description="coefficient of Coulomb friction [-]")
+    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
     lean_deg: Lean = Field(default=0.0, description="lean of the blade into the motion [degrees]")
 
     @model_validator(mode="after")
@@ -46,7 +46,7 @@ class PairContact(Table):
         return self
 
 
-class PairFile(Table):
+class PairFile(CheckedFile):
     """One casing pair against one blade mode, contact closed: for `casingfem stability`."""
 
     scene: PairHead = Field(description="what this scene is")

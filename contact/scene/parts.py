@@ -12,18 +12,18 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.errors import InputError
 from contact.io.infiles import read_text
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.record.record import Record
 from contact.scene.problems import Problems
 from contact.scene.roundness import Whole
-from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, Table
+from contact.scene.scheme import Built, ModalScheme, Modulus, NotNegative, Positive, Table, Thickness
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
 
-Lean = Annotated[FiniteFloat, Field(gt=-90, lt=90)]
-Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1)]
+Lean = Annotated[FiniteFloat, Field(gt=-90, lt=90), CHECKS["lean"]]
 
 
 class RecordTable(Table):
@@ -76,17 +76,26 @@ def _basis_as(path: Path, _changed: int, _size: int) -> ModalBody:
     return ModalBody.load(path)
 
 
+def radius_of(path: Path) -> float:
+    """Largest radius of the rim of a basis file [m]; 0 where it has none, or cannot be read."""
+    try:
+        body = read_basis(path)
+    except InputError:
+        return 0.0
+    return max(body.radius, *(body.line_radius(k) for k in range(body.rim_lines))) if body.kind == "rim" else 0.0
+
+
 class CoatingTable(Table):
     """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
 
-    E: Positive = Field(description="Young's modulus [Pa]")
+    E: Modulus = Field(description="Young's modulus [Pa]")
     yield_stress: Positive = Field(description="stress at which it is worn [Pa]")
     hardening: NotNegative = Field(description="slope of the stress beyond that [Pa]")
-    thickness: Positive = Field(description="thickness [m]")
+    thickness: Thickness = Field(description="thickness [m]")
     width: Positive = Field(description="width of the strip along the axis [m]")
     tip: Positive = Field(description="length of a tip's land around the rim [m]")
     bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
-    machined: NotNegative = Field(
+    machined: Annotated[NotNegative, CHECKS["clearance"]] = Field(
         default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"
     )
 

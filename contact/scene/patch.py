@@ -12,9 +12,9 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
-from contact.scene.parts import Ratio, RecordTable, contact_law, read_basis
+from contact.scene.parts import RecordTable, contact_law, read_basis
 from contact.scene.problems import Problems
-from contact.scene.scheme import Built, NotNegative, Positive, RunHead, SceneFile, Table
+from contact.scene.scheme import Built, Friction, NotNegative, Positive, Ratio, RunHead, SceneFile, Table
 from contact.scheme.modal.exact_modal import ExactModal
 
 
@@ -94,7 +94,7 @@ class PatchContact(Table):
 class GroundTable(Table):
     """[ground]: its friction coefficient."""
 
-    friction: NotNegative = Field(default=0.0, description="coefficient of Coulomb friction [-]")
+    friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
 
 
 class PatchScheme(Table):

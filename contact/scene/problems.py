@@ -64,6 +64,7 @@ def validated(model: type[Model], data: Any, file: Path, table: str = "") -> Mod
 
 def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], table: str = "") -> str:
     """Write one pydantic error of a table's `data`, by its model, as file: key: found, expected."""
+    from contact.io.plausible import question
     from contact.io.tables import keys, models_at, resolved, unknown
 
     path = resolved(detail["loc"], detail["type"], data)
@@ -78,4 +79,5 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     if isinstance(detail["input"], dict):
         return f"{file}: {key}: {message}"
     expected = message.removeprefix("Input should be ")
-    return f"{file}: {key}: found {detail['input']!r}, expected {expected}{f' ({meaning})' if meaning else ''}"
+    asked = question([keys(m)[str(path[-1])] for m in models if path and str(path[-1]) in keys(m)], detail["input"])
+    return f"{file}: {key}: found {detail['input']!r}, expected {expected}{f' ({meaning})' if meaning else ''}{asked}"

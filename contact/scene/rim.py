@@ -17,10 +17,21 @@ from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
 from contact.model.gaps.rub_laws import RimProfile, Speed
 from contact.scene.pair import CasingPairTable
-from contact.scene.parts import CoatingTable, Lean, Ratio, RecordTable, contact_law, read_basis, rub_built
+from contact.scene.parts import CoatingTable, Lean, RecordTable, contact_law, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
-from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, SceneFile, SpeedTable, Table
+from contact.scene.scheme import (
+    Built,
+    ModalScheme,
+    NotNegative,
+    Positive,
+    Ratio,
+    RunHead,
+    SceneFile,
+    Size,
+    SpeedTable,
+    Table,
+)  # fmt: skip
 from contact.scheme.modal.exact_modal import ExactModal
 
 
@@ -82,6 +93,10 @@ class RimFile(SceneFile):
         """Files the scene is made of, beside its own."""
         return [self.casing.basis, self.blade.basis]
 
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return radius_of(folder / self.casing.basis)
+
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""
         with problems.at("casing.basis"):
@@ -110,7 +125,7 @@ class DiskHead(RunHead):
 class DiskPairTable(CasingPairTable):
     """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
 
-    radius: Positive = Field(description="of the rim [m]")
+    radius: Size = Field(description="of the rim [m]")
     kick: FiniteFloat = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
 
 
@@ -125,6 +140,10 @@ class DiskCasingTable(Table):
         if (self.basis is None) == (self.pair is None):
             raise ValueError(f"{'nothing' if self.basis is None else 'basis and pair'} found, expected one of both")
         return self
+
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim [m]; 0 where it is not known."""
+        return radius_of(folder / str(self.basis)) if self.pair is None else self.pair.radius
 
     def modes(self, folder: Path) -> ModalBody:
         """The casing; a basis file is found in `folder`. Raises InputError."""
@@ -164,6 +183,10 @@ class DiskFile(SceneFile):
     def files(self) -> list[str]:
         """The basis file, if the casing has one."""
         return [] if self.casing.basis is None else [self.casing.basis]
+
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return self.casing.radius(folder)
 
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""

@@ -7,11 +7,12 @@ from statistics import NormalDist
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, FiniteFloat, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from contact.base.errors import InputError
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
-from contact.scene.scheme import WAVES, Friction, Positive, Table, Waviness
+from contact.scene.scheme import WAVES, Friction, Gap, Positive, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients
@@ -26,8 +27,8 @@ class SpectrumLine(Table):
     """One random harmonic: the amplitudes [m] that half and a tenth of all draws exceed."""
 
     p: Annotated[int, Field(ge=1, le=WAVES)] = Field(description="number of waves around")
-    median: Positive = Field(description="amplitude that half of all draws exceed [m]")
-    high: Positive = Field(description="amplitude that a tenth of all draws exceed [m]")
+    median: Annotated[Positive, CHECKS["roundness"]] = Field(description="amplitude that half of all draws exceed [m]")
+    high: Annotated[Positive, CHECKS["roundness"]] = Field(description="amplitude that a tenth of all draws exceed [m]")
 
     @model_validator(mode="after")
     def _ordered(self) -> SpectrumLine:
@@ -56,7 +57,7 @@ class RandomRoundness(Table):
     harmonics: Annotated[list[Annotated[int, Field(ge=1, le=WAVES)]], Field(min_length=1)] | None = Field(
         default=None, description="numbers of waves, instead of a spectrum: amplitudes alike"
     )
-    rms: Positive | None = Field(
+    rms: Annotated[Positive, CHECKS["roundness"]] | None = Field(
         default=None, description="root mean square around the rim that every draw is scaled to [m]"
     )
 
@@ -128,5 +129,5 @@ class Roundness(Table):
 class GapTable(Roundness):
     """[contact]: clearance [m], friction coefficient, out-of-roundness."""
 
-    clearance: FiniteFloat = Field(description="between tips and round rim at rest [m]")
+    clearance: Gap = Field(description="between tips and round rim at rest [m]")
     friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")

@@ -14,15 +14,28 @@ from contact.base.arrays import readonly
 from contact.base.errors import InputError
 from contact.io.infiles import TextError, read_text
 from contact.io.names import hint
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.model.gaps.rub_system import settled
-from contact.scene.parts import CoatingTable, Lean, RecordTable, read_basis, rub_built
+from contact.scene.parts import CoatingTable, Lean, RecordTable, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
-from contact.scene.scheme import Built, ModalScheme, NotNegative, Positive, RunHead, ScanTable, SceneFile, Table
+from contact.scene.scheme import (
+    Built,
+    Gap,
+    ModalScheme,
+    NotNegative,
+    Positive,
+    RunHead,
+    ScanTable,
+    SceneFile,
+    Table,
+    Thickness,
+    TurnsPerSecond,
+)  # fmt: skip
 
 
 class RubHead(RunHead):
@@ -35,7 +48,7 @@ class RubCasing(Table):
     """[casing]: modal basis of a rim, and the thickness of its wall [m], beyond half of which a run is flagged."""
 
     basis: str = Field(description="modal basis of kind rim, npz, relative to this file")
-    thickness: Positive | None = Field(
+    thickness: Thickness | None = Field(
         default=None,
         description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
     )
@@ -53,7 +66,7 @@ class RubNode(Table):
     axial: str | None = Field(default=None, description="channel along the axis, for sliding there")
     angle_deg: FiniteFloat = Field(default=0.0, description="from the blade's angle [degrees]")
     line: Whole = Field(default=0, description="number of the rim line it meets, from 0")
-    clearance: FiniteFloat = Field(default=0.0, description="of its own, added to that of the contact [m]")
+    clearance: Gap = Field(default=0.0, description="of its own, added to that of the contact [m]")
     track: Whole | None = Field(default=None, description="number of the strip of a coating that it wears, from 0")
 
 
@@ -128,7 +141,7 @@ class RubSpeed(Table):
     `turning` says which side turns, which gravity and whirl can tell; `scan` the speeds of interactions.
     """
 
-    hz: FiniteFloat | list[FiniteFloat] = Field(description="speed, one number or one for each time [turns/s]")
+    hz: TurnsPerSecond | list[TurnsPerSecond] = Field(description="speed, one number or one for each time [turns/s]")
     time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of speeds [s]")
     turning: Literal["casing", "blades"] = Field(default="casing", description="which side turns")
     scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
@@ -151,9 +164,7 @@ class RubSpeed(Table):
 class RubClosing(Table):
     """[closing]: the gap's reduction [m], by (1 - exp(-t/time_constant)), or by straight lines over `time`."""
 
-    by: FiniteFloat | list[FiniteFloat] = Field(
-        description="how much the gap is reduced in the end, or at each time [m]"
-    )
+    by: Gap | list[Gap] = Field(description="how much the gap is reduced in the end, or at each time [m]")
     time_constant: Positive | None = Field(default=None, description="of an exponential closing [s]")
     time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of closings [s]")
 
@@ -174,7 +185,9 @@ class RubClosing(Table):
 class RubWhirl(Table):
     """[[whirl]]: the fields of `Whirl`; `shakes` the side that runs on this circle with its acceleration r w^2."""
 
-    amplitude: NotNegative = Field(description="radius of the circle that a centre runs on [m]")
+    amplitude: Annotated[NotNegative, CHECKS["clearance"]] = Field(
+        description="radius of the circle that a centre runs on [m]"
+    )
     per_rev: FiniteFloat = Field(default=0.0, description="its rate in turns per turn of the casing [-]")
     hz: FiniteFloat = Field(default=0.0, description="its rate besides [turns/s]")
     phase_deg: FiniteFloat = Field(default=0.0, description="where it is at t = 0 [degrees]")
@@ -193,7 +206,7 @@ class RubGravity(Table):
     Bodies start `settled` under it, and under the whirl that shakes them; or undeformed.
     """
 
-    acceleration: NotNegative = Field(default=9.80665, description="gravity [m/s^2]")
+    acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
     down_deg: FiniteFloat = Field(default=-90.0, description="where down is at t = 0, in the casing's angles [degrees]")
     axial: FiniteFloat = Field(default=0.0, description="part along the axis [m/s^2]")
     settled: bool = Field(default=True, description="whether bodies start at rest under it")
@@ -218,6 +231,10 @@ class RubFile(SceneFile):
         """Files the scene is made of, beside its own."""
         names = [self.casing.basis, *(blade.basis for blade in self.blade), self.contact.profile]
         return [name for name in names if name]
+
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return radius_of(folder / self.casing.basis)
 
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""

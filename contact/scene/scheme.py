@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
+from contact.io.plausible import CHECKS, CheckName
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
 from contact.scheme.linear import leapfrog
@@ -19,18 +21,15 @@ Positive = Annotated[FiniteFloat, Field(gt=0)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
-FRICTION = 2.0  # metals rub at .1 to .8, rubber at 1: above, a number was mistyped
-
-
-def _plausible(mu: float) -> float:
-    if mu > FRICTION:
-        raise ValueError(
-            f"at most {FRICTION:g} (steel on steel 0.1 to 0.8): a percentage or an angle? 0.3 is 30 %, or tan(16.7 deg)"
-        )
-    return mu
-
-
-Friction = Annotated[NotNegative, AfterValidator(_plausible)]
+Friction = Annotated[NotNegative, CHECKS["friction"]]
+Ratio = Annotated[FiniteFloat, Field(ge=0, lt=1), CHECKS["zeta"]]
+Modulus = Annotated[Positive, CHECKS["E"]]
+Density = Annotated[Positive, CHECKS["rho"]]
+Size = Annotated[Positive, CHECKS["size"]]
+Thickness = Annotated[Positive, CHECKS["thickness"]]
+Gap = Annotated[FiniteFloat, CHECKS["clearance"]]
+Deviation = Annotated[FiniteFloat, CHECKS["roundness"]]
+TurnsPerSecond = Annotated[FiniteFloat, CHECKS["speed"]]
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
@@ -66,7 +65,23 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class SceneFile(Table):
+class ChecksTable(Table):
+    """[checks]: implausible values that are meant."""
+
+    allow: list[CheckName] = Field(default_factory=list, description="names of checks that this file need not pass")
+
+
+class CheckedFile(Table):
+    """A file whose numbers must be plausible, but for those that it allows."""
+
+    checks: ChecksTable = Field(default_factory=ChecksTable, description="implausible values that are meant")
+
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where there is none, or where it is not known."""
+        return 0.0
+
+
+class SceneFile(CheckedFile):
     """A scene that runs: its tables."""
 
     def files(self) -> list[str]:
@@ -87,8 +102,8 @@ class RunHead(Table):
 class ScanTable(Table):
     """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` look at."""
 
-    from_hz: FiniteFloat = Field(description="first speed [turns/s]")
-    to_hz: FiniteFloat = Field(description="last speed [turns/s]")
+    from_hz: TurnsPerSecond = Field(description="first speed [turns/s]")
+    to_hz: TurnsPerSecond = Field(description="last speed [turns/s]")
     steps: Annotated[int, Field(ge=2, le=1_000_000)] = Field(default=401, description="number of speeds")
 
     @model_validator(mode="after")
@@ -111,7 +126,7 @@ class ModalScheme(Table):
 class SpeedTable(Table):
     """[speed]: turns per second; `scan` the speeds that are looked at."""
 
-    hz: FiniteFloat = Field(description="speed of the casing [turns/s]")
+    hz: TurnsPerSecond = Field(description="speed of the casing [turns/s]")
     scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions look at")
 
 
@@ -119,8 +134,8 @@ class Waviness(Table):
     """One harmonic of the rim's radius [m], positive where the gap is larger."""
 
     p: Annotated[int, Field(ge=0, le=WAVES)] = Field(description="number of waves around")
-    cos: FiniteFloat = Field(default=0.0, description="amplitude of cos p theta [m]")
-    sin: FiniteFloat = Field(default=0.0, description="amplitude of sin p theta [m]")
+    cos: Deviation = Field(default=0.0, description="amplitude of cos p theta [m]")
+    sin: Deviation = Field(default=0.0, description="amplitude of sin p theta [m]")
 
 
 class SchemeTable(Table):

@@ -18,6 +18,7 @@ from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
 from contact.scene.load import load_scene, read_scene
+from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError
 
 if TYPE_CHECKING:
@@ -98,6 +99,7 @@ def load_interactions(path: str | Path) -> InteractionScene:
 
 
 def _pair(table: PairFile, file: Path) -> HandPair:
+    require_plausible(table, file)
     contact = table.contact
     compliance = contact.compliance if contact.stiffness is None else 1.0 / contact.stiffness
     assert compliance is not None  # the table has one of both

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
 
+from contact.io.plausible import CHECKS
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -19,7 +20,19 @@ from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
 from contact.scene.rim import DiskFile, RimFile
 from contact.scene.rub import RubFile
-from contact.scene.scheme import Built, NotNegative, Positive, SceneFile, SchemeTable, Table
+from contact.scene.scheme import (
+    Built,
+    Density,
+    Modulus,
+    NotNegative,
+    Positive,
+    Ratio,
+    SceneFile,
+    SchemeTable,
+    Size,
+    Table,
+    Thickness,
+)  # fmt: skip
 
 
 class BeamHead(Table):
@@ -32,11 +45,11 @@ class BeamHead(Table):
 class SectionTable(Table):
     """A straight beam of rectangular section."""
 
-    length: Positive = Field(description="length [m]")
-    width: Positive = Field(description="width of the section [m]")
-    height: Positive = Field(description="height of the section in the plane of motion [m]")
-    E: Positive = Field(description="Young's modulus [Pa]")
-    rho: Positive = Field(description="density [kg/m^3]")
+    length: Size = Field(description="length [m]")
+    width: Thickness = Field(description="width of the section [m]")
+    height: Thickness = Field(description="height of the section in the plane of motion [m]")
+    E: Modulus = Field(description="Young's modulus [Pa]")
+    rho: Density = Field(description="density [kg/m^3]")
 
 
 class BeamTable(SectionTable):
@@ -51,7 +64,7 @@ class BeamTable(SectionTable):
 class CircleTable(Table):
     """[circle]: radius and offset of its centre from the hinge [m]."""
 
-    radius: Positive = Field(description="radius [m]")
+    radius: Size = Field(description="radius [m]")
     offset: NotNegative = Field(default=0.0, description="of its centre from the hinge [m]")
 
 
@@ -59,13 +72,13 @@ class RingTable(Table):
     """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
 
     basis: str | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
-    width: Positive | None = Field(default=None, description="width of the section along the axis [m]")
-    height: Positive | None = Field(default=None, description="height of the section along the radius [m]")
-    E: Positive | None = Field(default=None, description="Young's modulus [Pa]")
-    rho: Positive | None = Field(default=None, description="density [kg/m^3]")
+    width: Thickness | None = Field(default=None, description="width of the section along the axis [m]")
+    height: Thickness | None = Field(default=None, description="height of the section along the radius [m]")
+    E: Modulus | None = Field(default=None, description="Young's modulus [Pa]")
+    rho: Density | None = Field(default=None, description="density [kg/m^3]")
     k_r: NotNegative = Field(default=0.0, description="radial springs around [N/m^2]")
     k_t: NotNegative = Field(default=0.0, description="tangential springs around [N/m^2]")
-    zeta: NotNegative = Field(default=0.0, description="damping ratio of all modes [-]")
+    zeta: Annotated[NotNegative, CHECKS["zeta"]] = Field(default=0.0, description="damping ratio of all modes [-]")
     n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
 
     @model_validator(mode="after")
@@ -123,7 +136,7 @@ class CantileverHead(Table):
 class CantileverTable(SectionTable):
     """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
 
-    zeta: Annotated[FiniteFloat, Field(ge=0, lt=1)] = Field(default=0.0, description="damping ratio of all modes [-]")
+    zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
     load: FiniteFloat = Field(default=0.0, description="line load towards the stop [N/m]")
     velocity: FiniteFloat = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
-from contact.scene.parts import CoatingTable
+from contact.scene.parts import CoatingTable, radius_of
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
-from contact.scene.scheme import NotNegative, Positive, Table
+from contact.scene.scheme import CheckedFile, Friction, Gap, Positive, Table, TurnsPerSecond
 
 TWO = Field(min_length=2, max_length=2)
 
@@ -44,9 +45,9 @@ class BasinsTable(Table):
 class SpeedRange(Table):
     """[speed] of a rim: from where to where [Hz], or one where something else is varied."""
 
-    from_hz: FiniteFloat | None = Field(default=None, description="first speed [turns/s]")
-    to_hz: FiniteFloat | None = Field(default=None, description="last speed [turns/s]")
-    hz: FiniteFloat | None = Field(default=None, description="speed, where [vary] names what is varied [turns/s]")
+    from_hz: TurnsPerSecond | None = Field(default=None, description="first speed [turns/s]")
+    to_hz: TurnsPerSecond | None = Field(default=None, description="last speed [turns/s]")
+    hz: TurnsPerSecond | None = Field(default=None, description="speed, where [vary] names what is varied [turns/s]")
 
     @model_validator(mode="after")
     def _one_sense(self) -> SpeedRange:
@@ -64,8 +65,8 @@ class SpeedRange(Table):
 class VaryTable(Table):
     """[vary] of a rim: the first and the last clearance [m], or the first and the last coefficient of friction."""
 
-    clearance: Annotated[list[FiniteFloat], TWO] | None = Field(default=None, description="first and last [m]")
-    friction: Annotated[list[NotNegative], TWO] | None = Field(default=None, description="first and last [-]")
+    clearance: Annotated[list[Gap], TWO] | None = Field(default=None, description="first and last [m]")
+    friction: Annotated[list[Friction], TWO] | None = Field(default=None, description="first and last [-]")
 
     @model_validator(mode="after")
     def _one_range(self) -> VaryTable:
@@ -86,7 +87,7 @@ class TurningHead(Table):
     kind: Literal["rim", "rub", "disk"] = Field(description="which kind of scene this is")
 
 
-class TurningFile(Table):
+class TurningFile(CheckedFile):
     """What scenes of a turning rim have in common: the range, the coating, how branches are followed."""
 
     scene: TurningHead = Field(description="what this scene is")
@@ -114,6 +115,10 @@ class RimCyclesFile(TurningFile):
     blade: BladeTable = Field(description="the blade")
     contact: RimContact = Field(description="the gap")
 
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return radius_of(folder / self.casing.basis)
+
 
 class RubCyclesFile(TurningFile):
     """Blades before a turning rim, each tip in one or more places, sliding around."""
@@ -123,6 +128,10 @@ class RubCyclesFile(TurningFile):
     contact: RubContact = Field(description="the gap")
     whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
 
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return radius_of(folder / self.casing.basis)
+
 
 class DiskCyclesFile(TurningFile):
     """A disk of blades before a turning rim."""
@@ -130,6 +139,10 @@ class DiskCyclesFile(TurningFile):
     casing: DiskCasingTable = Field(description="the rim")
     disk: DiskTable = Field(description="the blades")
     contact: GapTable = Field(description="the gap")
+
+    def radius(self, folder: Path) -> float:
+        """Radius of the rim that turns [m]; 0 where it is not known."""
+        return self.casing.radius(folder)
 
 
 TURNING: dict[str, type[TurningFile]] = {"rim": RimCyclesFile, "rub": RubCyclesFile, "disk": DiskCyclesFile}

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from casingfem.study.tables.table import NotNegative, Pair, Positive, Table
+from contact.io.plausible import CHECKS, REACH
 
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
 Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
@@ -17,7 +18,7 @@ MOST_LINES = 1_000_000  # of a response: a day's record holds no more
 class PlaceTable(Table):
     """A place: height and angle_deg on a casing, or at = [a, b], parameters of the chart."""
 
-    height: NotNegative | None = Field(default=None, description="along the axis of a casing [m]")
+    height: Annotated[NotNegative, REACH] | None = Field(default=None, description="along the axis of a casing [m]")
     angle_deg: Angle = Field(default=0.0, description="around a casing [degrees]")
     at: Pair | None = Field(
         default=None, description="parameters of the chart [m or rad], instead of height and angle_deg"
@@ -97,7 +98,7 @@ class ResponsesTable(Table):
 class ScanTable(Table):
     """[rig.scan]: a laser spot that runs round while tones excite the casing."""
 
-    height: NotNegative = Field(description="of the spot's circle [m]")
+    height: Annotated[NotNegative, REACH] = Field(description="of the spot's circle [m]")
     tones_hz: Annotated[list[Positive], Field(min_length=1, max_length=100)] = Field(
         description="of the excitation [Hz]"
     )
@@ -120,7 +121,7 @@ class RigTable(Table):
     """[rig]."""
 
     seed: int = Field(ge=0, description="of all that is random")
-    zeta: float = Field(gt=0, lt=1, description="damping ratio, the median [-]")
+    zeta: Annotated[float, Field(gt=0, lt=1), CHECKS["zeta"]] = Field(description="damping ratio, the median [-]")
     zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode [-]")
     quantity: Literal["receptance", "mobility", "accelerance"] = Field(default="accelerance", description="measured")
     drive: list[PlaceTable] = Field(min_length=1, description="tables [[rig.drive]]: where it is excited")

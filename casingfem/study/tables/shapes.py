@@ -4,40 +4,55 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from casingfem.study.tables.table import Axis, Edge, Length, NotNegative, Pair, Positive, Table, Vector
+from casingfem.study.tables.table import (
+    Axis,
+    Density,
+    Edge,
+    Modulus,
+    NotNegative,
+    Pair,
+    Place,
+    Poisson,
+    Positive,
+    Size,
+    Table,
+    Thickness,
+    Vector,
+)  # fmt: skip
+from contact.io.plausible import REACH
 
 
 class MaterialTable(Table):
     """[material]: the fields of `Material`."""
 
-    E: Positive = Field(description="Young's modulus [Pa]")
-    nu: float = Field(gt=-1, lt=0.5, description="Poisson's ratio [-]")
-    rho: Positive = Field(description="density [kg/m^3]")
+    E: Modulus = Field(description="Young's modulus [Pa]")
+    nu: Poisson = Field(description="Poisson's ratio [-]")
+    rho: Density = Field(description="density [kg/m^3]")
 
 
 class FrustumTable(Table):
     """[chart] of kind "frustum"."""
 
     kind: Literal["frustum"] = Field(description="which surface it is")
-    r_base: Length = Field(description="mean radius at z = 0 [m]")
-    r_top: Length = Field(description="mean radius at z = height [m]")
-    height: Length = Field(description="length along the axis [m]")
+    r_base: Size = Field(description="mean radius at z = 0 [m]")
+    r_top: Size = Field(description="mean radius at z = height [m]")
+    height: Size = Field(description="length along the axis [m]")
 
 
 class CylinderTable(Table):
     """[chart] of kind "cylinder"."""
 
     kind: Literal["cylinder"] = Field(description="which surface it is")
-    radius: Length = Field(description="mean radius [m]")
-    height: Length = Field(description="length along the axis [m]")
+    radius: Size = Field(description="mean radius [m]")
+    height: Size = Field(description="length along the axis [m]")
 
 
 class PanelTable(Table):
     """[chart] of kind "panel"."""
 
     kind: Literal["panel"] = Field(description="which surface it is")
-    radius: Length = Field(description="mean radius [m]")
-    length: Length = Field(description="length along the axis [m]")
+    radius: Size = Field(description="mean radius [m]")
+    length: Size = Field(description="length along the axis [m]")
     angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
 
 
@@ -45,29 +60,29 @@ class PlateTable(Table):
     """[chart] of kind "plate"."""
 
     kind: Literal["plate"] = Field(description="which surface it is")
-    length: Length = Field(description="length from root to tip [m]")
-    width: Length = Field(description="width [m]")
+    length: Size = Field(description="length from root to tip [m]")
+    width: Size = Field(description="width [m]")
 
 
 class DomeTable(Table):
     """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
 
     kind: Literal["dome"] = Field(description="which surface it is")
-    radius: Length = Field(description="radius of the meridian [m]")
+    radius: Size = Field(description="radius of the meridian [m]")
     start_deg: float = Field(ge=-360, le=360, description="phi at the base [degrees], 0 at the equator")
     end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
-    r0: float = Field(default=0.0, ge=-1e3, le=1e3, description="distance of the meridian's centre from the axis [m]")
+    r0: Place = Field(default=0.0, description="distance of the meridian's centre from the axis [m]")
 
 
 class PieceTable(Table):
     """[[chart.piece]]: a straight piece or an arc of a meridian, with a wall of its own if it has one."""
 
-    to: Pair = Field(description="[r, z] where it ends [m]")
+    to: Annotated[Pair, REACH] = Field(description="[r, z] where it ends [m]")
     radius: Annotated[float, Field(ge=-1e3, le=1e3)] | None = Field(
         default=None, description="of an arc [m], positive if it turns left on its way; straight if left out"
     )
-    fillet: Length | None = Field(default=None, description="radius of the corner at its start [m]")
-    thickness: Length | None = Field(default=None, description="its wall thickness [m]")
+    fillet: Size | None = Field(default=None, description="radius of the corner at its start [m]")
+    thickness: Thickness | None = Field(default=None, description="its wall thickness [m]")
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
 
 
@@ -75,8 +90,8 @@ class MeridianTable(Table):
     """[chart] of kind "meridian": pieces from base to top, turned about z."""
 
     kind: Literal["meridian"] = Field(description="which surface it is")
-    start: Pair = Field(description="[r, z] of the base [m]")
-    fillet: Length | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
+    start: Annotated[Pair, REACH] = Field(description="[r, z] of the base [m]")
+    fillet: Size | None = Field(default=None, description="radius of the corners [m]; the wall's thickness if sharp")
     piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
 
 
@@ -84,8 +99,8 @@ class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
     kind: Literal["twisted-plate"] = Field(description="which surface it is")
-    length: Length = Field(description="length from root to tip [m]")
-    width: Length = Field(description="width [m]")
+    length: Size = Field(description="length from root to tip [m]")
+    width: Size = Field(description="width [m]")
     twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
 
 
@@ -96,12 +111,12 @@ class BladeTable(Table):
     """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
 
     kind: Literal["blade"] = Field(description="which surface it is")
-    length: Length = Field(description="span from root to tip [m]")
-    chord: Stations = Field(description="chord [m], one number or [root, tip] or more stations")
+    length: Size = Field(description="span from root to tip [m]")
+    chord: Annotated[Stations, REACH] = Field(description="chord [m], one number or [root, tip] or more stations")
     camber_deg: Stations = Field(default=0.0, description="opening angle of the section's arc [degrees]")
     twist_deg: Stations = Field(default=0.0, description="angle of the section about the span [degrees]")
-    sweep: Stations = Field(default=0.0, description="shift of the section along y [m]")
-    lean: Stations = Field(default=0.0, description="shift of the section along z [m]")
+    sweep: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along y [m]")
+    lean: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along z [m]")
 
 
 ChartTable = Annotated[
@@ -145,19 +160,19 @@ class SolidTable(ImportTable):
 class LaminaTable(Table):
     """[shell.lamina.<name>]: the fields of `Lamina`."""
 
-    E1: Positive = Field(description="modulus along the fibres [Pa]")
-    E2: Positive = Field(description="modulus across them [Pa]")
+    E1: Modulus = Field(description="modulus along the fibres [Pa]")
+    E2: Modulus = Field(description="modulus across them [Pa]")
     nu12: float = Field(description="contraction across by stretch along the fibres [-]")
-    G12: Positive = Field(description="shear modulus in the layer [Pa]")
-    G13: Positive = Field(description="shear modulus along the fibres, through the wall [Pa]")
-    G23: Positive = Field(description="shear modulus across the fibres, through the wall [Pa]")
-    rho: Positive = Field(description="density [kg/m^3]")
+    G12: Modulus = Field(description="shear modulus in the layer [Pa]")
+    G13: Modulus = Field(description="shear modulus along the fibres, through the wall [Pa]")
+    G23: Modulus = Field(description="shear modulus across the fibres, through the wall [Pa]")
+    rho: Density = Field(description="density [kg/m^3]")
 
 
 class PlyTable(Table):
     """[[shell.plies]]: a layer, from the inside out; on a mesh along its cells' normals."""
 
-    thickness: Length = Field(description="its thickness [m]; all add up to that of the shell")
+    thickness: Thickness = Field(description="its thickness [m]; all add up to that of the shell")
     angle_deg: float = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
     lamina: str | None = Field(default=None, description="name of its [shell.lamina.<name>]; [material] if left out")
 
@@ -165,7 +180,7 @@ class PlyTable(Table):
 class ShellTable(ImportTable):
     """[shell]: a wall on [chart], or on an imported mesh of quadrilaterals."""
 
-    thickness: Length = Field(description="nominal wall thickness [m]")
+    thickness: Thickness = Field(description="nominal wall thickness [m]")
     wall: Literal["curved", "linear"] = Field(
         default="curved", description="strains with the wall's metric, or linear through it as in published theory"
     )
@@ -174,7 +189,7 @@ class ShellTable(ImportTable):
     angle_from: Axis | None = Field(
         default=None, description="of a mesh: direction from which angles of plies count [-]; z if left out"
     )
-    thicknesses: dict[str, Length] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
+    thicknesses: dict[str, Thickness] = Field(default={}, description="group of cells of a mesh -> its thickness [m]")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells of a mesh -> its own material")
 
     @model_validator(mode="after")
@@ -200,9 +215,9 @@ class ShellTable(ImportTable):
 class StripTable(Table):
     """[[strip]]: a band along the axis or span with a wall of its own."""
 
-    start: float = Field(alias="from", ge=-1e3, le=1e3, description="where it begins along the axis or span [m]")
-    end: float = Field(alias="to", ge=-1e3, le=1e3, description="where it ends [m]")
-    thickness: Length = Field(description="its wall thickness [m]")
+    start: Place = Field(alias="from", description="where it begins along the axis or span [m]")
+    end: Place = Field(alias="to", description="where it ends [m]")
+    thickness: Thickness = Field(description="its wall thickness [m]")
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
 
 
@@ -228,7 +243,7 @@ class RotationTable(Table):
     """[rotation]: a blade on its hub (hub_radius, stagger_deg), or any axis (axis, and point or centre on it)."""
 
     speed_hz: float = Field(ge=0, le=1e5, description="speed [turns/s]")
-    hub_radius: Annotated[float, Field(ge=0, le=1e3)] | None = Field(
+    hub_radius: Annotated[float, Field(ge=0, le=1e3), REACH] | None = Field(
         default=None, description="from the axis to the middle of the root [m], open charts"
     )
     stagger_deg: float = Field(default=0.0, ge=-360, le=360, description="from the axis to the root's chord [degrees]")

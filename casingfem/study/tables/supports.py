@@ -7,7 +7,8 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MaterialTable
-from casingfem.study.tables.table import Length, NotNegative, Pair, Table
+from casingfem.study.tables.table import NotNegative, Pair, Place, Size, Table
+from contact.io.plausible import REACH
 
 
 class SpringsAround(Table):
@@ -82,7 +83,7 @@ class BoltsTable(Table):
     k_rot: NotNegative = Field(default=0.0, description="rotational stiffness of one bolt [N m/rad]")
     first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
     width_deg: float | None = Field(default=None, gt=0, le=360, description="width of the patch of a bolt [degrees]")
-    width_m: Length | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
+    width_m: Size | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
     spacing_deg: float | None = Field(
         default=None, gt=0, le=360, description="angle between bolts [degrees]; else all around"
     )
@@ -108,9 +109,9 @@ RingSupport = Annotated[ElasticTable | BoltsTable, Field(discriminator="kind")]
 class SectionTable(Table):
     """Section and material of a ring: a rectangle, or a circle by its diameter."""
 
-    width: Length | None = Field(default=None, description="radial size of the section [m]")
-    depth: Length | None = Field(default=None, description="axial size of the section [m]")
-    diameter: Length | None = Field(default=None, description="diameter of a round section [m]")
+    width: Size | None = Field(default=None, description="radial size of the section [m]")
+    depth: Size | None = Field(default=None, description="axial size of the section [m]")
+    diameter: Size | None = Field(default=None, description="diameter of a round section [m]")
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the casing's if left out")
 
     @model_validator(mode="after")
@@ -124,8 +125,10 @@ class SectionTable(Table):
 class StiffenerTable(SectionTable):
     """[[stiffener]]: a ring on the wall of a closed casing, between its edges."""
 
-    at: float = Field(ge=-1e3, le=1e3, description="where it stands along the axis or the meridian [m]")
-    offset: Pair = Field(description="[radial, axial] from the wall's middle to the section's centre [m]")
+    at: Place = Field(description="where it stands along the axis or the meridian [m]")
+    offset: Annotated[Pair, REACH] = Field(
+        description="[radial, axial] from the wall's middle to the section's centre [m]"
+    )
 
 
 class RingTable(SectionTable):

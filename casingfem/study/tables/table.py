@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
 
+from contact.io.plausible import CHECKS, REACH
+
 
 def at_least(least: float) -> AfterValidator:
     """Refuse positive numbers too small to be meant."""
@@ -19,6 +21,12 @@ def at_least(least: float) -> AfterValidator:
 Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
 NotNegative = Annotated[float, Field(ge=0, le=1e25)]
 Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
+Size = Annotated[Length, REACH]
+Place = Annotated[float, Field(ge=-1e3, le=1e3), REACH]
+Thickness = Annotated[Length, CHECKS["thickness"]]
+Modulus = Annotated[Positive, CHECKS["E"]]
+Density = Annotated[Positive, CHECKS["rho"]]
+Poisson = Annotated[float, Field(gt=-1, lt=0.5), CHECKS["nu"]]
 Relative = Annotated[float, Field(ge=-1, le=1)]
 Edge = str
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]

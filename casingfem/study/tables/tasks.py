@@ -15,6 +15,7 @@ from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import RigTable
 from casingfem.study.tables.supports import StiffenerTable, SupportTable
 from casingfem.study.tables.table import Axis, Edge, NotNegative, Pair, Positive, Table, Vector
+from contact.io.plausible import CHECKS, REACH, CheckName
 
 REQUIRED = ("material", "chart", "shell")
 
@@ -155,7 +156,7 @@ class ReduceTable(Table):
     )
     n_max: int | None = Field(default=None, ge=1, le=1000, description="highest harmonic of a casing's rim")
     axial: bool = Field(default=False, description="a casing's rim along the axis too")
-    lines: list[float] = Field(
+    lines: list[Annotated[float, REACH]] = Field(
         default_factory=list, description="places of lines around a casing, along its meridian [m], in place of an edge"
     )
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
@@ -167,7 +168,9 @@ class ReduceTable(Table):
     method: Literal["free", "craig-bampton"] = Field(
         default="free", description="modes of the free or of the held interface"
     )
-    zeta: float = Field(default=0.0, ge=0, lt=1, description="damping ratio of every mode [-]")
+    zeta: Annotated[float, Field(ge=0, lt=1), CHECKS["zeta"]] = Field(
+        default=0.0, description="damping ratio of every mode [-]"
+    )
     out: str | None = Field(default=None, pattern=r"^[^/\\]+\.npz$", description="a file name ending in .npz")
 
     @model_validator(mode="after")
@@ -178,6 +181,12 @@ class ReduceTable(Table):
             expected = "an edge or group (interface), lines around a casing, nodes of a mesh (at)"
             raise ValueError(f"found {found}, expected one: {expected}")
         return self
+
+
+class ChecksTable(Table):
+    """[checks]: implausible values that are meant."""
+
+    allow: list[CheckName] = Field(default=[], description="names of checks that this file need not pass")
 
 
 class StudyFile(Table):
@@ -205,6 +214,7 @@ class StudyFile(Table):
     update: UpdateTable | None = Field(default=None, description="the measured table and what may vary")
     reduce: ReduceTable | None = Field(default=None, description="the modal basis")
     rig: RigTable | None = Field(default=None, description="the virtual test rig")
+    checks: ChecksTable = Field(default=ChecksTable(), description="implausible values that are meant")
 
 
 def schema() -> dict[str, Any]:

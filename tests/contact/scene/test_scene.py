@@ -240,7 +240,12 @@ def test_a_clearance_in_the_wrong_unit(tmp_path, clearance):
     ring().save(tmp_path / "casing.npz")
     blade().save(tmp_path / "blade.npz")
     found = problems(tmp_path, RIM.replace("clearance = -1e-5", f"clearance = {clearance}"))
-    assert f"clearance: found {float(clearance):g} m, expected between -0.045 and 0.045 m" in found[0]
+    assert f"contact.clearance: found {float(clearance):g} m, expected -0.01 to 0.01 m" in found[0]
+    allowed = RIM.replace("clearance = -1e-5", f"clearance = {clearance}") + '[checks]\nallow = ["clearance"]\n'
+    assert (
+        f"clearance: found {float(clearance):g} m, expected between -0.045 and 0.045 m"
+        in problems(tmp_path, allowed)[0]
+    )
 
 
 def test_missing_bases_are_all_named(tmp_path):

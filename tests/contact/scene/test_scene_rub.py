@@ -20,6 +20,8 @@ on_limit = "flag"
 [casing]
 basis = "casing.npz"
 thickness = 1e-6
+[checks]
+allow = ["thickness"]
 [[blade]]
 basis = "blade.npz"
 angle_deg = 5.0

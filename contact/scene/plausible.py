@@ -1,0 +1,42 @@
+"""What a scene file's numbers can be: the checks that its keys declare, and those that need more than one key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from contact.io.plausible import CHECKS, Implausible, implausible, refused
+from contact.scene.problems import SceneError
+
+if TYPE_CHECKING:
+    from contact.scene.scheme import CheckedFile
+    from contact.scene.tables import RodTable
+
+
+def refusals(table: CheckedFile, file: Path) -> list[str]:
+    """What a file's numbers cannot be and the file does not allow, a line each: file: key: found X, expected Y."""
+    from contact.scene.tables import RodsFile
+
+    found = list(implausible(table, radius=table.radius(file.parent)))
+    if isinstance(table, RodsFile):
+        found += [one for k, rod in enumerate(table.rod, 1) for one in of_rod(rod, f"rod[{k}]")]
+    return [f"{file}: {line}" for line in refused(found, table.checks.allow)]
+
+
+def require_plausible(table: CheckedFile, file: Path) -> None:
+    """Raise SceneError with all `refusals`."""
+    if found := refusals(table, file):
+        raise SceneError(found)
+
+
+def of_rod(rod: RodTable, key: str) -> Iterator[Implausible]:
+    """Refuse E or rho of a rod where the other one is that of a solid in SI.
+
+    Rods may be in any consistent units, as in textbooks (E = 900, rho = 1): then neither is that of a solid.
+    """
+    E, rho = CHECKS["E"], CHECKS["rho"]
+    if rho.usual[0] <= rod.rho <= rho.usual[1] and (text := E.fault(rod.E)):
+        yield Implausible(f"{key}.E", "E", text)
+    if E.usual[0] <= rod.E <= E.usual[1] and (text := rho.fault(rod.rho)):
+        yield Implausible(f"{key}.rho", "rho", text)

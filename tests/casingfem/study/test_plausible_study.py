@@ -1,0 +1,68 @@
+"""Implausible numbers of a study are refused with the unit that was probably meant, unless the file allows them."""
+
+import pytest
+
+from casingfem.study import StudyError, load_study
+
+STUDY = """
+[material]
+E = 210e9
+nu = 0.3
+rho = 7800.0
+[chart]
+kind = "cylinder"
+radius = 0.45
+height = 0.25
+[shell]
+thickness = 3e-3
+[support.base]
+kind = "clamped"
+[rotation]
+speed_hz = 80.0
+[reduce]
+interface = "top"
+zeta = 0.002
+"""
+WRONG = [
+    ("E = 210e9", "E = 210.0", "E", "material.E: found 210 Pa, expected 1e+06 to 1.3e+12 Pa", "210 GPa are 2.1e+11 Pa"),
+    ("E = 210e9", "E = 210000.0", "E", "material.E: found 210000 Pa", "in MPa? 210000 MPa are 2.1e+11 Pa"),
+    ("E = 210e9", "E = 30e6", "sound", "material.E: 3e+07 Pa, rho 7800 kg/m^3: sound found 62.0174", "in psi?"),
+    ("= 7800.0", "= 7.8", "rho", "material.rho: found 7.8 kg/m^3", "7.8 g/cm^3 are 7800 kg/m^3"),
+    ("= 7800.0", "= 7.8e-9", "rho", "material.rho: found 7.8e-09 kg/m^3", "7.8e-09 t/mm^3 are 7800 kg/m^3"),
+    ("nu = 0.3", "nu = -0.3", "nu", "material.nu: found -0.3, expected 0 to 0.5", ""),
+    ("= 0.45", "= 450.0", "size", "chart.radius: found 450 m", "450 mm are 0.45 m"),
+    ("= 3e-3", "= 3.0", "thickness", "shell.thickness: found 3 m", "3 mm are 0.003 m"),
+    ("= 3e-3", "= 0.3", "thickness", "shell.thickness: found 0.3 m, expected at most 0.5 of chart.radius", "in mm?"),
+    ("= 0.002", "= 0.5", "zeta", "reduce.zeta: found 0.5, expected 0 to 0.2", "0.5 percent are 0.005"),
+    ("= 80.0", "= 4800.0", "speed", "rotation.speed_hz: found 4800 turns/s = 288,000 rpm", "4800 rpm are 80 turns/s"),
+]
+
+
+def problems_of(file):
+    try:
+        load_study(file)
+    except StudyError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
+@pytest.mark.parametrize(("old", "new", "name", "key", "slip"), WRONG)
+def test_a_number_in_another_unit_is_refused_with_the_slip_and_taken_where_allowed(tmp_path, old, new, name, key, slip):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.replace(old, new))
+    with pytest.raises(StudyError) as caught:
+        load_study(file)
+    found = str(caught.value)
+    assert key in found
+    assert slip in found
+    assert "study-implausible" in caught.value.codes
+    file.write_text(f'{file.read_text()}[checks]\nallow = ["{name}"]\n')
+    assert f'allow = ["{name}"]' not in problems_of(file)  # a rim of 450 m is too fast at 80 turns/s
+
+
+def test_a_percentage_that_the_schema_refuses_is_named_too(tmp_path):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.replace("= 0.002", "= 2.0"))
+    with pytest.raises(StudyError, match=r"reduce.zeta: found 2.0, expected less than 1 .*2 percent are 0.02"):
+        load_study(file)

@@ -1,0 +1,110 @@
+"""Implausible numbers of a scene are refused with the unit that was probably meant, unless the file allows them."""
+
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+import contact as ct
+from contact.io.plausible import ALL, CheckName
+from tests.contact.synthetic_rim import blade, ring
+
+RIM = """
+[scene]
+kind = "rim"
+t_end = 0.001
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 15.0
+[contact]
+clearance = 1e-4
+friction = 0.15
+[speed]
+hz = 80.0
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+RODS = """
+[scene]
+kind = "rods"
+t_end = 1e-4
+[[rod]]
+length = 0.1
+area = 1e-4
+E = {E}
+rho = {rho}
+[scheme]
+kind = "forward-lagrange"
+courant = 0.5
+[[wall]]
+x = -0.01
+"""
+WRONG = [
+    ("hz = 80.0", "hz = 4800.0", "speed", ["speed.hz: found 4800 turns/s = 288,000 rpm", "4800 rpm are 80 turns/s"]),
+    ("hz = 80.0", "hz = 80.0\nscan = {from_hz = 1.0, to_hz = 4800.0}", "speed", ["speed.scan.to_hz", "is this rpm?"]),
+    ("= 1e-4", "= 0.5", "clearance", ["contact.clearance: found 0.5 m", "in mm? 0.5 mm are 0.0005 m"]),
+    (
+        "= 0.15",
+        "= 15.0",
+        "friction",
+        ["contact.friction: found 15, expected 0 to 2", "15 percent are 0.15"],
+    ),
+    ("= 15.0", "= 80.0", "lean", ["blade.lean_deg: found 80 degrees, expected -75 to 75"]),
+]
+
+
+def refused(folder, text):
+    ring().save(folder / "casing.npz")
+    blade().save(folder / "blade.npz")
+    file = folder / "scene.toml"
+    file.write_text(text)
+    with pytest.raises(ct.InputError) as caught:
+        ct.load_scene(file)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("old", "new", "name", "words"), WRONG)
+def test_a_number_in_another_unit_is_refused_with_the_slip_and_taken_where_allowed(tmp_path, old, new, name, words):
+    text = RIM.replace(old, new)
+    found = refused(tmp_path, text)
+    assert all(part in found for part in [*words, f'write [checks] allow = ["{name}"]']), found
+    (tmp_path / "scene.toml").write_text(f'{text}[checks]\nallow = ["{name}"]\n')
+    if name != "clearance":  # a gap of the size of the rim is refused by the rim too
+        ct.load_scene(tmp_path / "scene.toml")
+
+
+def test_all_implausible_numbers_are_named_at_once_and_names_of_checks_are_listed(tmp_path):
+    text = RIM
+    for old, new in (("hz = 80.0", "hz = 4800.0"), ("= 1e-4", "= 0.5"), ("= 0.15", "= 15.0")):
+        text = text.replace(old, new)
+    assert len(refused(tmp_path, text).splitlines()) == 3
+    assert "'speed'" in refused(tmp_path, f'{RIM}[checks]\nallow = ["sped"]\n')
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "words"),
+    [
+        ("210.0", "7800.0", "rod[1].E: found 210 Pa"),
+        ("210e9", "7.8", "in g/cm^3? 7.8 g/cm^3 are 7800 kg/m^3"),
+        ("210e9", "7.8e-9", "in t/mm^3? 7.8e-09 t/mm^3 are 7800 kg/m^3"),
+    ],
+)
+def test_a_rod_whose_other_number_is_that_of_a_solid_is_refused(tmp_path, E, rho, words):
+    assert words in refused(tmp_path, RODS.format(E=E, rho=rho))
+
+
+def test_rods_in_reduced_units_are_taken(tmp_path):
+    for E, rho in (("900.0", "1.0"), ("1.0", "1.0"), ("210e9", "7800.0"), ("30e6", "7.34e-4")):
+        (tmp_path / "scene.toml").write_text(RODS.format(E=E, rho=rho))
+        ct.load_scene(tmp_path / "scene.toml")
+
+
+def test_the_page_of_limits_lists_every_check_with_its_bounds():
+    page = (Path(__file__).parents[3] / "docs" / "limits.md").read_text(encoding="utf-8")
+    assert [check.name for check in ALL] == list(get_args(CheckName))
+    for check in ALL:
+        quantity = f"{check.quantity}{f' [{check.unit}]' if check.unit else ''}"
+        assert f"| {check.name} | {quantity} | {check.lower:g} | {check.upper:g} | {check.reason} |\n" in page
