@@ -135,7 +135,7 @@ def test_without_angles_modes_have_no_n(frfs, tmp_path):
     ("name", "text", "words"),
     [
         ("frfs.mat", "", ".mat"),
-        ("angles.csv", "point,angle\n1,0\n", "point,angle_deg"),
+        ("angles.csv", "point,angle\n1,0\n", "expected angle_deg, or angle [deg]"),
         ("angles.csv", "point,angle_deg\n1,0\n1,4\n", "1 again"),
         ("angles.csv", "point,angle_deg\n1,0\n", "no angle for point 2"),
     ],
