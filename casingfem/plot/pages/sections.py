@@ -13,6 +13,7 @@ from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
 from casingfem.plot.page import Cell, Picture, Section, Table, raised
 from casingfem.plot.turning import turning_shapes
+from casingfem.structure.edge.bolts import Bolts
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
@@ -22,6 +23,7 @@ from casingfem.structure.material import Material
 from casingfem.structure.shell.plies import Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study
+from casingfem.study.tables.supports import BoltsTable
 
 TURNED = 12  # shapes that a reader can turn
 SHOWN = 4  # harmonics of a field that are named
@@ -127,7 +129,7 @@ def values_of(owner: object) -> str:
     if not is_dataclass(owner):
         return ""
     numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
-    plain = [f"{k} {raised(f'{v:g}')} {UNITS.get(k, 'm')}" for k, v in numbers.items()
+    plain = [f"{k} {raised(f'{v:g}')} {unit_of(owner, k)}".rstrip() for k, v in numbers.items()
              if isinstance(v, int | float) and v != 0.0]  # fmt: skip
     laws = {k: v for k, v in numbers.items() if isinstance(v, tuple) and v}
     for k, law in laws.items():
@@ -138,6 +140,19 @@ def values_of(owner: object) -> str:
         patterns = {"around": owner.pattern("k_face")} if shared else owner.patterns
         return ", ".join(plain) + "".join(f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items())
     return ", ".join(plain)
+
+
+def unit_of(owner: object, name: str) -> str:
+    """The unit of a field: of bolts as the keys of study.toml declare it, in brackets; of others by its name.
+
+    >>> unit_of(Bolts(count=8, k=1e8), "k_rot"), unit_of(Bolts(count=8, k=1e8), "count")
+    ('N m/rad', '')
+    """
+    info = BoltsTable.model_fields.get(name) if isinstance(owner, Bolts) else None
+    if info is None:
+        return "rad" if isinstance(owner, Bolts) else UNITS.get(name, "m")
+    declared = re.search(r"\[(.+)\]", info.description or "")
+    return declared[1] if declared else ""
 
 
 def waves_of(pattern: object) -> str:
