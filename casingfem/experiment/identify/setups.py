@@ -305,7 +305,7 @@ def _track(
         max(each.signal for each in found), max(each.split_bound for each in found),
     )  # fmt: skip
     reasons = [member.doubt for _, member in some if member.doubt]
-    doubt = reasons[0] if 2 * len(reasons) > count else ""
+    doubt = reasons[0] if len(reasons) == count else ""  # one set-up that shows it clearly is enough
     if 2 * count <= whole:
         seen = f"it is seen in {count} of {whole} set-ups: a local mode, or one that two set-ups share? Measure again"
         doubt = "; ".join(each for each in (seen, doubt) if each)
