@@ -55,7 +55,7 @@ def _limit_words(name: str, reached: float, allowed: float) -> str:
     if name == "gap":
         return f"diverged: a gap moved {reached:.3g} m, a million times what start and load could do."
     if name == "energy":
-        return f"diverged: contact has added {reached:.3g} J to what had at most {allowed:.3g} J, which no contact can."
+        return f"diverged: contact and scheme have made {reached:.3g} J, at most {allowed:.3g} J was allowed."
     return "diverged: the energy is not a finite number, the motion has outgrown the arithmetic."
 
 

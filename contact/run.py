@@ -18,20 +18,22 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
 from contact.io.notebook import notebook_progress
+from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral
 from contact.problem import What, default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import Record, Samples, samples, sparse
+from contact.resolved import MOST_STEPS, count_of, require_steps, resolved
 from contact.result import Result
 from contact.resumed import Moment, asked, moment, restored
 from contact.scheme.protocol import Problem, Scheme, Stepper
+from contact.trust import OF_LIMITS, Flag
 
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
 WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
 LEDGER = 20_000  # steps between looks at the energy
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
-MOST_STEPS = 10**10  # hours to days of computing: beyond, a number was mistyped
 
 Progress = Callable[[float], None]
 OnLimit = Literal["stop", "flag"]
@@ -41,8 +43,9 @@ OnLimit = Literal["stop", "flag"]
 class Scene:
     """What to run and how, as a scene file says it; every setting may be left out or overridden in `run`.
 
-    `on_limit` "stop": a run whose rim moves beyond half its wall, or that diverges otherwise, is an error that keeps
-    the result so far. "flag": it goes on to a tenth of the radius, ends there without an error, and is flagged.
+    `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are no solution (a flag that
+    `failed`), is an error that keeps the result so far. "flag": it goes on to a tenth of the radius, and ends without
+    an error; `flags` of the result say what failed. A run of more than `most_steps` steps is refused.
     """
 
     what: What
@@ -55,6 +58,7 @@ class Scene:
     record: Record | None = None
     source: dict[str, str] = field(default_factory=dict)
     on_limit: OnLimit = "stop"
+    most_steps: int = MOST_STEPS
 
     __repr__ = brief
 
@@ -107,7 +111,11 @@ def run(
     record: Record | None = None,
     progress: Progress | None = None,
     on_limit: OnLimit | None = None,
+<<<<<<< HEAD
     checkpoint: str | Path | None = None,
+=======
+    most_steps: int | None = None,
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
@@ -122,8 +130,11 @@ def run(
     `checkpoint` names a file that a run of more than two seconds writes from time to time. Where it exists, the run
     goes on from there and gives the same result to the last bit, but for the seconds.
 
-    Raises InputError (also beyond 1e10 steps) and LimitError before the first step, NumericsError (which
-    carries the result so far) at the step that failed, DivergedError (one of these) at the step that passed a limit.
+    A run of more than `most_steps` steps, 1e8 where it is left out, is refused with an estimate of the time it takes.
+
+    Raises InputError and LimitError (also for a step that does not resolve what was asked for) before the first step,
+    NumericsError (which carries the result so far) at the step that failed or where a flag of the result `failed`,
+    DivergedError (one of these) at the step that passed a limit.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -136,6 +147,7 @@ def run(
         settings, law=law or settings.law, scheme=scheme or settings.scheme, record=record or settings.record,
         on_limit=on_limit or settings.on_limit, t_end=settings.t_end if t_end is None else t_end,
         gravity=settings.gravity if gravity is None else gravity,
+        most_steps=settings.most_steps if most_steps is None else most_steps,
     )  # fmt: skip
     if dt is not None or courant is not None:
         settings = replace(settings, dt=dt, courant=courant)
@@ -144,11 +156,10 @@ def run(
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Prepared:
-    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy; `mu` friction."""
+    """A run at t = 0: how many steps it takes, what it stores; `start` is its energy."""
 
     problem: Problem
-    mu: float
-    coated: bool
+    law: Law
     on_limit: OnLimit
     stepper: Stepper
     count: int
@@ -157,6 +168,7 @@ class Prepared:
     load_step: float
     overlap: float  # deepest at t = 0 [m]
     start: Stored
+    flags: tuple[Flag, ...] = ()  # known before the first step
 
 
 def prepared(scene: Scene) -> Prepared:
@@ -167,25 +179,30 @@ def prepared(scene: Scene) -> Prepared:
     if scene.t_end is None:
         raise InputError("t_end: found none, expected the end of the run in seconds")
     require_positive(t_end=scene.t_end)
+    require_steps(scene.most_steps)
     if scene.dt is not None and scene.dt > 0.0:
-        _count(scene.t_end, scene.dt)
+        count_of(scene.t_end, scene.dt, scene.most_steps)
     stepper = scheme.prepare(problem, law, dt=scene.dt, courant=scene.courant)
     limits = getattr(stepper, "limits", None)
     if scene.on_limit not in ("stop", "flag"):
         raise InputError(f"on_limit: found {scene.on_limit!r}, expected 'stop' or 'flag'")
     if limits is not None and scene.on_limit == "flag" and math.isfinite(limits[TIP]):
         limits[RIM] = limits[TIP]
-    count = _count(scene.t_end, stepper.dt)
+    count = count_of(scene.t_end, stepper.dt, scene.most_steps, stepper.size)
+    given = "" if scene.courant is None else f"courant = {scene.courant:g}"
+    flags = resolved(problem, law, stepper, scene.t_end, given)
     record = scene.record or sparse(count)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
-        problem=problem, mu=law.mu, coated=law.coating is not None, on_limit=scene.on_limit, stepper=stepper,
+        problem=problem, law=law, on_limit=scene.on_limit, stepper=stepper,
         count=count, record=record, source=scene.source,
         load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
         overlap=getattr(stepper, "overlap", 0.0), start=getattr(stepper, "start", None) or stepper.stored(),
+        flags=flags,
     )  # fmt: skip
 
 
+<<<<<<< HEAD
 def _count(end: float, dt: float) -> int:
     """Steps to the first one at or after `end`; raises InputError beyond MOST_STEPS."""
     ratio = end / dt * (1.0 - 1e-12) - 1e-9
@@ -198,6 +215,10 @@ def _count(end: float, dt: float) -> int:
 
 def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
     """Run what is prepared to its end, from the start or from where a checkpoint is; raises InputError as that."""
+=======
+def completed(ready: Prepared, progress: Progress | None = None) -> Result:
+    """Run what is prepared to its end."""
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     decisive = ready.problem, record, ready.mu, ready.coated, ready.on_limit, ready.count
@@ -248,7 +269,7 @@ def _runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         since = now.since(calm)
     added = -since.lost_in_contact > ADDED * since.others
-    return not math.isfinite(now.unaccounted) or (added and not ready.coated)
+    return not math.isfinite(now.unaccounted) or (added and ready.law.coating is None)
 
 
 def finished(
@@ -269,21 +290,28 @@ def finished(
         limit = "energy", -since.lost_in_contact, ADDED * since.others
     with np.errstate(over="ignore", invalid="ignore"):
         result = collect(stepper, parts, energy, taken, seconds, ready.source, ready.record)
-    if limit is None and failed < 0:
-        return result
+        checked = () if limit is None and failed >= 0 else judged(ready.problem, ready.law, result)
+        flags = (*ready.flags, *result.flags, *checked)
+        made = too_much(ready.law, result)
+    if limit is None and failed < 0 and made is not None:
+        limit = "energy", *made
     at = failed if failed >= 0 else taken - 1
-    error: NumericsError
-    if limit is None:
-        error = NumericsError(f"step {at} (t = {at * stepper.dt:.6g} s): {stepper.why()}")
-    else:
+    place, kind = f"step {at} (t = {at * stepper.dt:.6g} s): ", NumericsError
+    if limit is not None:
         from contact.diverged import divergence
 
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            result = replace(result, divergence=divergence(ready.problem, ready.mu, result, limit))
-        if ready.on_limit == "flag" and limit[0] != "overflow":
-            return result
+            result = replace(result, divergence=divergence(ready.problem, ready.law.mu, result, limit))
         assert result.divergence is not None
-        error = DivergedError(f"step {at} (t = {at * stepper.dt:.6g} s): {result.divergence.words}")
+        asked = ready.on_limit == "flag" and limit[0] in ("wall", "radius")
+        flags, kind = (*flags, Flag(result.divergence.words, OF_LIMITS[limit[0]], failed=not asked)), DivergedError
+    elif failed >= 0:
+        flags = (*flags, stepper.why())
+    result = replace(result, notes=replace(result.notes, flags=once(flags)))
+    failures = [flag for flag in result.flags if flag.failed]
+    if not failures or (ready.on_limit == "flag" and failed < 0 and (limit is None or limit[0] != "overflow")):
+        return result
+    error = kind((place if limit is not None or failed >= 0 else "") + failures[-1])
     error.result = result
     raise error
 

@@ -125,7 +125,7 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
 def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int) -> Outcome | None:
     try:
         return finished(ready, [kept], taken, seconds, failed)
-    except DivergedError as error:
-        return error
+    except DivergedError as error:  # alone, a run whose energy grows ends at the next look at it
+        return None if error.result.divergence.limit == "energy" else error
     except NumericsError:
         return None

@@ -180,7 +180,10 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     say("drawing")
     film = rub_film(scene.what, result)
     numbers = page_numbers(result)
-    verdict = scene_verdict(numbers, result.flags, diverged=result.divergence is not None, rubs=rubs)
+    verdict = scene_verdict(
+        numbers, result.flags, diverged=result.divergence is not None, rubs=rubs,
+        failed=any(flag.failed for flag in result.flags),
+    )  # fmt: skip
     text = text_of(read_bytes(file))
     return scene_page(
         file.stem, text, repr(result), result.flags, numbers, drawn, table, verdict=verdict,

@@ -1,4 +1,4 @@
-"""The catalogue of faults, by code: every refusal and warning about a model, its cause and its remedy."""
+"""The catalogue of faults, by code: every refusal and warning about a model or a run, its cause and its remedy."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -7,9 +7,10 @@ from typing import NamedTuple
 from casingfem.faults.edges import EDGES
 from casingfem.faults.meshes import MESHES
 from casingfem.faults.results import RESULTS
+from casingfem.faults.runs import RUNS
 from casingfem.faults.surfaces import SURFACES
 
-PARTS = (SURFACES, EDGES, MESHES, RESULTS)
+PARTS = (SURFACES, EDGES, MESHES, RESULTS, RUNS)
 
 
 class Fault(NamedTuple):

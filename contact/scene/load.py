@@ -15,7 +15,14 @@ from contact.scene.problems import Problems, SceneError, validated
 if TYPE_CHECKING:
     from contact.scene.tables import File
 
-GIVEN = ("t_end", "gravity", "on_limit", "dt", "courant")  # keys of [scene] and [scheme] that `Scene` has too
+GIVEN = (
+    "t_end",
+    "gravity",
+    "on_limit",
+    "dt",
+    "courant",
+    "most_steps",
+)  # keys of [scene] and [scheme] that `Scene` has too
 
 
 def load_scene(path: str | Path) -> Scene:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 from contact.io.plausible import CHECKS, CheckName
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
+from contact.resolved import MOST_STEPS
 from contact.scheme.linear import leapfrog
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
@@ -121,6 +122,7 @@ class ModalScheme(Table):
         default="auto", description="how contact is enforced in a step; auto by the model's compliance"
     )
     dt: Positive = Field(description="time step [s]")
+    most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
 
 
 class SpeedTable(Table):
@@ -146,6 +148,7 @@ class SchemeTable(Table):
         default=None, description="time step over the largest stable one [-], instead of dt"
     )
     dt: Positive | None = Field(default=None, description="time step [s]")
+    most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
     stiffness: Positive | None = Field(default=None, description="of a penalty or an augmented Lagrangian [N/m]")
     updates: Count | None = Field(default=None, description="most updates of an augmented Lagrangian in a step")
     modes: Count | None = Field(default=None, description="number of modes of a bar on a wall")
@@ -163,7 +166,7 @@ class SchemeTable(Table):
             raise ValueError("courant and dt both given, expected one of them")
         if self.courant is None and self.dt is None and self.kind != "exact-modal":
             raise ValueError("neither courant nor dt given, expected one of them")
-        allowed = ("kind", "courant", "dt", *SCHEMES[self.kind][1], *OF_LAWS.get(self.kind, ()))
+        allowed = ("kind", "courant", "dt", "most_steps", *SCHEMES[self.kind][1], *OF_LAWS.get(self.kind, ()))
         for key in self.model_fields_set:
             if key not in allowed:
                 raise ValueError(f"{key} found with kind = {self.kind!r}, which takes {', '.join(allowed[1:])}")

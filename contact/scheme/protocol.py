@@ -30,6 +30,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
+from contact.trust import Flag
 
 
 class Modal(Protocol):
@@ -63,7 +64,7 @@ class Notes:
     (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them.
     """
 
-    flags: tuple[str, ...] = ()
+    flags: tuple[Flag, ...] = ()
     heat: Array = field(default_factory=lambda: np.zeros(0))
     drive: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -106,12 +107,17 @@ class Stepper(Protocol):
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
 
+<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """Arrays that `advance` changes, in tuples of any depth: written back, a run goes on to the same bits."""
 
     def why(self) -> str:
         """Explain a failed step."""
+=======
+    def why(self) -> Flag:
+        """Explain a failed step, with its code."""
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 
     def stored(self) -> Stored:
         """Energy now."""

@@ -221,7 +221,7 @@ def test_the_budget_of_a_run_has_each_sum_of_all_contacts_in_its_place():
 def test_what_a_run_is_prepared_with_belongs_to_its_step_and_law():
     bodies = [ct.PointMass(mass=2.0, x=-0.1, velocity=1.0), ct.Wall()]
     ready = prepared(ct.Scene(what=bodies, t_end=0.3, dt=0.01, gravity=3.0, law=ct.Unilateral()))
-    assert (ready.count, ready.mu, ready.coated, ready.on_limit) == (30, 0.0, False, "stop")
+    assert (ready.count, ready.law, ready.on_limit) == (30, ct.Unilateral(), "stop")
     assert ready.load_step == pytest.approx(1e-4 * 3.0**2 * 2.0, rel=1e-12)  # h^2 f^T M^-1 f
     assert (ready.record.every, ready.overlap) == (1, 0.0)
     with pytest.raises(ct.InputError, match=r"at: found 0\.4 s, expected at most 0\.3 s"):

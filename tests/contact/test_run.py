@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.judged import judged, too_much
 from contact.model.bodies.chain import assemble
 from contact.model.gaps.rub import rub_of
 from contact.run import steps
@@ -150,7 +151,7 @@ def test_a_mass_at_rest_raises_no_alarm(scheme):
     result = ct.run(RESTING, scheme=scheme, gravity=9.81, t_end=1.0, dt=1e-3)
     assert result.impulse[0] == pytest.approx(9.81, rel=2e-3)
     assert result.energy.load_step == pytest.approx(9.81**2 * 1e-6)
-    assert "contact added energy" not in repr(result)
+    assert result.flags == ()
 
 
 @pytest.mark.parametrize(("by", "mu"), [(1e-5, 0.0), (1e-4, 0.3)])
@@ -164,29 +165,10 @@ def test_bodies_that_overlap_at_the_start_are_pushed_apart_without_an_alarm(by, 
         energy = result.energy
         assert energy.overlap == pytest.approx(by * result.peak_force[0], rel=1e-9)
         assert 0.1 * energy.overlap < -energy.lost_in_contact < energy.overlap
-        assert "contact added energy" not in repr(result)
-        gained = replace(energy, contact=energy.contact + energy.overlap)
-        assert "contact added energy" in repr(replace(result, energy=gained))
-
-
-@pytest.mark.parametrize(
-    ("scheme", "advice"),
-    [
-        ("exact modal, averaged law, rho = 0.5", "reduce dt, or take the forward law"),
-        ("exact modal, forward law, rho = 0.5", "reduce dt"),
-        ("central difference + forward Lagrange, dt omega_max = 1", "reduce dt"),
-        ("exact modal, energy law, dt omega_max = 1", "reduce dt"),
-        ("central difference + penalty 1e+04 N/m", "reduce dt, or take forward Lagrange"),
-        ("Newmark (0.25, 0.5) + Lagrange, dt omega_max = 1", "take Newmark (.5, .55) or Moreau-Jean"),
-    ],
-)
-def test_the_alarm_recommends_another_law_than_the_one_in_use(scheme, advice):
-    result = impact()
-    gained = replace(result.energy, contact=0.5 * result.energy.scale)
-    text = repr(replace(result, energy=gained, scheme=scheme))
-    alarm = next(line for line in text.splitlines() if line.startswith("contact added energy"))
-    assert alarm.startswith(f"contact added energy, which it cannot: {advice}")
-    assert ("forward" in alarm) == ("averaged" in scheme or "penalty" in scheme)
+        assert "energy-grows" not in [flag.code for flag in result.flags]
+        gained = replace(energy, contact=energy.contact + 2.0 * energy.overlap)
+        told = judged(what, law, replace(result, energy=gained)), too_much(law, replace(result, energy=gained))
+        assert told[1] is not None or "energy-grows" in [flag.code for flag in told[0]]
 
 
 @pytest.mark.slow
@@ -213,7 +195,8 @@ def test_events_keep_no_buffer_alive():
 @pytest.mark.parametrize(("t_end", "dt"), [(1e8, 1e-3), (1e50, 1e-50)])
 def test_absurdly_many_steps_are_refused(t_end, dt):
     with pytest.raises(
-        ct.InputError, match=r"t_end: found 1e\+\d+ s with dt = .* s, which is .* steps, expected at most"
+        ct.InputError,
+        match=r"t_end: found 1e\+\d+ s with dt = .* s, which is .* steps, about .* computing, expected at",
     ):
         ct.run(RESTING, gravity=9.81, t_end=t_end, dt=dt)
 

@@ -11,7 +11,8 @@ import pytest
 import contact as ct
 from contact.diverged import _fed_words, _limit_words, _rise, recent_growth
 from contact.record.energy import EnergyBudget, Stored
-from contact.run import ADDED, MOST_STEPS, prepared
+from contact.resolved import MOST_STEPS, count_of
+from contact.run import ADDED, prepared
 
 RUN = importlib.import_module("contact.run")
 STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
@@ -24,7 +25,7 @@ def later(added, **changes):
 
 
 def test_contact_that_adds_more_than_thrice_all_else_runs_away():
-    bare, coated = (SimpleNamespace(coated=coated) for coated in (False, True))
+    bare, coated = (SimpleNamespace(law=SimpleNamespace(coating=coating)) for coating in (None, object()))
     assert ADDED * later(0.0).since(CALM).others == 9.0
     assert not RUN._runs_away(bare, later(8.99), CALM)
     assert RUN._runs_away(bare, later(9.01), CALM)
@@ -43,31 +44,34 @@ def block(**changes):
 
 def ended(ready, budget, *, steps=30, failed=-1, calm=None, monkeypatch):
     monkeypatch.setattr(RUN, "_budget", lambda _: budget)
-    whole = RUN.completed(prepared(block()))
     parts = [chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record)]
-    assert whole.steps == 30
     return RUN.finished(ready, parts, steps, 0.1, failed, calm)
 
 
 def test_how_a_run_ends(monkeypatch):
-    """Done, run away by its energy, failed at a step, out of numbers: the step that is told, and what "flag" spares."""
+    """Done, run away by its energy, failed at a step, out of numbers: the step named, and what "flag" spares."""
     give = {"monkeypatch": monkeypatch}
     for on_limit in ("stop", "flag"):
         scene = block(on_limit=on_limit)
-        assert ended(prepared(scene), later(8.9), calm=CALM, **give).divergence is None
-        assert ended(prepared(scene), later(99.0), **give).divergence is None  # nothing calm to compare with
+        whole = ended(prepared(scene), later(-1.0), calm=CALM, **give)
+        assert (whole.divergence, [flag.code for flag in whole.flags]) == (None, ["energy-open"])
         with pytest.raises(ct.NumericsError, match=r"^step 7 \(t = 0\.07 s\): ") as caught:
-            ended(prepared(scene), later(99.0), failed=7, calm=CALM, **give)
+            ended(prepared(scene), later(-1.0), failed=7, calm=CALM, **give)
         assert caught.value.result.divergence is None
+        assert [flag.code for flag in caught.value.result.flags if flag.failed] == ["unconverged"]
         with pytest.raises(
             ct.NumericsError, match=r"^step 29 \(t = 0\.29 s\): diverged: the energy is not a fin"
         ) as caught:
             ended(prepared(scene), later(math.nan), calm=CALM, **give)
         assert caught.value.result.divergence.limit == "overflow"
-    told = ended(prepared(block(on_limit="flag")), later(9.5), calm=CALM, **give).divergence
-    assert (told.limit, told.reached, told.allowed, told.step) == ("energy", 9.5, 9.0, 30)
-    assert told.words.startswith("diverged: contact has added 9.5 J to what had at most 9 J")
-    with pytest.raises(ct.NumericsError, match=r"^step 29 \(t = 0\.29 s\): diverged: contact has added 9\.5 J"):
+        assert [flag.code for flag in caught.value.result.flags][-1] == "motion-overflow"
+    told = ended(prepared(block(on_limit="flag")), later(9.5), calm=CALM, **give)
+    ended_by = told.divergence
+    assert (ended_by.limit, ended_by.reached, ended_by.allowed, ended_by.step) == ("energy", 9.5, 9.0, 30)
+    assert [(flag.code, flag.failed) for flag in told.flags if flag.failed] == [("energy-grows", True)]
+    with pytest.raises(
+        ct.NumericsError, match=r"^step 29 \(t = 0\.29 s\): diverged: contact and scheme have made 9\.5 J"
+    ):
         ended(prepared(block()), later(9.5), calm=CALM, **give)
 
 
@@ -103,15 +107,13 @@ def test_samples_end_at_the_first_that_is_no_number():
 
 
 def test_steps_to_the_end():
-    assert RUN._count(1.0, 0.1) == 10
-    assert RUN._count(1.0 + 1e-9, 0.1) == 11
-    assert RUN._count(1.0 + 1e-13, 0.1) == 10
-    assert RUN._count(1e-9, 0.1) == 1
-    assert RUN._count(float(MOST_STEPS), 1.0) == MOST_STEPS
-    with pytest.raises(
-        ct.InputError, match=r"which is 1.001e\+10 steps, expected at most 1e\+10: shorten t_end to 2e\+10"
-    ):
-        RUN._count(1.001 * 2.0 * MOST_STEPS, 2.0)
+    assert count_of(1.0, 0.1) == 10
+    assert count_of(1.0 + 1e-9, 0.1) == 11
+    assert count_of(1.0 + 1e-13, 0.1) == 10
+    assert count_of(1e-9, 0.1) == 1
+    assert count_of(float(MOST_STEPS), 1.0) == MOST_STEPS
+    with pytest.raises(ct.InputError, match=r"which is 1\.001e\+08 steps, about .*, expected at most 1e\+08: shorten"):
+        count_of(1.001 * 2.0 * MOST_STEPS, 2.0)
 
 
 def test_who_fed_a_motion_the_largest_first():
@@ -157,7 +159,7 @@ def test_growth_is_fitted_over_the_windows_of_the_rise():
 def test_a_failed_step_says_why():
     body = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]])
     stepper = prepared(block(what=ct.Patch(body=body, normal=("x",), clearance=0.1))).stepper
-    assert stepper.why() == "the motion is not a number"
+    assert stepper.why() == "the motion is not a number [motion-overflow]"
     stepper.state.counts[3] = 1.0
     assert stepper.why().startswith("no motion opens all gaps at once")
     stepper.state.counts[3] = 2.0
@@ -170,7 +172,7 @@ def test_a_failed_step_says_why():
     for name in ("u", "v"):
         kept = getattr(stepper.state, name)[0]
         getattr(stepper.state, name)[0] = math.inf
-        assert stepper.why() == "the motion is not a finite number"
+        assert stepper.why() == "the motion is not a finite number [motion-overflow]"
         getattr(stepper.state, name)[0] = kept
     stepper.fault.extend(["the first", "the last"])
     assert stepper.why() == "the last"

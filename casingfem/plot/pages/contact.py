@@ -60,7 +60,9 @@ def scene_page(
     return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
 
 
-def scene_verdict(numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, rubs: bool) -> Verdict:
+def scene_verdict(
+    numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, failed: bool, rubs: bool
+) -> Verdict:
     """What became of a run, by its own checks; `numbers` are those of the command line."""
     closed, span = numbers["time in contact [s]"], numbers["time simulated [s]"]
     share = 100.0 * closed / span if span else 0.0
@@ -74,7 +76,10 @@ def scene_verdict(numbers: Mapping[str, float], flags: Sequence[str], *, diverge
         f"{written(100.0 * numbers['energy not accounted for'], 1)} % is accounted for. That is the scheme's own "
         "check; the step and the number of modes are not checked by it."
     )
-    if flags:
+    if failed:
+        sure = f"The numbers are no solution of the model: {flags[-1]}"
+        further = "Do what the message says, and run it again."
+    elif flags:
         further = "Read what is flagged above; beyond it the model is not the machine."
     else:
         further = "Run it with half the step, and with more modes, and compare the impulse: casingfem sweep does both."

@@ -11,6 +11,7 @@ from contact.base.arrays import Array, readonly, require_count, require_finite, 
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.rate import Rate
 from contact.model.trig import harmonics
 
 
@@ -127,6 +128,11 @@ class BeamInCircle:
             raise InputError(f"ring: found a basis of kind {self.ring.kind!r}, expected 'rim'")
         if abs(self.ring.radius / self.radius - 1.0) > 0.1:
             raise InputError(f"ring: found radius {self.ring.radius:g} m, expected about {self.radius:g} m")
+
+    def rates(self) -> tuple[Rate, ...]:
+        """The turns of the beam at t = 0."""
+        hz = abs(self.beam.spin) / (2.0 * math.pi)
+        return (Rate(key="beam.spin", hz=hz, words=f"{self.beam.spin:.6g} rad/s"),) if hz > 0.0 else ()
 
     def gaps(self, nodes: Array) -> Array:
         """Gaps of nodes (nodes, 3) to the undeformed circle, (nodes,) [m]."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array, require_count, require_finite, require_not_negative, require_positive
 from contact.base.errors import InputError
 from contact.io.brief import brief
+from contact.model.rate import Rate
 
 Fixed = Literal["none", "left", "right"]
 
@@ -138,6 +139,12 @@ class Rod:
         """Right end [m]."""
         return self.x + self.length
 
+    def rates(self, key: str) -> tuple[Rate, ...]:
+        """Its damping, and the passage of a wave from end to end; `key` names it."""
+        time = self.length / self.wave_speed
+        damping = (Rate.of_decay(f"{key}.damping", self.damping),) if self.damping > 0.0 else ()
+        return (*damping, Rate.of_passage(f"a wave through {key}", time, f"{time:.4g} s"))
+
     def contact_end(self, *, has_left: bool, has_right: bool) -> str:
         """The end that carries the end mass: the free one, or the one that faces a neighbour."""
         if self.fixed != "none":
@@ -204,6 +211,18 @@ class PointMass:
     def end(self) -> float:
         """Where it is [m]."""
         return self.x
+
+    def rates(self, key: str) -> tuple[Rate, ...]:
+        """Its force, its dashpot and its own frequency, which a scheme integrates down to two steps a period."""
+        found = []
+        if self.force and self.force_hz > 0.0:
+            found.append(Rate(key=f"{key}.force_hz", hz=self.force_hz, words=f"{self.force_hz:.6g} Hz"))
+        if self.damping > 0.0:
+            found.append(Rate.of_decay(f"{key}.damping over its mass", self.damping / self.mass))
+        if self.stiffness > 0.0:
+            hz = math.sqrt(self.stiffness / self.mass) / (2.0 * math.pi)
+            found.append(Rate(key=f"the frequency of {key} on its spring", hz=hz, words=f"{hz:.6g} Hz", most=1.0))
+        return tuple(found)
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
         """One node."""

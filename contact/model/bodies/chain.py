@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,6 +15,7 @@ from contact.base.arrays import Array, Indices, readonly, require_finite
 from contact.base.errors import InputError
 from contact.model.bodies.body import Body
 from contact.model.bodies.linear import Forcing, LinearBody, Part
+from contact.model.rate import Rate
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -46,6 +48,16 @@ class Chain:
     def crossing_time(self) -> float:
         """Shortest time of a wave through an element [s], infinite when there is no rod."""
         return min(body.crossing_time for body in self.bodies)
+
+    def rates(self) -> tuple[Rate, ...]:
+        """Rates of all bodies under the names of a scene file: mass[1], rod[2], numbered as they were given."""
+        found: list[Rate] = []
+        count: Counter[str] = Counter()
+        for _, body in sorted(zip(self.numbers, self.bodies, strict=True), key=lambda pair: pair[0]):
+            kind = type(body).__name__.lower().removeprefix("point")
+            count[kind] += 1
+            found += getattr(body, "rates", lambda key: ())(f"{kind}[{count[kind]}]")
+        return tuple(found)
 
     @property
     def load_response(self) -> float:

@@ -83,6 +83,12 @@ class Patch:
         return opening
 
     @property
+    def load_response(self) -> float:
+        """f^T M^-1 f of the constant loads [J/s^2]."""
+        load = np.asarray(self.load)
+        return float(load @ load)
+
+    @property
     def dimensions(self) -> int:
         """1 without friction, else 2 or 3."""
         return 1 + (len(self.tangent[0]) if self.tangent else 0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.trust import Flag
 
 FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion none
 WALL = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
@@ -43,14 +44,13 @@ def passed(limits: Array | None) -> tuple[str, float, float] | None:
     return None
 
 
-def wall_flags(deflection: float, thickness: float) -> tuple[str, ...]:
-    """What to say of a rim's largest deflection [m]; nothing where linear theory carries it."""
+def wall_flags(deflection: float, thickness: float) -> tuple[Flag, ...]:
+    """Flag of a rim's largest deflection [m] beyond half of its wall; none below."""
     if not (math.isfinite(thickness) and thickness > 0.0 and deflection > WALL * thickness):
         return ()
-    return (
-        f"rim deflected by {deflection:.3g} m, {deflection / thickness:.2g} of the wall: linear theory carries "
-        f"{WALL:g} of it",
-    )
+    part = f"{deflection / thickness:.2g} of the wall"
+    words = f"rim deflected by {deflection:.3g} m, {part}: linear theory is valid to {WALL:g}"
+    return (Flag(words, "wall-deflection"),)
 
 
 def require_near(radius: float, **lengths: float) -> None:

@@ -17,6 +17,7 @@ from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
+from contact.model.rate import Change, Rate, changes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,6 +184,24 @@ class Rub:
         if not (radius > 0.0 and abs(total) <= FAR * radius):
             found = f"{total:g} m at tip {j} on a radius of {radius:g} m"
             raise InputError(f"clearance: found {found}, expected at most a tenth of it")
+
+    def rates(self) -> tuple[Rate | Change, ...]:
+        """Whirl, gravity and the points of a measured profile as they pass; ramps of speed and the closing gap."""
+        omega, found = self.speed.fastest, list[Rate | Change]()
+        turning = [(f"whirl[{k}]", one.per_rev, one.hz) for k, one in enumerate(self.whirl, 1)]
+        turning += [(f"a force on {one.on}", one.per_rev, one.hz) for one in self.forces]
+        for key, per_rev, hz in turning:
+            rate = abs(per_rev) * omega / (2.0 * math.pi) + abs(hz)
+            found += [Rate(key=key, hz=rate, words=f"{rate:.6g} Hz")] if rate > 0.0 else []
+        if self.profile.theta is not None and omega > 0.0:
+            least = float(np.diff(self.profile.theta).min()) / omega
+            found.append(Rate.of_passage("the passage of a point of the profile", least, f"{least:.3g} s"))
+        for key, table, values, unit in (
+            ("speed", self.speed.time, self.speed.hz, "Hz"), ("closing", self.closing.time, self.closing.by, "m"),
+        ):  # fmt: skip
+            rates, begins = changes(key, table.tolist(), values.tolist(), unit)
+            found += [*rates, *begins]
+        return tuple(found)
 
     @property
     def wall(self) -> float:

@@ -23,6 +23,7 @@ from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.protocol import Block, Motion
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.beam.beam import BeamState, BeamWork
@@ -95,14 +96,18 @@ class BeamStepper(BeamRun):
 
         return advance_beam(self.state, self.work, self.sums, out, self.dt, first, steps)
 
+<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
 
     def why(self) -> str:
+=======
+    def why(self) -> Flag:
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
-        return "the motion is not a number: reduce dt"
+        return Flag("the motion is not a number: reduce dt", "motion-overflow", failed=True)
 
     def stored(self) -> Stored:
         """Kinetic energy at the half step, strain energy at t_n, the torque's potential, the ring's energies."""
@@ -204,14 +209,19 @@ class ImplicitBeamStepper(BeamRun):
 
         return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
 
+<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
 
     def why(self) -> str:
+=======
+    def why(self) -> Flag:
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
-        return "Newton's method found no state that satisfies motion and contact: reduce dt"
+        words = "Newton's method found no state that satisfies motion and contact: reduce dt"
+        return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
         """Energies at t_n; the discrete form leaves out what Newmark itself added or took."""

@@ -17,6 +17,7 @@ from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.protocol import Block, Motion, Problem
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.linear.linear import Parts, State
@@ -44,7 +45,7 @@ class LinearStepper:
     label: str
     leapfrog: bool
     start: Stored
-    fault: list[str]  # filled when a load fails, empty until then
+    fault: list[Flag]  # filled when a load fails, empty until then
 
     @property
     def size(self) -> int:
@@ -66,25 +67,31 @@ class LinearStepper:
         failed = self.loop(self.parts, self.state, self.sums, stored, amplitudes, self.dt, first, good, *self.method)
         if good < steps and failed < 0:
             value, at = amplitudes[rows[0], loads[0]], (first + int(rows[0])) * self.dt
-            self.fault.append(f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force")
+            words = f"forcing {int(loads[0]) + 1}: found {value} at t = {at:.6g} s, expected a finite force"
+            self.fault.append(Flag(words, "load-unknown", failed=True))
             failed = first + good
         if whole:
             states = int(self.sums.filled[1])
             out.state[:states] = out.state[:states, self.system.place]
         return failed
 
+<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, sums and the arrays of the scheme."""
         return self.state, self.sums, self.method
 
     def why(self) -> str:
+=======
+    def why(self) -> Flag:
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
         if self.fault:
             return self.fault[-1]
         if not np.isfinite(self.state.u).all() or not np.isfinite(self.state.v).all():
-            return "the motion is not a finite number"
-        return "the contacts have no common answer: their forces cycle, or a gap is not a number"
+            return Flag("the motion is not a finite number", "motion-overflow", failed=True)
+        words = "the contacts have no common answer: their forces cycle, or a gap is not a number"
+        return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
         """Kinetic, strain and potential energy, for leapfrog schemes in the discrete form at the half step."""

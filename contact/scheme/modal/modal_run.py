@@ -19,6 +19,7 @@ from contact.record.wear import Wear
 from contact.scheme.modal.propagator import window
 from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion, Notes
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
@@ -53,8 +54,13 @@ class ModalRun:
     loop: Callable[[Tally, Samples, int, int], int]
     energy: Callable[[int], Stored]  # after this many steps
     velocity: Callable[[], Array]
+<<<<<<< HEAD
     failure: Callable[[], str]
     steps: Indices  # taken so far, one entry
+=======
+    failure: Callable[[], Flag]
+    steps: list[int]  # steps taken so far, one entry
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
     rim: RimRun | None = None
     tracks: Tracks | None = None
 
@@ -111,7 +117,7 @@ class ModalRun:
         """What a coating has lost so far; none without one."""
         return () if self.tracks is None else self.tracks.wear()
 
-    def why(self) -> str:
+    def why(self) -> Flag:
         """Explain a failed step."""
         return self.failure()
 

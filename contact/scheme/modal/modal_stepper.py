@@ -21,6 +21,7 @@ from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
@@ -84,14 +85,15 @@ def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: in
     return parts.stored(state.q, state.d, (Q - pull * T) * force, residual + at_rest, system.potential)
 
 
-def _failure(state: ModalState) -> str:
+def _failure(state: ModalState) -> Flag:
     if np.isnan(state.q).any() or np.isnan(state.d).any():
-        return "the motion is not a number"
+        return Flag("the motion is not a number", "motion-overflow", failed=True)
     H, scale = state.memory[2:4]
-    return (
+    words = (
         f"the contact jams: Delassus number {scale:.4g} m/N (modes {H:.4g}), expected > 0; friction "
         "exceeds what the lean of the blade allows: reduce mu or the lean"
     )
+    return Flag(words, "unconverged", failed=True)
 
 
 def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalState:
@@ -218,7 +220,7 @@ def energy_stepper(system: ModalSystem, parts: Propagator) -> ModalRun:
     return ModalRun(
         system=system, dt=h, sums=tally(1), label=label, loop=loop, steps=np.zeros(1, dtype=np.int64), state=state,
         energy=lambda _: _energy_stored(system, state), velocity=lambda: state.v,
-        failure=lambda: "the gap is not a number",
+        failure=lambda: Flag("the gap is not a number", "motion-overflow", failed=True),
     )  # fmt: skip
 
 

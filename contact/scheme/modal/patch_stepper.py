@@ -19,6 +19,7 @@ from contact.record.record import Samples, tally
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork
@@ -56,30 +57,38 @@ class PatchStepper(ExactRun):
         return failed
 
     @property
+<<<<<<< HEAD
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
+=======
+    def overlap(self) -> float:
+        """How far a load presses bodies into each other beside their modes at t = 0, at most [m]."""
+        opening = self.problem.opening + self.problem.rows()[:: self.problem.dimensions] @ self.problem.displacement
+        return max(0.0, -float(opening.min()))
+>>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 
     @property
     def limits(self) -> Array:
         """How far the gaps may open or close [m], as those of `motion_limits`."""
         return self.state.limits
 
-    def why(self) -> str:
+    def why(self) -> Flag:
         """Explain a failed step."""
         from contact.loop.modal.patch import JAMMED, ROUGH
 
         fault = self.state.counts[3]
         if fault == JAMMED:
-            return "no motion opens all gaps at once: contacts press against each other without compliance"
+            words = "no motion opens all gaps at once: contacts press against each other without compliance"
+            return Flag(words, "unconverged", failed=True)
         if fault == ROUGH:
-            return "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
-        return "the motion is not a number"
+            words = "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
+            return Flag(words, "unconverged", failed=True)
+        return Flag("the motion is not a number", "motion-overflow", failed=True)
 
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
-        said = inexact(float(self.work.room.left[0]))
-        return Notes(flags=(said,) if said else ())
+        return Notes(flags=inexact(float(self.work.room.left[0])))
 
     def stored(self) -> Stored:
         """Energy at t_n; what S stores counts as residual."""

@@ -24,6 +24,7 @@ from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.modal.wear_track import Tracks, rub_tracks
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
+from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.rub.rows import RubLaws, RubRows
@@ -113,11 +114,12 @@ class RubStepper(ExactRun):
             gap[j] += row @ q[: row.size] + system.blade_rows[j * self.dimensions, : end - begin] @ q[begin:end]
         return max(0.0, -float(gap.min()))
 
-    def why(self) -> str:
+    def why(self) -> Flag:
         """Explain a failed step."""
         if not (np.isfinite(self.state.q).all() and np.isfinite(self.state.d).all()):
-            return "the motion is not a number"
-        return "no forces found that obey Coulomb's law at every tip: a tip digs in, or reduce dt or mu"
+            return Flag("the motion is not a number", "motion-overflow", failed=True)
+        words = "no forces found that obey Coulomb's law at every tip: a tip digs in, or reduce dt or mu"
+        return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
         """Energy now; what S stores counts as residual, and what bends a coating."""
@@ -136,9 +138,8 @@ class RubStepper(ExactRun):
     def notes(self) -> Notes:
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
         deflection, tangential = float(self.limits[REACHED + RIM]), float(self.state.peaks[0])
-        said = inexact(float(self.work.room.left[0]))
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
-        flags += (said,) if said else ()
+        flags += inexact(float(self.work.room.left[0]))
         return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
 
 
@@ -327,13 +328,14 @@ def _around(n_max: int, angle: Array, turned: Array, form: Array) -> Array:
     return np.asarray(np.sum(E @ form * E, axis=-1))
 
 
-def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[str, ...]:
+def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[Flag, ...]:
     radius = float(system.radius.min())
     if tangential > 0.0 and tangential**2 / (2.0 * radius) > 0.1 * _play(rub):
-        return (
+        words = (
             f"a tip moved {tangential:.3g} m along the rim, whose curvature changes the gap there by "
-            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out",
+            f"{tangential**2 / (2.0 * radius):.3g} m: the gap law leaves this out"
         )
+        return (Flag(words, "tip-moves-along"),)
     return ()
 
 

@@ -20,9 +20,10 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.jit.compiled import jit
-from contact.solver.friction.inexact import LEFT, inexact
+from contact.solver.friction.inexact import inexact
 from contact.solver.friction.newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
 from contact.solver.friction.room import Room, friction_room
+from contact.trust import LEFT
 
 ZERO = 1e-12  # of a column's largest entry: no pivot
 TIE = 1e-13  # of the largest value: the covering variable is zero
@@ -186,7 +187,7 @@ def coulomb(W: Array, b: Array, mu: Array | float, start: Array | None = None) -
         )
     left = float(room.left[0])
     if not left <= LEFT:
-        raise NumericsError(f"friction: {inexact(left)}")
+        raise NumericsError(f"friction: {inexact(left)[0]}")
     motion = (W @ force + b.ravel()).reshape(b.shape)
     return Friction(force.reshape(b.shape), motion, iterations, residual, left)
 

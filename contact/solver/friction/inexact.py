@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-LEFT = 1e-6  # of a contact's free motion: a larger error is told
+from contact.trust import LEFT, MUCH_LEFT, Flag
 
 
-def inexact(left: float) -> str:
-    """What to say of forces that leave so much of a contact's free motion; nothing up to LEFT."""
+def inexact(left: float) -> tuple[Flag, ...]:
+    """Flag of forces that leave so much of a contact's free motion; none up to LEFT."""
     if left <= LEFT:
-        return ""
-    return (
+        return ()
+    words = (
         f"forces leave {left:.1e} of a contact's motion in a step: contacts are coupled so closely, W conditioned to "
         "about 1e10 and more, that double precision does no better; let contacts yield (S), or leave some out"
     )
+    return (Flag(words, "unconverged", failed=left > MUCH_LEFT),)

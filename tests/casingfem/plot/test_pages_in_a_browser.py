@@ -173,7 +173,7 @@ NUMBERS = dict.fromkeys(
 @pytest.mark.parametrize("width", [360])
 def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
     drawn = Drawn(figure_sweep(["speed.hz"], np.array([[1.0], [2.0], [3.0]]), RUNS))
-    verdict = scene_verdict(NUMBERS, ("a flag",), diverged=True, rubs=True)
+    verdict = scene_verdict(NUMBERS, ("a flag",), diverged=True, failed=False, rubs=True)
     pages = {
         "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, drawn, "3 runs"),
         "cycles": cycles_page("rod", ORBITS, MARKS, [""], SOURCE, "branch 1"),

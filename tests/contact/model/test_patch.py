@@ -100,7 +100,7 @@ def test_a_gap_that_is_no_number_stops_the_step_it_arises_in(far):
     assert stepper.advance(out, 0, 3) == -1
     stepper.state.place[0] = far
     assert stepper.advance(out, 3, 2) == 3
-    assert stepper.why() == "the motion is not a number"
+    assert stepper.why() == "the motion is not a number [motion-overflow]"
 
 
 def test_redundant_contacts_share_a_force_and_change_nothing():

@@ -128,7 +128,9 @@ def test_limits_of_a_motion():
 
 def test_a_rim_deflected_beyond_half_its_wall_is_told():
     assert wall_flags(1e-3, 2e-3) == ()
-    assert wall_flags(3e-3, 2e-3) == ("rim deflected by 0.003 m, 1.5 of the wall: linear theory carries 0.5 of it",)
+    assert wall_flags(3e-3, 2e-3) == (
+        "rim deflected by 0.003 m, 1.5 of the wall: linear theory is valid to 0.5 [wall-deflection]",
+    )
     for unknown in (0.0, math.inf, math.nan, -1.0):
         assert wall_flags(1.0, unknown) == ()
 

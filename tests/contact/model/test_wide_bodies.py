@@ -32,7 +32,14 @@ def test_entries_of_damping_that_equal_those_of_stiffness_are_seen_beside_them()
 def kept(monkeypatch, empty, body, method, **more):
     monkeypatch.setattr(packing, "EMPTY", empty)
     return ct.run(
-        body, law=method.law, scheme=method.scheme, t_end=8.0, dt=0.1, record=ct.Record(state_every=1), **more
+        body,
+        law=method.law,
+        scheme=method.scheme,
+        t_end=8.0,
+        dt=0.1,
+        record=ct.Record(state_every=1),
+        on_limit="flag",
+        **more,
     )
 
 

@@ -17,7 +17,8 @@ INSTANTS = (0.0, 0.103, 0.31, 0.31004, 0.5)
 
 
 def rods(method):
-    return lambda **more: ct.run([BAR, WALL], law=method.law, scheme=method.scheme, t_end=0.5, courant=0.4, **more)
+    return lambda **more: ct.run([BAR, WALL], law=method.law, scheme=method.scheme, t_end=0.5, courant=0.4,
+                               on_limit="flag", **more)  # fmt: skip
 
 
 def modal(law):
@@ -97,6 +98,7 @@ def test_a_contact_spring_pushes_by_its_stiffness_and_its_law_is_violated_by_the
     assert result.max_penetration[0] > 1.0
     np.testing.assert_allclose(result.force, 50.0 * np.maximum(-result.gap, 0.0), rtol=1e-12, atol=1e-14)
     assert np.array_equal(result.residual, result.max_penetration)
+    assert ("penetration", True) in [(flag.code, flag.failed) for flag in result.flags]  # of a rod 10 m long
 
 
 def test_channels_beside_a_regular_record():

@@ -102,7 +102,10 @@ def test_arguments_override_the_file(tmp_path):
     (tmp_path / "scene.toml").write_text(RODS)
     scene = ct.load_scene(tmp_path / "scene.toml")
     assert ct.run(scene, t_end=0.5, courant=0.1).steps == 500
-    assert "penalty" in ct.run(scene, law=ct.Penalty(stiffness=10.0), scheme=ct.PenaltyDifference()).scheme
+    assert (
+        "penalty"
+        in ct.run(scene, law=ct.Penalty(stiffness=10.0), scheme=ct.PenaltyDifference(), on_limit="flag").scheme
+    )
 
 
 def test_every_problem_is_reported_at_once(tmp_path):

@@ -80,7 +80,7 @@ def test_an_explicit_run_starts_with_the_increment_of_one_step_before():
     assert run.label == "central difference + forward Lagrange, dt omega_max = 1 (limit 2)"
     assert run.window == pytest.approx(math.pi * LIMIT, rel=1e-13)
     assert (run.size, run.blocks, run.dt, run.sums.work.size) == (15, (("beam 1", 0, 15),), h, 4)
-    assert run.why() == "the motion is not a number: reduce dt"
+    assert run.why() == "the motion is not a number: reduce dt [motion-overflow]"
 
 
 def test_an_implicit_run_starts_with_the_acceleration_of_its_torque():

@@ -128,7 +128,7 @@ def test_a_load_that_is_no_number_stops_before_the_step_that_needs_it(bad, good)
     run = replace(run, system=linear_system(frame(amplitude)))
     run, failed, _, (first, steps, *_) = stepped(run, 3, 4)
     assert (failed, first, steps) == (3 + good, 3, good)
-    assert run.why() == f"forcing 2: found nan at t = {0.1 * (3 + bad):.6g} s, expected a finite force"
+    assert run.why() == f"forcing 2: found nan at t = {0.1 * (3 + bad):.6g} s, expected a finite force [load-unknown]"
 
 
 def test_a_step_that_fails_before_a_load_is_no_number_is_the_one_told():
@@ -140,10 +140,12 @@ def test_a_step_that_fails_before_a_load_is_no_number_is_the_one_told():
 
 def test_a_failed_step_is_explained_by_the_motion_or_the_contacts():
     run = ct.Newmark().prepare(frame(), ct.Unilateral(), dt=0.1, courant=None)
-    assert run.why() == "the contacts have no common answer: their forces cycle, or a gap is not a number"
+    assert run.why() == (
+        "the contacts have no common answer: their forces cycle, or a gap is not a number [unconverged]"
+    )
     for part in (run.state.u, run.state.v):
         part[1] = np.nan
-        assert run.why() == "the motion is not a finite number"
+        assert run.why() == "the motion is not a finite number [motion-overflow]"
         part[1] = 0.0
 
 

@@ -142,7 +142,7 @@ def test_a_point_starts_with_its_gap_now_and_one_step_before_and_weights_of_damp
     assert run.stored() == parts.stored(state.q, d, np.zeros(3), 0.0, system.potential)
     assert "the contact jams" in run.why()
     state.d[1] = math.nan
-    assert run.why() == "the motion is not a number"
+    assert run.why() == "the motion is not a number [motion-overflow]"
 
 
 def test_a_rim_stores_what_its_force_bends_at_the_angle_of_the_last_step():

@@ -60,7 +60,7 @@ def frame(**options):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_the_ledger_closes_with_damping_loads_and_impacts(scheme):
-    result = ct.run(frame(), scheme=scheme, t_end=20.0, dt=0.01)
+    result = ct.run(frame(), scheme=scheme, t_end=20.0, dt=0.01, on_limit="flag")
     energy = result.energy
     assert result.contact_steps.min() > 10
     assert abs(energy.external) > 0.1
@@ -71,7 +71,7 @@ def test_the_ledger_closes_with_damping_loads_and_impacts(scheme):
 
 @pytest.mark.parametrize("scheme", GOOD, ids=str)
 def test_two_rods_by_every_good_scheme(scheme):
-    result = ct.run(pair(100), scheme=scheme, t_end=2.5e-4, courant=0.5)
+    result = ct.run(pair(100), scheme=scheme, t_end=2.5e-4, courant=0.5, on_limit="flag")
     exact = two_rods(ct.Rod(**CARPENTER), gap=0.01, velocity=202.2)
     momentum = sum(motion.momentum for motion in result.motions)
     assert momentum == pytest.approx(7.34e-3 * 202.2, rel=1e-12)
@@ -108,7 +108,7 @@ def test_a_run_in_chunks_is_the_whole_run_to_the_bit(scheme):
     }
     body = frame(**({} if isinstance(scheme, ct.scheme.MasslessBoundary) else coupled))
     assert stepped(scheme, body, [200]).tolist() == stepped(scheme, body, [1, 2, 77, 120]).tolist()
-    energy = ct.run(body, scheme=scheme, t_end=2.0, dt=0.01).energy
+    energy = ct.run(body, scheme=scheme, t_end=2.0, dt=0.01, on_limit="flag").energy
     assert abs(energy.unaccounted) <= 1e-12 * energy.scale
 
 
@@ -269,7 +269,7 @@ def test_contacts_that_press_at_once_obey_the_law_whatever_couples_them(scheme):
         M=np.array([1.0, 2.0, 3.0]), K=np.array([[60.0, -20.0, -10.0], [-20.0, 80.0, -30.0], [-10.0, -30.0, 50.0]]),
         C=np.diag([12.0, 0.0, 1.0]), Q=np.eye(3)[:2], gap0=np.array([0.01, 0.02]), load=np.array([-9.0, -8.0, 1.0]),
     )  # fmt: skip
-    result = ct.run(body, scheme=scheme, t_end=5.0, dt=0.08)
+    result = ct.run(body, scheme=scheme, t_end=5.0, dt=0.08, on_limit="flag")
     assert np.count_nonzero((result.force > 0.0).all(axis=1)) >= 3
     assert result.residual.max() <= 1e-12
 
@@ -392,7 +392,7 @@ def test_repeated_contact_rows_share_their_force():
 @pytest.mark.parametrize("scheme", SCHEMES[:1] + IMPLICIT, ids=str)
 def test_a_mass_between_two_rods(scheme):
     rods = [ct.Rod(**CARPENTER, elements=20, x=x, velocity=v) for x, v in ((-10.01, 202.2), (0.01, 0.0))]
-    result = ct.run([*rods, ct.PointMass(mass=1e-4, x=0.0)], scheme=scheme, t_end=3e-4, courant=0.5)
+    result = ct.run([*rods, ct.PointMass(mass=1e-4, x=0.0)], scheme=scheme, t_end=3e-4, courant=0.5, on_limit="flag")
     assert result.force.shape[1] == 2
     assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.scale
     if scheme not in ROUGH:
@@ -436,8 +436,8 @@ def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
 )  # fmt: skip
 def test_limits_are_refused_with_numbers(scheme, dt, limit):
     with pytest.raises(ct.LimitError, match=rf"dt \* omega_max = .*, expected <= {limit} .*take dt <=") as caught:
-        ct.run(frame(), scheme=scheme, t_end=5.0, dt=dt)
-    ct.run(frame(), scheme=scheme, t_end=1.0, dt=advised(caught.value))
+        ct.run(frame(forcing=()), scheme=scheme, t_end=5.0, dt=dt)
+    ct.run(frame(forcing=()), scheme=scheme, t_end=1.0, dt=advised(caught.value), on_limit="flag")
 
 
 def advised(error: Exception) -> float:
@@ -497,7 +497,7 @@ def test_a_load_that_turns_nan_is_named_and_the_run_kept(scheme):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
-    forcing = ct.bodies.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(1e3 * t), 0.0))
+    forcing = ct.bodies.Forcing(shape=np.ones(3), amplitude=lambda t: np.where(t > 0.5, 1e308 * np.sin(30.0 * t), 0.0))
     with pytest.raises(ct.NumericsError, match=r"step \d+ .*(not a finite number|no common answer)") as caught:
         ct.run(frame(forcing=(forcing,)), scheme=scheme, t_end=50.0, dt=0.01)
     assert caught.value.result.steps >= 50

@@ -507,11 +507,10 @@ def test_wear_and_flags_of_a_row():
     track = result.tracks[0]
     assert track.dissipated > 0.0
     assert row_of(scene, result)["worn_J"] == pytest.approx(track.dissipated, rel=1e-12)
-    told = replace(result, reversals=np.array([7]), energy=replace(result.energy, contact=result.energy.contact + 1.0))
-    assert row_of(scene, told)["flags"].split("; ") == ["slip reversed in 7 steps", "energy ledger open"]
+    told = replace(result, energy=replace(result.energy, contact=result.energy.contact + 1.0))
     assert row_of(scene, told)["unaccounted_rel"] == pytest.approx(-1.0 / told.energy.scale, rel=1e-6)
     far = replace(result, state=result.state * (0.06 / np.abs(result.state_of("casing")).max()))
-    assert "beyond a tenth of the radius" in row_of(scene, far)["flags"]
+    assert "motion-radius" in row_of(scene, far)["flags"].split("; ")
 
 
 @pytest.mark.slow

@@ -1,0 +1,122 @@
+"""What a finished run is to be trusted with: its energy, its penetration, its solves, held against one table."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+
+import numpy as np
+
+from contact.model.bodies.beam import BeamInCircle
+from contact.model.bodies.chain import Chain
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.rub import Rub
+from contact.model.law import Law
+from contact.result import Result
+from contact.scheme.protocol import Problem
+from contact.trust import DEEP, MADE, MUCH_LEFT, MUCH_MADE, OPEN, TOO_DEEP, UNSETTLED, Flag
+
+
+def judged(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]:
+    """Flags of a run from its sums over all steps, in the order of the table of codes."""
+    return (*_energy(law, result), *_penetration(problem, law, result), *_slip(result), *_updates(result))
+
+
+def energy_made(result: Result) -> tuple[float, float]:
+    """Energy that contact and scheme have made [J], and the largest energy of the run to hold it against [J].
+
+    The largest of: what was there at the start, fell or was exchanged with loads, drive and friction; what moves and
+    strains at the end; an impact of the mean impulse at the largest speed of approach. A scheme with a gain of its own
+    books there what it puts wrongly into contact and damping: the three count together.
+    """
+    energy = result.energy
+    with np.errstate(over="ignore", invalid="ignore"):
+        own = energy.algorithmic + energy.damping if energy.algorithmic else 0.0
+        made = own - energy.lost_in_contact - energy.explained
+        largest = max(energy.others, energy.end.kinetic + energy.end.strain, result.impact_energy)
+    return made, largest
+
+
+def too_much(law: Law, result: Result) -> tuple[float, float] | None:
+    """Energy made [J] and the most allowed [J] where it passes that; None elsewhere.
+
+    A coating may: a rim that turns presses other bars against the tip, and its drive's work is booked as the contact's.
+    """
+    made, largest = energy_made(result)
+    return (made, MUCH_MADE * largest) if law.coating is None and made > MUCH_MADE * largest > 0.0 else None
+
+
+def _energy(law: Law, result: Result) -> tuple[Flag, ...]:
+    made, largest = energy_made(result)
+    found = []
+    if law.coating is None and made > MADE * largest > 0.0 and too_much(law, result) is None:
+        words = f"contact and scheme made {made:.3g} J, {100.0 * made / largest:.2g} % of the largest energy"
+        found.append(Flag(f"{words}: reduce dt, or take {_other(result.scheme)}", "energy-grows"))
+    energy = result.energy
+    if abs(energy.unaccounted) > OPEN * energy.scale:
+        words = f"energy ledger open: {energy.unaccounted:.2g} J of {energy.scale:.3g} J are not accounted for"
+        found.append(Flag(words, "energy-open"))
+    return tuple(found)
+
+
+def _other(scheme: str) -> str:
+    """Methods that make no energy, other than what the run used."""
+    if "Newmark (" in scheme or "HHT (" in scheme:
+        return "Newmark (.5, .55) or Moreau-Jean, whose forces do not ring"
+    if "averaged law" in scheme:
+        return "the forward law"
+    return "forward Lagrange (CentralDifference with the law Unilateral)" if "penalty" in scheme else "fewer modes"
+
+
+def _penetration(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]:
+    size, of = _size(problem)
+    deepest = float(result.max_penetration.max(initial=0.0))
+    if not deepest > DEEP * size > 0.0:
+        return ()
+    words = f"bodies overlapped by {deepest:.3g} m, {100.0 * deepest / size:.3g} % of {of} ({size:.3g} m): reduce dt"
+    words += ", or take a stiffer contact spring" if law.stiffness > 0.0 else ""
+    return (Flag(words, "penetration", failed=deepest > TOO_DEEP * size),)
+
+
+@singledispatch
+def _size(problem: Problem) -> tuple[float, str]:
+    """Length that a penetration is held against [m], 0 where a problem has none."""
+    return 0.0, ""
+
+
+@_size.register
+def _(problem: Chain) -> tuple[float, str]:
+    lengths = [body.end - body.x for body in problem.bodies if body.end > body.x]
+    return (min(lengths), "the shortest rod") if lengths else (0.0, "")
+
+
+@_size.register
+def _(problem: BeamInCircle) -> tuple[float, str]:
+    return problem.beam.length, "the beam"
+
+
+@_size.register(RotatingRim)
+@_size.register(Rub)
+def _(problem: RotatingRim | Rub) -> tuple[float, str]:
+    return problem.casing.radius, "the radius"
+
+
+def _slip(result: Result) -> tuple[Flag, ...]:
+    count = int(result.reversals.sum())
+    words = f"the tip slipped against the motion of the rim in {count} steps, where it would stick"
+    return (Flag(words, "slip-reverses"),) if count else ()
+
+
+def _updates(result: Result) -> tuple[Flag, ...]:
+    """Whether the updates of an augmented Lagrangian came to an end."""
+    worst, largest = float(result.residual.max(initial=0.0)), float(np.abs(result.gap).max(initial=0.0))
+    if "augmented Lagrangian" not in result.scheme or not worst > UNSETTLED * largest:
+        return ()
+    words = f"the augmented Lagrangian did not settle, its law is violated by up to {worst:.1e} m: allow more updates, "
+    words += "take a stiffer spring, or plain Lagrange"
+    return (Flag(words, "unconverged", failed=worst > MUCH_LEFT * largest),)
+
+
+def once(flags: tuple[Flag, ...]) -> tuple[Flag, ...]:
+    """Flags without those whose code another one has that says the run failed."""
+    failed = {flag.code for flag in flags if flag.failed}
+    return tuple(flag for flag in flags if flag.failed or flag.code not in failed)

@@ -1,0 +1,76 @@
+"""What varies in a run, and how fast: named rates that a problem lists, to be held against the step and the end."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+MOST, MANY = 0.5, 0.2  # of the Nyquist limit: four steps a period, and ten
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rate:
+    """Something with a period or a time of its own: the key that gives it, its frequency [Hz], what it is in words.
+
+    A rate r [1/s] of decay has the frequency r/(2 pi), an angular frequency alike. Refused where
+    `hz` is above `most` of the Nyquist limit 1/(2 dt), flagged above `many` of it.
+
+    >>> force = Rate(key="mass[1].force_hz", hz=50.0, words="50 Hz")
+    >>> force.share(1e-3), force.step
+    (0.1, 0.005)
+    """
+
+    key: str
+    hz: float
+    words: str
+    most: float = MOST
+    many: float = MANY
+    decays: bool = False
+
+    def share(self, dt: float) -> float:
+        """Frequency over the Nyquist limit of a step dt [s]."""
+        return 2.0 * self.hz * dt
+
+    @property
+    def step(self) -> float:
+        """Longest step that is not refused [s]."""
+        return 0.5 * self.most / self.hz
+
+    @staticmethod
+    def of_decay(key: str, rate: float, words: str = "") -> Rate:
+        """A quantity that falls to 1/e in 1/rate [s]."""
+        return Rate(key=key, hz=rate / (2.0 * math.pi), words=words or f"{rate:.6g} 1/s", decays=True)
+
+    @staticmethod
+    def of_passage(key: str, seconds: float, words: str) -> Rate:
+        """A passage that a step should not be longer than: flagged only."""
+        return Rate(key=key, hz=0.5 / seconds, words=words, most=math.inf, many=1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """Something that begins to vary at an instant [s]: the key that gives it.
+
+    >>> Change(key="closing.time", begins=2.0).begins
+    2.0
+    """
+
+    key: str
+    begins: float
+
+
+def changes(key: str, time: list[float], values: list[float], unit: str) -> tuple[list[Rate], list[Change]]:
+    """Rate and beginning of a table of straight lines; none where it is constant.
+
+    Its time is that in which its steepest part would run through all its values.
+
+    >>> changes("closing", [0.0, 2.0], [0.0, 1e-4], "m")[1]
+    [Change(key='closing', begins=0.0)]
+    """
+    steep = [abs(b - a) / (t - s) for s, t, a, b in zip(time, time[1:], values, values[1:], strict=False)]
+    if not steep or not max(steep) > 0.0:
+        return [], []
+    seconds = (max(values) - min(values)) / max(steep)
+    begins = next(s for s, one in zip(time, steep, strict=False) if one > 0.0)
+    words = f"a change of {max(values) - min(values):.3g} {unit} within {seconds:.3g} s"
+    return [Rate.of_decay(key, 1.0 / seconds, words)], [Change(key=key, begins=begins)]

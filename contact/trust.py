@@ -1,0 +1,133 @@
+"""What can be wrong with a run that went to its end, or stopped: one table of codes, and the flag that a result has.
+
+A flag with `failed` means that the numbers are no solution of the model: `run` raises, commands end with exit code 3.
+Any other flag is a warning: the numbers solve the model, but the model or the step may not describe the machine.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+MADE, MUCH_MADE = 0.01, 0.1  # of the largest energy: 0.5 % and 5 % of a speed
+DEEP, TOO_DEEP = 0.01, 0.1  # of the body's length: a strain that linear theory describes, and one it does not
+OPEN = 1e-8  # of the largest energy: round-off of a million steps is below
+UNSETTLED = 1e-8  # of the largest gap
+LEFT, MUCH_LEFT = 1e-6, 1e-2  # of a contact's free motion: the rest of a solve at double precision, and a wrong force
+
+
+class Trouble(NamedTuple):
+    """What a code means, from where it is raised and why there, and what helps."""
+
+    meaning: str
+    threshold: str
+    remedy: str
+
+
+TROUBLES = MappingProxyType({
+    "energy-grows": Trouble(
+        "contact and scheme have made energy, which no contact can",
+        f"warning above {MADE:g} of the largest energy of the run (0.5 % of a speed), failure above {MUCH_MADE:g} "
+        "(5 % of a speed); work of loads, drive and friction is not counted",
+        "reduce dt; take Newmark (0.5, 0.55), Moreau-Jean or forward Lagrange, whose forces do not ring",
+    ),
+    "energy-open": Trouble(
+        "the changes of energy do not add up to the work done",
+        f"warning above {OPEN:g} of the largest energy: round-off of a million steps is below",
+        "shorten the run or reduce dt; report the scene, since a scheme's own ledger closes to round-off",
+    ),
+    "load-unknown": Trouble(
+        "a load that was given as a function is no finite number", "failure at the first step that meets one",
+        "correct the function",
+    ),
+    "motion-overflow": Trouble(
+        "the motion is no finite number any more", "failure at the step that overflows",
+        "reduce dt; check units, stiffness and start",
+    ),
+    "motion-radius": Trouble(
+        "rim and tip moved by more than a tenth of the radius", "failure above 0.1 of the radius: no linear model "
+        "describes such a motion; a warning with on_limit = \"flag\"",
+        "look for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+    ),
+    "motion-unbounded": Trouble(
+        "a gap moved by a million times what start and load could do", "failure above 1e6: the motion feeds on itself",
+        "reduce dt or friction; check stiffness and units",
+    ),
+    "never-begins": Trouble(
+        "something that was asked for begins after the end of the run", "warning where its first change is at or after "
+        "t_end", "lengthen t_end, or give its instants in seconds from the start",
+    ),
+    "penetration": Trouble(
+        "bodies overlap deeply", f"warning above {DEEP:g} of the shortest rod, the beam or the radius, failure above "
+        f"{TOO_DEEP:g}: linear theory describes strains of a per cent",
+        "reduce dt, or take a stiffer contact spring",
+    ),
+    "slip-reverses": Trouble(
+        "a single tip slipped against the motion of the rim: it would stick there", "warning from the first step on",
+        "take a scene of kind rub, whose tips stick and slip",
+    ),
+    "step-too-long": Trouble(
+        "the step is long for something that was asked for",
+        "warning above 0.2 of the Nyquist limit (fewer than ten steps a period), or a step longer than the passage of "
+        "a wave or a place; above 0.5 (fewer than four steps) the run is refused",
+        "take the step that the message names",
+    ),
+    "tip-moves-along": Trouble(
+        "a tip moved so far along the rim that its curvature changes the gap", "warning above 0.1 of the clearance",
+        "read the gap with care: the gap law leaves curvature out",
+    ),
+    "unconverged": Trouble(
+        "contact forces were not found, or not to the accuracy of the law",
+        f"failure where a step has no solution, where updates end with a gap above {UNSETTLED:g} of the largest, or "
+        f"where forces leave {MUCH_LEFT:g} of a contact's motion; warning above {LEFT:g} of it",
+        "reduce dt or friction, allow more updates, or let contacts yield",
+    ),
+    "wall-deflection": Trouble(
+        "the rim deflected by more than half of its wall", "failure above 0.5 of the wall, to which linear theory is "
+        "valid; a warning with on_limit = \"flag\"",
+        "look for the cause of the growth: friction above the lean, an interaction, a mistyped unit",
+    ),
+})  # fmt: skip
+OF_LIMITS = MappingProxyType({
+    "wall": "wall-deflection", "radius": "motion-radius", "gap": "motion-unbounded", "energy": "energy-grows",
+    "overflow": "motion-overflow",
+})  # fmt: skip
+
+
+class Flag(str):
+    """Words that end with their code in brackets; `code` is one of `TROUBLES`, or "" of a file of an older version.
+
+    >>> flag = Flag("contact made 3 J of 2 J", "energy-grows", failed=True)
+    >>> str(flag), flag.code, flag.failed
+    ('contact made 3 J of 2 J [energy-grows]', 'energy-grows', True)
+    """
+
+    code: str
+    failed: bool
+
+    def __new__(cls, words: str, code: str = "", *, failed: bool = False) -> Flag:
+        """Words with the code that they end with."""
+        if code and code not in TROUBLES:
+            raise KeyError(code)
+        whole = f"{words} [{code}]" if code and not words.endswith(f"[{code}]") else words
+        flag = super().__new__(cls, whole)
+        flag.code, flag.failed = code, failed
+        return flag
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _flag, (str(self), self.code, self.failed)
+
+    def to_dict(self) -> dict[str, object]:
+        """JSON-ready."""
+        return {"code": self.code, "failed": self.failed, "message": str(self)}
+
+    @staticmethod
+    def of(stored: Any) -> Flag:
+        """The flag of a file: a dictionary as of `to_dict`, or words without a code."""
+        if isinstance(stored, str):
+            return Flag(stored)
+        return _flag(stored["message"], stored["code"], bool(stored["failed"]))
+
+
+def _flag(words: str, code: str, failed: bool) -> Flag:
+    return Flag(words, code if code in TROUBLES else "", failed=failed)

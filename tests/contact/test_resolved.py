@@ -1,0 +1,138 @@
+"""Time resolution: every rate, load and change of a run is held against its step and its end before it begins."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import contact as ct
+from casingfem.cli import main
+from contact.resolved import MOST_STEPS, between
+from contact.run import prepared
+from tests.contact.synthetic_rim import blade, ring
+
+WALL = ct.Wall(x=0.05)
+ROD = ct.Rod(length=10.0, area=1.0, E=30e6, rho=7.34e-4, elements=100, x=-10.01, velocity=202.2)
+
+
+def driven(hz, dt=1e-3, **more):
+    """A driven oscillator of a natural frequency of 0.16 Hz before a stop."""
+    mass = ct.PointMass(mass=1.0, x=0.05, anchor=0.0, stiffness=1.0, force=1.0, force_hz=hz, velocity=-1.0)
+    return ct.Scene(**{"what": [mass, WALL], "scheme": ct.scheme.CDLagrange(), "t_end": 0.1, "dt": dt} | more)
+
+
+def codes(scene):
+    return [flag.code for flag in prepared(scene).flags]
+
+
+def test_a_force_is_refused_below_four_steps_a_period_and_flagged_below_ten():
+    dt = 1e-3
+    for hz, found in ((1.0, []), (99.0, []), (101.0, ["step-too-long"]), (249.0, ["step-too-long"])):
+        assert codes(driven(hz)) == found
+    words = r"mass\[1\]\.force_hz = 1000\.32 Hz has 1 steps a period and would act as 0\.318 Hz, expected at least 4"
+    with pytest.raises(ct.LimitError, match=words) as caught:
+        prepared(driven(1000.318309886184))
+    longest = float(re.search(r"take dt <= (\S+) s", str(caught.value))[1])
+    assert longest == pytest.approx(1.0 / (4.0 * 1000.3183), rel=1e-3)
+    prepared(driven(1000.318309886184, dt=longest))
+    with pytest.raises(ct.LimitError, match=r"has 3\.98 steps a period, expected"):
+        prepared(driven(251.0, dt))
+
+
+def test_a_period_longer_than_the_run_is_no_fault():
+    assert codes(driven(0.01)) == []
+
+
+def test_a_step_longer_than_the_run_is_refused():
+    with pytest.raises(ct.LimitError, match=r"dt: found 0\.2 s, expected at most t_end = 0\.1 s"):
+        prepared(driven(0.0, dt=0.2))
+    scheme = ct.scheme.NonsmoothAlpha(rho_inf=0.8)
+    bodies = [ct.PointMass(mass=0.5, velocity=1.0), ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=100)]
+    with pytest.raises(ct.LimitError, match=r"found 100000 s \(courant = 1e\+07\), expected at most t_end = 5 s"):
+        prepared(ct.Scene(what=bodies, scheme=scheme, t_end=5.0, courant=1e7))
+
+
+def test_a_step_longer_than_the_passage_of_a_wave_is_flagged():
+    rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1, velocity=-1.0)
+    scene = ct.Scene(what=[rod, ct.Wall()], scheme=ct.MoreauJean(), t_end=20.0, dt=0.99)
+    assert codes(scene) == []
+    (flag,) = prepared(replace(scene, dt=1.01)).flags
+    assert "longer than a wave through rod[1], 1 s: take dt <= 0.999 s" in flag
+
+
+@pytest.mark.parametrize(("damping", "found"), [(1e5, []), (2e6, ["step-too-long"])])
+def test_damping_of_a_rod_is_held_against_the_step(damping, found):
+    scene = ct.Scene(what=[replace(ROD, damping=damping), replace(ROD, x=0.0, velocity=0.0)], t_end=2.5e-4, courant=0.9)
+    assert codes(scene) == found
+
+
+def test_damping_that_ends_within_a_step_is_refused():
+    scene = ct.Scene(what=[replace(ROD, damping=1e7), replace(ROD, x=0.0, velocity=0.0)], t_end=2.5e-4, courant=0.9)
+    with pytest.raises(ct.LimitError, match=r"rod\[1\]\.damping = 1e\+07 1/s makes a step 4\.45 time constants long"):
+        prepared(scene)
+
+
+def rub(**more):
+    return ct.Scene(
+        what=ct.Rub(ring(), [blade()], [ct.ContactPoint()], clearance=1e-3, **more), t_end=0.2, dt=2e-5
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_whirl_and_what_closes_the_gap_are_held_against_step_and_end():
+    speed, closing = ct.Speed.constant(5.0), ct.gaps.Closing
+    assert codes(rub(speed=speed, whirl=[ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0)])) == []
+    with pytest.raises(ct.LimitError, match=r"whirl\[1\] = 20005 Hz has 2\.5 steps a period"):
+        prepared(rub(speed=speed, whirl=[ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0, hz=20000.0)]))
+    assert codes(rub(speed=speed, closing=closing.exponential(1e-4, 0.05))) == []
+    with pytest.raises(ct.LimitError, match=r"closing = a change of 0\.0001 m within .* makes a step 2 time constants"):
+        prepared(rub(speed=speed, closing=closing.exponential(1e-4, 1e-5)))
+    assert codes(rub(speed=speed, closing=closing([0.3, 0.4], [0.0, 1e-4]))) == ["never-begins"]
+    assert codes(rub(speed=ct.Speed(time=[0.2, 0.4], hz=[5.0, 6.0]))) == ["never-begins"]
+    assert codes(rub(speed=ct.Speed(time=[0.1, 9.0], hz=[5.0, 6.0]))) == []
+
+
+def test_a_load_given_as_a_function_is_looked_at_between_the_steps():
+    def scene(hz):
+        wave = ct.bodies.Forcing(shape=np.array([1.0]), amplitude=lambda t: np.sin(2.0 * np.pi * hz * t))
+        body = ct.LinearBody(M=np.array([1.0]), K=np.zeros((1, 1)), Q=np.ones((1, 1)), gap0=np.array([1.0]),
+                             forcing=(wave,))  # fmt: skip
+        return ct.Scene(what=body, t_end=2.0, dt=0.01)
+
+    assert codes(scene(3.0)) == []
+    assert codes(scene(15.0)) == ["step-too-long"]
+    for hz in (30.0, 98.0):
+        with pytest.raises(ct.LimitError, match="forcing 1 varies between the steps"):
+            prepared(scene(hz))
+    for count in (4, 10):  # steps a period: 1 - cos(pi/N)
+        left = between(lambda t, count=count: np.cos(2.0 * np.pi * t / count), 1.0, 400.0)
+        assert left == pytest.approx(1.0 - np.cos(np.pi / count), rel=0.05)
+
+
+def test_more_steps_than_are_asked_for_are_refused_with_an_estimate():
+    rod = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1e-12, x=5.0, velocity=-10.0)
+    scene = ct.Scene(what=[rod, ct.Wall()], t_end=2.0, courant=0.9)
+    with pytest.raises(
+        ct.InputError, match=r"6\.667e\+08 steps, about 14 minutes of computing, expected at most 1e\+08"
+    ):
+        prepared(scene)
+    assert prepared(replace(scene, most_steps=10**9)).count > 6 * MOST_STEPS
+    with pytest.raises(ct.InputError, match=r"most_steps: found 0\.5, expected a whole number >= 1"):
+        prepared(replace(scene, most_steps=0.5))
+
+
+def test_a_scene_file_asks_for_more_steps_and_batches_refuse_what_runs_refuse(tmp_path):
+    text = '[scene]\nkind = "rods"\nt_end = 1.0\n[[mass]]\nmass = 1.0\nx = 1.0\n{}\n[wall]\n[scheme]\n'
+    text += 'kind = "moreau-jean"\n'
+    (tmp_path / "scene.toml").write_text(text.format("force = 1.0\nforce_hz = 60.0") + "dt = 0.01\n")
+    ran = CliRunner().invoke(main, ["contact", str(tmp_path / "scene.toml")])
+    assert ran.exit_code == 2
+    assert "mass[1].force_hz = 60 Hz has 1.67 steps a period and would act as 40 Hz" in ran.stderr
+    (outcome,) = ct.run_many([ct.load_scene(tmp_path / "scene.toml")])
+    assert isinstance(outcome, ct.LimitError)
+    assert str(outcome) in ran.stderr
+    (tmp_path / "scene.toml").write_text(text.format("") + "dt = 0.01\nmost_steps = 99\n")
+    ran = CliRunner().invoke(main, ["contact", str(tmp_path / "scene.toml")])
+    assert (ran.exit_code, "which is 100 steps" in ran.stderr) == (2, True)

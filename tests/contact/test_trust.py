@@ -1,0 +1,145 @@
+"""Why not to trust a run: one table of codes, the same in results, files, rows of sweeps and exit codes."""
+
+import json
+import pickle
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+
+import contact as ct
+from casingfem.cli import main
+from casingfem.errors import CATALOGUE
+from contact.trust import TROUBLES, Flag
+
+RODS = """
+[scene]
+kind = "rods"
+t_end = {t_end}
+[[rod]]
+length = 0.50627
+area = 2e-4
+E = 71e9
+rho = 2770.0
+elements = 100
+x = -0.50627
+velocity = 4.0
+[[rod]]
+length = 0.80809
+area = 1.3e-4
+E = 113e9
+rho = 4430.0
+elements = 160
+x = 0.0
+fixed = "right"
+[scheme]
+kind = "newmark"
+beta = 0.25
+gamma = {gamma}
+courant = 0.5
+"""
+RINGS = RODS.format(t_end=1.5e-3, gamma=0.5)  # 2.24 J at the start, 16.4 J after 3,001 steps
+
+
+def invoked(tmp_path, text, *words):
+    (tmp_path / "scene.toml").write_text(text)
+    return CliRunner().invoke(main, [*words[:1], str(tmp_path / "scene.toml"), *words[1:]])
+
+
+@pytest.mark.slow
+def test_energy_that_contact_made_fails_a_run_however_short(tmp_path):
+    ran = invoked(tmp_path, RINGS, "contact", "--json")
+    assert ran.exit_code == 3
+    document = json.loads(ran.stdout)
+    (flag,) = document["flags"]
+    assert (flag["code"], flag["failed"]) == ("energy-grows", True)
+    assert document["divergence"]["limit"] == "energy"
+    assert document["divergence"]["reached"] == pytest.approx(14.2, rel=0.01)
+    assert "[energy-grows]" in ran.stderr
+    scene = ct.load_scene(tmp_path / "scene.toml")
+    with pytest.raises(ct.NumericsError, match="contact and scheme have made 14") as caught:
+        ct.run(scene)
+    assert caught.value.result.steps == 3001
+    kept = ct.run(scene, on_limit="flag")
+    assert [(one.code, one.failed) for one in kept.flags] == [("energy-grows", True)]
+    (outcome,) = ct.run_many([scene])
+    assert type(outcome) is type(caught.value)
+    assert outcome.result.flags == caught.value.result.flags
+    again = ct.Result.load(kept.save(tmp_path / "kept.npz"))
+    assert [one.to_dict() for one in again.flags] == [one.to_dict() for one in kept.flags]
+
+
+@pytest.mark.slow
+def test_a_scheme_that_rings_less_makes_no_energy(tmp_path):
+    ran = invoked(tmp_path, RODS.format(t_end=1.5e-3, gamma=0.5).replace("beta = 0.25", "beta = 0.5").replace(
+        "gamma = 0.5", "gamma = 0.55"), "contact", "--json")  # fmt: skip
+    assert (ran.exit_code, json.loads(ran.stdout)["flags"]) == (0, [])
+
+
+@pytest.mark.slow
+def test_a_sweep_has_the_codes_of_its_runs(tmp_path):
+    text = RINGS + '[sweep]\n[[sweep.vary]]\nkey = "scheme.beta"\nvalues = [0.25, 0.3]\n'
+    ran = invoked(tmp_path, text, "sweep", "--json", "--jobs", "1")
+    rows = json.loads(ran.stdout)["runs"]
+    assert (rows[0]["status"], rows[0]["flags"]) == ("diverged", "energy-grows")
+    assert "[energy-grows]" in rows[0]["why"]
+
+
+@pytest.mark.slow
+def test_a_page_says_that_the_numbers_are_no_solution(tmp_path):
+    ran = invoked(tmp_path, RINGS, "report", "--out", str(tmp_path / "out"))
+    assert ran.exit_code == 3
+    assert "The numbers are no solution of the model" in (tmp_path / "out/report.html").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("stiffness", "failed"), [(5e3, False), (50.0, True)])
+def test_penetration_is_held_against_the_length_of_the_rod(stiffness, failed):
+    """A bar of 10 m at 10 m/s: 0.1 m are a per cent of it, a metre a tenth."""
+    bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=0.1, velocity=-10.0)
+    law = ct.Penalty(stiffness=stiffness)
+    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.4, dt=1e-3,
+                    on_limit="flag")  # fmt: skip
+    share = result.max_penetration[0] / 10.0
+    assert 0.01 < share if failed else share < 0.1
+    flags = {flag.code: flag.failed for flag in result.flags}
+    assert flags.get("penetration", False) is failed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("updates", "failed"), [(1, True), (2000, None)])
+def test_updates_that_do_not_settle_are_flagged(updates, failed):
+    law = ct.model.law.AugmentedLagrangian(stiffness=100.0, updates=updates)
+    bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=10, x=0.1, velocity=-1.0)
+    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.3, dt=0.01,
+                    on_limit="flag")  # fmt: skip
+    assert {flag.code: flag.failed for flag in result.flags}.get("unconverged") is failed
+
+
+def test_flags_are_words_that_end_with_their_code():
+    flag = Flag("bodies overlapped by 3 m", "penetration", failed=True)
+    assert flag == "bodies overlapped by 3 m [penetration]"
+    assert flag.to_dict() == {"code": "penetration", "failed": True, "message": str(flag)}
+    for same in (pickle.loads(pickle.dumps(flag)), Flag.of(json.loads(json.dumps(flag.to_dict())))):
+        assert (same, same.code, same.failed) == (flag, "penetration", True)
+    assert (Flag.of("thin"), Flag.of("thin").code) == ("thin", "")  # of a file of an older version
+
+
+def test_every_code_can_be_looked_up():
+    assert set(TROUBLES) <= set(CATALOGUE)
+    told = CliRunner().invoke(main, ["explain", "energy-grows"])
+    assert (told.exit_code, TROUBLES["energy-grows"].remedy in " ".join(told.output.split())) == (0, True)
+
+
+def test_a_slip_against_the_rim_and_an_open_ledger_are_flags_of_the_run():
+    from contact.judged import judged
+
+    still = ct.run([ct.PointMass(mass=1.0, x=1.0, velocity=-1.0), ct.Wall()], t_end=0.1, dt=0.01)
+    for changed, code in (
+        ({"reversals": still.reversals + 7}, "slip-reverses"),
+        ({"energy": replace(still.energy, damping=1.1e-8 * still.energy.scale)}, "energy-open"),
+    ):
+        (flag,) = judged(None, ct.Unilateral(), replace(still, **changed))
+        assert (flag.code, flag.failed) == (code, False)
+    calm = replace(still, energy=replace(still.energy, damping=0.9e-8 * still.energy.scale))
+    assert judged(None, ct.Unilateral(), calm) == ()
