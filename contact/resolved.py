@@ -126,8 +126,8 @@ def between(amplitude: Callable[[Array], Any], dt: float, t_end: float) -> float
     largest = max(float(np.abs(at).max()), float(np.abs(half).max()))
     if not largest > 0.0:
         return 0.0
-    whole, middle, left = (float(np.sqrt(np.mean((part / largest) ** 2))) for part in (at, half, off))
-    return left / max(whole, middle)
+    steps, halves, left = (float(np.sqrt(np.mean((part / largest) ** 2))) for part in (at, half, off))
+    return left / max(steps, halves)
 
 
 def count_of(t_end: float, dt: float, most: int = MOST_STEPS, coordinates: int = 0) -> int:

@@ -111,11 +111,8 @@ def run(
     record: Record | None = None,
     progress: Progress | None = None,
     on_limit: OnLimit | None = None,
-<<<<<<< HEAD
     checkpoint: str | Path | None = None,
-=======
     most_steps: int | None = None,
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 ) -> Result:
     """Run a scene from t = 0 to the first step at or after `t_end` [s].
 
@@ -202,26 +199,11 @@ def prepared(scene: Scene) -> Prepared:
     )  # fmt: skip
 
 
-<<<<<<< HEAD
-def _count(end: float, dt: float) -> int:
-    """Steps to the first one at or after `end`; raises InputError beyond MOST_STEPS."""
-    ratio = end / dt * (1.0 - 1e-12) - 1e-9
-    if ratio > MOST_STEPS:
-        found = f"{end:g} s with dt = {dt:.4g} s, which is {ratio:.4g} steps"
-        expected = f"at most {MOST_STEPS:.0e}: shorten t_end to {MOST_STEPS * dt:.4g} s, or take a longer dt"
-        raise InputError(f"t_end: found {found}, expected {expected}")
-    return max(1, math.ceil(ratio))
-
-
 def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
     """Run what is prepared to its end, from the start or from where a checkpoint is; raises InputError as that."""
-=======
-def completed(ready: Prepared, progress: Progress | None = None) -> Result:
-    """Run what is prepared to its end."""
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
     stepper, record = ready.stepper, ready.record
     stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
-    decisive = ready.problem, record, ready.mu, ready.coated, ready.on_limit, ready.count
+    decisive = ready.problem, record, ready.law.mu, ready.law.coating is not None, ready.on_limit, ready.count
     digest = "" if checkpoint is None else asked(stepper, *decisive)
     file = None if checkpoint is None else Checkpoint(checkpoint, digest, Moment)
     at = (file and file.found) or Moment(asked=digest, taken=0, seconds=0.0, memory=(), samples=(), calm=None)

@@ -190,12 +190,8 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
 
         files |= series_files(scene.what, result)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
-<<<<<<< HEAD
     if part is not None:
         part.unlink(missing_ok=True)
-    if broken is not None:
-        fail(f"{command} {file}: the numerics failed: {broken}", NUMERICS_FAILED)
-=======
     require_solved(f"{command} {file}", result, broken)
 
 
@@ -204,7 +200,6 @@ def require_solved(command: str, result: "Result", broken: "NumericsError | None
     failures = [str(flag) for flag in result.flags if flag.failed]
     if broken is not None or failures:
         fail(f"{command}: the numerics failed: {broken or failures[0]}", NUMERICS_FAILED)
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 
 
 def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) -> "tuple[Result, NumericsError | None]":
@@ -254,10 +249,5 @@ def scene_report(file: Path, as_json: bool, folder: Path) -> None:
         "flags": [flag.to_dict() for flag in result.flags],
     }
     deliver(document, f"{working.seconds:.1f} s", as_json=as_json, out=folder, files={"report.html": html})
-<<<<<<< HEAD
     part.unlink(missing_ok=True)
-    if broken is not None:
-        fail(f"report {file}: the numerics failed: {broken}", NUMERICS_FAILED)
-=======
     require_solved(f"report {file}", result, broken)
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)

@@ -107,17 +107,12 @@ class Stepper(Protocol):
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
 
-<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """Arrays that `advance` changes, in tuples of any depth: written back, a run goes on to the same bits."""
 
-    def why(self) -> str:
-        """Explain a failed step."""
-=======
     def why(self) -> Flag:
         """Explain a failed step, with its code."""
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 
     def stored(self) -> Stored:
         """Energy now."""

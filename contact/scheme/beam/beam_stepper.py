@@ -96,16 +96,12 @@ class BeamStepper(BeamRun):
 
         return advance_beam(self.state, self.work, self.sums, out, self.dt, first, steps)
 
-<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
 
-    def why(self) -> str:
-=======
     def why(self) -> Flag:
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
         return Flag("the motion is not a number: reduce dt", "motion-overflow", failed=True)
 
@@ -209,16 +205,12 @@ class ImplicitBeamStepper(BeamRun):
 
         return advance_implicit(self.state, self.work, self.sums, out, self.dt, first, steps)
 
-<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
 
-    def why(self) -> str:
-=======
     def why(self) -> Flag:
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
         words = "Newton's method found no state that satisfies motion and contact: reduce dt"
         return Flag(words, "unconverged", failed=True)

@@ -75,16 +75,12 @@ class LinearStepper:
             out.state[:states] = out.state[:states, self.system.place]
         return failed
 
-<<<<<<< HEAD
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, sums and the arrays of the scheme."""
         return self.state, self.sums, self.method
 
-    def why(self) -> str:
-=======
     def why(self) -> Flag:
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
         """Explain a failed step."""
         if self.fault:
             return self.fault[-1]

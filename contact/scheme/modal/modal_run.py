@@ -54,13 +54,8 @@ class ModalRun:
     loop: Callable[[Tally, Samples, int, int], int]
     energy: Callable[[int], Stored]  # after this many steps
     velocity: Callable[[], Array]
-<<<<<<< HEAD
-    failure: Callable[[], str]
-    steps: Indices  # taken so far, one entry
-=======
     failure: Callable[[], Flag]
-    steps: list[int]  # steps taken so far, one entry
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
+    steps: Indices  # taken so far, one entry
     rim: RimRun | None = None
     tracks: Tracks | None = None
 

@@ -57,16 +57,17 @@ class PatchStepper(ExactRun):
         return failed
 
     @property
-<<<<<<< HEAD
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         return self.state, self.work, self.sums
-=======
+
+    @property
     def overlap(self) -> float:
         """How far a load presses bodies into each other beside their modes at t = 0, at most [m]."""
-        opening = self.problem.opening + self.problem.rows()[:: self.problem.dimensions] @ self.problem.displacement
+        opening = self.problem.opening + self.problem.rows()[:: self.problem.dimensions] @ np.asarray(
+            self.problem.displacement
+        )
         return max(0.0, -float(opening.min()))
->>>>>>> 1575ab18 (contact: judge time resolution once and give every doubt about a run one code)
 
     @property
     def limits(self) -> Array:
