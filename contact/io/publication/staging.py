@@ -116,7 +116,10 @@ def clear_staging(staging: Path) -> None:
     for own in (listed, *(staging / name for name in HALF)):
         with suppress(OSError):
             own.unlink()
-    for inside, _, _ in os.walk(staging, topdown=False):  # which follows no links
+    for inside, _, names in os.walk(staging, topdown=False):  # which follows no links
+        for name in filter(PART.fullmatch, names):  # of a file that was itself written whole or not at all
+            with suppress(OSError):
+                os.unlink(os.path.join(inside, name))
         with suppress(OSError):
             os.rmdir(inside)
 

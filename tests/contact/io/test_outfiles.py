@@ -67,6 +67,7 @@ def test_what_a_killed_process_left_is_cleared_and_nothing_else(tmp_path):
             (tmp_path / name / "new").mkdir(parents=True)
         else:
             (tmp_path / name).write_text("half")
+    (tmp_path / parts["dead set"] / "new" / parts["dead"]).write_text("half of a file of the set")
     (tmp_path / parts["dead and full"] / "new" / "mine").write_text("no manifest names it")
     os.utime(tmp_path / parts["old"], (time.time() - 2 * 86_400,) * 2)
     write_files(tmp_path, {"c.csv": "x"})
