@@ -31,6 +31,7 @@ APART = 0.35  # 1 - cosine between two set-ups, at least
 REACH = 5.0  # standard deviations of the shift, within which modes of two set-ups are matched
 WIDEST = 0.02  # relative shift beyond which two modes are not one
 DAMPING = 0.5  # ln of the ratio of two damping ratios that weighs as one standard deviation
+UNLIKE = 2.5  # times the usual spread over the set-ups, beyond which a mode may be two
 CLEAR = 0.02  # rise of the shapes' misfit beyond which an exchange is unlikely
 SWEEPS = 4
 
@@ -309,4 +310,11 @@ def _track(
     if 2 * count <= whole:
         seen = f"it is seen in {count} of {whole} set-ups: a local mode, or one that two set-ups share? Measure again"
         doubt = "; ".join(each for each in (seen, doubt) if each)
+    spread = float(np.std(np.log(freqs), ddof=1)) if count > 1 else 0.0
+    if spread > UNLIKE * shift > 0.0:
+        unlike = (
+            f"its frequency differs by {100.0 * spread:.2g} % between set-ups, other modes' by {100.0 * shift:.2g} %:"
+            " two modes exchanged? Give the sensors' angles, or measure in one set-up"
+        )
+        doubt = "; ".join(each for each in (unlike, doubt) if each)
     return Track(mean, freqs, doubt)
