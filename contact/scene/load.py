@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import entries, read_toml
 from contact.run import Scene
-from contact.scene.plausible import refusals
 from contact.scene.problems import Problems, SceneError, validated
 
 if TYPE_CHECKING:
@@ -47,6 +46,8 @@ def scene_of(data: dict[str, Any], file: Path) -> Scene:
 
 
 def _built(table: File, file: Path, text: bytes | None) -> Scene:
+    from contact.scene.plausible import refusals  # pydantic is loaded when a file is read, not with the package
+
     if table.scene.kind == "pair":
         raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
     problems = Problems(file)
