@@ -1,8 +1,6 @@
 """Sections of the report: what went in, modes, reduction, provenance."""
 
-import re
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +9,10 @@ import numpy as np
 from casingfem.modal.basis import ModalBasis
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.plot.modes import figure_frequencies, figure_rim, groups
-from casingfem.plot.page import Cell, Picture, Section, Table, raised
+from casingfem.plot.page import Cell, Picture, Section, Table
+from casingfem.plot.pages.quantities import chart_rows, spaced, values_of
 from casingfem.plot.turning import turning_shapes
-from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.support import ElasticEdge
 from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.field.survey.survey import SurveyField
@@ -23,13 +22,9 @@ from casingfem.structure.material import Material
 from casingfem.structure.shell.plies import Ply
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study
-from casingfem.study.tables.supports import BoltsTable
 
 TURNED = 12  # shapes that a reader can turn
 SHOWN = 4  # harmonics of a field that are named
-
-UNITS = {"directions": "", "nu": "", "k_rot": "N", "k_face": "N/m³", "E": "Pa", "rho": "kg/m³"}  # others are lengths
-UNITS |= dict.fromkeys(("angle", "twist", "camber"), "rad") | dict.fromkeys(("k_r", "k_theta", "k_z"), "N/m²")
 
 
 def inputs_section(study: Study | MeshStudy) -> Section:
@@ -49,7 +44,7 @@ def inputs_section(study: Study | MeshStudy) -> Section:
 
 def structure_rows(shell: Shell) -> tuple[tuple[Cell, ...], ...]:
     """Chart, thickness, material, supports, fields, mesh."""
-    rows = [("surface", f"{spaced(shell.chart)}: {values_of(shell.chart)}")]
+    rows = chart_rows(shell.chart)
     rows.append(("thickness", f"{1e3 * shell.thickness:.6g} mm"))
     rows.append(("material", material_words(shell.material)))
     rows += [(f"ply {k}", ply_words(ply, shell)) for k, ply in enumerate(shell.plies, 1)]
@@ -93,8 +88,27 @@ def mesh_rows(structure: Solid | MeshShell) -> tuple[tuple[Cell, ...], ...]:
 
 
 def support_rows(supports: Mapping[str, object], what: str = "edge") -> list[tuple[str, str]]:
-    """How each edge or group is held."""
-    return [(f"{what} {name}", f"{spaced(one).lower()} {values_of(one)}".strip()) for name, one in supports.items()]
+    """How each edge or group is held; a ring with its section and what holds the ring."""
+    rows = []
+    for name, one in supports.items():
+        rows.append((f"{what} {name}", f"{spaced(one).lower()} {support_words(one)}".strip()))
+        if isinstance(one, Ring) and one.support is not None:
+            rows.append((f"ring of {what} {name}", f"{spaced(one.support).lower()} {support_words(one.support)}"))
+    return rows
+
+
+def support_words(support: object) -> str:
+    """The numbers of a support, and how its springs vary around."""
+    words = values_of(support)
+    if isinstance(support, Ring):
+        section = f"{1e3 * support.section.width:.6g} x {1e3 * support.section.depth:.6g} mm"
+        own = None if support.material is None else material_words(support.material)
+        return ", ".join(part for part in (section, own, words) if part)
+    if isinstance(support, ElasticEdge) and support.patterns:
+        shared = not isinstance(support.around, Mapping)
+        patterns = {"around": support.pattern("k_face")} if shared else support.patterns
+        return words + "".join(f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items())
+    return words
 
 
 def material_words(material: Material) -> str:
@@ -113,46 +127,6 @@ def ply_words(ply: Ply, shell: Shell | MeshShell) -> str:
         return f"{1e3 * thickness:.4g} mm of the material"
     moduli = ", ".join(f"{name} {1e-9 * getattr(own, name):.5g}" for name in ("E1", "E2", "G12", "G13", "G23"))
     return f"{1e3 * thickness:.4g} mm at {ply.angle_deg:g}°: {moduli} GPa, nu12 {own.nu12:g}, rho {own.rho:.6g} kg/m³"
-
-
-def spaced(owner: object) -> str:
-    """The name of a class in words.
-
-    >>> spaced(ElasticEdge(k_face=1e9))
-    'Elastic edge'
-    """
-    return re.sub(r"(?<!^)(?=[A-Z])", " ", type(owner).__name__).capitalize()
-
-
-def values_of(owner: object) -> str:
-    """The numbers of a value object, zeros left out."""
-    if not is_dataclass(owner):
-        return ""
-    numbers = {f.name: getattr(owner, f.name) for f in fields(owner)}
-    plain = [f"{k} {raised(f'{v:g}')} {unit_of(owner, k)}".rstrip() for k, v in numbers.items()
-             if isinstance(v, int | float) and v != 0.0]  # fmt: skip
-    laws = {k: v for k, v in numbers.items() if isinstance(v, tuple) and v}
-    for k, law in laws.items():
-        text = ", ".join(f"{x:g}" if isinstance(x, int | float) else str(x) for x in law)
-        plain.append(f"{k} ({text}) {UNITS.get(k, 'm')}" if isinstance(law[0], int | float) else f"{k} {text}")
-    if isinstance(owner, ElasticEdge) and owner.patterns:
-        shared = not isinstance(owner.around, Mapping)
-        patterns = {"around": owner.pattern("k_face")} if shared else owner.patterns
-        return ", ".join(plain) + "".join(f"; {name}: {waves_of(pattern)}" for name, pattern in patterns.items())
-    return ", ".join(plain)
-
-
-def unit_of(owner: object, name: str) -> str:
-    """The unit of a field: of bolts as the keys of study.toml declare it, in brackets; of others by its name.
-
-    >>> unit_of(Bolts(count=8, k=1e8), "k_rot"), unit_of(Bolts(count=8, k=1e8), "count")
-    ('N m/rad', '')
-    """
-    info = BoltsTable.model_fields.get(name) if isinstance(owner, Bolts) else None
-    if info is None:
-        return "rad" if isinstance(owner, Bolts) else UNITS.get(name, "m")
-    declared = re.search(r"\[(.+)\]", info.description or "")
-    return declared[1] if declared else ""
 
 
 def waves_of(pattern: object) -> str:

@@ -268,3 +268,62 @@ def test_inputs_name_every_ply_and_what_is_attached():
     hung = cf.imported.Attachments(masses=(cf.imported.PointMass(node=3, mass=2.0),))
     solid = cf.Solid(mesh=replace(block, attachments=hung), material=steel)
     assert dict(mesh_rows(solid))["attached"] == "1 point mass"
+
+
+MERIDIAN = """
+[material]
+E = 114e9
+nu = 0.34
+rho = 4430.0
+[chart]
+kind = "meridian"
+start = [0.60, 0.0]
+fillet = 4e-3
+[[chart.piece]]
+to = [0.60, 0.30]
+[[chart.piece]]
+to = [0.52, 0.45]
+radius = 2.0
+thickness = 4e-3
+[shell]
+thickness = 3.5e-3
+[support.base]
+kind = "ring"
+width = 20e-3
+depth = 6e-3
+offset = [0.0, -3e-3]
+[support.base.support]
+kind = "bolts"
+count = 12
+k = 1e8
+k_rot = 1e4
+first_angle_deg = 15.0
+loose = [{bolt = 3, factor = 0.5}]
+[support.top]
+kind = "elastic"
+k_z = 1e7
+k_rot = 2e4
+k_face = 1e9
+[mesh]
+order = 3
+around = 9
+[modes]
+count = 2
+"""
+
+
+@pytest.mark.slow
+def test_the_page_shows_the_pieces_of_a_meridian_and_each_number_in_the_unit_of_its_key(tmp_path):
+    (tmp_path / "study.toml").write_text(MERIDIAN)
+    result = CliRunner().invoke(main, ["report", str(tmp_path / "study.toml"), "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    text = Page((tmp_path / "report.html").read_text(encoding="utf-8")).text
+    for words in (
+        "Meridian of 2 pieces from r 0.6 m, z 0 m on",
+        "to r 0.52 m, z 0.45 m, arc of radius 2 m; s from",
+        "ring 20 x 6 mm, offset (0, -0.003) m",
+        "bolts count 12, k 10⁸ N/m, k_rot 10000 N m/rad, first_angle 15 °, loose: bolt 3 times 0.5",
+        "elastic edge k_z 10⁷ N/m per m, k_rot 20000 N m/rad per m, k_face 10⁹ N/m³",
+    ):
+        assert words in text, words
+    assert "Revolved" not in text
