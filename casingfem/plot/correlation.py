@@ -1,15 +1,16 @@
 """A test beside a model: the MAC matrix, where the shapes differ, which bolts or masses explain a table."""
 
 from collections.abc import Iterable
+from itertools import product
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 
 from casingfem.experiment.correlation.correlate import Correlation
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.locate.located import Localisation
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import ModeSet
@@ -36,19 +37,37 @@ def mac_panel(
     modes: ModeSet,
     freq_hz: FloatArray,
     size: float = 6.5,
-) -> AxesImage:
-    """A MAC matrix, rows labelled by frequency, columns by mode and n; a frame around rows and modes of each pair."""
-    image = axes.imshow(mac, cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto", interpolation="nearest")
+) -> QuadMesh:
+    """A MAC matrix, rows labelled by frequency, columns by mode and n; frames around rows and modes of each pair.
+
+    Cells are drawn as shapes: an image is resampled to whole points, and its cells shift against their frames. Members
+    of a pair that are not neighbours have frames of their own.
+    """
+    height, width = mac.shape
+    edges = np.arange(width + 1) - 0.5, np.arange(height + 1) - 0.5
+    cells = axes.pcolormesh(*edges, mac, cmap="Greys", vmin=0.0, vmax=1.0, edgecolors="face", linewidth=0.1)
+    axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
     for rows, columns in pairs:
-        low, high = (rows.min() - 0.5, columns.min() - 0.5), (rows.max() + 0.5, columns.max() + 0.5)
-        x, y = [low[1], high[1], high[1], low[1], low[1]], [low[0], low[0], high[0], high[0], low[0]]
-        axes.plot(x, y, color=AFTER, linewidth=1.2)
+        for (top, bottom), (left, right) in product(runs(rows), runs(columns)):
+            x, y = np.array([left, right, right, left, left]), np.array([top, top, bottom, bottom, top])
+            axes.plot(x, y, color=AFTER, linewidth=1.2, clip_on=False)
     words = [f"{k + 1}" if n < 0 else f"{k + 1}\nn {n}" for k, n in enumerate(modes.nodal_diameters)]
     axes.set_xticks(range(len(words)), words, fontsize=size)
     axes.set_yticks(range(len(freq_hz)), [f"{f:.1f}" for f in freq_hz], fontsize=6.5)
     axes.grid(visible=False)
     axes.set_xlabel("computed mode")
-    return image
+    return cells
+
+
+def runs(places: IntArray) -> list[tuple[float, float]]:
+    """Edges of the cells at these places, those of neighbours joined.
+
+    >>> runs(np.array([4, 2, 3, 7]))
+    [(1.5, 4.5), (6.5, 7.5)]
+    """
+    ordered = np.unique(places)
+    parts = np.split(ordered, np.flatnonzero(np.diff(ordered) > 1) + 1)
+    return [(float(part[0]) - 0.5, float(part[-1]) + 0.5) for part in parts]
 
 
 @styled

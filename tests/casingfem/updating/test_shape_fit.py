@@ -1,11 +1,14 @@
 """Shapes of an update before and after: what the page says is what the modes do."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import casingfem as cf
+from casingfem.plot.correlation import mac_panel
 from casingfem.plot.pages.fit import figure_shape_mac, shapes_section
 from casingfem.updating.addresses import with_value
 from casingfem.updating.shape_fit import shape_fit
@@ -77,9 +80,32 @@ def test_pictures_frame_every_pair(fit, tmp_path):
     assert_whole(shape_fit(fit), tmp_path)
     figure = figure_shape_mac(shape_fit(fit))
     axes = [axes for axes in figure.axes if axes.get_xlabel() == "computed mode"]
-    seen = [match for match in fit.pairing.matches if min(match.rows) < ROWS - 1]
-    assert len(axes[1].lines) == len(seen)
-    np.testing.assert_allclose(axes[1].images[0].get_array(), shape_fit(fit).after.mac)
+    mac = shape_fit(fit).after.mac
+    np.testing.assert_allclose(np.asarray(axes[1].collections[0].get_array()).reshape(mac.shape), mac)
+    assert axes[1].get_xlim() == (-0.5, mac.shape[1] - 0.5)
+    assert axes[1].get_ylim() == (mac.shape[0] - 0.5, -0.5)
+    paired = [
+        (row, mode) for match in fit.pairing.matches for row in match.rows if row < ROWS - 1 for mode in match.modes
+    ]
+    assert framed_cells(axes[1]) == sorted(paired)
+
+
+def framed_cells(axes):
+    """Cells (row, column) inside the frames of a MAC picture."""
+    cells = []
+    for line in axes.lines:
+        x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+        inside = [np.arange(np.ceil(side.min()), side.max()).astype(int).tolist() for side in (y, x)]
+        cells += [(row, column) for row in inside[0] for column in inside[1]]
+    return sorted(cells)
+
+
+def test_frames_of_a_pair_whose_members_are_not_neighbours_hold_its_cells_alone():
+    axes = Figure().add_subplot()
+    pairs = [(np.array([0, 2]), np.array([1, 4])), (np.array([1]), np.array([2]))]
+    mac_panel(axes, np.eye(3, 5), pairs, SimpleNamespace(nodal_diameters=np.arange(5)), np.arange(3.0))
+    assert framed_cells(axes) == [(0, 1), (0, 4), (1, 2), (2, 1), (2, 4)]
+    assert not any(line.get_clip_on() for line in axes.lines)
 
 
 @pytest.mark.slow
