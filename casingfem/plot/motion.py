@@ -94,7 +94,7 @@ def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: floa
 
 @styled
 def figure_orbit(motion: _Orbit) -> Figure:
-    """_Orbit of a tip, and of the rim where it stands, in the contact's plane: the whole run, its end on top."""
+    """Orbit of a tip, and of the rim under it, in the contact's plane: the whole run with its peaks, its end on top."""
     figure = new_figure(8.2, 4.0)
     panels: Any = figure.subplots(1, 2)
     for axes, values, name in ((panels[0], motion.tip, "tip"), (panels[1], motion.rim, "rim under it")):
@@ -104,9 +104,9 @@ def figure_orbit(motion: _Orbit) -> Figure:
         axes.plot(micro[late, 1], micro[late, 0], color=BEFORE, linewidth=0.6, label="last quarter", rasterized=True)
         axes.set(xlabel="along the rim [µm]", ylabel="along the normal, outwards [µm]", title=name)
         for limit, column in ((axes.set_xlim, micro[:, 1]), (axes.set_ylim, micro[:, 0])):
-            low, high = np.percentile(column, [0.5, 99.5])
-            margin = 0.15 * float(high - low) or 1e-6
-            limit(float(low) - margin, float(high) + margin)
+            low, high = float(column.min()), float(column.max())
+            margin = 0.05 * (high - low) or 1e-6
+            limit(low - margin, high + margin)
     panels[0].legend(fontsize=8)
     return figure
 

@@ -18,7 +18,7 @@ from casingfem.cli import main, pictures
 from casingfem.cli.contact import interaction_rows
 from casingfem.modal.campbell import Campbell
 from casingfem.plot.interaction import figure_interactions
-from casingfem.plot.motion import figure_spectrum, waterfall
+from casingfem.plot.motion import figure_orbit, figure_spectrum, waterfall
 from casingfem.plot.sweep import figure_sweep
 from contact.growth.interaction_table import Interaction
 
@@ -276,3 +276,12 @@ def test_sweeps_draw_diverged_runs_apart():
     assert marks == {"diverged": [2.0], "refused or failed": [4.0]}
     grid = [dict(row) for row in rows]
     assert len(figure_sweep(["a", "b"], np.array([[1.0, 1], [1.0, 2], [2.0, 1], [2.0, 2]]), grid).axes) == 8
+
+
+def test_the_picture_of_an_orbit_shows_the_peaks_of_short_contacts():
+    peaks = np.zeros((1000, 2))
+    peaks[500] = [4e-6, -3e-6]
+    figure = figure_orbit(SimpleNamespace(time=np.arange(1000.0), tip=peaks, rim=peaks))
+    for axes in figure.axes:
+        assert axes.get_xlim()[0] < -3.0 < 0.0 < axes.get_xlim()[1]
+        assert axes.get_ylim()[0] < 0.0 < 4.0 < axes.get_ylim()[1]
