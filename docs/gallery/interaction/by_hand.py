@@ -21,8 +21,9 @@ print(found.words)
 figure = figure_stability(found)
 
 # %%
-# Without contact the sum is met at 420/8 = 52.5 Hz. The contact's own stiffness shifts it. First-order theory says how
-# far, how wide and how fast: with c of the casing and b of the blade (c + b)/S, 2 sqrt(bc)/S and sqrt(bc)/S.
+# Without contact the sum is met at 420/8 = 52.5 Hz. The contact's own stiffness shifts it. First-order theory gives, in
+# rad/s of n times the speed, with c of the casing and b of the blade: a shift of (c + b)/S and half a width of the band
+# of 2 sqrt(bc)/S. The largest growth is sqrt(bc)/S.
 
 S, c, b = 1e-4, 1.0 / (4.0 * 1.5 * 2.0 * np.pi * 300.0), 1.0 / (0.4 * 2.0 * 2.0 * np.pi * 120.0)
 (band,) = found.bands_hz
