@@ -104,6 +104,16 @@ class UpdateResult(Reported):
         return problem
 
     @property
+    def measured(self) -> FrequencyTable:
+        """The measured table with the rows that were set aside; `table` holds the others."""
+        return self.table if self.plain is None else self.plain.table
+
+    @property
+    def set_aside(self) -> tuple[int, ...]:
+        """Mode numbers of the measured table's rows that were set aside."""
+        return tuple(mode for mode in self.measured.mode.tolist() if mode not in self.table.mode)
+
+    @property
     def chi2(self) -> float:
         """Sum of squared weighted residuals of the data."""
         return float(np.sum(self.values**2))

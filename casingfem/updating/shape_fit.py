@@ -98,7 +98,7 @@ class ShapeFit(Reported):
 
     def __repr__(self) -> str:
         """MAC of planes before and after, the least one, the shapes that took no part."""
-        count, total = len(self.after.rows), len(self.fit.table)
+        count, total = len(self.after.rows), len(self.fit.measured)
         lines = [f"shapes of {count} of {total} rows: MAC of planes {self.before.mean_plane:.3f} -> "
                  f"{self.after.mean_plane:.3f} in the mean"]  # fmt: skip
         found = zip(self.after.found, self.after.rows.tolist(), strict=True)

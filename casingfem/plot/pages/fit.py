@@ -5,6 +5,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
+from casingfem.experiment.correlation.matches import listed
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import IntArray
@@ -49,10 +50,9 @@ def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
 
 def update_words(fit: UpdateResult) -> list[str]:
     """The outcome in sentences."""
-    rows = sum(len(match.rows) for match in fit.pairing.matches)
     words = [
         f"RMS relative frequency error {written(100.0 * fit.rms_before, 3)} % at the start values and "
-        f"{written(100.0 * fit.rms_after, 3)} % after the update, over {rows} of {len(fit.table)} rows, with "
+        f"{written(100.0 * fit.rms_after, 3)} % after the update, over {used_words(fit)}, with "
         f"{len(fit.parameters)} parameters and {len(fit.history)} evaluations. {misfit_words(fit)} "
         f"Stopped: {fit.stopped.rstrip('.')}."
     ]
@@ -66,15 +66,20 @@ def update_words(fit: UpdateResult) -> list[str]:
 
 def update_verdict(fit: UpdateResult) -> Verdict:
     """What an update found, how far it can be believed, and what would make it surer."""
-    rows = sum(len(match.rows) for match in fit.pairing.matches)
     found = (
-        f"{len(fit.parameters)} parameters fitted to {rows} of {len(fit.table)} measured rows: RMS frequency error "
+        f"{len(fit.parameters)} parameters fitted to {used_words(fit)}: RMS frequency error "
         f"{written(100.0 * fit.rms_before, 2)} % at the start values, {written(100.0 * fit.rms_after, 2)} % after."
     )
     sure = misfit_words(fit)
     if not fit.stopped.startswith("converged"):
         sure += f" The fit did not converge: {fit.stopped.rstrip('.')}."
     return Verdict(found=found, sure=sure, further=" ".join(remedies(fit)))
+
+
+def used_words(fit: UpdateResult) -> str:
+    """How many rows of the measured table took part, and how many were set aside."""
+    rows, aside = sum(len(match.rows) for match in fit.pairing.matches), len(fit.set_aside)
+    return f"{rows} of {len(fit.measured)} measured rows" + (f" ({aside} set aside)" if aside else "")
 
 
 def misfit_words(fit: UpdateResult) -> str:
@@ -97,8 +102,9 @@ def remedies(fit: UpdateResult) -> list[str]:
     words += [f"Hold {a} or {b}: the data cannot tell them apart." for a, b, _ in alike]
     words += [f"Take {', '.join(weak)} out of the fit, or measure modes that feel it: the data say nothing of it."
               ] if weak else []  # fmt: skip
-    if fit.outliers:
-        words.append(f"Look at {len(fit.outliers)} rows that contradict all others and were set aside.")
+    if fit.set_aside:
+        what = f"modes {listed(fit.set_aside)}" if len(fit.set_aside) > 1 else f"mode {fit.set_aside[0]}"
+        words.append(f"Check {what} of the table: set aside here, as contradicting all other rows.")
     if fit.inflation > 1.0:
         words.append(f"Look at {worst_rows(fit)}: something that is not varied is wrong there, or the measurement.")
     return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
@@ -168,12 +174,15 @@ def shape_words(found: ShapeFit) -> list[str]:
     """The outcome in sentences."""
     table, after = found.fit.table, found.after
     words = [
-        f"Shapes were measured at {len(found.shapes.a)} sensors for {len(after.rows)} of the table's {len(table)} rows "
-        f"and fitted beside the frequencies. The MAC of planes, in which the members of a doublet may be turned, is "
+        f"Shapes were measured at {len(found.shapes.a)} sensors for {len(after.rows)} of the table's "
+        f"{len(found.fit.measured)} rows and fitted beside the frequencies. The MAC of planes, in which the members of "
+        f"a doublet may be turned, is "
         f"{found.before.mean_plane:.3f} in the mean before the update and {after.mean_plane:.3f} after it."
     ]
     bare = [str(table.mode[row]) for row in range(len(table)) if row not in after.rows]
     words += [f"Without a shape: modes {', '.join(bare)} of the table."] if bare else []
+    if found.fit.set_aside:
+        words.append(f"Set aside by the fit: modes {listed(found.fit.set_aside)} of the table.")
     if found.shapes.unused_hz:
         words.append(f"Measured shapes of no row: {', '.join(f'{f:.2f}' for f in found.shapes.unused_hz)} Hz.")
     lost = [str(table.mode[row]) for row in after.pairing.unpaired_rows]
@@ -181,8 +190,8 @@ def shape_words(found: ShapeFit) -> list[str]:
     top = float(table.freq_hz.max())
     extra = [mode for mode in after.pairing.unpaired_modes if after.modes.freq[mode] <= top]
     if extra:
-        listed = ", ".join(f"{mode + 1} ({after.modes.freq[mode]:.2f} Hz)" for mode in extra)
-        words.append(f"Computed below {top:.1f} Hz, but measured by nobody: modes {listed}.")
+        named = ", ".join(f"{mode + 1} ({after.modes.freq[mode]:.2f} Hz)" for mode in extra)
+        words.append(f"Computed below {top:.1f} Hz, but measured by nobody: modes {named}.")
     return words
 
 

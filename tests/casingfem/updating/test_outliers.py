@@ -9,6 +9,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.correlation.pairing import member_of, pair
+from casingfem.plot.pages.fit import update_verdict, update_words
 from casingfem.updating import updating
 from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, strongest
 from casingfem.updating.problem import Problem
@@ -118,6 +119,18 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     document = json.loads(json.dumps(fit.to_json()))
     assert document["outliers"][0]["modes"] == [5]
     assert document["with_outliers"] == list(fit.plain.value)
+
+
+@pytest.mark.slow
+def test_the_page_counts_rows_of_the_measured_table_and_names_the_row_that_was_set_aside(spoilt):
+    _, fit = spoilt
+    whole = len(fit.plain.table)
+    counted = f"{whole - 1} of {whole} measured rows (1 set aside)"
+    assert counted in update_words(fit)[0]
+    verdict = update_verdict(fit)
+    assert counted in verdict.found
+    assert "Check mode 5 of the table: set aside here" in verdict.further
+    assert f"{whole} of {whole} measured rows, with" in update_words(fit.plain)[0]
 
 
 @pytest.mark.slow
