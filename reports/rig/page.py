@@ -124,14 +124,14 @@ def reduction(files: tuple[Path, Path], tuning: Tuning, plan: RubPlan) -> Sectio
 def rub_section(rub: Rub, plan: RubPlan) -> Section:
     """One run in words, force and gap over time, and the rim's motion by nodal diameters."""
     result = rub.result
-    intervals = result.merged_intervals()[0]
+    intervals = result.intervals[0]
     closed = sum(end - start for start, end in intervals) / (result.steps * result.dt)
     energy = result.energy
     words = (
         f"The casing turns at {plan.speed_hz:g} Hz in front of the blade, advanced {1e6 * plan.advance:.0f} µm past "
         f"its first touch; friction {plan.friction:g}, lean {plan.lean_deg:g} deg against the motion (friction above "
         f"tan(lean): the blade digs in). Contact is closed {100 * closed:.0f} % of {plan.t_end:g} s, in "
-        f"{len(intervals)} intervals.",
+        f"{len(intervals)} intervals, one for each closing.",
         f"Late in the run n = {plan.n} stands {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. With n f "
         "below every casing frequency f_c + f_b = n f cannot be met here; the form that applies is f_b = f_c - n f.",
         "Motions of a millimetre are the model's, not a machine's: without an abradable coating nothing wears.",
