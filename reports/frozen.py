@@ -34,7 +34,7 @@ REPORTS = {
     "verification": "verification", "contact_targets": "contact.targets --quick",
     "section_44": "rub.section_44 --quick", "wear": "rub.wear --quick", "rods": "contact.rods --quick",
 }  # fmt: skip
-EXTRAS = {"penalty": "stiffness = 1e8", "exact-modal": "modes = 40"}
+EXTRAS = {"penalty": "stiffness = 1.75e10", "exact-modal": "modes = 40"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -536,8 +536,8 @@ def test_a_table_of_other_frequencies_pairs_nothing(study, tmp_path):
     ("old", "new", "words"),
     [
         ("t_end = 2.5e-4", "t_end = 0.0", "scene.t_end"),
-        ("x = 0.0", "x = -1.0", "overlap"),
-        ("area = 1.0", "area = -1.0", "area"),
+        ("x = 0.0", "x = -0.1", "overlap"),
+        ("area = 6.4516e-4", "area = -6.4516e-4", "area"),
         ("[scheme]", "[schema]", "schem"),
     ],
 )

@@ -12,9 +12,9 @@ SCENES = Path(__file__).parents[3] / "data" / "scenes"
 RUNS = sorted(set(SCENES.glob("*.toml")) - {SCENES / "pair.toml", SCENES / "first_rub.toml"})
 COLD = {"beam_in_ring.toml", "bladed_disk.toml", "coulomb_oscillator.toml", "rotating_beam.toml"}  # to compile
 IMPULSE = {
-    "two_rods.toml": 1.4842, "two_rods_sweep.toml": 1.4842,
+    "two_rods.toml": 6.60205, "two_rods_sweep.toml": 6.60205,
     "rod_on_wall.toml": 200.0, "bouncing_bar.toml": 533.333, "mass_on_rod.toml": 1.687619,
-    "modal_rod_on_wall.toml": 200.0, "two_rods_penalty.toml": 1.4842, "unequal_rods.toml": 3.68896,
+    "modal_rod_on_wall.toml": 200.0, "two_rods_penalty.toml": 6.60205, "unequal_rods.toml": 3.68896,
     "mass_on_free_rod.toml": 0.864665, "mass_on_two_rods.toml": 0.499832, "grazing_bar.toml": 0.0,
     "bouncing_ball.toml": 49.05, "impact_oscillator.toml": 34.641, "driven_oscillator.toml": 79.094880,
     "cantilever_on_stop.toml": 4.966, "coulomb_oscillator.toml": 20.0,
