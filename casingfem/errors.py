@@ -28,11 +28,14 @@ class InputError(ValueError):
         line: int | None = None,
         column: str | None = None,
         where: str = "",
+        sheet: str = "",
     ) -> None:
         self.path, self.line, self.column, self.where, self.found, self.expected = (
             path, line, column, where, found, expected
         )  # fmt: skip
-        place = [path, f"line {line}" if line else "", f"column {column!r}" if column is not None else "", where]
+        number = f"{'row' if sheet else 'line'} {line}" if line else ""
+        named = f"column {column!r}" if column is not None else ""
+        place = [path, f"sheet {sheet!r}" if sheet else "", number, named, where]
         super().__init__(
             ", ".join(filter(None, place)) + (f": found {found}; expected {expected}" if found or expected else "")
         )

@@ -22,12 +22,13 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "test-data": Extra("responses in HDF5 files", ("h5py",)),
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
         "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
+        "excel": Extra("tables in Excel workbooks (.xlsx)", ("openpyxl",)),
         "direct": Extra("MKL's factorisation for modes of large structures (direct = pardiso)", ("pypardiso",)),
         "docs": Extra("these pages as a site (make docs)", ("sphinx", "furo", "sphinx-gallery", "myst-parser")),
         "dev": Extra(
-            "tests, checks and types of the project itself, with the first three",
+            "tests, checks and types of the project itself, with the first four",
             (
-                "h5py", "emcee", "distributed", "pytest", "pytest-regressions", "pytest-xdist",
+                "h5py", "emcee", "distributed", "openpyxl", "pytest", "pytest-regressions", "pytest-xdist",
                 "hypothesis", "mypy", "ruff", "import-linter", "pandas-stubs", "pyuff", "daqp", "setuptools",
             ),
         ),

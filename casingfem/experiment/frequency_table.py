@@ -261,10 +261,10 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
         near = [c for c in absent if stem and (c.startswith(stem[:4]) or stem.startswith(c.split("_")[0]))]
         if near:
             expected = f"{near[0]}, unit and all"
-            raise InputError(csv.path, line=csv.header_line, column=name, found="an unknown column", expected=expected)
+            raise csv.refuse_header(column=name, found="an unknown column", expected=expected)
     for name, meaning in _REQUIRED.items():
         if name not in csv.header and not (name == "sigma_hz" and sigma is not None):
-            raise InputError(csv.path, line=csv.header_line, column=name, found="no such column", expected=meaning)
+            raise csv.refuse_header(column=name, found="no such column", expected=meaning)
     if extra:
         warn("table-columns", f"{csv.path}: {', '.join(csv.written.get(name, name) for name in extra)}", stacklevel=4)
     return extra
@@ -282,7 +282,7 @@ def _check_values(csv: StrictCsv, columns: dict[str, Array]) -> None:
     if not wrong and "zeta" not in csv.factors and _looks_like_percent(columns["zeta"]):
         found = f"a median damping ratio of {np.nanmedian(columns['zeta']):.3g}, as in per cent"
         expected = "a ratio; name the column zeta [%] if it is per cent, zeta [-] if it is a ratio"
-        wrong.append(InputError(csv.path, line=csv.header_line, column="zeta", found=found, expected=expected))
+        wrong.append(csv.refuse_header(column="zeta", found=found, expected=expected))
     if wrong:
         raise together(wrong)
 

@@ -150,4 +150,4 @@ def _wanted(quantity: Quantity) -> str:
 
 
 def _error(table: StrictCsv, column: str, found: str, expected: str) -> InputError:
-    return InputError(table.path, line=table.header_line, column=column, found=found, expected=expected)
+    return table.refuse_header(column=column, found=found, expected=expected)

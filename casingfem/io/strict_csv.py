@@ -16,6 +16,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 from unicodedata import category
 
 import numpy as np
@@ -23,6 +24,7 @@ import numpy as np
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.together import together
+from casingfem.io.workbook import OLD, ZIP, Sheet, file_and_sheet, is_workbook, read_sheet
 from contact.io.infiles import MOST_TEXT, TextError, read_bytes, text_of
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -35,6 +37,7 @@ class StrictCsv:
     r"""Cells of a well-formed table, still text, with the file's line numbers.
 
     `written` has the names of the file for columns that `columns.named` gave others, `factors` what it converts by.
+    Of a sheet of a workbook, `sheet` is its name, and lines are rows.
 
     Examples
     --------
@@ -52,12 +55,19 @@ class StrictCsv:
     decimal: str = "."
     written: Mapping[str, str] = field(default_factory=dict)
     factors: Mapping[str, float] = field(default_factory=dict)
+    sheet: str = ""
 
     def refuse(self, *, found: str, expected: str, row: int | None = None, column: str | None = None) -> InputError:
         """Return the reader's error for a row (from 0) and column, to be raised."""
         line = None if row is None else int(self.lines[row])
         column = None if column is None else self.written.get(column, column)
-        return InputError(self.path, found=found, expected=expected, line=line, column=column)
+        return InputError(self.path, sheet=self.sheet, found=found, expected=expected, line=line, column=column)
+
+    def refuse_header(self, *, found: str, expected: str, column: str | None = None) -> InputError:
+        """Return the reader's error for the header, or a name in it, to be raised."""
+        return InputError(
+            self.path, sheet=self.sheet, found=found, expected=expected, line=self.header_line, column=column
+        )
 
     def numbers(self, column: str, *, blank: float | None = None) -> FloatArray:
         """Return a column as finite numbers; ``blank`` stands for empty cells, refused when None."""
@@ -108,6 +118,8 @@ def _or_empty(blank: float | None) -> str:
 def read(path: str | os.PathLike[str]) -> StrictCsv:
     """Read a table from a file; everything that does not fit is refused.
 
+    Workbooks (.xlsx) are read with the extra `excel`: the first visible sheet, or the one of `file.xlsx#Sheet`.
+
     Raises
     ------
     InputError
@@ -117,9 +129,16 @@ def read(path: str | os.PathLike[str]) -> StrictCsv:
     """
     if "\0" in os.fspath(path):
         raise InputError(repr(os.fspath(path)), found="a name with a zero byte", expected="a file")
-    data = read_bytes(path, most=MOST_TEXT)
+    file, sheet = file_and_sheet(path)
+    data = read_bytes(file, most=MOST_TEXT)
+    if data[:4] == OLD:
+        found = "a workbook of Excel 97 to 2003, or one with a password"
+        raise InputError(file, found=found, expected="a workbook .xlsx without a password, or a table saved as CSV")
     if data[:4] == b"PK\x03\x04":
-        raise InputError(str(path), found="a workbook or another zip file", expected="a table saved as CSV")
+        return _of_sheet(read_sheet(data, file, sheet), file)
+    if is_workbook(file):
+        found = f"no workbook: the file begins with {data[:4]!r}, not with {ZIP!r}"
+        raise InputError(file, found=found, expected="a workbook .xlsx, or the ending .csv for a table of text")
     try:
         return parse(text_of(data, utf16=True), str(path))
     except TextError as error:
@@ -139,7 +158,7 @@ def parse(text: str, path: str) -> StrictCsv:
     often = body[0][1].count
     separator = next((mark for mark in _SEPARATORS if often(mark) > often(",")), ",")
     _refuse_title(body, separator, path)
-    header = _checked_header(_split(body[0][1], body[0][0], path, separator), body[0][0], path)
+    header = _checked_header(StrictRow(path, body[0][0], _split(body[0][1], body[0][0], path, separator)))
     rows, lines, wrong = list[tuple[str, ...]](), list[int](), list[InputError]()
     for number, line in body[1:]:
         try:
@@ -149,15 +168,51 @@ def parse(text: str, path: str) -> StrictCsv:
             wrong.append(error)
     if wrong:
         raise together(wrong)
+    decimal = "." if separator == "," else _decimal(rows, lines, path)
+    return _table(StrictRow(path, body[0][0], header), rows, lines, card, decimal)
+
+
+def _of_sheet(sheet: Sheet, path: str) -> StrictCsv:
+    """The table of a sheet."""
+    if not sheet.rows:
+        expected = "a header with the names of the columns"
+        raise InputError(path, sheet=sheet.name, found="no header row", expected=expected)
+    for number, cells in sheet.rows:
+        _check_printable("".join(cells), StrictRow(path, number, cells, sheet.name))
+    (number, names), *rows = sheet.rows
+    first = StrictRow(path, number, names, sheet.name)
+    if rows:
+        _check_title(first, " ".join(filter(None, names)), list(filter(None, rows[0][1])))
+    header = StrictRow(path, number, _checked_header(first), sheet.name)
+    return _table(header, [cells for _, cells in rows], [number for number, _ in rows], sheet.card, ".")
+
+
+class StrictRow(NamedTuple):
+    """Cells of a row with its place."""
+
+    path: str
+    number: int
+    cells: tuple[str, ...]
+    sheet: str = ""
+
+    def refuse(self, found: str, expected: str, column: str | None = None) -> InputError:
+        """Return the error for this row, to be raised."""
+        return InputError(self.path, sheet=self.sheet, line=self.number, column=column, found=found, expected=expected)
+
+
+def _table(
+    header: StrictRow, rows: Sequence[tuple[str, ...]], lines: Sequence[int], card: Sequence[str], decimal: str
+) -> StrictCsv:
+    """The table of rows that have one cell for each name."""
     if not rows:
-        raise InputError(path, line=body[0][0], found="no rows below the header", expected="at least one row")
-    columns = dict(zip(header, zip(*rows, strict=True), strict=True))
-    for index, name in enumerate(header):
-        if name.startswith("\0"):  # a spreadsheet's column beyond the last
-            _check_unnamed(index, columns.pop(name), body[0][0], path)
+        raise header.refuse("no rows below the header", "at least one row")
+    columns = dict(zip(header.cells, zip(*rows, strict=True), strict=True))
+    for index, name in enumerate(header.cells):
+        if name.startswith("\0") and any(columns.pop(name)):  # a spreadsheet's column beyond the last
+            raise header.refuse(f"no name for column {index + 1}", "a name for every column")
     return StrictCsv(
-        path=path, card=tuple(card), header=tuple(columns), header_line=body[0][0], cells=columns,
-        lines=np.array(lines), decimal="." if separator == "," else _decimal(rows, lines, path),
+        path=header.path, card=tuple(card), header=tuple(columns), header_line=header.number, cells=columns,
+        lines=np.array(lines), decimal=decimal, sheet=header.sheet,
     )  # fmt: skip
 
 
@@ -176,32 +231,37 @@ def _row(line: str, number: int, path: str, separator: str, header: Sequence[str
 def _refuse_title(body: Sequence[tuple[int, str]], separator: str, path: str) -> None:
     """Refuse a first line that has one cell with text above a line of several names."""
     (number, first), *rest = body
-    filled = [cell for cell in _split(first, number, path, separator) if cell]
-    if len(filled) > 1 or not rest:
+    if not rest:
         return
+    cells = _split(first, number, path, separator)
     marks = [mark for mark in (*_SEPARATORS, ",") if mark in rest[0][1]]
     below = [] if not marks else [cell.strip(' "') for cell in rest[0][1].split(marks[0])]
-    if len(below) > 1 and not any(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell) for cell in below):
-        found = f"{first.strip(separator + ' ')!r} above the names of the columns"
-        raise InputError(path, line=number, found=found, expected="a header: put # before a title, or remove the line")
+    _check_title(StrictRow(path, number, cells), first.strip(separator + " "), below)
 
 
-def _check_unnamed(index: int, cells: Sequence[str], number: int, path: str) -> None:
-    """Refuse a column without a name that has something in it."""
-    if any(cells):
-        found = f"no name for column {index + 1}"
-        raise InputError(path, line=number, found=found, expected="a name for every column")
+def _check_title(first: StrictRow, title: str, below: Sequence[str]) -> None:
+    """Refuse a first row of one cell above a row of several names."""
+    names = len(below) > 1 and not any(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell) for cell in below)
+    if names and sum(map(bool, first.cells)) <= 1:
+        found = f"{title!r} above the names of the columns"
+        raise first.refuse(found, "a header: put # before a title, or remove the line")
 
 
 def _significant_lines(text: str, path: str) -> Iterator[tuple[int, str]]:
     """Yield numbered lines that are not blank; a control character means the file is not a text table."""
     for number, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
-        odd = [c for c in line if not (c.isprintable() or c == "\t" or category(c) == "Zs")]
-        if odd:
-            found = f"the character {odd[0]!r}"
-            raise InputError(path, line=number, found=found, expected="printable text")
+        _check_printable(line, StrictRow(path, number, ()))
         if line.strip():
             yield number, line
+
+
+def _check_printable(text: str, row: StrictRow) -> None:
+    """Refuse control characters."""
+    if text.isprintable():
+        return
+    for c in text:
+        if not (c.isprintable() or c == "\t" or category(c) == "Zs"):
+            raise row.refuse(f"the character {c!r}", "printable text")
 
 
 def _decimal(rows: Sequence[tuple[str, ...]], lines: Sequence[int], path: str) -> str:
@@ -226,13 +286,14 @@ def _split(line: str, number: int, path: str, separator: str) -> tuple[str, ...]
     return tuple(cell.strip(" \t") for cell in cells)
 
 
-def _checked_header(cells: tuple[str, ...], number: int, path: str) -> tuple[str, ...]:
+def _checked_header(row: StrictRow) -> tuple[str, ...]:
+    cells = row.cells
     if _NUMBER.fullmatch(cells[0]):
         found = f"numbers ({cells[0]}) in the first row"
-        raise InputError(path, line=number, found=found, expected="a header with the names of the columns")
+        raise row.refuse(found, "a header with the names of the columns")
     above = set[str]()
     for cell in cells:
         if cell and cell in above:
-            raise InputError(path, line=number, column=cell, found="this column twice", expected="distinct columns")
+            raise row.refuse("this column twice", "distinct columns", column=cell)
         above.add(cell)
     return tuple(cell or f"\0{index}" for index, cell in enumerate(cells))

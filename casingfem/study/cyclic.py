@@ -97,7 +97,7 @@ def read_deviations(path: Path) -> FloatArray:
     table = strict_csv.read(path)
     if set(table.header) != {"blade", "deviation"}:
         expected = "blade,deviation"
-        raise InputError(str(path), line=table.header_line, found=",".join(table.header), expected=expected)
+        raise table.refuse_header(found=",".join(table.header), expected=expected)
     blades, deviations = table.integers("blade"), table.numbers("deviation")
     order = np.argsort(blades)
     if not np.array_equal(blades[order], np.arange(1, len(blades) + 1)):

@@ -13,6 +13,7 @@ from casingfem.errors import with_code
 from casingfem.experiment.correlation.measured_shapes import read_shapes
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.included import included_files
+from casingfem.io.workbook import file_and_sheet
 from casingfem.linalg.krylov import START_SEED
 from casingfem.modal.interface.chart_rows import require_lines
 from casingfem.modal.interface.kinds import Rim, Tip, TipNodes
@@ -253,7 +254,7 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     names += [] if update is None else [update.table, update.shapes]
     names += [mistuning if isinstance(mistuning, str) else None]
     names += [table.mesh for table in (tables.solid, tables.shell) if table is not None]
-    files = [file.parent / name for name in names if name is not None]
+    files = [Path(file_and_sheet(file.parent / name)[0]) for name in names if name is not None]
     contents = [text, *(read_bytes(each) for name in files for each in (name, *included_files(name)))]
     return {
         "study": file.name,

@@ -109,7 +109,7 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
     csv = named(read(path), PLACE)
     if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
         expected = "point,angle_deg, or point,angle_deg,radius_m,z_m"
-        raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected=expected)
+        raise csv.refuse_header(found=",".join(csv.header), expected=expected)
     points, angles = csv.integers("point").tolist(), csv.numbers("angle_deg")
     above = set[int]()
     for row, point in enumerate(points):
@@ -136,7 +136,7 @@ def read_picks(path: str | os.PathLike[str]) -> FloatArray:
     """
     csv = named(read(path), (FREQUENCY,))
     if "freq_hz" not in csv.header:
-        raise InputError(csv.path, line=csv.header_line, found=",".join(csv.header), expected="a column freq_hz")
+        raise csv.refuse_header(found=",".join(csv.header), expected="a column freq_hz")
     return csv.numbers("freq_hz")
 
 

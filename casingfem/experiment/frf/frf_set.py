@@ -200,7 +200,7 @@ class FrfSet:
         for name in (*csv.header, *columns):
             if name not in csv.header or name not in columns:
                 found = "no such column" if name in columns else "an unknown column"
-                raise InputError(csv.path, line=csv.header_line, column=name, found=found, expected=",".join(columns))
+                raise csv.refuse_header(column=name, found=found, expected=",".join(columns))
         missing = None if timed else np.nan
         x, values = csv.numbers(columns[0]), csv.numbers("real", blank=missing)
         complete = values if timed else values + 1j * csv.numbers("imag", blank=missing)

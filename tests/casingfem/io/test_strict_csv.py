@@ -118,7 +118,7 @@ def test_a_hint_of_decimal_points_stands_where_commas_separate_too_many_cells():
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (b"PK\x03\x04rest", "found a workbook or another zip file; expected a table saved as CSV"),
+        (b"PK\x03\x04rest", "found no readable workbook (File is not a zip file); expected a workbook .xlsx"),
         (b"a,b\n1,2\n3,\xff\n", "line 3: found byte 0xff, which is not UTF-8 ('ÿ' in Latin-1); expected UTF-8 text"),
         (b"\xff\xfea\x00,\x00\x00\xdc", "line 1: found bytes that are not UTF-16"),
     ],

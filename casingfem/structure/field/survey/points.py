@@ -169,7 +169,7 @@ def _numbers(table: StrictCsv, choices: dict[str, float]) -> tuple[FloatArray, s
         what, column = "a column without a known unit in its name", near[0]
     else:
         what, column = f"no such column among {','.join(table.header)}", None
-    raise InputError(table.path, line=table.header_line, column=column, found=what, expected=f"one column {wanted}")
+    raise table.refuse_header(column=column, found=what, expected=f"one column {wanted}")
 
 
 def _check_angle_unit(table: StrictCsv, theta: FloatArray) -> None:
@@ -184,7 +184,7 @@ def _check_length_unit(table: StrictCsv, name: str, quantity: Quantity, median: 
         other = name.removesuffix("_m") + "_mm" if name.endswith("_m") else name.removesuffix("_mm") + "_m"
         expected = f"{low:g} to {high:g} m; does the column hold {other}?"
         found = f"a median {quantity} of {median:.4g} m"
-        raise InputError(table.path, line=table.header_line, column=name, found=found, expected=expected)
+        raise table.refuse_header(column=name, found=found, expected=expected)
 
 
 def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float, quantity: Quantity) -> None:
@@ -193,4 +193,4 @@ def _check_height_unit(table: StrictCsv, name: str, z: FloatArray, value: float,
     if span > high or (name == "z_mm" and 0.0 < span < low):
         expected = f"{low:.3g} to {high:.3g} m; does the column hold {'z_m' if name == 'z_mm' else 'z_mm'}?"
         found = f"heights over {span:.4g} m"
-        raise InputError(table.path, line=table.header_line, column=name, found=found, expected=expected)
+        raise table.refuse_header(column=name, found=found, expected=expected)

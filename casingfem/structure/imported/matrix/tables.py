@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from casingfem.errors import InputError
 from casingfem.io import strict_csv
 from casingfem.io.arrays import FloatArray, IntArray
 
@@ -84,5 +83,5 @@ def table_with(path: Path, columns: tuple[str, ...]) -> strict_csv.StrictCsv:
     table = strict_csv.read(path)
     if missing := [name for name in columns if name not in table.header]:
         found, expected = f"no column {', '.join(missing)}", f"columns {', '.join(columns)}"
-        raise InputError(str(path), line=table.header_line, found=found, expected=expected)
+        raise table.refuse_header(found=found, expected=expected)
     return table

@@ -366,7 +366,7 @@ BAD = {
     "no rows": (GOOD.encode(), "line 1: found no rows"),
     "not UTF-8": (b"# r\xe9seau\n" + GOOD.encode(), "line 1: found byte 0xe9"),
     "UTF-16 cut": (("\ufeff" + GOOD).encode("utf-16-le")[:-1], "not UTF-16"),
-    "workbook": (b"PK\x03\x04\x14\x00", "found a workbook .* saved as CSV"),
+    "workbook": (b"PK\x03\x04\x14\x00", "found no readable workbook .* saved as CSV"),
     "binary": (b"theta_deg,z_m,\x00radius_m\n", "line 1: found a zero byte"),
     "no unit": (b"theta_deg,z_m,radius\n0,0,1\n", "column 'radius': found a column without a unit in its"),
     "feet": (b"theta_deg,z_m,radius_ft\n1,2,3\n", "expected one column radius_m or radius_mm"),
