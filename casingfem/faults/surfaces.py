@@ -226,6 +226,6 @@ SURFACES = {
     ),
     "taper-thickness": (
         "the law of the thickness leaves no wall somewhere",
-        "keep the polynomial through the stations above 0",
+        "keep the polynomial through the stations above 1e-6",
     ),
 }

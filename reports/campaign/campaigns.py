@@ -64,6 +64,11 @@ CAMPAIGNS = (
     Campaign("contact.batches", "2,000 random lists of scenes equal the runs alone", (*RUBS, "contact/sweep")),
     Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
     Campaign("robustness.file_mutations", "100,000 damaged files of 56 kinds end in no traceback, no hang", READERS),
+    Campaign(
+        "robustness.schema",
+        "8,000 bad values of all keys are refused by name, or run to a finite answer",
+        ("contact/scene", "contact/sweep", "casingfem/study", "casingfem/cli"),
+    ),
     Campaign("robustness.stray_points", "stray points of surveys are found unasked", ("casingfem/structure/field",)),
     Campaign("updating.wrong_rows", "wrong rows of tables are named, the update is as without them", UPDATING),
     Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),

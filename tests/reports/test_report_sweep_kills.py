@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from reports.robustness import diverging, file_mutations, stray_points, sweep_kills
+from reports.robustness import diverging, file_mutations, schema, schema_bases, stray_points, sweep_kills
 from reports.robustness.sample_files import READERS, write_tests
 from reports.tables import ROOT
 
@@ -53,6 +53,41 @@ def test_damaged_files_end_in_no_traceback(tmp_path):
     for row in rows:
         assert (row["mutants"], row["failed"]) == (20, 0)
         assert row["refused"] > 2
+
+
+@pytest.mark.campaign
+def test_bad_values_of_keys_end_in_no_traceback(tmp_path):
+    rows = schema.main(tmp_path, quick=True)
+    assert sum(row["cases"] for row in rows) > 150
+    assert sum(row["refused"] for row in rows) > 100
+    assert not any(row["failed"] for row in rows)
+
+
+def test_every_key_of_a_table_gets_every_bad_value():
+    base = next(base for base in schema.BASES if base.name == "cylinder")
+    found = {(case.path, case.damage): case.text for case in schema.cases() if case.base == base}
+    damages = {damage for path, damage in found if path == ("shell", "thickness")}
+    assert damages == {"wrong type", *schema.NUMBERS, "empty text", "empty list"}
+    assert '"thickness" = 1e+30' in found[("shell", "thickness"), "huge"]
+    assert '"count" = -1' in found[("modes", "count"), "negative"]
+    assert '"around" = "word"' in found[("mesh", "around"), "wrong type"]
+
+
+def test_the_judge_of_bad_values_sees_tracebacks_and_numbers_that_are_not_finite():
+    base = schema_bases.Base("modes", "modes", "study", schema_bases.CASING)
+    case = schema.Case(base, ("shell", "thickness"), "huge", 1e30)
+
+    def outcome(code, out="", err="", raised=""):
+        return schema.judged(case, schema.Ended(code, out, err, raised), {".a": "1"})[0]
+
+    assert outcome(2, err="x.toml: shell.thickness: found 1e30") == "refused"
+    assert outcome(2, err="x.toml: found 1e30") == "unnamed"
+    assert outcome(3, err="the numerics failed") == "numerics"
+    assert outcome(0, out='{"a": 1}') == "accepted"
+    assert outcome(0, out='{"a": NaN}') == "failed"
+    assert outcome(0, out='{"a": 1}', err="a.py:3: RuntimeWarning: x") == "failed"
+    assert outcome(1, raised="KeyError: 'a'") == "failed"
+    assert schema.judged(case, None, {})[0] == "failed"
 
 
 def unnamed(_):

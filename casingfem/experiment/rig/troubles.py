@@ -164,6 +164,8 @@ def troubled_frfs(
         step = float(freq[1] - freq[0])
         weights = zip(hann_power(HANN), HANN.tolist(), strict=True)
         clean = np.sum([weight * seen_at(freq + x * step) for weight, x in weights], axis=0)
+    if what.dead >= len(clean):
+        raise InputError("troubles.dead", found=str(what.dead), expected=f"less than the {len(clean)} channels")
     order = rng.permutation(len(clean)).tolist()
     dead, noisy, flipped, rest = (
         sorted(order[low:high])
@@ -211,6 +213,11 @@ def _fixture(
     """Poles and residues (channels, modes) of local modes."""
     own = 2.0 * np.pi * rng.uniform(freq[0] + 0.1 * np.ptp(freq), freq[-1] - 0.1 * np.ptp(freq), what.fixture)
     inside = (rig.freq > freq[0]) & (rig.freq < freq[-1])
+    if not what.fixture:
+        return own.astype(complex), np.zeros((len(residues), 0), complex)
+    if not inside.any():
+        band = f"{freq[0]:g} to {freq[-1]:g} Hz"
+        raise InputError("troubles.fixture", found=f"no mode of the structure from {band}", expected="one in the band")
     usual = float(np.median(np.abs(residues[:, inside]) / (2.0 * rig.zeta[inside] * rig.omega[inside] ** 2)))
     sensors = len(residues) // drives
     parts = np.zeros((len(residues), what.fixture), complex)

@@ -69,7 +69,7 @@ class Arc:
 
     def __post_init__(self) -> None:
         require_positive("chart.profile", radius=self.radius)
-        if not 0.0 < abs(np.real(self.end - self.start)) < 2.0 * np.pi:
+        if not 1e-6 < abs(np.real(self.end - self.start)) < 2.0 * np.pi:
             raise ModelError("meridian-arc", f"chart.profile: found an arc from {self.start!r} to {self.end!r} rad")
         lowest = float(np.real(self.at(np.linspace(0.0, np.real(self.length), 721)).r).min())
         if lowest < 1e-9 * np.real(self.radius):

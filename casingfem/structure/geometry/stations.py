@@ -95,7 +95,7 @@ class Taper:
         for name in ("along", "across"):
             law = stations(f"taper.{name}", getattr(self, name))
             object.__setattr__(self, name, law)
-            if not lowest(law) > 0.0:
+            if not lowest(law) > 1e-6:
                 raise ModelError("taper-thickness", f"taper.{name} falls to {lowest(law):.3g}")
 
     @property

@@ -135,8 +135,12 @@ class RingTable(SectionTable):
     """[support.EDGE] of kind "ring": [support.EDGE.support] holds it."""
 
     kind: Literal["ring"] = Field(description="how the edge is held")
-    offset: Pair | None = Field(default=None, description="[radial, axial] from the edge to the centre [m]")
-    foot: Pair | None = Field(default=None, description="[radial, axial] from the centre to the springs [m]")
+    offset: Annotated[Pair, REACH] | None = Field(
+        default=None, description="[radial, axial] from the edge to the centre [m]"
+    )
+    foot: Annotated[Pair, REACH] | None = Field(
+        default=None, description="[radial, axial] from the centre to the springs [m]"
+    )
     support: RingSupport | None = Field(default=None, description="what holds the ring: elastic or bolts")
 
 
