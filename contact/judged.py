@@ -6,6 +6,7 @@ from functools import singledispatch
 
 import numpy as np
 
+from contact.io.trust import DEEP, MADE, MUCH_LEFT, MUCH_MADE, OPEN, TOO_DEEP, UNSETTLED, Flag
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.chain import Chain
 from contact.model.gaps.gap import RotatingRim
@@ -13,7 +14,6 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Law
 from contact.result import Result
 from contact.scheme.protocol import Problem
-from contact.trust import DEEP, MADE, MUCH_LEFT, MUCH_MADE, OPEN, TOO_DEEP, UNSETTLED, Flag
 
 
 def judged(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]:

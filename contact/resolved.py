@@ -15,13 +15,13 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError, LimitError, rounded_down
+from contact.io.trust import Flag
 from contact.model.bodies.body import PointMass
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.linear import LinearBody
 from contact.model.gaps.rub import rub_of
 from contact.model.law import Law
 from contact.model.rate import Change, Rate
-from contact.trust import Flag
 
 MOST_STEPS = 10**8  # minutes to an hour of computing: a run of more is asked for by `most_steps`
 A_STEP, A_COORDINATE = 2e-7, 1e-8  # seconds of computing: of the cheapest step, and of each coordinate beside

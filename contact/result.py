@@ -18,12 +18,12 @@ from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
+from contact.io.trust import OF_LIMITS, Flag
 from contact.model.law import pressure
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.record import MOST_SAMPLES
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 from contact.scheme.protocol import Block, Motion, Notes
-from contact.trust import OF_LIMITS, Flag
 
 FORMAT = "contact-result-1"
 LONGEST = 8  # numbers in a line that lists tips
@@ -91,7 +91,7 @@ class Result(Reported):
 
     @property
     def flags(self) -> tuple[Flag, ...]:
-        """Why not to trust the numbers: words that end with a code of `contact.trust.TROUBLES`; empty if there is none.
+        """Why not to trust the numbers: words that end with a code of `contact.io.trust.TROUBLES`.
 
         `flag.code` is that code; `flag.failed` tells numbers that are no solution from a warning.
         """

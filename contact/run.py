@@ -18,6 +18,7 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
 from contact.io.notebook import notebook_progress
+from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import RIM, TIP, passed
 from contact.model.law import Law, Unilateral
@@ -28,7 +29,6 @@ from contact.resolved import MOST_STEPS, count_of, require_steps, resolved
 from contact.result import Result
 from contact.resumed import Moment, asked, moment, restored
 from contact.scheme.protocol import Problem, Scheme, Stepper
-from contact.trust import OF_LIMITS, Flag
 
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
 WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C

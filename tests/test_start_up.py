@@ -29,6 +29,7 @@ WRITERS = {
     "contact.io.former",
     "contact.io.digests",
     "contact.io.infiles",
+    "contact.io.trust",
     "contact.io.interrupts",
     "contact.io.publication",
     *(f"contact.io.publication.{part}" for part in ("lock", "manifest", "moves", "reading", "recovery", "staging")),

@@ -1,5 +1,5 @@
-"""Faults of contact runs: the table of `contact.trust`, which judges them."""
+"""Faults of contact runs: the table of `contact.io.trust`, which judges them."""
 
-from contact.trust import TROUBLES
+from contact.io.trust import TROUBLES
 
 RUNS = {code: (f"{one.meaning}: {one.threshold}", one.remedy) for code, one in TROUBLES.items()}

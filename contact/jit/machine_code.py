@@ -35,6 +35,7 @@ ROOT = Path(__file__).parents[1]
 JIT = sorted((ROOT / "jit").glob("*.py"))
 SOURCES = (
     *JIT,
+    ROOT / "io/trust.py",
     ROOT / "record/record.py",
     ROOT / "model/bodies/band.py",
     ROOT / "model/gaps/limits.py",

@@ -14,7 +14,7 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
 from contact.scene.parts import RecordTable, contact_law, read_basis
 from contact.scene.problems import Problems
-from contact.scene.scheme import Built, Friction, NotNegative, Positive, Ratio, RunHead, SceneFile, Table
+from contact.scene.scheme import Built, Friction, NotNegative, Positive, RunHead, SceneFile, Table
 from contact.scheme.modal.exact_modal import ExactModal
 
 
@@ -31,7 +31,9 @@ class PatchBodyTable(Table):
     omega: list[NotNegative] | None = Field(
         default=None, description="angular frequencies of its modes [rad/s], instead of a basis"
     )
-    zeta: list[Ratio] | None = Field(default=None, description="their damping ratios [-]")
+    zeta: list[Annotated[FiniteFloat, Field(ge=0, lt=1)]] | None = Field(
+        default=None, description="their damping ratios [-]"
+    )
     channels: list[str] | None = Field(default=None, description="names of the displacements at the interface")
     rows: list[list[FiniteFloat]] | None = Field(
         default=None, description="displacement of each channel in each mode [kg^(-1/2)]"

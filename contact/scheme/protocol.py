@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from contact.base.arrays import Array
+from contact.io.trust import Flag
 from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.linear_system import Linear
 from contact.model.bodies.patch import Patch
@@ -30,7 +31,6 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
-from contact.trust import Flag
 
 
 class Modal(Protocol):

@@ -19,6 +19,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import DivergedError, NumericsError
 from contact.io.outfiles import finite, read_checked, write_checked
+from contact.io.trust import Flag
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR
 from contact.model.gaps.rub import Rub
@@ -26,7 +27,6 @@ from contact.record.record import Record
 from contact.result import Result
 from contact.run import Scene
 from contact.run_many import Outcome
-from contact.trust import Flag
 
 STATES = 256  # about so many states are stored for the amplitudes
 WINDOWS = 8  # parts of a run whose amplitudes give its growth

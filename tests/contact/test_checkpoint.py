@@ -80,11 +80,11 @@ def test_a_stopped_run_goes_on_to_the_same_bits(name: str, tmp_path: Path) -> No
     what, how = RUNS[name]
     file, record = tmp_path / "part.npz", ct.Record(every=50, state_every=500)
     with pytest.raises(StoppedError):
-        ct.run(what, **how, record=record, checkpoint=file, progress=stop)
+        ct.run(what, **how, record=record, on_limit="flag", checkpoint=file, progress=stop)
     seen: list[float] = []
-    again = ct.run(what, **how, record=record, checkpoint=file, progress=seen.append)
+    again = ct.run(what, **how, record=record, on_limit="flag", checkpoint=file, progress=seen.append)
     assert 0.3 < seen[0] < 0.9  # it did not begin anew
-    whole = ct.run(what, **how, record=record)
+    whole = ct.run(what, **how, record=record, on_limit="flag")
     assert whole.contact_steps.sum() > 0
     assert words(again) == words(whole)
 

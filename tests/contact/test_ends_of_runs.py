@@ -19,7 +19,6 @@ from contact.record.energy import EnergyBudget, Stored
 from contact.record.record import NO_STEPS, Record, samples
 from contact.result import Result
 from contact.run import prepared
-from contact.run_many import MOST_BYTES, _fits
 from tests.contact.synthetic_rim import blade, ring
 
 RUN = importlib.import_module("contact.run")
@@ -155,25 +154,6 @@ def test_buffers_hold_what_the_steps_can_produce():
     assert (found.every, len(found.time), found.state.shape, found.at.tolist()) == (0, 3, (3, 2), [3, 7, 9])
     assert found.rows.shape == (2, 5)
     assert samples(Record(), 3, 1, 1).at is NO_STEPS
-
-
-def test_lanes_take_rims_that_store_little_at_every_so_many_steps():
-    """Eight lanes of eight bytes: four numbers a sample, and the coordinates a state."""
-
-    def fits(record, count=1000, **changes):
-        stepper = SimpleNamespace(size=12, **({"rim": object()} | changes))
-        return _fits(SimpleNamespace(stepper=stepper, record=record, count=count))
-
-    assert fits(Record())
-    assert not fits(Record(), rim=None)
-    assert not fits(Record(), tracks=())
-    assert not fits(Record(at=[0.1]))
-    assert not fits(Record(state_every=1, channels=np.ones((1, 12))))
-    for record, numbers in ((Record(every=3), 4.0 / 3.0), (Record(every=2, state_every=6), 4.0 / 2.0 + 12.0 / 6.0)):
-        most = math.floor(MOST_BYTES / (64.0 * numbers))
-        assert fits(record, most)
-        assert not fits(record, most + 1)
-    assert MOST_BYTES == 200e6
 
 
 def test_what_is_to_run_takes_gravity_where_it_has_bodies():

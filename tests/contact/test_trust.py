@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import contact as ct
 from casingfem.cli import main
 from casingfem.errors import CATALOGUE
-from contact.trust import TROUBLES, Flag
+from contact.io.trust import TROUBLES, Flag
 
 RODS = """
 [scene]

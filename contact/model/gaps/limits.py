@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.trust import Flag
+from contact.io.trust import Flag
 
 FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion none
 WALL = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here

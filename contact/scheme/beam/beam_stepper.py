@@ -17,13 +17,13 @@ import numpy as np
 
 from contact.base.arrays import Array, require_positive
 from contact.base.errors import InputError, LimitError, rounded_down
+from contact.io.trust import Flag
 from contact.model.bodies.beam import BeamInCircle, HingedBeam, ring_table
 from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.protocol import Block, Motion
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.beam.beam import BeamState, BeamWork

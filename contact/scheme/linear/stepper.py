@@ -11,13 +11,13 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly, require_not_negative, require_positive
 from contact.base.errors import InputError, LimitError, rounded_down
+from contact.io.trust import Flag
 from contact.model.bodies.band import Band, Factor, factor, pairs, solve
 from contact.model.bodies.linear_system import Linear, LinearSystem, linear_system, omega_max
 from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.protocol import Block, Motion, Problem
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.linear.linear import Parts, State

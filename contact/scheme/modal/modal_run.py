@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.base.arrays import Array, Indices, readonly
+from contact.io.trust import Flag
 from contact.model.gaps.limits import REACHED, RIM, wall_flags
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.trig import Terms
@@ -19,7 +20,6 @@ from contact.record.wear import Wear
 from contact.scheme.modal.propagator import window
 from contact.scheme.modal.wear_track import Tracks
 from contact.scheme.protocol import Block, Motion, Notes
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight

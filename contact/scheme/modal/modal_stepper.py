@@ -11,6 +11,7 @@ import numpy as np
 from contact.base.arrays import Array, aligned, readonly
 from contact.base.errors import InputError
 from contact.base.remembered import remembered
+from contact.io.trust import Flag
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, RowTable
 from contact.model.law import Abradable
@@ -21,7 +22,6 @@ from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight

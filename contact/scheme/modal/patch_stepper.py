@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.base.arrays import Array
+from contact.io.trust import Flag
 from contact.model.bodies.patch import Patch
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork

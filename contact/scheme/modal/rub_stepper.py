@@ -10,6 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned, readonly
 from contact.base.errors import LimitError
+from contact.io.trust import Flag
 from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
@@ -24,7 +25,6 @@ from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.modal.wear_track import Tracks, rub_tracks
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
-from contact.trust import Flag
 
 if TYPE_CHECKING:
     from contact.loop.rub.rows import RubLaws, RubRows

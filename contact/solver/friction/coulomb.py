@@ -19,11 +19,11 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
+from contact.io.trust import LEFT
 from contact.jit.compiled import jit
 from contact.solver.friction.inexact import inexact
 from contact.solver.friction.newton import MOST_ITERATIONS, TOLERANCE, newton, otherwise
 from contact.solver.friction.room import Room, friction_room
-from contact.trust import LEFT
 
 ZERO = 1e-12  # of a column's largest entry: no pivot
 TIE = 1e-13  # of the largest value: the covering variable is zero

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contact.trust import LEFT, MUCH_LEFT, Flag
+from contact.io.trust import LEFT, MUCH_LEFT, Flag
 
 
 def inexact(left: float) -> tuple[Flag, ...]:

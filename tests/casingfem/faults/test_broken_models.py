@@ -185,7 +185,7 @@ def test_a_study_error_has_a_code_for_each_problem(tmp_path):
 
 
 def test_warnings_are_one_clean_line_each_and_listed_in_json(tmp_path):
-    path = written(tmp_path, PLAIN.replace("210e9", "210e3"))
+    path = written(tmp_path, PLAIN.replace("210e9", "210e3") + '[checks]\nallow = ["E", "sound"]\n')
     result = CliRunner().invoke(main, ["modes", str(path), "--json", "--out", str(tmp_path / "out")])
     assert result.exit_code == 0
     document = json.loads(result.stdout)
@@ -200,7 +200,8 @@ def test_warnings_are_one_clean_line_each_and_listed_in_json(tmp_path):
 
 
 def test_refusals_show_their_code_on_the_command_line(tmp_path):
-    result = CliRunner().invoke(main, ["modes", str(written(tmp_path, PLAIN.replace("20e-3", "0.6")))])
+    text = PLAIN.replace("20e-3", "0.6") + '[checks]\nallow = ["thickness"]\n'
+    result = CliRunner().invoke(main, ["modes", str(written(tmp_path, text))])
     assert result.exit_code == 2
     assert result.stderr.endswith("[shell-thickness-size]\n")
 

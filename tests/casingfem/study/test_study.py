@@ -276,7 +276,7 @@ def test_perfect_takes_all_variation_away(tmp_path):
 def test_the_schema_knows_every_table():
     assert set(schema()["properties"]) == {
         "material", "chart", "shell", "solid", "taper", "strip", "stiffener", "rotation", "cyclic", "imperfection",
-        "mass", "support", "modes", "mesh", "update", "reduce", "rig",
+        "mass", "support", "modes", "mesh", "update", "reduce", "rig", "checks",
     }  # fmt: skip
     assert schema()["required"] == ["material"]
     assert schema()["anyOf"] == [{"required": ["shell"]}, {"required": ["solid"]}]

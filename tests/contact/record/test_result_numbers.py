@@ -11,12 +11,12 @@ import pytest
 from casingfem.cli.pictures import figures, force_files, ledger, page_numbers
 from contact.base.errors import InputError
 from contact.histories import TipMotion
+from contact.io.trust import Flag
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
 from contact.result import Result
 from contact.scheme.protocol import Motion, Notes
 from contact.sweep.row import row_of
-from contact.trust import Flag
 
 START = Stored(kinetic=2.0, strain=3.0, potential=5.0, residual=7.0, discrete=11.0)
 END = Stored(kinetic=13.0, strain=17.0, potential=19.0, residual=23.0, discrete=29.0)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.io.trust import Flag
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.wear import Wear
 from contact.result import Result, _listed
 from contact.scheme.protocol import Notes
-from contact.trust import Flag
 
 STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
 ENERGY = EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0)
