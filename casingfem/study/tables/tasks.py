@@ -221,6 +221,6 @@ def schema() -> dict[str, Any]:
     """JSON schema of study.toml.
 
     >>> sorted(schema()["properties"])[:4]
-    ['chart', 'cyclic', 'imperfection', 'mass']
+    ['chart', 'checks', 'cyclic', 'imperfection']
     """
     return StudyFile.model_json_schema()

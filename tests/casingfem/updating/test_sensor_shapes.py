@@ -187,7 +187,7 @@ AFTER = comparison((ShapeMatch(0, 0.7, 0.8), ShapeMatch(3, 0.4, 0.9)), [0.9, 0.5
 def shape_fit():
     table = cf.FrequencyTable.from_arrays(freq_hz=[10.0, 20.0, 30.5], sigma_hz=0.1, n=[0, 3, -1], mode=[2, 4, 7])
     shapes = SimpleNamespace(labels=np.array([11, 12, 13]), unused_hz=(77.5,))
-    return ShapeFit(fit=SimpleNamespace(table=table), shapes=shapes, before=BEFORE, after=AFTER)
+    return ShapeFit(fit=SimpleNamespace(table=table, measured=table), shapes=shapes, before=BEFORE, after=AFTER)
 
 
 def test_sensors_that_agree_least_after_an_update_come_first():
