@@ -19,7 +19,7 @@ from contact.solver.friction.room import Room
 from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, active_space, project
 from contact.solver.unilateral.springs import SpringSpace, spring_forces, spring_space
 
-JAMMED, ROUGH = 1.0, 2.0  # `fault`: no motion opens all gaps; friction not solved
+JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
 
 
 class PatchState(NamedTuple):
@@ -88,7 +88,7 @@ def frictionless(s: PatchState, w: PatchWork) -> bool:
         solved, count = spring_forces(s.roots, s.springs, w.b, s.lam, w.soft)
         note_iterations(s, count)
         if not solved:
-            s.counts[3] = JAMMED
+            s.counts[3] = UNSETTLED
         return solved
     status, changes = project(s.roots, w.b, s.mu.size, s.roots.shape[1], s.lam, w.active)
     note_iterations(s, changes)

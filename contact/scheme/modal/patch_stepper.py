@@ -76,12 +76,14 @@ class PatchStepper(ExactRun):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        from contact.loop.modal.patch import JAMMED, ROUGH
+        from contact.loop.modal.patch import JAMMED, ROUGH, UNSETTLED
 
         fault = self.state.counts[3]
         if fault == JAMMED:
             words = "no motion opens all gaps at once: contacts press against each other without compliance"
             return Flag(words, "unconverged", failed=True)
+        if fault == UNSETTLED:
+            return "the forces of the springs did not settle: reduce dt"
         if fault == ROUGH:
             words = "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
             return Flag(words, "unconverged", failed=True)
