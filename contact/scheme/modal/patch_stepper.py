@@ -83,7 +83,7 @@ class PatchStepper(ExactRun):
             words = "no motion opens all gaps at once: contacts press against each other without compliance"
             return Flag(words, "unconverged", failed=True)
         if fault == UNSETTLED:
-            return "the forces of the springs did not settle: reduce dt"
+            return Flag("the forces of the springs did not settle: reduce dt", "unconverged", failed=True)
         if fault == ROUGH:
             words = "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
             return Flag(words, "unconverged", failed=True)
