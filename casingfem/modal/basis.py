@@ -18,14 +18,15 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.npz import read_npz
 from contact.io.names import names_fault
-from contact.io.npz import compliance_fault, whole, write_npz
+from contact.io.npz import compliance_fault, outdated, whole, write_npz
 from contact.io.reported import Reported
 
 FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 ARRAYS = (
     "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines",
-    "line_thickness", "output_rows", "output_S", "K_omega", "participation", "out_of_roundness",
+    "line_thickness", "output_rows", "output_S", "gyroscopic", "stiffness_by_speed", "damping", "stiffness",
+    "participation", "out_of_roundness",
 )  # fmt: skip
 
 
@@ -57,9 +58,13 @@ class ModalBasis(Reported):
         Of a rim: least thickness of the wall on each of its lines [m], (lines,); empty where that is not known.
     outputs, output_rows, output_S
         Names of displacements and strains at chosen places, and output_rows q + output_S lam that gives them.
-    K_omega, spin
-        Of a rotating body: speed Omega_0 of the basis [rad/s], and the modal stiffness that Omega^2 - Omega_0^2 adds,
-        (modes, modes).
+    gyroscopic, stiffness_by_speed, spin
+        Of a body that turns at Omega [rad/s], in its own frame: Omega gyroscopic q' joins the left side of the
+        equation, and (Omega^2 - spin^2) stiffness_by_speed its stiffness, both (modes, modes). `spin` is the speed
+        [rad/s] at which the modes were computed. Omega is positive from x to y about the axis of a casing, and in the
+        direction of the study's rotation of any other part.
+    damping, stiffness
+        Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes); empty for a reduced structure.
     participation
         Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
         span, flap and chord of a blade, (3, modes); empty where it is not known.
@@ -90,7 +95,10 @@ class ModalBasis(Reported):
     outputs: tuple[str, ...] = ()
     output_rows: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
-    K_omega: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    gyroscopic: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    stiffness_by_speed: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    damping: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    stiffness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     out_of_roundness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     spin: float = 0.0
@@ -169,6 +177,8 @@ class ModalBasis(Reported):
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
             raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
+        if fault := outdated(data):
+            raise InputError(f"{path}: {fault}")
         values: dict[str, Any] = {name: data[name] for name in ARRAYS if name in data}
         try:
             values |= {name: float(data.get(name, 0.0)) for name in ("radius", "thickness", "spin")}

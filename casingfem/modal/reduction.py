@@ -129,7 +129,7 @@ def reduce(
         stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
     rotation: Rotation | None = getattr(structure, "rotation", None)
     if rotation is not None:
-        stored["K_omega"] = stiffening(structure, vectors)
+        stored["stiffness_by_speed"] = stiffening(structure, vectors)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),

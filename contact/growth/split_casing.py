@@ -67,7 +67,8 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
         casing, omega=np.array([mode[0] for mode in kept]), zeta=np.array([mode[1] for mode in kept]),
         rows=np.array([mode[2] for mode in kept]).reshape(len(kept), -1).T, S=_mean_compliance(np.asarray(S), size, N),
         recovery=None, recovery_S=None, recovery_points=None, recovery_cells=None, outputs=(), output_rows=None,
-        output_S=None, K_omega=None, participation=None, out_of_roundness=None,
+        output_S=None, gyroscopic=None, stiffness_by_speed=None, damping=None, stiffness=None, participation=None,
+        out_of_roundness=None,
     )  # fmt: skip
 
 

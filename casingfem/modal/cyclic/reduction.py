@@ -84,7 +84,7 @@ def cyclic_reduce(
         kind="point",
         sectors=sector.sectors,
         spin=0.0 if rotation is None else rotation.omega,
-        K_omega=0.5 * (added + added.T),
+        stiffness_by_speed=0.5 * (added + added.T),
         provenance=provenance(system.system, "cyclic", modes)
         | seen.facts
         | {"sectors": sector.sectors, "mistuning": None if values is None else values.tolist()},

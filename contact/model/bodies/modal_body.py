@@ -12,7 +12,7 @@ import numpy as np
 from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
 from contact.io.names import hint, names_fault
-from contact.io.npz import compliance_fault, whole, write_npz
+from contact.io.npz import compliance_fault, outdated, whole, write_npz
 
 if TYPE_CHECKING:
     from contact.model.bodies.matrices import Contact, Dof
@@ -21,9 +21,11 @@ FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
-    "K_omega", "participation", "out_of_roundness",
+    "gyroscopic", "stiffness_by_speed", "damping", "stiffness", "participation", "out_of_roundness",
 )  # fmt: skip
+SQUARES = ("gyroscopic", "stiffness_by_speed", "damping", "stiffness")  # (m, m), of the modes
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
+SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that is round-off
 
 
 class Basis(Protocol):
@@ -37,7 +39,9 @@ class Basis(Protocol):
 class ModalBody:
     """m mass-normalised modes, seen through K interface channels.
 
-    q'' + 2 zeta omega q' + omega^2 q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels).
+    q'' + C q' + K q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels), in the body's own frame, with
+    C = diag(2 zeta omega) + damping + Omega gyroscopic and
+    K = diag(omega^2) + stiffness + (Omega^2 - spin^2) stiffness_by_speed, of a body that turns at Omega [rad/s].
 
     `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
@@ -46,14 +50,19 @@ class ModalBody:
     line `lines` (L, 2) are axial place and radius [m], `line_thickness` (L,) the wall there [m]; of a file without
     them every line has the one `radius` and `thickness`. `recovery` (R, m), `recovery_S` (R, K) and `recovery_points`
     (R, 3) give displacements elsewhere, `recovery_cells` the cells between those points, for drawing; `output_rows`
-    (O, m) and `output_S` (O, K) the quantities named in `outputs`. `K_omega` (m, m): what Omega^2 - spin^2 adds to the
-    modal stiffness of a body whose basis was made at `spin` [rad/s].
+    (O, m) and `output_S` (O, K) the quantities named in `outputs`.
+    `gyroscopic` (m, m) [1/s per rad/s]: the Coriolis matrix 2 G of the modes, skew, in the body's frame, which turns at
+    Omega > 0 about the axis of a rim from x to y. `stiffness_by_speed` (m, m) [1/s^2 per (rad/s)^2]: stiffening by
+    centrifugal stress minus spin softening; `spin` [rad/s] is the speed at which the modes were computed. `damping`
+    (m, m) [1/s] and `stiffness` (m, m) [1/s^2]: what couples the modes beside their own damping and stiffness, such as
+    cross-coupled bearings; they may be nonsymmetric. `matrices` gives C and K at a speed.
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
     `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
     `out_of_roundness` (L, 2 N + 1) [m]: deviation of each rim line's radius, cos0 .. cosN, sin1 .. sinN.
 
-    Raises InputError for shapes that do not fit, NaN, negative frequencies, an asymmetric or indefinite S.
+    Raises InputError for shapes that do not fit, NaN, negative frequencies, an asymmetric or indefinite S, a gyroscopic
+    matrix that is not skew.
 
     >>> body = ModalBody(omega=[100.0], zeta=[0.01], channels=("span",), rows=[[2.0]], S=[[0.0]])
     >>> body
@@ -80,7 +89,10 @@ class ModalBody:
     outputs: tuple[str, ...] = ()
     output_rows: Array | None = None
     output_S: Array | None = None
-    K_omega: Array | None = None
+    gyroscopic: Array | None = None
+    stiffness_by_speed: Array | None = None
+    damping: Array | None = None
+    stiffness: Array | None = None
     participation: Array | None = None
     out_of_roundness: Array | None = None
     spin: float = 0.0
@@ -106,7 +118,7 @@ class ModalBody:
         for name, shape in (
             ("output_rows", (wanted, m)),
             ("output_S", (wanted, K)),
-            ("K_omega", (m, m)),
+            *((square, (m, m)) for square in SQUARES),
             ("participation", (3, m)),
             ("out_of_roundness", (max(self.rim_lines, 1) if self.kind == "rim" else 0, 2 * self.n_max + 1)),
         ):
@@ -116,6 +128,8 @@ class ModalBody:
         if self.sectors and heads != {f"sector{j}" for j in range(self.sectors)}:
             raise InputError(f"sectors: found {self.sectors} beside channels of {len(heads)}, expected sector0.*, ...")
         _require_modes(self.omega, self.zeta)
+        if self.gyroscopic is not None:
+            _require_skew(self.gyroscopic)
         if fault := compliance_fault(self.S):
             raise InputError(f"S: found {fault}")
         self._require_kind()
@@ -182,8 +196,34 @@ class ModalBody:
             raise InputError(f"channel: found {name!r}, expected {expected}")
         return self.channels.index(name)
 
+    def matrices(self, omega_rotation: float = 0.0) -> tuple[Array, Array]:
+        """C [1/s] and K [1/s^2] of q'' + C q' + K q = rows^T lam, both (m, m), while the body turns.
+
+        `omega_rotation` [rad/s] is positive from x to y about the axis of a rim. Modes of a wheel or a blade turn about
+        the axis of their study.
+
+        >>> pair = ModalBody(omega=[3.0, 3.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2),
+        ...                  S=np.zeros((2, 2)), gyroscopic=[[0.0, -2.0], [2.0, 0.0]])
+        >>> [part.tolist() for part in pair.matrices(0.5)]
+        [[[0.0, -1.0], [1.0, 0.0]], [[9.0, 0.0], [0.0, 9.0]]]
+        """
+        C, K = np.diag(2.0 * self.zeta * self.omega), np.diag(self.omega**2)
+        if self.damping is not None:
+            C += self.damping
+        if self.gyroscopic is not None:
+            C += omega_rotation * self.gyroscopic
+        if self.stiffness is not None:
+            K += self.stiffness
+        if self.stiffness_by_speed is not None:
+            K += (omega_rotation**2 - self.spin**2) * self.stiffness_by_speed
+        return C, K
+
     def truncated(self, omega_max: float) -> ModalBody:
-        """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S."""
+        """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S.
+
+        Forces of `gyroscopic`, `stiffness_by_speed`, `damping` and `stiffness` between a dropped mode and a kept one
+        are left out.
+        """
         keep = self.omega <= omega_max
         gone = self.rows[:, ~keep] / self.omega[~keep]
         elsewhere: dict[str, Any] = {}
@@ -191,14 +231,17 @@ class ModalBody:
             if (rows := getattr(self, name)) is not None:
                 lost, had = rows[:, ~keep] / self.omega[~keep] @ gone.T, getattr(self, soft)
                 elsewhere |= {name: rows[:, keep], soft: lost if had is None else had + lost}
+        for name in SQUARES:
+            elsewhere[name] = None if getattr(self, name) is None else getattr(self, name)[np.ix_(keep, keep)]
         return replace(
             self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep], S=self.S + gone @ gone.T,
-            participation=None if self.participation is None else self.participation[:, keep],
-            K_omega=None if self.K_omega is None else self.K_omega[np.ix_(keep, keep)], **elsewhere,
+            participation=None if self.participation is None else self.participation[:, keep], **elsewhere,
         )  # fmt: skip
 
     def retuned(self, freq_hz: float) -> ModalBody:
         """The same body of another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
+
+        `damping` is multiplied by the ratio of the frequencies, `stiffness` by its square; the arrays of rotation stay.
 
         >>> ModalBody(omega=[10.0, 30.0], zeta=[0.0, 0.0], channels=("tip",), rows=[[1.0, 1.0]],
         ...           S=[[4.0]]).retuned(10.0 / np.pi).S.tolist()
@@ -209,9 +252,11 @@ class ModalBody:
         if not elastic.size:
             raise InputError("freq_hz: found a body of rigid modes only, expected an elastic mode to retune")
         ratio = 2.0 * np.pi * freq_hz / float(elastic.min())
-        soft = ("S", "recovery_S", "output_S")
-        compliance = {name: given / ratio**2 for name in soft if (given := getattr(self, name)) is not None}
-        return replace(self, omega=self.omega * ratio, **compliance)
+        powers = {"S": -2, "recovery_S": -2, "output_S": -2, "damping": 1, "stiffness": 2}
+        scaled = {
+            name: ratio**power * given for name, power in powers.items() if (given := getattr(self, name)) is not None
+        }
+        return replace(self, omega=self.omega * ratio, **scaled)
 
     def detuned(self, scatter: float, *, seed: int) -> ModalBody:
         """Each frequency times 1 + scatter x, x normal and seeded: what small imperfections do to pairs, at random."""
@@ -274,6 +319,8 @@ class ModalBody:
     def load(path: str | Path) -> ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
         data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
+        if fault := outdated(data):
+            raise InputError(f"{path}: {fault}")
         try:
             return of_arrays(data)
         except (InputError, TypeError, ValueError) as error:
@@ -310,6 +357,16 @@ def of_arrays(data: Mapping[str, Any]) -> ModalBody:
         spin=float(data.get("spin", np.array(0.0))), thickness=float(data.get("thickness", np.array(0.0))),
         provenance=str(data.get("provenance", "{}")), **{n: data[n] for n in OPTIONAL if n in data},
     )  # fmt: skip
+
+
+def _require_skew(G: Array) -> None:
+    scale, even = float(np.abs(G).max(initial=0.0)), np.abs(G + G.T)
+    if even.max(initial=0.0) > SKEW * scale:
+        i, j = (int(k) for k in np.unravel_index(int(even.argmax()), even.shape))
+        raise InputError(
+            f"gyroscopic: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew matrix, "
+            "G[i, j] = -G[j, i]"
+        )
 
 
 def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:

@@ -74,26 +74,28 @@ class Start:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Stiffening:
-    """Growth of one blade's modal stiffness with speed: K(Omega) = diag(omega^2) + (Omega^2 - at^2) K_omega.
+    """Growth of one blade's modal stiffness with speed: K(Omega) = diag(omega^2) + (Omega^2 - at^2) stiffness_by_speed.
 
-    `K_omega` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` the speed at which the
-    blade's basis was made. The mode shapes stay those of the basis, and couple through K_omega.
+    `stiffness_by_speed` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` the speed at
+    which the blade's basis was made. The mode shapes stay those of the basis, and couple through stiffness_by_speed.
     """
 
     blade: int = 0
-    K_omega: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    stiffness_by_speed: Array = field(default_factory=lambda: np.zeros((0, 0)))
     at_hz: float = 0.0
 
     def __post_init__(self) -> None:
-        keep_readonly(self, "K_omega")
+        keep_readonly(self, "stiffness_by_speed")
         require_finite(at_hz=self.at_hz)
 
     @staticmethod
     def of(body: ModalBody, blade: int = 0) -> Stiffening:
         """That of a rotating body's own basis; raises InputError where the basis was made at rest, without an axis."""
-        if body.K_omega is None:
-            raise InputError(f"blades[{blade}]: found a basis without K_omega, expected one of a rotating shell")
-        return Stiffening(blade=blade, K_omega=body.K_omega, at_hz=body.spin / (2.0 * math.pi))
+        if body.stiffness_by_speed is None:
+            raise InputError(
+                f"blades[{blade}]: found a basis without stiffness_by_speed, expected one of a rotating shell"
+            )
+        return Stiffening(blade=blade, stiffness_by_speed=body.stiffness_by_speed, at_hz=body.spin / (2.0 * math.pi))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -149,7 +151,7 @@ class Rub:
             if not _counts(stiff.blade, len(self.blades)):
                 raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
             m = self.blades[stiff.blade].omega.size
-            require_shape("K_omega", stiff.K_omega, (m, m))
+            require_shape("stiffness_by_speed", stiff.stiffness_by_speed, (m, m))
         for force in self.forces:
             self._require_participation(force)
         radius = min(self.casing.line_radius(tip.line) for tip in self.tips)

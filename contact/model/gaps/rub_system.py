@@ -100,7 +100,7 @@ def settled(rub: Rub) -> Rub:
         K = np.diag(body.omega**2)
         for stiff in rub.stiffening:
             if stiff.blade == k - 1:
-                K += (speed2 - (2.0 * math.pi * stiff.at_hz) ** 2) * stiff.K_omega
+                K += (speed2 - (2.0 * math.pi * stiff.at_hz) ** 2) * stiff.stiffness_by_speed
         if own.any() and not body.omega.min() > 0.0:
             raise InputError(f"{rub.names[k]}: found rigid modes, which no rest holds against gravity or whirl")
         starts.append(replace(start, displacement=readonly(np.linalg.solve(K, own) if own.any() else 0.0 * own)))

@@ -182,15 +182,15 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
 
 
 def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
-    """K_omega of all blades' modes, plain and times the squared speed of each basis; empty without any."""
+    """stiffness_by_speed of all blades' modes, plain and times the squared speed of each basis; empty without any."""
     if not rub.stiffening:
         return np.zeros((0, 0)), np.zeros((0, 0))
     begin = int(system.first[1])
     total = np.zeros((2, system.omega.size - begin, system.omega.size - begin))
     for stiff in rub.stiffening:
         own = slice(int(system.first[stiff.blade + 1]) - begin, int(system.first[stiff.blade + 2]) - begin)
-        total[0, own, own] += stiff.K_omega
-        total[1, own, own] += (2.0 * math.pi * stiff.at_hz) ** 2 * stiff.K_omega
+        total[0, own, own] += stiff.stiffness_by_speed
+        total[1, own, own] += (2.0 * math.pi * stiff.at_hz) ** 2 * stiff.stiffness_by_speed
     return total[0], total[1]
 
 

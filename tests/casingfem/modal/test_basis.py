@@ -29,7 +29,7 @@ def basis(**changes):
         "outputs": ("tip.x",),
         "output_rows": rng.normal(size=(1, 3)),
         "output_S": rng.normal(size=(1, 2)),
-        "K_omega": rng.normal(size=(3, 3)),
+        "stiffness_by_speed": rng.normal(size=(3, 3)),
         "spin": 31.4,
         "sectors": 2,
         "participation": rng.normal(size=(3, 3)),

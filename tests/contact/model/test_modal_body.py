@@ -1,10 +1,11 @@
 """The modal basis file: round trip, and every way it can be wrong."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+import casingfem as cf
 import contact as ct
 from contact.model.bodies.modal_body import rim_channels
 from tests.contact.synthetic_rim import blade, ring
@@ -133,7 +134,12 @@ def two_lines(**more):
         (three, {"outputs": ("a",), "output_rows": np.ones((2, 3))}, r"output_rows: .*\(2, 3\), expected \(1, 3\)"),
         (three, {"outputs": ("a",), "output_S": np.ones((1, 3))}, r"output_S: .*\(1, 3\), expected \(1, 2\)"),
         (three, {"outputs": ("a", "a"), "output_rows": np.ones((2, 3))}, "outputs: found"),
-        (three, {"K_omega": np.eye(2)}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
+        (three, {"stiffness_by_speed": np.eye(2)}, r"stiffness_by_speed: found shape \(2, 2\), expected \(3, 3\)"),
+        (
+            three,
+            {"gyroscopic": np.eye(3)},
+            r"gyroscopic: found 1 at \(0, 0\) and 1 at \(0, 0\), expected a skew matrix",
+        ),
         (three, {"participation": np.ones((2, 3))}, r"participation: found shape \(2, 3\), expected \(3, 3\)"),
         (three, {"out_of_roundness": np.ones((1, 1))}, r"out_of_roundness: found shape \(1, 1\), expected \(0, 1\)"),
         (three, {"zeta": [0.0, 1.0, 0.0]}, "zeta: found 0 .. 1, expected 0 <= zeta < 1"),
@@ -151,10 +157,16 @@ def test_arrays_that_do_not_fit_each_other_are_refused(make, changes, message):
 
 
 def test_truncation_takes_the_same_modes_out_of_every_array():
-    K_omega, participation = np.arange(9.0).reshape(3, 3), np.arange(9.0).reshape(3, 3) + 10.0
-    short = three(K_omega=K_omega, participation=participation).truncated(1.0)  # a mode at the limit is kept
+    nine, participation = np.arange(9.0).reshape(3, 3), np.arange(9.0).reshape(3, 3) + 10.0
+    skew = np.array([[0.0, 1.0, 2.0], [-1.0, 0.0, 3.0], [-2.0, -3.0, 0.0]])
+    whole = three(
+        stiffness_by_speed=nine, damping=nine + 1.0, stiffness=nine + 2.0, gyroscopic=skew, participation=participation
+    )
+    short = whole.truncated(1.0)  # a mode at the limit is kept
     assert short.omega == short.rows[0] / 2.0 == [1.0]
-    assert (short.zeta, short.K_omega) == ([0.01], [[4.0]])
+    assert (short.zeta, short.stiffness_by_speed) == ([0.01], [[4.0]])
+    assert (short.damping, short.stiffness, short.gyroscopic) == ([[5.0]], [[6.0]], [[0.0]])
+    np.testing.assert_array_equal(whole.truncated(5.0).gyroscopic, skew[:2, :2])
     assert short.participation[:, 0].tolist() == [11.0, 14.0, 17.0]
     expected = np.eye(2) + np.diag([1.0, 0.0]) / 25.0 + np.array([[9.0, 18.0], [18.0, 36.0]]) / 81.0
     np.testing.assert_allclose(short.S, expected, rtol=1e-15)
@@ -170,6 +182,31 @@ def test_roundness_and_radius_are_those_of_the_line_asked_for():
     assert two_lines().line_radius(1) == 0.4
     with pytest.raises(ct.InputError, match="out_of_roundness: found a basis without it"):
         two_lines().roundness()
+
+
+def test_whirl_of_a_disk_from_the_matrices_of_its_body():
+    """Foucault's pendulum: two modes of w that turn at W have the frequencies w +- W in the turning frame."""
+    w, W, G = 5.0, 0.7, np.array([[0.0, -2.0], [2.0, 0.0]])
+    body = ct.ModalBody(
+        omega=[w, w], zeta=[0.01, 0.01], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)), gyroscopic=G,
+        stiffness_by_speed=-np.eye(2), spin=0.0, damping=np.zeros((2, 2)), stiffness=np.zeros((2, 2)),
+    )  # fmt: skip
+    C, K = body.matrices(W)
+    np.testing.assert_allclose(C, 0.1 * np.eye(2) + W * G, rtol=1e-15)
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -(C - 0.1 * np.eye(2))]])
+    np.testing.assert_allclose(np.sort(np.linalg.eigvals(A).imag), [-w - W, -w + W, w - W, w + W], rtol=1e-12)
+    C, K = replace(body, spin=W, damping=[[1.0, 2.0], [3.0, 4.0]], stiffness=[[0.0, 6.0], [-6.0, 0.0]]).matrices(W)
+    np.testing.assert_allclose(C, [[1.1, 2.0 - 2.0 * W], [3.0 + 2.0 * W, 4.1]], rtol=1e-15)
+    assert K.tolist() == [[25.0, 6.0], [-6.0, 25.0]]  # the modes are those of this speed
+
+
+def test_basis_of_an_earlier_version_is_refused_with_the_remedy(tmp_path):
+    three().save(tmp_path / "body.npz")
+    with np.load(tmp_path / "body.npz") as stored:
+        np.savez(tmp_path / "old.npz", **stored, K_omega=np.eye(3))
+    for load in (ct.ModalBody.load, cf.ModalBasis.load):
+        with pytest.raises(ValueError, match=r"old\.npz: found the array 'K_omega' .*: reduce the structure again"):
+            load(tmp_path / "old.npz")
 
 
 def test_detuning_is_drawn_by_the_seed_and_linear_in_the_scatter():
@@ -189,7 +226,8 @@ def test_retuning_goes_by_the_lowest_elastic_mode_and_to_a_positive_frequency():
 
 def test_single_numbers_and_every_array_come_back_from_the_file(tmp_path):
     wheel = three(
-        channels=("sector0.span", "sector1.span"), sectors=2, spin=7.5, K_omega=2.0 * np.eye(3),
+        channels=("sector0.span", "sector1.span"), sectors=2, spin=7.5, stiffness_by_speed=2.0 * np.eye(3),
+        gyroscopic=np.zeros((3, 3)), damping=3.0 * np.eye(3), stiffness=np.arange(9.0).reshape(3, 3),
         participation=np.arange(9.0).reshape(3, 3), recovery=np.ones((4, 3)), recovery_points=np.ones((4, 3)),
         recovery_cells=[[0, 1, 2, 3]],
     )  # fmt: skip

@@ -426,17 +426,17 @@ def test_a_table_profile_is_smooth_and_stays_between_its_points():
 @pytest.mark.slow
 @pytest.mark.parametrize("at_hz", [0.0, 60.0])
 def test_a_turning_blade_is_stiffer(at_hz):
-    """Free modes of diag(omega^2) + (Omega^2 - at^2) K_omega, coupled ones too."""
-    K_omega = np.array([[1.7, 0.4, 0.0], [0.4, 6.0, 0.2], [0.0, 0.2, 9.0]])
+    """Free modes of diag(omega^2) + (Omega^2 - at^2) stiffness_by_speed, coupled ones too."""
+    added = np.array([[1.7, 0.4, 0.0], [0.4, 6.0, 0.2], [0.0, 0.2, 9.0]])
     rub = ct.Rub(
         rim3(), [nodes(1)], tips(1, axial=False), clearance=0.03, speed=ct.Speed.constant(80.0),
-        stiffening=[ct.gaps.Stiffening(K_omega=K_omega, at_hz=at_hz)], blade_starts=[ct.gaps.Start(velocity=[1.0,
-        0.0, 0.0])],
+        stiffening=[ct.gaps.Stiffening(stiffness_by_speed=added, at_hz=at_hz)],
+        blade_starts=[ct.gaps.Start(velocity=[1.0, 0.0, 0.0])],
     )  # fmt: skip
     errors = []
     for h in (1e-5, 5e-6):
         result = ct.run(rub, t_end=0.02, dt=h, record=ct.Record(every=100, state_every=100))
-        omega2, V = np.linalg.eigh(np.diag(rub.blades[0].omega ** 2) + 4.0 * np.pi**2 * (80.0**2 - at_hz**2) * K_omega)
+        omega2, V = np.linalg.eigh(np.diag(rub.blades[0].omega ** 2) + 4.0 * np.pi**2 * (80.0**2 - at_hz**2) * added)
         omega, t = np.sqrt(omega2), result.state_time
         exact = (np.sin(np.outer(t, omega)) / omega * V[0]) @ V.T
         undamped = np.abs(result.state_of("blade")[:, 0] - exact[:, 0]).max() / np.abs(exact[:, 0]).max()
@@ -499,7 +499,10 @@ def test_bad_rubs_are_refused():
         ({"tips": [*tips(1), *tips(1, axial=False)]}, "expected all or none"),
         ({"casing": ring(), "tips": tips(1)}, "without axial channels"),
         ({"clearance": 0.05}, "at most a tenth"),
-        ({"stiffening": [ct.gaps.Stiffening(K_omega=np.eye(2))]}, r"K_omega: found shape \(2, 2\), expected \(3, 3\)"),
+        (
+            {"stiffening": [ct.gaps.Stiffening(stiffness_by_speed=np.eye(2))]},
+            r"stiffness_by_speed: found shape \(2, 2\), expected \(3, 3\)",
+        ),
         ({"blade_starts": [ct.gaps.Start(velocity=[1.0])]}, r"blade.velocity: found shape \(1,\), expected \(3,\)"),
         ({"thickness": 0.0}, "thickness: found 0.0"),
         ({"casing": nodes(2)}, "casing: found a basis of kind 'point', expected 'rim'"),
@@ -510,21 +513,21 @@ def test_bad_rubs_are_refused():
             "blade_starts: found 2, expected one for each blade or none",
         ),
         (
-            {"stiffening": [ct.gaps.Stiffening(blade=0.5, K_omega=np.eye(3))]},
+            {"stiffening": [ct.gaps.Stiffening(blade=0.5, stiffness_by_speed=np.eye(3))]},
             r"stiffening: found blade 0\.5, expected 0 \.\. 0$",
         ),
         (
-            {"stiffening": [ct.gaps.Stiffening(blade=1, K_omega=np.eye(3))]},
+            {"stiffening": [ct.gaps.Stiffening(blade=1, stiffness_by_speed=np.eye(3))]},
             r"stiffening: found blade 1, expected 0 \.\. 0$",
         ),
         (
-            {"blades": [nodes(2)] * 2, "stiffening": [ct.gaps.Stiffening(blade=-1, K_omega=np.eye(3))]},
+            {"blades": [nodes(2)] * 2, "stiffening": [ct.gaps.Stiffening(blade=-1, stiffness_by_speed=np.eye(3))]},
             r"stiffening: found blade -1, expected 0 \.\. 1$",
         ),
     ):
         with pytest.raises(ct.InputError, match=match):
             rub(**bad)
-    every = [ct.gaps.Stiffening(blade=b, K_omega=np.eye(3)) for b in (0, 1)]
+    every = [ct.gaps.Stiffening(blade=b, stiffness_by_speed=np.eye(3)) for b in (0, 1)]
     taken = rub(blades=[nodes(2)] * 2, blade_starts=[ct.gaps.Start()] * 2, stiffening=every)
     assert [stiff.blade for stiff in taken.stiffening] == [0, 1]
     assert len(rub(blades=[nodes(2)] * 2).blade_starts) == 2
@@ -687,9 +690,9 @@ def test_each_blade_stiffens_by_its_own_matrix_and_the_speed_of_its_own_basis():
     rub = ct.Rub(
         rim3(), [nodes(1)] * 3, tips(1), clearance=1e-3,
         stiffening=[
-            ct.gaps.Stiffening(blade=2, K_omega=last, at_hz=50.0),
-            ct.gaps.Stiffening(blade=0, K_omega=first, at_hz=20.0),
-            ct.gaps.Stiffening(blade=0, K_omega=last, at_hz=30.0),
+            ct.gaps.Stiffening(blade=2, stiffness_by_speed=last, at_hz=50.0),
+            ct.gaps.Stiffening(blade=0, stiffness_by_speed=first, at_hz=20.0),
+            ct.gaps.Stiffening(blade=0, stiffness_by_speed=last, at_hz=30.0),
         ],
     )  # fmt: skip
     state = at_start(rub).state

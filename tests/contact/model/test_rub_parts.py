@@ -48,13 +48,15 @@ def test_tips_that_cannot_be_are_refused(name, value):
 
 
 def test_a_blade_stiffens_from_the_speed_of_its_own_basis():
-    body = replace(blade(), K_omega=np.array([[1.5, 0.4], [0.4, 2.5]]), spin=6.0 * math.pi)
+    body = replace(blade(), stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), spin=6.0 * math.pi)
     found = Stiffening.of(body, 2)
     assert (found.blade, found.at_hz) == (2, pytest.approx(3.0, rel=1e-14))
-    assert found.K_omega.tolist() == [[1.5, 0.4], [0.4, 2.5]]
+    assert found.stiffness_by_speed.tolist() == [[1.5, 0.4], [0.4, 2.5]]
     assert Stiffening.of(body).blade == 0
-    assert (Stiffening().blade, Stiffening().at_hz, Stiffening().K_omega.shape) == (0, 0.0, (0, 0))
-    with pytest.raises(ct.InputError, match=r"blades\[2\]: found a basis without K_omega, expected one of a rotating"):
+    assert (Stiffening().blade, Stiffening().at_hz, Stiffening().stiffness_by_speed.shape) == (0, 0.0, (0, 0))
+    with pytest.raises(
+        ct.InputError, match=r"blades\[2\]: found a basis without stiffness_by_speed, expected one of a rotating"
+    ):
         Stiffening.of(blade(), 2)
     with pytest.raises(ct.InputError, match="at_hz: found nan"):
         Stiffening(at_hz=math.nan)
@@ -231,7 +233,7 @@ def test_force_per_mass_in_the_plane_of_casing_and_blades():
 
 def test_a_rub_at_rest_under_what_pulls_at_the_start():
     whirl = ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=2e-3, per_rev=0.3, phase_deg=20.0), "blades")
-    stiff = Stiffening(blade=0, K_omega=np.array([[1.5, 0.4], [0.4, 2.5]]), at_hz=3.0)
+    stiff = Stiffening(blade=0, stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), at_hz=3.0)
     scene = pulled(ct.gaps.BodyForce.gravity(axial=0.5), whirl, stiffening=[stiff],
                    speed=ct.Speed(time=[-1.0, 1.0], hz=[4.0, 8.0]))  # fmt: skip
     omega, slope = 12.0 * math.pi, 4.0 * math.pi
@@ -243,7 +245,7 @@ def test_a_rub_at_rest_under_what_pulls_at_the_start():
     load = load + 0.5 * np.concatenate([CASING_PART[2], PART[2]])
     rest = settled(scene)
     np.testing.assert_allclose(rest.casing_start.displacement, load[:10] / ring().omega ** 2, rtol=1e-12)
-    K = np.diag(blade().omega ** 2) + (omega**2 - (6.0 * math.pi) ** 2) * stiff.K_omega
+    K = np.diag(blade().omega ** 2) + (omega**2 - (6.0 * math.pi) ** 2) * stiff.stiffness_by_speed
     np.testing.assert_allclose(rest.blade_starts[0].displacement, np.linalg.solve(K, load[10:]), rtol=1e-12)
     still = settled(rub(casing_start=ct.gaps.Start(velocity=np.ones(10))))
     assert not still.casing_start.displacement.any()
@@ -252,7 +254,7 @@ def test_a_rub_at_rest_under_what_pulls_at_the_start():
 
 def test_each_blade_settles_by_its_own_stiffening():
     two = [replace(blade(), participation=PART)] * 2
-    stiff = Stiffening(blade=1, K_omega=1e4 * np.eye(2))
+    stiff = Stiffening(blade=1, stiffness_by_speed=1e4 * np.eye(2))
     scene = rub(casing=replace(ring(), participation=CASING_PART), blades=two, stiffening=[stiff],
                 tips=[ContactPoint(blade=0), ContactPoint(blade=1)], forces=[ct.gaps.BodyForce(acceleration=1.0)],
                 speed=ct.Speed.constant(5.0))  # fmt: skip

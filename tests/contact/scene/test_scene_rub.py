@@ -164,7 +164,7 @@ def test_nodes_of_a_wheel_are_those_of_one_sector(write, tmp_path):
         ("hz = [3.0, 5.0]", "hz = [3.0, 5.0, 6.0]", "3 hz and 2 time found"),
         ("time = [0.0, 0.1]", "time = [0.1, 0.1]", "speed: found 0.1 after 0.1, expected ascending values"),
         ('axial = "node1.chord"', "", "expected all or none"),
-        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without K_omega"),
+        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "found a basis without stiffness_by_speed"),
         ('basis = "casing.npz"', 'basis = "none.npz"', "found no such file"),
         ("amplitude = 1e-6", 'amplitude = 1e-6\nshakes = "casing"', "casing: found a basis without participation"),
         ("amplitude = 1e-6", 'amplitude = 1e-6\nshakes = "rotor"', "whirl[1].shakes: found 'rotor'"),

@@ -126,7 +126,7 @@ def test_speed_stiffens_the_modes_of_each_blade_by_its_own_basis():
     rub = scene()
     system, _ = arrays(rub, 1)
     assert [part.shape for part in made._stiffening(rub, system)] == [(0, 0), (0, 0)]
-    rub = replace(rub, stiffening=(Stiffening(blade=1, K_omega=K, at_hz=hz),))
+    rub = replace(rub, stiffening=(Stiffening(blade=1, stiffness_by_speed=K, at_hz=hz),))
     plain, squared = made._stiffening(rub, system)
     exact = np.zeros((6, 6))
     exact[3:, 3:] = K

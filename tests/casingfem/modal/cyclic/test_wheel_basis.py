@@ -47,7 +47,7 @@ def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
     np.testing.assert_array_equal(equal.omega, tuned.omega)
     assert (tuned.provenance["sectors"], tuned.provenance["mistuning"]) == (4, None)
     assert equal.provenance["mistuning"] == [0.0] * 4
-    assert (tuned.kind, tuned.sectors, tuned.spin, tuned.K_omega.shape) == ("point", 4, 0.0, (0, 0))
+    assert (tuned.kind, tuned.sectors, tuned.spin, tuned.stiffness_by_speed.shape) == ("point", 4, 0.0, (0, 0))
     one = cyclic_reduce(quarter, at, modes=1, deviations=[0.1, 0.0, 0.0, 0.0])
     assert one.provenance["mistuning"] == [0.1, 0.0, 0.0, 0.0]
     rise = one.omega / np.sort(tuned.omega)  # of a stiffer sector, 1.1 in its own frequency

@@ -334,7 +334,7 @@ def test_a_scene_of_blades_is_read_and_what_is_not_taken_is_named(tmp_path):
     assert family.at(22.0)[1] == pytest.approx(1.0 / 22.0)  # whirl passes once a turn
     for old, new, words in (
         ("amplitude = 2e-6", "amplitude = 2e-6\nhz = 3.0", "whirl: found one, .* long runs"),
-        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "K_omega"),
+        ("lean_deg = 10.0", "lean_deg = 10.0\nstiffening = true", "stiffness_by_speed"),
         ("[speed]", "[closing]\nby = 1e-5\n[speed]", "closing: unknown key"),
     ):
         file.write_text(BLADES.replace(old, new))
