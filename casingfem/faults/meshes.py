@@ -37,6 +37,11 @@ MESHES = {
         "a mass, spring or connection of a mesh cannot be put on its nodes, or not in this analysis",
         "change it in the model and export again; docs/structures.md says what each can be",
     ),
+    "mesh-branch": (
+        "three or more walls of a shell meet on an edge",
+        "shells that branch are not supported: delete cells that were meshed twice, compute each wall alone, "
+        "or mesh the part as a solid",
+    ),
     "mesh-coarse": (
         "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
         "ask for more elements or a higher order, for fewer modes, or leave [mesh] out",
@@ -150,8 +155,8 @@ MESHES = {
     ),
     "mesh-orphan-nodes": ("nodes belong to no cell", "they are left out; see that no cell is missing"),
     "mesh-overlap": (
-        "more than two cells share a facet: cells lie over each other, or shells meet in a T",
-        "delete duplicate cells; shells that branch are not supported, mesh them as solids",
+        "cells lie over each other: two have the same nodes, or more than two share a facet",
+        "delete duplicate cells",
     ),
     "mesh-parts": (
         "the mesh falls into parts that do not touch",

@@ -167,14 +167,16 @@ def parts(mesh: MeshData) -> list[Finding]:
 
 
 def overlaps(mesh: MeshData) -> list[Finding]:
-    """Cells given twice, and facets (edges of shells) that more than two cells share."""
+    """Cells given twice, and facets that more than two cells share; at edges of shells, walls branch there."""
     _, first = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True)
     copies = ~np.isin(np.arange(len(mesh.cells)), first)
     found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
-    over = (mesh.sharing > 2).any(axis=1)
-    what = "an edge" if mesh.cell_kind.dim == 2 else "a facet"
-    others = f"share {what} with two or more others"
-    return found or where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} {others}")
+    shared = mesh.sharing > 2
+    over = shared.any(axis=1)
+    what, code = ("an edge", "mesh-branch") if mesh.cell_kind.dim == 2 else ("a facet", "mesh-overlap")
+    at = nodes_named(mesh, np.unique(mesh.facets[shared]))
+    others = f"share {what} with two or more others, at {at}"
+    return found or where(code, over, lambda k: f"{cells_named(mesh, k)} {others}")
 
 
 def hanging(mesh: MeshData) -> list[Finding]:
@@ -200,12 +202,15 @@ def split_facets(mesh: MeshData) -> list[Finding]:
 
 
 def normals(mesh: MeshData) -> list[Finding]:
-    """Shell cells whose normal points against a neighbour's: both run along their edge the same way."""
+    """Shell cells whose normal points against a neighbour's: both run along their edge the same way.
+
+    Where three or more cells share an edge, no normals agree in pairs: such edges are no fault.
+    """
     if mesh.kind not in SHELLS:
         return []
     ends = mesh.facets.reshape(-1, 2)
     _, inverse, counts = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    twice = (counts[inverse.ravel()] > 1) & (ends[:, 0] != ends[:, 1])
+    twice = (counts[inverse.ravel()] > 1) & (mesh.sharing.ravel() == 2)
     bad = twice.reshape(len(mesh.cells), -1).any(axis=1)
     return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with the normal against a neighbour's")
 
