@@ -2,6 +2,7 @@
 
 import click
 
+from casingfem.cli.compile import compile_loops
 from casingfem.cli.contact import contact, cycles, interactions, rub, stability
 from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
@@ -32,6 +33,6 @@ READING = (
     modes, campbell, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact, rub,
     stability, interactions, cycles, sweep, schema, explain, doctor,
 )  # fmt: skip
-WRITING = (reduce, report, new, example, watch, recover)
+WRITING = (reduce, report, new, example, watch, recover, compile_loops)
 for command in (*READING, *WRITING):
     main.add_command(command)

@@ -1,0 +1,167 @@
+"""Make the machine code of all step loops ahead of use: one tiny run of each kind, several at a time.
+
+A loop is compiled once for the types of its arguments, which depend on the kind of the run and not on its size: a run
+of a few steps of the smallest bodies leaves on disk what every later run of its kind reads.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import as_completed
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from contact.base.errors import InputError
+from contact.growth.cycles.driven import DrivenBody
+from contact.growth.cycles.shooting import orbit
+from contact.growth.split_casing import floquet_growth
+from contact.io.names import hint
+from contact.io.workers import worker_pool
+from contact.model.bodies.beam import BeamInCircle, HingedBeam
+from contact.model.bodies.body import Rod, Wall
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.patch import Patch
+from contact.model.gaps.bladed_disk import pair_rim
+from contact.model.gaps.gap import PointGap, RotatingRim, Side
+from contact.model.gaps.permanent import ModalPair
+from contact.model.gaps.rub import ContactPoint, Rub
+from contact.model.gaps.rub_laws import Speed
+from contact.model.law import Abradable, Coulomb, Law, Unilateral
+from contact.run import Scene, run
+from contact.run_many import run_many
+from contact.scheme.linear.alpha import Newmark, StabilisedNewmark
+from contact.scheme.linear.leapfrog import CentralDifference, MasslessBoundary
+from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
+from contact.scheme.modal.exact_modal import ExactModal
+from contact.scheme.protocol import Scheme
+
+COATING = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3, mu=0.1)
+FEW = 4  # steps of a tiny run
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Made:
+    """A kind of run whose loops are on disk now, the seconds that took, and the share of all kinds that is done."""
+
+    kind: str
+    seconds: float
+    done: float
+
+
+def _rods(scheme: Scheme, law: Law | None = None) -> None:
+    rod = Rod(length=1.0, area=1e-4, E=2e11, rho=7800.0, elements=4, x=1.0)
+    run([rod, Wall()], scheme=scheme, law=law, dt=1e-6, t_end=FEW * 1e-6)
+
+
+def _body(*omega: float, channels: tuple[str, ...], S: float = 0.0, zeta: float = 0.0) -> ModalBody:
+    m, K = len(omega), len(channels)
+    return ModalBody(
+        omega=np.array(omega), zeta=np.full(m, zeta), channels=channels, rows=np.eye(K, m), S=S * np.eye(K)
+    )  # fmt: skip
+
+
+def _point(scheme: Scheme) -> None:
+    mass = _body(10.0, channels=("x",), S=1e-3)
+    gap = PointGap(sides=(Side(body=mass, channel="x", sign=1, velocity=np.array([-1.0])),), clearance=1e-9)
+    run(gap, scheme=scheme, dt=1e-3, t_end=FEW * 1e-3)
+
+
+def _bodies() -> tuple[ModalBody, ModalBody]:
+    casing = pair_rim(ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    return replace(casing, S=1e-7 * np.eye(len(casing.channels))), _body(900.0, channels=("flap", "span"))
+
+
+def _rim(law: Law) -> None:
+    rim = RotatingRim(*_bodies(), clearance=-1e-6, speed_hz=1.0, lean_deg=10.0)
+    run(rim, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
+
+
+def _rub(law: Law) -> None:
+    casing, blade = _bodies()
+    tips = (ContactPoint(), ContactPoint(angle_deg=90.0))
+    rub = Rub(casing, (blade,), tips, clearance=-1e-6, speed=Speed.constant(1.0))
+    run(rub, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
+
+
+def _batch() -> None:
+    rims = [RotatingRim(*_bodies(), clearance=-1e-6, speed_hz=hz, lean_deg=10.0) for hz in (1.0, 2.0)]
+    run_many([Scene(what=rim, law=Coulomb(mu=0.1), dt=1e-5, t_end=FEW * 1e-5, on_limit="flag") for rim in rims])
+
+
+def _patch(law: Law, S: float) -> None:
+    block = _body(1.0, 0.0, channels=("x", "y"), S=S)
+    tangent = (("x",),) if law.mu > 0.0 else ()
+    patch = Patch(body=block, normal=("y",), tangent=tangent, load=[0.0, -1.0], velocity=[0.0, -1e-3])
+    run(patch, law=law, dt=1e-3, t_end=FEW * 1e-3)
+
+
+def _beam(scheme: Scheme | None) -> None:
+    beam = HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, elements=4, torque=1.0)
+    run(BeamInCircle(beam, radius=0.502, offset=0.006), scheme=scheme, dt=1e-6, t_end=FEW * 1e-6)
+
+
+def _cycles() -> None:
+    mass = _body(1.0, channels=("x",), zeta=0.1)
+    patch = Patch(body=mass, normal=("x",), clearance=1.0)
+    body = DrivenBody(patch=patch, channel="x", amplitude=0.1, stiffness=10.0)
+    orbit(body.over("freq_hz", freq_hz=0.1), 0.1)
+
+
+def _floquet() -> None:
+    casing, blade = _bodies()
+    floquet_growth(RotatingRim(casing, blade, clearance=0.0, speed_hz=1.0), np.array([1.0]))
+
+
+KINDS: Mapping[str, Callable[[], None]] = {
+    "rub": partial(_rub, Coulomb(mu=0.1)),
+    "rub-coating": partial(_rub, COATING),
+    "rim": partial(_rim, Coulomb(mu=0.1)),
+    "rim-coating": partial(_rim, COATING),
+    "sweep": _batch,
+    "patch": partial(_patch, Unilateral(), 0.0),
+    "patch-springs": partial(_patch, Unilateral(), 1e-3),
+    "patch-friction": partial(_patch, Coulomb(mu=0.1), 0.0),
+    "point": partial(_point, ExactModal(law="averaged")),
+    "point-energy": partial(_point, ExactModal(law="energy")),
+    "beam": partial(_beam, None),
+    "beam-newmark": partial(_beam, Newmark()),
+    "cycles": _cycles,
+    "stability": _floquet,
+    "rods-forward-lagrange": partial(_rods, CentralDifference()),
+    "rods-massless-boundary": partial(_rods, MasslessBoundary()),
+    "rods-newmark": partial(_rods, Newmark()),
+    "rods-stabilised-newmark": partial(_rods, StabilisedNewmark()),
+    "rods-moreau-jean": partial(_rods, MoreauJean()),
+    "rods-nonsmooth-alpha": partial(_rods, NonsmoothAlpha()),
+    "rods-projected-alpha": partial(_rods, ProjectedAlpha()),
+}
+
+
+def compiled_ahead(kinds: tuple[str, ...] = tuple(KINDS), *, workers: int = 1) -> Iterator[Made]:
+    """Compile the loops of these kinds of run, `workers` at a time, and yield each kind as it is done.
+
+    What is on disk already is read. `ct.ahead.KINDS` names the kinds. Raises InputError for a kind that is not there.
+
+    >>> [made.kind for made in compiled_ahead(("rods-massless-boundary",))]
+    ['rods-massless-boundary']
+    """
+    for kind in kinds:
+        if kind not in KINDS:
+            raise InputError(f"kind: found {kind!r}, expected one of {', '.join(KINDS)}{hint(kind, KINDS)}")
+    if workers <= 1:
+        for i, kind in enumerate(kinds, 1):
+            yield Made(kind=kind, seconds=_seconds(kind), done=i / len(kinds))
+        return
+    with worker_pool(min(workers, len(kinds))) as pool:
+        waiting = {pool.submit(_seconds, kind): kind for kind in kinds}
+        for i, future in enumerate(as_completed(waiting), 1):
+            yield Made(kind=waiting[future], seconds=future.result(), done=i / len(kinds))
+
+
+def _seconds(kind: str) -> float:
+    started = time.perf_counter()
+    KINDS[kind]()
+    return time.perf_counter() - started
