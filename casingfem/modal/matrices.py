@@ -2,7 +2,7 @@
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, null_space, pinv
-from scipy.sparse import csc_array
+from scipy.sparse import bsr_array, csc_array
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
@@ -28,11 +28,15 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     """
     if isinstance(structure, Shell):
         system = assemble(structure)
-        straight = np.array_equal(system.frames, np.broadcast_to(np.eye(system.dofs), system.frames.shape))
+        parts = slice(0, 3), slice(3, system.dofs)
+        straight = all(np.all(system.frames[:, part, part] == np.eye(part.stop - part.start)) for part in parts)
         if system.own or system.change is not None or not straight:
             raise ModelError("matrix-size", "matrices: found rings, masses or an edge held in its own frame")
         numbers = np.arange(1, len(system.points) + 1)
-        return of_system(system.K, system.M, system.free, system.dofs, numbers, system.points)
+        nodes = np.arange(len(numbers) + 1)
+        back = bsr_array((np.linalg.inv(system.frames), nodes[:-1], nodes)).tocsc()[system.free][:, system.free]
+        K, M = (csc_array(back.T @ A @ back) for A in (system.K, system.M))
+        return of_system(K, M, system.free, system.dofs, numbers, system.points)
     require_structure(structure, "matrices")
     assembled = structure.assembled()
     mesh = structure.mesh

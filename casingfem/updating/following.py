@@ -9,7 +9,9 @@ doublets as planes, assigned all at once. A mode of which less than a third is f
 left where two modes meet and mix.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -22,7 +24,7 @@ from casingfem.linalg.assignment import assignment
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.cells.mapped import mapped_parts
-from casingfem.structure.shell.assembly import nodal_mass
+from casingfem.structure.shell.nodal_mass import nodal_mass
 
 LOST = 1.0 / 3.0
 
@@ -37,15 +39,16 @@ class LostModeError(ValueError):
 
 def overlaps(old: Modes | MeshModes, new: Modes | MeshModes) -> FloatArray:
     """(phi_i^T M phi_j)^2 of old and new modes over their norms, (old, new); of imported parts by displacements."""
+    weigh: Callable[[FloatArray], FloatArray]
     if isinstance(old, MeshModes):
         inertia = np.zeros((old.fields.shape[0], old.fields.shape[1]))
         inertia[:, :3] = nodal_inertia(old)[:, None]
-        inertia = inertia.reshape(-1, 1)
+        weigh = partial(np.multiply, inertia[:, :, None])
     else:
-        inertia = np.repeat(nodal_mass(old.shell, old.grid), (3, 2), axis=1).ravel()[:, None]
+        weigh = nodal_mass(old.shell, old.grid).times
     before, after = (modes.fields.reshape(-1, len(modes)) for modes in (old, new))
-    weighted = inertia * after
-    norms = np.sqrt(np.outer(np.sum(before**2 * inertia, axis=0), np.sum(after * weighted, axis=0)))
+    measured, weighted = (weigh(modes.fields).reshape(-1, len(modes)) for modes in (old, new))
+    norms = np.sqrt(np.outer(np.sum(before * measured, axis=0), np.sum(after * weighted, axis=0)))
     return np.asarray((before.T @ weighted / norms) ** 2)
 
 

@@ -11,9 +11,8 @@ U_x = a(z) cos(k x) cos(n t), U_t = b(z) sin(k x) sin(n t), U_r = c(z) sin(k x) 
 
 3-D elasticity takes Legendre polynomials for a, b and c. A first-order shear shell takes a = u + z w_x and
 b = v + z w_t. Its curved wall (`casingfem.structure.shell.wall`) takes c = w + z s1 + (z^2 - h^2/12) s2/2, these
-strains without the slopes of s1 and s2, 5/(6 - nu) of the shear stiffness, the volume r dz; of the inertia it keeps
-what is not coupled. Its linear wall takes c = w, plane stress, 5/6 of the shear stiffness, strains linear in z, the
-volume R dz.
+strains without the slopes of s1 and s2, 5/(6 - nu) of the shear stiffness, the volume r dz; s1 and s2 have no inertia.
+Its linear wall takes c = w, plane stress, 5/6 of the shear stiffness, strains linear in z, the volume R dz.
 """
 
 from pathlib import Path
@@ -84,9 +83,9 @@ def shear_shell(h: float, length: float, n: int, m: int, wall: str) -> float:
         volume = 0.5 * h * WEIGHTS
         C[:2, :2] = np.array([[1.0, NU], [NU, 1.0]]) / (1.0 - NU**2)
         C[3:, 3:] = shear * np.diag([1.0, 5.0 / 6.0, 5.0 / 6.0])
-    inertia = np.einsum("aiq,aiq,q->i", moved, moved, volume)
-    inertia[5:] = 0.0
-    return lowest_factor(strain, np.diag(inertia), C, volume)
+    M = np.einsum("aiq,ajq,q->ij", moved, moved, volume)
+    M[5:] = M[:, 5:] = 0.0
+    return lowest_factor(strain, M, C, volume)
 
 
 def _linear(values: FloatArray, z: FloatArray) -> FloatArray:

@@ -138,8 +138,8 @@ def precession_rows() -> list[Row]:
     radius, height, thickness, omega = 0.5, 0.6, 0.05, 20.0
     k = 1.5 * omega**2
     found = whirl_modes(drum(radius, height, thickness, omega, k), 8)
-    about_axis = radius**2 + thickness**2 / 12.0
-    across = radius**2 / 2.0 + height**2 / 12.0 + thickness**2 / 24.0
+    about_axis = radius**2 + thickness**2 / 4.0
+    across = about_axis / 2.0 + height**2 / 12.0
     ratio, tilt = about_axis / across, k * (radius**2 / 2.0 + height**2 / 4.0) / across
     p, q = 0.5 * (2.0 - ratio) * omega, (ratio - 1.0) * omega**2 + tilt
     rows = []

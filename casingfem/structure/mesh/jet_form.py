@@ -84,12 +84,34 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
 
 def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
     """Express the rows and columns of the element matrices in the nodal frames, in place."""
-    turned = np.any(frames != np.eye(DOFS), axis=(1, 2))
+    shift = np.zeros_like(frames)
+    shift[:, :3, 3:] = frames[:, :3, 3:]
+    plain = np.all(frames == np.eye(DOFS) + shift, axis=(1, 2))  # rotations that take displacements with them
+    if shift[plain].any():
+        shift_elements(matrices, np.where(plain[:, None, None], shift, 0.0)[grid.elements])
+    frames, turned = np.where(plain[:, None, None], np.eye(DOFS), frames), ~plain
     for e in np.flatnonzero(turned[grid.elements].any(axis=1)):  # only elements on edges with a frame
         R = frames[grid.elements[e]]
         K = matrices[e].reshape(len(R), DOFS, len(R), DOFS)
         K = np.einsum("nji,njmd,mdk->nimk", R, K, R, optimize=True)
         matrices[e] = K.reshape(matrices[e].shape)
+
+
+def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
+    """Express element matrices in rotations that take displacements with them, in place.
+
+    `shift` (elements, functions, 5, 5) holds what a node's rotation adds to its displacements. R^T K R one dof at a
+    time: blocks of five are too small for products of matrices.
+    """
+    for K, node in zip(matrices, shift, strict=True):
+        columns = K.reshape(len(K), len(node), DOFS)
+        rows = K.reshape(len(node), DOFS, len(K))
+        for w in range(3, DOFS):
+            for u in range(3):
+                columns[:, :, w] += columns[:, :, u] * node[:, u, w]
+        for w in range(3, DOFS):
+            for u in range(3):
+                rows[:, w] += rows[:, u] * node[:, u, w, None]
 
 
 def element_sum(

@@ -1,13 +1,13 @@
 """Shell -> stiffness and mass matrices.
 
-    a(U, V) = int E(U) : D : E(V) J,  m(U, V) = int [m0 u.v + m2 w.w] J
+    a(U, V) = int E(U) : D : E(V) J,  m(U, V) = int [m0 u.v + m1 (u.y + v.w) + m2 w.y] J,  U = (u, w), V = (v, y)
 
-E are the eight strains eps, chi, gamma (`mesh.kinematics`); the section stiffness D and the inertia m0, m2 are those of
-the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on gamma, rho t and rho t^3/12.
+E are the eight strains eps, chi, gamma (`mesh.kinematics`); the section stiffness D and the inertia m0, m1, m2 are
+those of the wall (`wall`): on a flat one t C on eps, t^3/12 C on chi, k G t on gamma, rho t, 0 and rho t^3/12.
 
 Element stiffness is a form on the jets of (u, w) at the quadrature points (`mesh.jet_form`). The mass uses the Lobatto
-rule whose points are the nodes, so M is diagonal. Dofs of a node held in the frame of an edge are rotated in the
-element matrices, and held dofs are left out.
+rule whose points are the nodes: M is a block for each node, and diagonal in dofs that `nodal_mass.diagonal_frames`
+names. Element matrices are turned into these dofs, and into the frames of edges that hold some; held dofs are left out.
 """
 
 from dataclasses import replace
@@ -22,16 +22,16 @@ from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
-from casingfem.structure.mesh.element import ElementQuadLobatto, lobatto
 from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.nodal_mass import diagonal_frames, nodal_mass
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.prestress import Spin, spin_matrices
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
-from casingfem.structure.shell.wall import constitutive, curvature, inertia
+from casingfem.structure.shell.wall import constitutive, curvature
 
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
@@ -41,29 +41,6 @@ def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * grid.measure)
     strains = np.ascontiguousarray(L.transpose(3, 4, 1, 0, 2)).reshape(*L.shape[3:], STRAINS, JET)
     return jet_elements(grid, strains.swapaxes(-1, -2) @ (np.moveaxis(D, (0, 1), (-2, -1)) @ strains))
-
-
-def nodal_mass(shell: ShellParts, grid: Grid) -> Array:
-    """Lobatto mass at the nodes: (nodes, 2) for displacements and rotations [kg, kg m^2].
-
-    Each element adds its own side of a node, so that M stays diagonal where thickness or density jump.
-    """
-    a, b = grid.nodes[:, grid.elements]
-    geometry = shell.geometry(a, b, grid.middle)
-    return nodal_sums(grid, np.moveaxis(inertia(shell, geometry) * frame(geometry.surface).jacobian, 0, -1))
-
-
-def nodal_sums(grid: Grid, density: Array) -> Array:
-    """Integrate a density per parameter area, given at each element's nodes (elements, functions, k), to the nodes.
-
-    The Lobatto rule: (nodes, k), and their sum is the integral.
-    """
-    _, w = lobatto(grid.mesh.order)
-    i, j = ElementQuadLobatto(grid.mesh.order).pairs.T
-    area = (grid.size[0] * grid.size[1])[:, None] * (w[i] * w[j])
-    sums = np.zeros((grid.nodes.shape[1], density.shape[-1]), dtype=np.result_type(density, area))
-    np.add.at(sums, grid.elements, density * area[:, :, None])
-    return sums
 
 
 def edge_rotation(shell: ShellParts, parameters: FloatArray, along: int) -> Array:
@@ -183,7 +160,8 @@ def assemble(shell: Shell) -> System:
     """
     grid = make_grid(shell.chart, shell.mesh, shell.stations)
     free, frames = held_dofs(shell, grid)
-    mass = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).ravel()[free]
+    frames, diagonal = diagonal_frames(nodal_mass(shell, grid), frames, free)
+    mass = diagonal.ravel()[free]
     forms = edge_forms(shell, grid)
     free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
     K: Symmetric = element_sum(element_matrices(shell, grid), grid, frames, free, forms.stiffness)

@@ -19,6 +19,7 @@ from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell.assembly import edge_rotation
 from casingfem.structure.shell.edges import harmonic_forms
+from casingfem.structure.shell.nodal_mass import NodalMass
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import constitutive, curvature, inertia
 
@@ -135,17 +136,22 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     z = lines[:-1, None] + size[:, None] * points
     geometry = shell.geometry(z, np.zeros_like(z), middle)
     density = inertia(shell, geometry) * (frame(geometry.surface).jacobian * size[:, None] * weights)
-    mass = np.zeros((nodes, 2))
-    np.add.at(mass, at, np.moveaxis(density, 0, -1))
-    return supported(shell, n, wall, np.append(z[:, :-1].ravel(), lines[-1]), np.repeat(mass, (3, 2), axis=1))
+    moments = np.zeros((nodes, 3))
+    np.add.at(moments, at, np.moveaxis(density, 0, -1))
+    z = np.append(z[:, :-1].ravel(), lines[-1])
+    basis = frame(shell.geometry(z, np.zeros_like(z)).surface)  # hoop tangents are in quadrature as hoop motions are
+    mass = NodalMass(moments, np.stack([basis.e1, basis.e2], axis=-1).transpose(1, 0, 2))
+    return supported(shell, n, wall, z, mass.blocks)
 
 
-def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, inertia: FloatArray) -> Meridian:
+def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, blocks: FloatArray) -> Meridian:
     """Add springs, turn edges into their frames, and leave out what is held."""
     turn = np.tile(np.eye(3), (len(z), 1, 1))
     held = np.zeros((len(z), DOFS), dtype=bool)
-    own, last = len(shell.rings), inertia.size
-    edges, M = np.zeros((last + own, last + own)), np.diag(np.append(inertia.ravel(), np.zeros(own)))
+    own, last = len(shell.rings), len(z) * DOFS
+    edges, M = np.zeros((2, last + own, last + own))
+    for node, block in enumerate(blocks):
+        M[node * DOFS : (node + 1) * DOFS, node * DOFS : (node + 1) * DOFS] = block
     for name in (*shell.supports, *shell.stations):
         node = int(np.abs(z - np.real(shell.line_at(name))).argmin())
         stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
@@ -166,10 +172,11 @@ def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, inertia: FloatArr
     for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
         part = slice(turned * DOFS, turned * DOFS + 3)
         # across and normal lie in the meridian plane, along is the hoop direction: K stays real
-        K[part] = turn[turned].T @ K[part]
-        K[:, part] = K[:, part] @ turn[turned]
+        for matrix in (K, M):
+            matrix[part] = turn[turned].T @ matrix[part]
+            matrix[:, part] = matrix[:, part] @ turn[turned]
     free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
     mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
-    # it differs from the identity at a few nodes alone: two dense products took as long as all else here
+    # it is sparse, a block for each node: two dense products took as long as all else here
     K = np.ascontiguousarray(change.T @ K[np.ix_(free, free)] @ change)
     return Meridian(n, wall, edges, K=K, mass=mass, free=free, z=z, turn=turn, change=change.toarray(), own=own)

@@ -14,8 +14,9 @@ from casingfem.io.arrays import Array
 from casingfem.structure.mesh.jet_form import JET, point_jets
 from casingfem.structure.mesh.kinematics import STRAINS, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
-from casingfem.structure.shell.assembly import admitted, nodal_mass
+from casingfem.structure.shell.assembly import admitted
 from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.wall import constitutive, curvature
 
@@ -74,8 +75,7 @@ def modal_products(shell: ShellParts, at: PointFields) -> ModalProducts:
     modes = at.fields.shape[2]
     K = at.strain.reshape(-1, modes).T @ stress.reshape(-1, modes)
     flat = at.fields.reshape(-1, modes)
-    inertia = np.repeat(nodal_mass(shell, at.grid), (3, 2), axis=1).ravel()
-    M = flat.T @ (inertia[:, None] * flat)
+    M = nodal_mass(shell, at.grid).product(at.fields)
     forms, motions = edge_forms(shell, at.grid), np.vstack([flat, at.own])
     K = sum((form.product(motions) for form in forms.stiffness), start=K)
     return ModalProducts(K=K, M=sum((form.product(motions) for form in forms.mass), start=M))
@@ -106,9 +106,10 @@ def product_rates(shell: ShellParts, at: PointFields) -> ModalProducts:
     if np.iscomplexobj(moved.strain):
         cross = moved.strain.imag.reshape(-1, modes).T @ np.matmul(D.real, strain).reshape(-1, modes)
         K = K + cross + cross.T
-    inertia = np.repeat(nodal_mass(shell, moved.grid), (3, 2), axis=1).ravel()[:, None]
+    still = np.real(moved.fields)
+    momenta = nodal_mass(shell, moved.grid).times(still).imag
     # held directions that turn move the modes along themselves, where these have no motion: M does not see it
-    M = M + np.real(flat).T @ (inertia.imag * np.real(flat))
+    M = M + still.reshape(-1, modes).T @ momenta.reshape(-1, modes)
     return ModalProducts(K=K, M=M)
 
 

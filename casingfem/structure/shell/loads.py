@@ -14,8 +14,8 @@ from casingfem.io.arrays import FloatArray
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.place import interpolation
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.assembly import nodal_mass, nodal_sums
 from casingfem.structure.shell.edges import edge_forms
+from casingfem.structure.shell.nodal_mass import nodal_mass, nodal_sums
 from casingfem.structure.shell.shell import Shell
 from contact.io.names import hint
 
@@ -100,7 +100,8 @@ class Gravity:
         """Nodal forces, (nodes, 5)."""
         if edge_forms(shell, grid).mass:
             raise ModelError("load-ring", "gravity: found a ring or point masses on an edge")
-        return forces(grid, nodal_mass(shell, grid)[:, :1] * np.asarray(self.acceleration))
+        falling = np.append(self.acceleration, [0.0, 0.0])  # all nodes, without a rotation
+        return nodal_mass(shell, grid).times(np.tile(falling[:, None], (grid.nodes.shape[1], 1, 1)))[:, :, 0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -140,12 +140,12 @@ def layered_wall(plies: tuple[Ply, ...], own: Material, E: Array, nu: Array, t: 
 
 
 def layered_inertia(plies: tuple[Ply, ...], own: Material, rho: Array, t: Array) -> Array:
-    """Mass and rotary inertia per area, (2, ...); their moment about the middle, as of a curved wall, is left out."""
+    """Moments of the mass per area about the middle, sum rho int (1, z, z^2) dz, (3, ...)."""
     share = moments(faces(plies))
     density = [rho if ply.lamina is None else ply.lamina.rho * (rho / own.rho) for ply in plies]
     return np.stack([
-        sum(one * t * part for (one, _, _), part in zip(share, density, strict=True)),
-        sum(second * t**3 * part for (_, _, second), part in zip(share, density, strict=True)),
+        sum((x * t ** (k + 1) * part for x, part in zip(share[:, k], density, strict=True)), start=0.0 * t * rho)
+        for k in range(3)
     ])  # fmt: skip
 
 

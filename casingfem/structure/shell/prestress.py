@@ -7,10 +7,11 @@ length to second order), small motions v about the steady shape u0 = Omega^2 u1 
     v K_sigma v = int [N_ij D_i v.D_j v + 2 M_ij D_i v.D_j w - M_ij (e_i.D_j a3) w.w + 2 Q_i D_i v.w] J
     v K_u v = 2 int E(v) : C : E2(u1, v) J
     v K2 v = int E2(u1, v) : C : E2(u1, v) J
-    v S v = int rho [t |P v|^2 + t^3/12 ((a.a3)^2 |w|^2 - (a.w)^2)] J
-    v' G v = 2 int rho [t v'.(a x v) + t^3/12 w'.(a x w)] J
+    v S v = int [m0 |P v|^2 + 2 m1 P v.w + m2 ((a.a3)^2 |w|^2 - (a.w)^2) - m1 a3.P(x - c) |w|^2] J
+    v' G v = 2 int [m0 v'.(a x v) + m1 (v'.(a x w) + w'.(a x v)) + m2 w'.(a x w)] J
 
-N, M, Q: resultants of u1 = K^-1 f, f the centrifugal force rho t P(x - c) with its moment on the normal at 1 rad/s;
+N, M, Q: resultants of u1 = K^-1 f, f the centrifugal force m0 P(x - c) + m1 P a3 with its moment m1 P(x - c) + m2 P a3
+on the normal at 1 rad/s, m0, m1, m2 the moments of the wall's mass (`wall.inertia`);
 E the linear strains of the shell, E2 their bilinear part, the same form with E in place of N, M, Q; P the projection
 onto the plane of rotation, a the axis. K_sigma stiffens, S is the spin softening; K + Omega^2 K_u + Omega^4 K2 is the
 stiffness of the shape x + u0: of the order of the strain for casings and radial blades, more where the centrifugal
@@ -33,6 +34,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.nodal_mass import NodalMass
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
@@ -74,7 +76,7 @@ class Spin:
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 
 
-def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
+def spin_matrices(system: System, rotation: Rotation, mass: NodalMass) -> Spin:
     """K1, K2, G and the static state of a shell at rest, for rotation about an axis.
 
     Parameters
@@ -84,7 +86,7 @@ def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     rotation
         Axis; its speed is not used.
     mass
-        Lobatto mass of every node for displacements and rotations, (nodes, 2) (`assembly.nodal_mass`).
+        Lobatto mass of every node (`nodal_mass`).
 
     Raises
     ------
@@ -93,43 +95,51 @@ def spin_matrices(system: System, rotation: Rotation, mass: FloatArray) -> Spin:
     """
     shell, grid = system.shell, system.grid
     surface = shell.geometry(*grid.nodes).surface
-    basis = frame(surface)
-    tangents = np.stack([basis.e1, basis.e2], axis=-1).transpose(1, 0, 2)  # (nodes, 3, 2)
-    force = centrifugal(rotation, mass, surface.x.T, tangents, basis.normal.T)
+    normals = frame(surface).normal.T
+    away = (surface.x.T - np.asarray(rotation.centre)) @ rotation.plane
+    force = centrifugal(rotation, mass, away, normals)
     u = solve_held(system.stiffness, system.restrict(force[:, :, None])[:, 0])
     fields = system.expand(u[:, None])
-    blocks = softening(rotation, mass, tangents, basis.normal.T)
+    blocks = softening(rotation, mass, away, normals)
     at_points, nonlinear = point_stiffness(shell, grid, fields)
     first, second = (element_sum(jet_elements(grid, H), grid, system.frames, system.free).tocsc() for H in at_points)
     linear = csc_array(first - scatter_blocks(blocks, system.frames, system.free))
-    G = scatter_blocks(gyroscopic(rotation, mass, tangents), system.frames, system.free)
+    G = scatter_blocks(gyroscopic(rotation, mass), system.frames, system.free)
     return Spin(K1=linear, K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
 
 
-def centrifugal(rotation: Rotation, mass: FloatArray, x: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
-    """Nodal forces and moments at 1 rad/s, (nodes, 5)."""
-    P = rotation.plane
-    away = (x - np.asarray(rotation.centre)) @ P
-    return np.concatenate([mass[:, :1] * away, mass[:, 1:] * np.einsum("nik,ij,nj->nk", tangents, P, n)], axis=1)
+def centrifugal(rotation: Rotation, mass: NodalMass, away: FloatArray, n: FloatArray) -> FloatArray:
+    """Nodal forces and moments at 1 rad/s, (nodes, 5); `away` is P(x - c) and n the normals, (nodes, 3) each."""
+    m0, m1, m2 = (moment[:, None] for moment in mass.moments.T)
+    out = n @ rotation.plane
+    moment = np.einsum("nik,ni->nk", mass.tangents, m1 * away + m2 * out)
+    return np.concatenate([m0 * away + m1 * out, moment], axis=1)
 
 
-def softening(rotation: Rotation, mass: FloatArray, tangents: FloatArray, n: FloatArray) -> FloatArray:
+def softening(rotation: Rotation, mass: NodalMass, away: FloatArray, n: FloatArray) -> FloatArray:
     """Blocks of S at the nodes, (nodes, 5, 5)."""
-    a = rotation.direction
+    a, P, tangents = rotation.direction, rotation.plane, mass.tangents
+    m0, m1, m2 = (moment[:, None, None] for moment in mass.moments.T)
     along = np.einsum("nik,i->nk", tangents, a)
-    blocks = np.zeros((len(mass), DOFS, DOFS))
-    blocks[:, :3, :3] = mass[:, 0, None, None] * rotation.plane
+    blocks = np.zeros((len(n), DOFS, DOFS))
+    blocks[:, :3, :3] = m0 * P
+    blocks[:, :3, 3:] = m1 * np.matmul(P, tangents)
+    blocks[:, 3:, :3] = blocks[:, :3, 3:].swapaxes(1, 2)
     lean = ((n @ a) ** 2)[:, None, None] * np.eye(2) - along[:, :, None] * along[:, None, :]
-    blocks[:, 3:, 3:] = mass[:, 1, None, None] * lean
+    blocks[:, 3:, 3:] = m2 * lean - m1 * np.einsum("ni,ni->n", n, away)[:, None, None] * np.eye(2)
     return blocks
 
 
-def gyroscopic(rotation: Rotation, mass: FloatArray, tangents: FloatArray) -> FloatArray:
+def gyroscopic(rotation: Rotation, mass: NodalMass) -> FloatArray:
     """Blocks of G at the nodes, (nodes, 5, 5)."""
     turn = np.cross(rotation.direction, np.eye(3)).T  # turn v = a x v
-    blocks = np.zeros((len(mass), DOFS, DOFS))
-    blocks[:, :3, :3] = 2.0 * mass[:, 0, None, None] * turn
-    blocks[:, 3:, 3:] = 2.0 * mass[:, 1, None, None] * np.einsum("nik,ij,njl->nkl", tangents, turn, tangents)
+    m0, m1, m2 = (moment[:, None, None] for moment in mass.moments.T)
+    across = np.matmul(turn, mass.tangents)
+    blocks = np.zeros((len(mass.moments), DOFS, DOFS))
+    blocks[:, :3, :3] = 2.0 * m0 * turn
+    blocks[:, :3, 3:] = 2.0 * m1 * across
+    blocks[:, 3:, :3] = -blocks[:, :3, 3:].swapaxes(1, 2)
+    blocks[:, 3:, 3:] = 2.0 * m2 * np.matmul(mass.tangents.swapaxes(1, 2), across)
     return blocks
 
 

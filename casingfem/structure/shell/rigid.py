@@ -11,8 +11,9 @@ from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import rigid_motions, skew, unfelt
 from casingfem.structure.mesh.kinematics import DOFS, frame
 from casingfem.structure.mesh.shell_mesh import Grid
-from casingfem.structure.shell.assembly import held_dofs, nodal_mass
+from casingfem.structure.shell.assembly import held_dofs
 from casingfem.structure.shell.edges import edge_forms, holding_forms, own_dofs
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.shell import Shell
 
 SHARE = 0.5  # of a mode's kinetic energy in rigid motions, from which it is one
@@ -85,7 +86,6 @@ def rigid_modes(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -
 def kinetic_products(shell: Shell, grid: Grid, fields: FloatArray, own: FloatArray) -> FloatArray:
     """Phi^T M Phi of nodal fields (nodes, 5, columns) and rings' turns (own, columns): rings and masses included."""
     flat = fields.reshape(-1, fields.shape[2])
-    inertia = np.repeat(nodal_mass(shell, grid), (3, 2), axis=1).reshape(-1, 1)
     motions = np.vstack([flat, own])
     forms = edge_forms(shell, grid).mass
-    return np.asarray(sum((form.product(motions) for form in forms), start=flat.T @ (inertia * flat)))
+    return np.asarray(sum((form.product(motions) for form in forms), start=nodal_mass(shell, grid).product(fields)))

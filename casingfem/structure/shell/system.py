@@ -31,7 +31,8 @@ class System:
     free
         Numbers of the free dofs among 5 * nodes and those that rings bring after them.
     frames
-        Rotation of the dofs at nodes held in an edge's frame, (nodes, 5, 5); identity elsewhere.
+        Motions of each node by its dofs, as columns, (nodes, 5, 5): turned at nodes held in an edge's frame; where the
+        wall's mass is off the mid-surface rotations take displacements with them (`nodal_mass.diagonal_frames`).
     change
         What makes M diagonal where rings or masses couple it: the free dofs are change @ those of the stiffness
         and `mass`, (free, free); None where nothing is coupled.
@@ -103,7 +104,7 @@ class System:
 
     def collect(self, fields: Array, own: Array) -> Array:
         """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
-        turned = np.einsum("nji,njk->nik", self.frames, fields).reshape(len(self.frames) * DOFS, -1)
+        turned = np.linalg.solve(self.frames, fields).reshape(len(self.frames) * DOFS, -1)
         motions = np.vstack([turned, own])[self.free]
         return np.asarray(motions if self.change is None else splu(self.change).solve(motions))
 

@@ -36,7 +36,7 @@ def test_pairs_split_by_their_gyroscopic_coupling(casing):
     """First order: omega -+ Omega |phi_c^T G phi_s|/2 about the pair at speed; forward waves are the lower ones."""
     found, pairs = cf.whirl_modes(casing, 6), cf.modes(casing, 6)
     system = assemble(replace(casing, rotation=None))
-    shapes = system.restrict(pairs.fields)
+    shapes = system.collect(pairs.fields, pairs.own)
     coupling = np.abs(shapes.T @ (spin(system, casing.rotation).G @ shapes)) * 200.0 / (2.0 * np.pi)
     assert found.sense[np.argsort(found.nodal_diameters, kind="stable")].tolist() == [1, -1] * 3
     for low, high in pairs.doublets[:3]:

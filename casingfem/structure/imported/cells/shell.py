@@ -57,7 +57,7 @@ class ShellCells:
         """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
         t, _, _, rho = self.walls()
         if self.plies:
-            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
+            return np.asarray(layered_inertia(self.plies, self.material, rho, t)[[0, 2]])
         return np.stack([rho * t, rho * t**3 / 12.0])
 
 

@@ -20,9 +20,10 @@ from casingfem.structure.geometry.chart import Cylinder, Panel
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import PointSprings, single_place
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble, nodal_mass
+from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import edge_forms, harmonic_ring, line_frame, support_stiffness
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import get_value, with_value
@@ -161,8 +162,8 @@ def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
     back = system.collect(system.expand(vectors), system.expand_own(vectors))
     np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
     motions = np.vstack([system.expand(vectors).reshape(-1, 2), system.expand_own(vectors)])
-    nodal = np.repeat(nodal_mass(system.shell, system.grid), (3, 2), axis=1).reshape(-1, 1)
-    kinetic = motions[: len(nodal)].T @ (nodal * motions[: len(nodal)])
+    nodal = nodal_mass(system.shell, system.grid)
+    kinetic = nodal.product(system.expand(vectors))
     kinetic = kinetic + sum(form.product(motions) for form in edge_forms(system.shell, system.grid).mass)
     np.testing.assert_allclose(vectors.T @ (system.mass[:, None] * vectors), kinetic, rtol=1e-10)
     forces = np.random.default_rng(18).normal(size=(len(system.frames), 5, 1))

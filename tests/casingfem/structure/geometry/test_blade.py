@@ -11,7 +11,7 @@ from casingfem.structure.geometry.chart import Chart
 from casingfem.structure.geometry.jet import SMALL, jets, sinc
 from casingfem.structure.geometry.stations import along, coefficients
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import nodal_mass
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter
 from casingfem.updating.sensitivity import eigen_derivatives
@@ -120,7 +120,7 @@ def test_mass_is_the_volume_of_a_tapered_trapezoid(steel):
         chart=cf.Blade(length=1.0, chord=(2.0, 1.0)), thickness=0.01, material=steel,
         taper=cf.Taper(along=(1.0, 0.5), across=(0.5, 1.0, 0.5)), mesh=ShellMesh(order=5, rows=2, around=1),
     )  # fmt: skip
-    mass = nodal_mass(blade, make_grid(blade.chart, blade.mesh))[:, 0].sum()
+    mass = nodal_mass(blade, make_grid(blade.chart, blade.mesh)).moments[:, 0].sum()
     span = 2.0 - 2.0 / 2 + 1.0 / 6  # int (2 - x)(1 - x/2) dx
     assert mass == pytest.approx(7800.0 * 0.01 * span * (1.0 - 0.5 / 3.0), rel=1e-13)
 

@@ -13,8 +13,9 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
+from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, PointLoad, Pressure, SurfaceLoad, node_surface
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.static import solve_static
@@ -49,7 +50,10 @@ def test_a_pressure_acts_inwards_along_the_normal():
 def test_weight_by_the_mass_of_each_node():
     nodal = Gravity().nodal(CONE, GRID)
     mass = 7800.0 * 5e-3 * node_surface(CONE, GRID)
-    np.testing.assert_allclose(nodal, mass[:, None] * np.array([0.0, 0.0, -9.80665, 0.0, 0.0]), rtol=1e-12)
+    np.testing.assert_allclose(nodal[:, :3], mass[:, None] * np.array([0.0, 0.0, -9.80665]), rtol=1e-12)
+    centre = nodal_mass(CONE, GRID)  # the wall's own centre lies outside of the mid-surface: a moment on the normal
+    np.testing.assert_allclose(nodal[:, 3:], -9.80665 * centre.moments[:, 1:2] * centre.tangents[:, 2], atol=1e-15)
+    assert np.abs(nodal[:, 3]).max() > 0.0
     weighed = Shell(chart=CONE.chart, thickness=5e-3, material=STEEL, masses={"top": [EdgeMass(angle=0.0, mass=1.0)]})
     with pytest.raises(ValueError, match="gravity: found a ring or point masses on an edge"):
         Gravity().nodal(weighed, make_grid(weighed.chart, weighed.mesh))
@@ -75,10 +79,12 @@ def test_a_point_load_has_its_place_and_direction():
 def test_each_side_of_a_strip_has_its_own_mass():
     """4 mm up to the line at 0.12 m, 5 mm beyond: a node on the line has a part of both."""
     strips = (Strip(start=0.0, end=0.12, thickness=4e-3),)
-    mass = nodal_mass(Shell(chart=CONE.chart, thickness=5e-3, material=STEEL, mesh=CONE.mesh, strips=strips), GRID)
+    mass = nodal_mass(
+        Shell(chart=CONE.chart, thickness=5e-3, material=STEEL, mesh=CONE.mesh, strips=strips), GRID
+    ).moments
     low, high = np.pi * (0.5 + 0.41) * 0.15, np.pi * (0.41 + 0.2) * 0.35
     np.testing.assert_allclose(mass[:, 0].sum(), 7800.0 * (4e-3 * low + 5e-3 * high), rtol=1e-12)
-    np.testing.assert_allclose(mass[:, 1].sum(), 650.0 * (4e-3**3 * low + 5e-3**3 * high), rtol=1e-12)
+    np.testing.assert_allclose(mass[:, 2].sum(), 650.0 * (4e-3**3 * low + 5e-3**3 * high), rtol=1e-12)
     on = np.abs(GRID.nodes[0] - 0.12) < 1e-9
     below, above = (2 * np.pi * 0.41 * length / 20 * 1.25 for length in (0.12, 0.28))  # Lobatto's first weight: 1/20
     assert mass[on, 0].sum() == pytest.approx(7800.0 * (4e-3 * below + 5e-3 * above), rel=1e-12)

@@ -111,11 +111,12 @@ def test_resultants_of_one_isotropic_layer_are_those_of_the_linear_wall():
 
 
 def test_mass_and_rotary_inertia_add_up_over_the_plies():
-    """A third of 1,500 kg/m^3 within the shell's own 7,800: rho t, and int rho z^2 dz."""
+    """A third of 1,500 kg/m^3 within the shell's own 7,800: rho t, int rho z dz and int rho z^2 dz."""
     t = np.array([3e-3])
     both = (Ply(thickness=1.0, lamina=GRAPHITE), Ply(thickness=2.0))
-    mass, rotary = layered_inertia(both, STEEL, 7800.0 * np.ones(1), t)
+    mass, first, rotary = layered_inertia(both, STEEL, 7800.0 * np.ones(1), t)
     np.testing.assert_allclose(mass, 1500.0 * 1e-3 + 7800.0 * 2e-3)
+    np.testing.assert_allclose(first, 1500.0 * 0.5 * (0.5e-3**2 - 1.5e-3**2) + 7800.0 * 0.5 * (1.5e-3**2 - 0.5e-3**2))
     inner = (0.5e-3**3 - 1.5e-3**3) / 3.0  # int z^2 dz from -1.5 to -0.5 mm, less its sign
     np.testing.assert_allclose(rotary, -1500.0 * inner + 7800.0 * (1.5e-3**3 + 0.5e-3**3) / 3.0)
 

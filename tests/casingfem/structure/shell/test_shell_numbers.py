@@ -9,8 +9,9 @@ import casingfem as cf
 from casingfem.structure.edge.ring import EdgeMass, Stiffener
 from casingfem.structure.edge.section import Section
 from casingfem.structure.edge.support import Symmetry
-from casingfem.structure.shell.assembly import assemble, nodal_mass, spin
+from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.plausible import extent
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.rigid import free_motions, rigid_fields
@@ -131,7 +132,7 @@ def test_numbers_of_shells(name, held):
         mass=probed(system.M),
         energy=[one.energy for one in found],
         at=[one.at(0.15, 0.02) for one in found],
-        nodal_mass=probed(nodal_mass(shell, grid)),
+        nodal_mass=probed(nodal_mass(shell, grid).moments),
         rigid=probed(rigid_fields(shell, grid).reshape(-1, 6)),
         free=[free_motions(shell, grid).shape[-1]],
         extent=[size.diagonal, *size.sides, size.curvature.max(), size.curvature.sum()],

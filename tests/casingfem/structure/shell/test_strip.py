@@ -11,9 +11,9 @@ from casingfem.errors import InputError, ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import nodal_mass
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import holding_forms
+from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.parameters import Parameter, check_parameters
 from casingfem.updating.sensitivity import eigen_derivatives
@@ -85,7 +85,7 @@ def test_mass_is_the_sum_of_the_strips_each_on_its_side(steel):
         mesh=ShellMesh(order=4, rows=(0.0, 0.2, 0.5, 0.6, 1.0), around=3),
     )  # fmt: skip
     grid = make_grid(plate.chart, plate.mesh)
-    mass, rotary = nodal_mass(plate, grid).T
+    mass, _, rotary = nodal_mass(plate, grid).moments.T
     bands = [(0.6, 0.01, 7800.0), (0.3, 0.03, 7800.0), (0.1, 0.02, 2700.0)]
     assert mass.sum() == pytest.approx(sum(0.5 * length * t * rho for length, t, rho in bands), rel=1e-13)
     assert rotary.sum() == pytest.approx(sum(0.5 * length * t**3 / 12 * rho for length, t, rho in bands), rel=1e-13)
