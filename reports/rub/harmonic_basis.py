@@ -106,7 +106,7 @@ def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[
     node = 0 if shell.chart.edges[rim.edge][1] == 0 else len(meridian.z) - 1
     directions = len(rim.directions)
     unit = np.zeros((len(meridian.z) * DOFS, directions))
-    unit[node * DOFS : node * DOFS + 3] = meridian.turn[node][:directions].T
+    unit[node * DOFS : node * DOFS + 3] = np.eye(3, directions)
     loads = meridian.restrict(unit)
     first = size * np.arange(directions)
     if n == 0:
@@ -132,9 +132,8 @@ def participation(meridian: Meridian, family: int, vectors: FloatArray) -> Float
     if meridian.n > 1:
         return found
     shift = np.array([1.0, 1.0, 0.0, 0.0, 0.0] if meridian.n else [0.0, 0.0, 1.0, 0.0, 0.0])
-    fields = np.tile(shift, (len(meridian.z), 1))
-    fields[:, :3] = np.einsum("nji,nj->ni", meridian.turn, fields[:, :3])
-    moved = np.linalg.solve(meridian.change, np.append(fields.ravel(), np.zeros(meridian.own))[meridian.free])
+    fields = np.tile(shift[:, None], (len(meridian.z), 1, 1))
+    moved = meridian.collect(fields, np.zeros((meridian.own, 1)))[:, 0]
     whole = np.sqrt(np.pi if meridian.n else 2.0 * np.pi)
     found[family if meridian.n else 2] = whole * (meridian.mass * moved) @ vectors
     return found

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -19,7 +20,7 @@ from casingfem.structure.mesh.element import gauss, lagrange, lobatto
 from casingfem.structure.mesh.kinematics import DOFS, STRAINS, frame, strain_slots
 from casingfem.structure.shell.assembly import edge_rotation
 from casingfem.structure.shell.edges import harmonic_forms
-from casingfem.structure.shell.nodal_mass import NodalMass
+from casingfem.structure.shell.nodal_mass import NodalMass, diagonal_frames
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import constitutive, curvature, inertia
 
@@ -55,10 +56,10 @@ class Meridian:
     """Matrices of one harmonic on the free dofs of a meridian.
 
     K is (free, free), `mass` its diagonal mass (free,), both per unit angle; `free` numbers the dofs among
-    5 * nodes and the rings' own after them; `z` holds the nodes; `turn` the (nodes, 3, 3) frames of edges held in
-    their own frame; the free dofs are change @ those of K and mass, (free, free), where rings couple M; `own` counts
-    the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is the sum of `wall` and `edges`, the
-    stiffness of springs and rings on all dofs, none turned.
+    5 * nodes and the rings' own after them; `z` holds the nodes; `frames` (nodes, 5, 5) the motions of each node by its
+    dofs, as of a `System`; the free dofs are change @ those of K and mass, (free, free), where rings or masses couple M
+    (else None); `own` counts the rings' turns about the normal, one a ring in the order of `Shell.rings`. K is the sum
+    of `wall` and `edges`, the stiffness of springs and rings on all dofs, in cylindrical axes.
     """
 
     n: int
@@ -68,8 +69,8 @@ class Meridian:
     mass: FloatArray
     free: IntArray
     z: FloatArray
-    turn: FloatArray
-    change: FloatArray
+    frames: FloatArray
+    change: csc_array | None
     own: int = 0
 
     def expand(self, vectors: FloatArray) -> FloatArray:
@@ -78,8 +79,7 @@ class Meridian:
         The motion is (u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta.
         """
         fields = self._spread(vectors)[: len(self.z) * DOFS].reshape(len(self.z), DOFS, -1)
-        fields[:, :3] = np.einsum("nij,njk->nik", self.turn, fields[:, :3])
-        return fields
+        return np.asarray(np.matmul(self.frames, fields))
 
     def expand_own(self, vectors: FloatArray) -> FloatArray:
         """Free dofs (free, modes) -> turns about the normal at the rings, (own, modes), in quadrature like u_theta."""
@@ -92,12 +92,21 @@ class Meridian:
         return np.asarray(self.wall.energies(motions) + motions.T @ self.edges @ motions)
 
     def restrict(self, forces: FloatArray) -> FloatArray:
-        """Nodal forces (5 nodes, columns), in the frames -> work-conjugate free dofs (free, columns)."""
-        return np.asarray(self.change.T @ np.vstack([forces, np.zeros((self.own, forces.shape[1]))])[self.free])
+        """Nodal forces (5 nodes, columns) in cylindrical axes -> work-conjugate free dofs (free, columns)."""
+        nodal = forces.reshape(len(self.z), DOFS, -1)
+        turned = np.matmul(self.frames.swapaxes(1, 2), nodal).reshape(len(forces), -1)
+        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
+        return np.asarray(felt if self.change is None else self.change.T @ felt)
+
+    def collect(self, fields: FloatArray, own: FloatArray) -> FloatArray:
+        """Back from `expand` and `expand_own`: motions (nodes, 5, columns), (own, columns) -> (free, columns)."""
+        turned = np.linalg.solve(self.frames, fields).reshape(len(self.z) * DOFS, -1)
+        motions = np.vstack([turned, own])[self.free]
+        return np.asarray(motions if self.change is None else splu(self.change).solve(motions))
 
     def _spread(self, vectors: FloatArray) -> FloatArray:
         full = np.zeros((len(self.z) * DOFS + self.own, vectors.shape[1]))
-        full[self.free] = self.change @ vectors
+        full[self.free] = vectors if self.change is None else self.change @ vectors
         return full
 
 
@@ -141,42 +150,50 @@ def harmonic_matrices(shell: Shell, n: int) -> Meridian:
     z = np.append(z[:, :-1].ravel(), lines[-1])
     basis = frame(shell.geometry(z, np.zeros_like(z)).surface)  # hoop tangents are in quadrature as hoop motions are
     mass = NodalMass(moments, np.stack([basis.e1, basis.e2], axis=-1).transpose(1, 0, 2))
-    return supported(shell, n, wall, z, mass.blocks)
+    return supported(shell, n, wall, z, mass)
 
 
-def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, blocks: FloatArray) -> Meridian:
-    """Add springs, turn edges into their frames, and leave out what is held."""
-    turn = np.tile(np.eye(3), (len(z), 1, 1))
-    held = np.zeros((len(z), DOFS), dtype=bool)
-    own, last = len(shell.rings), len(z) * DOFS
-    edges, M = np.zeros((2, last + own, last + own))
-    for node, block in enumerate(blocks):
-        M[node * DOFS : (node + 1) * DOFS, node * DOFS : (node + 1) * DOFS] = block
+def supported(shell: Shell, n: int, wall: Wall, z: FloatArray, mass: NodalMass) -> Meridian:
+    """Add springs, rings and masses, express dofs in the frames of nodes, and leave out what is held."""
+    nodes, own = len(z), len(shell.rings)
+    frames = np.tile(np.eye(DOFS), (nodes, 1, 1))
+    held = np.zeros((nodes, DOFS), dtype=bool)
+    last = nodes * DOFS
+    edges, added = np.zeros((2, last + own, last + own))
     for name in (*shell.supports, *shell.stations):
         node = int(np.abs(z - np.real(shell.line_at(name))).argmin())
-        stiffness, mass = harmonic_forms(shell, name, n, z[node : node + 1])
+        stiffness, inert = harmonic_forms(shell, name, n, z[node : node + 1])
         dofs = np.arange(node * DOFS, node * DOFS + DOFS)
         if name in shell.rings:
             dofs, last = np.append(dofs, last), last + 1
         edges[np.ix_(dofs, dofs)] += stiffness
-        M[np.ix_(dofs, dofs)] += mass
+        added[np.ix_(dofs, dofs)] += inert
         if name in shell.stations:
             continue
         support = shell.supports[name]
         if support.frame == "edge":
-            turn[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0, :3, :3]
+            # across and normal lie in the meridian plane, along is the hoop direction: K stays real
+            frames[node] = edge_rotation(shell, np.array([[z[node]], [0.0]]), along=1)[0]
         held[node, list(support.held)] = True
     K = edges.copy()
     for part, element in zip(wall.dofs, wall.elements(), strict=True):
         K[np.ix_(part, part)] += element
-    for turned in np.flatnonzero(np.any(turn != np.eye(3), axis=(1, 2))).tolist():
-        part = slice(turned * DOFS, turned * DOFS + 3)
-        # across and normal lie in the meridian plane, along is the hoop direction: K stays real
-        for matrix in (K, M):
-            matrix[part] = turn[turned].T @ matrix[part]
-            matrix[:, part] = matrix[:, part] @ turn[turned]
-    free = np.append(np.flatnonzero(~held.ravel()), np.arange(last - own, last))
-    mass, change = diagonalised(csc_array(M[np.ix_(free, free)]))
-    # it is sparse, a block for each node: two dense products took as long as all else here
-    K = np.ascontiguousarray(change.T @ K[np.ix_(free, free)] @ change)
-    return Meridian(n, wall, edges, K=K, mass=mass, free=free, z=z, turn=turn, change=change.toarray(), own=own)
+    free = np.flatnonzero(~held.ravel())
+    frames, diagonal = diagonal_frames(mass, frames, free)
+    lumped = np.append(diagonal.ravel()[free], np.zeros(own))
+    free = np.append(free, np.arange(last - own, last))
+    K, change = in_frames(K, frames)[np.ix_(free, free)], None
+    if added.any():
+        lumped, change = diagonalised(csc_array(np.diag(lumped) + in_frames(added, frames)[np.ix_(free, free)]))
+        # it differs from the identity at a few nodes alone: two dense products took as long as all else here
+        K = np.ascontiguousarray(change.T @ K @ change)
+    return Meridian(n, wall, edges, K=K, mass=lumped, free=free, z=z, frames=frames, change=change, own=own)
+
+
+def in_frames(matrix: FloatArray, frames: FloatArray) -> FloatArray:
+    """Symmetric matrix on the nodes' dofs and the rings' own, expressed in the nodes' frames (nodes, 5, 5)."""
+    for _ in range(2):
+        matrix = matrix.T.copy()
+        nodal = matrix[: len(frames) * DOFS].reshape(len(frames), DOFS, -1)
+        nodal[:] = np.matmul(frames.swapaxes(1, 2), nodal)
+    return matrix
