@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
-from contact.growth.closed_contact import poles_each, state_matrix
+from contact.growth.closed_contact import first_order, poles_each
 from contact.growth.interaction_table import Interactions
 from contact.growth.interaction_table import interactions as by_theory
 from contact.growth.split_casing import mean_contact, perfect_mean
@@ -26,7 +26,6 @@ from contact.model.law import Coulomb, Unilateral
 from contact.record.record import Record
 from contact.run import run
 from contact.scheme.modal.exact_modal import ExactModal
-from contact.scheme.modal.propagator import propagator
 
 PRESS, PUSHED = 1e-5, 1e-3  # of the radius, how much contacts overlap, small beside what slips in a period; of the
 # force, how much vibrates at first
@@ -167,26 +166,34 @@ def _start(
     A run starts from the free motion through both; the velocity is that of one which makes the step before t = 0 as
     if the contact had pressed then too.
     """
-    m, sense, turn = contact.omega.size, math.copysign(1.0, speed_hz), 2.0 * math.pi * speed_hz * contact.G
-    S, W = contact.compliance(sense), contact.pushes(sense)
-    A = turn @ turn + np.diag(2.0 * contact.zeta * contact.omega) @ turn + np.diag(contact.omega**2)
-    overlap = np.full(len(contact.Q), press)
-    q = np.linalg.solve(A + contact.joined(sense), W.T @ np.linalg.solve(S, overlap))
-    force = np.linalg.solve(S, overlap - contact.Q @ q)
+    m, speed = contact.omega.size, 2.0 * math.pi * speed_hz
+    bodies, W = first_order(contact, speed), contact.pushes(math.copysign(1.0, speed))
+    matrix, overlap = bodies.closed(), np.full(len(contact.Q), press)
+    x = -np.linalg.solve(matrix, bodies.B @ np.linalg.solve(bodies.S, overlap))
+    force = np.linalg.solve(bodies.S, overlap - bodies.C @ x)
     if force.max() < 0.0:
-        press, overlap, q, force = -press, -overlap, -q, -force
+        press, overlap, x, force = -press, -overlap, -x, -force
     if not force.min() > 0.0:
         found = f"forces at rest from {force.min():g} to {force.max():g} N at {speed_hz:g} Hz"
         raise InputError(f"contact: found {found}, expected all above 0: not every contact stays closed")
-    matrix, scale = state_matrix(contact, speed_hz)
     values, vectors = np.linalg.eig(matrix)
     shape = vectors[:, int(np.abs(values - leading).argmin())]
-    size = PUSHED * float(force.min()) / float(np.abs(np.linalg.solve(S, contact.Q @ shape[:m])).max())
-    q, v = q + size * shape[:m].real, turn @ q + size * scale * shape[m:].real
-    push = W.T @ np.linalg.solve(S, overlap - contact.Q @ q)
-    none = np.zeros(m)
-    pushed, free = (propagator(contact.omega, contact.zeta, load, dt) for load in (push, none))
-    return press, q, (pushed.backward(q, v) - free.backward(q, none)) / free.backward(none, np.ones(m))
+    moved = float(np.abs(np.linalg.solve(bodies.S, bodies.C @ shape)).max())
+    x = x + shape.real * (PUSHED * float(force.min()) / moved)
+    push = W.T @ np.linalg.solve(bodies.S, overlap - bodies.C @ x)
+    return press, x[:m], contact.rates * x[m:] + _before(contact, speed, dt) @ push
+
+
+def _before(contact: ClosedContact, speed: float, dt: float) -> Array:
+    """Velocity per constant force whose free motion makes the same step before t = 0 as that force does, (m, m) [s]."""
+    from scipy.linalg import expm
+
+    m, (C, K) = contact.omega.size, contact.matrices(speed)
+    A = np.zeros((3 * m, 3 * m))
+    A[:m, m : 2 * m] = A[m : 2 * m, 2 * m :] = np.eye(m)
+    A[m : 2 * m, :m], A[m : 2 * m, m : 2 * m] = -K, -C
+    back = expm(-dt * A)
+    return np.asarray(np.linalg.solve(back[:m, m : 2 * m], back[:m, 2 * m :]))
 
 
 def _step(rub: Rub, leading: complex) -> float:

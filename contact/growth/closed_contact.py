@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.growth.coincidence import Waves, close_speeds, coincidences, in_words, waves
-from contact.growth.growth_map import StabilityMap, scan
+from contact.growth.coincidence import close_speeds, coincidences, in_words
+from contact.growth.growth_map import StabilityMap, ascending, scan
+from contact.growth.waves import Waves, waves_of
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
 
@@ -28,20 +30,49 @@ MANY = 30  # modes: with fewer, eigenvalues are as quick
 BATCH = 2_000_000  # entries of the state matrices formed at once
 
 
-def closed_poles(seen: Waves, compliance: float, speed: float) -> Complex | None:
-    """All poles s [1/s, rad/s] at one speed [rad/s], (2 m,); None where the iteration does not settle, or for omega 0.
+class FirstOrder(NamedTuple):
+    """x' = A x + B lam, gap = C x + S lam of the bodies, x = (q, (D + Omega G) q/rates): (2 m, 2 m), (2 m, r), ..."""
 
-    In a hundredth of what eigenvalues take: waves of order n and standing modes (n = 0) are met at one point, so that
-    their poles without contact p (N,) and residues a give f(s) = S + sum_j a_j/(s - p_j) = 0. Aberth's iteration (Math.
+    A: Array
+    B: Array
+    C: Array
+    S: Array
+
+    def closed(self) -> Array:
+        """A - B S^-1 C: no gap opens."""
+        return np.asarray(self.A - self.B @ np.linalg.solve(self.S, self.C))
+
+    def receptance(self, s: complex) -> Complex:
+        """Motion of each contact per force at each, C (s - A)^-1 B, (r, r) [m/N]: what the bodies give beside S."""
+        return np.asarray(self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B.astype(complex)))
+
+
+def first_order(contact: ClosedContact, speed: float) -> FirstOrder:
+    """The bodies of a contact at a speed [rad/s], in the frame of the contact points."""
+    m, rate, sense = contact.omega.size, contact.rates, math.copysign(1.0, speed) if speed else 0.0
+    C, K = contact.matrices(speed)
+    turn = -speed * contact.G
+    A = np.block([
+        [turn, np.diag(rate)], [-K / rate[:, None], (turn - C) * (rate / rate[:, None])],
+    ])  # fmt: skip
+    none = np.zeros((len(contact.Q), m))
+    return FirstOrder(
+        A, np.vstack([none.T, contact.pushes(sense).T / rate[:, None]]), np.hstack([contact.Q, none]),
+        contact.compliance(sense),
+    )  # fmt: skip
+
+
+def closed_poles(seen: Waves, compliance: float, speed: float) -> Complex | None:
+    """All poles s [1/s, rad/s] of one contact at a speed [rad/s], (2 m,); None where the iteration does not settle.
+
+    In a hundredth of what eigenvalues of all modes take: the free bodies have the poles p (N,), of which the contact
+    sees the residues a (`contact.growth.waves`), so that f(s) = S + sum_j a_j/(s - p_j) = 0. Aberth's iteration (Math.
     Comp. 27, 1973, 339) finds its N roots together: Newton's step for f(s) prod (s - p_j), the others divided out.
-    (s + i n Omega)^2 + 2 zeta omega (s + i n Omega) + omega^2 is what stands below each product r of rows.
     """
-    if seen.omega.size == 0 or float(seen.omega.min()) <= 0.0:
+    free = seen.poles(np.array([speed]), math.copysign(1.0, speed) if speed else 0.0)
+    if free is None or not free.s.size:
         return None
-    damped = seen.omega * np.sqrt(1.0 - seen.zeta**2)
-    centre = -seen.zeta * seen.omega - 1j * seen.order * speed
-    p = np.concatenate([centre + 1j * damped, centre - 1j * damped])
-    a = np.concatenate([seen.product / (2j * damped), -seen.product / (2j * damped)])
+    p, a = free.s[0], free.residues[0]
     coupled = np.abs(a) > COUPLED * float(np.abs(a).max(initial=0.0))
     roots = _roots(p[coupled], a[coupled], compliance)
     return None if roots is None else np.concatenate([roots, p[~coupled]])
@@ -73,11 +104,10 @@ def _roots(p: Complex, a: Complex, S: float) -> Complex | None:
     return None
 
 
-def poles(contact: ClosedContact, speed_hz: Array) -> NDArray[np.complex128]:
-    """Poles s [1/s, rad/s] of a closed contact in the blade's frame, (speeds, 2 m).
+def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
+    """Poles s [1/s, rad/s] of a closed contact in the blade's frame, (speeds, 2 m): eigenvalues of `first_order`.
 
-    x' = [[-Omega G, I], [-omega^2 - W^T S^-1 Q, -Omega G - 2 zeta omega]] x, x = (q, (D + Omega G) q); all speeds
-    in one batch. Raises InputError for speeds that are not finite.
+    Raises InputError for speeds that are not finite.
 
     >>> from contact.model.gaps.permanent import HandPair, ModalPair
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
@@ -92,29 +122,10 @@ def poles(contact: ClosedContact, speed_hz: Array) -> NDArray[np.complex128]:
     found = np.empty((speed.size, 2 * m), dtype=complex)
     size = max(1, BATCH // (4 * m * m))
     for first in range(0, speed.size, size):
-        part = slice(first, first + size)
-        found[part] = np.linalg.eigvals(_states(contact, speed[part]))
+        part = speed[first : first + size]
+        closed = [first_order(contact, 2.0 * math.pi * hz).closed() for hz in part.tolist()]
+        found[first : first + size] = np.linalg.eigvals(np.array(closed))
     return found
-
-
-def _states(contact: ClosedContact, speed_hz: Array) -> Array:
-    """State matrices (speeds, 2 m, 2 m), velocities scaled by the highest frequency."""
-    m = contact.omega.size
-    scale = float(contact.omega.max(initial=0.0)) or 1.0
-    turn = -2.0 * np.pi * speed_hz[:, None, None] * contact.G
-    A = np.zeros((speed_hz.size, 2 * m, 2 * m))
-    A[:, :m, :m] = turn
-    A[:, :m, m:] = scale * np.eye(m)
-    A[:, m:, m:] = turn - np.diag(2.0 * contact.zeta * contact.omega)
-    for sense in np.unique(np.sign(speed_hz)):
-        A[np.sign(speed_hz) == sense, m:, :m] = -(np.diag(contact.omega**2) + contact.joined(sense)) / scale
-    return A
-
-
-def state_matrix(contact: ClosedContact, speed_hz: float) -> tuple[Array, float]:
-    """Matrix of x' = A x at one speed, x = (q, (D + Omega G) q/scale), and that scale [rad/s]."""
-    scale = float(contact.omega.max(initial=0.0)) or 1.0
-    return _states(contact, np.array([speed_hz]))[0], scale
 
 
 def growth(contact: ClosedContact, speed_hz: Array) -> Array:
@@ -122,22 +133,21 @@ def growth(contact: ClosedContact, speed_hz: Array) -> Array:
     return np.array([float(every.real.max()) for every in poles_each(contact, speed_hz)])
 
 
-def poles_each(contact: ClosedContact, speed_hz: Array) -> list[NDArray[np.complex128]]:
+def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
     """Poles at each speed in no order: of one contact with many modes by its equation."""
     speed = np.atleast_1d(np.asarray(speed_hz, dtype=float))
     if len(contact.Q) > 1 or contact.omega.size < MANY or not np.isfinite(speed).all():
         return list(poles(contact, speed))
-    seen = {
-        sense: (waves(contact, sense), float(contact.compliance(sense)[0, 0])) for sense in np.unique(np.sign(speed))
-    }
-    found = (closed_poles(*seen[np.sign(hz)], 2.0 * np.pi * hz) for hz in speed)
+    seen = waves_of(contact)
+    S = {sense: float(contact.compliance(sense)[0, 0]) for sense in np.unique(np.sign(speed))}
+    found = (closed_poles(seen, S[np.sign(hz)], 2.0 * math.pi * hz) for hz in speed.tolist())
     return [poles(contact, speed[k : k + 1])[0] if every is None else every for k, every in enumerate(found)]
 
 
 def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     """Growth map of a perfect casing, with the coincidences of one contact looked at closely and put in words."""
-    speed = np.asarray(speed_hz, dtype=float)
-    met = coincidences(contact) if len(contact.Q) == 1 else ()
+    speed = ascending(speed_hz)
+    met = coincidences(contact, speed) if len(contact.Q) == 1 else ()
     found = scan(lambda at: growth(contact, at), speed, floor=floor_of(contact), seeds=close_speeds(met))
     return replace(found, words=in_words(contact, met, found))
 

@@ -1,37 +1,32 @@
-"""Where a wave of the turning body meets a mode of the standing one, and what that does: closed forms and words.
+"""Where a wave of the casing meets a mode of the blades, and what that does: closed forms and words.
 
-A wave e^(i k theta) of frequency w is seen by the blade at nu = +-w - k Omega, and answers near it as c/(nu_c - nu),
-c = +-r/(2 w), r the product of its rows with Q and W. A blade mode answers as b/(w_b - nu), b = kappa/(2 w_b). With S
-all that is left, H_c + H_b + S = 0 is a quadratic: growth where b c < 0, at most sqrt(-b c)/S, in a band of half width
-2 sqrt(-b c)/S of the difference of the two frequencies, its centre (c - b)/S beyond the free coincidence.
+A wave e^(i k theta) of frequency w in the casing's frame is seen by the blade at nu = +-w - k Omega. Of a body that
+turns w depends on the speed, on the stiffening and on the sense of the wave: it is taken as it is at each speed. Near
+it the receptance is a/(s - i nu), of a blade mode b/(s - i w_b). With S all that is left,
+S + a/(s - i nu) + b/(s - i w_b) = 0 is a quadratic: growth where a b > 0, at most sqrt(a b)/S, in a band of half width
+2 sqrt(a b)/S of the difference of the two frequencies, its centre where nu + i a/S = w_b + i b/S.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.base.arrays import Array
-from contact.base.errors import InputError
 from contact.growth.growth_map import StabilityMap
-from contact.model.gaps.permanent import ClosedContact, HandPair, equal_modes
+from contact.growth.waves import FreePoles, Waves, waves_of
+from contact.model.gaps.permanent import ClosedContact, HandPair
 
-Complex = NDArray[np.complex128]
+REACH = 4.0  # times the fastest speed: how far coincidences outside a range are looked for
+LOOKS = 65  # speeds at which frequencies are compared up to there
+AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are equal there
+SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
+SEEN = 1e-9  # of the largest residue: one contact does not see less
 NEAR = 0.05  # of the speed: by how much several contacts may shift a coincidence
-COUPLED = 0.05  # of two bodies seen alike: less is what meshes and round-off add
-
-
-class Waves(NamedTuple):
-    """Waves of a body: order k, frequency [rad/s], and product of rows r, (m,) each."""
-
-    order: Array
-    omega: Array
-    zeta: Array
-    product: Complex
+ALIKE = 0.05  # of two bodies seen alike: less is what meshes and round-off add
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,104 +80,137 @@ def loaded(pair: HandPair) -> Loaded:
     return Loaded(w_c / turn, w_b / turn, (w_c + w_b) / turn / casing.n, growth)
 
 
-def waves(contact: ClosedContact, sense: float) -> Waves:
-    """Modes as waves e^(i k theta), and what one contact sees of them."""
-    U, order = _turning_shapes(contact)
-    product = (contact.Q @ U)[0] * (U.conj().T @ contact.pushes(sense).T)[:, 0]
-    return Waves(order, contact.omega, contact.zeta, product)
+def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
+    """Every meeting of a wave of the casing with a mode of the blades, ascending, at the senses of these speeds [Hz].
 
-
-def coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
-    """Every meeting of a turning wave with a standing mode, at speeds of either sense, ascending.
-
-    Raises InputError for more contacts than one.
+    They are looked for up to `REACH` times the fastest speed, by the frequencies that both have at each speed. Several
+    contacts meet a wave and a mode that they see alike, |sum of products| above `ALIKE` of the largest there can be,
+    which by n diameters a disk's tuned modes do only with theirs; what happens there, poles tell.
     """
-    if len(contact.Q) != 1:
-        raise InputError(f"contact: found {len(contact.Q)} contacts, expected one")
+    seen = waves_of(contact)
+    top = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max())
     found = []
     for sense in (1.0, -1.0):
-        seen = waves(contact, sense)
-        strong = np.abs(seen.product) > 1e-9 * float(np.abs(seen.product).max(initial=0.0))
-        turning = np.flatnonzero((np.abs(seen.order) > 0.5) & strong)
-        standing = contact.casing + np.flatnonzero(strong[contact.casing :])
-        for j in standing:
-            for k in turning:
-                for sign in (1.0, -1.0):
-                    speed = (sign * seen.omega[k] - seen.omega[j]) / seen.order[k]
-                    if np.sign(speed) == sense:
-                        found.append(_meeting(contact, seen, int(k), int(j), sign, float(speed)))
-    return tuple(sorted(found, key=lambda c: c.speed_hz))
+        if not np.any(np.sign(speed_hz) == sense):
+            continue
+        for speed, wave, mode in _crossings(seen, sense, top):
+            free = seen.poles(np.array([speed]), sense)
+            if free is not None and _met(free, wave, mode):
+                found.append(_meeting(contact, free, wave, mode, speed, _slope(seen, sense, speed, wave, mode)))
+    return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
-def free_coincidences(contact: ClosedContact) -> tuple[Coincidence, ...]:
-    """The meetings that several contacts see, at the speeds they have without contact; what they do, poles tell.
+def standing_speeds(contact: ClosedContact, speed_hz: Array) -> tuple[tuple[int, float, float], ...]:
+    """(n, f_c, f_c/n) of the casing's waves at the speed f_c/n [turns/s] at which the blade runs as fast, ascending.
 
-    A wave and a mode meet where the contacts see both alike: |sum of products| above COUPLED of the largest there can
-    be, which by n diameters a disk's tuned modes do only with theirs. Modes of one frequency count once.
+    Looked for up to `REACH` times the fastest of these speeds above 0.
     """
-    U, order = _turning_shapes(contact)
-    seen = contact.Q @ U
-    size = np.linalg.norm(seen, axis=0)
-    found = []
-    for j in range(contact.casing, contact.omega.size):
-        for k in np.flatnonzero(np.abs(order) > 0.5):
-            if abs(np.vdot(seen[:, k], seen[:, j])) <= COUPLED * size[k] * size[j]:
-                continue
-            for sign in (1.0, -1.0):
-                speed = (sign * contact.omega[k] - contact.omega[j]) / order[k]
-                if speed != 0.0:
-                    found.append(_free(contact, int(k), j, float(order[k]), sign, float(speed)))
-    alike = {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}
-    return tuple(sorted(alike.values(), key=lambda c: c.speed_hz))
-
-
-def _free(contact: ClosedContact, k: int, j: int, order: float, sign: float, speed: float) -> Coincidence:
+    seen, top = waves_of(contact), REACH * 2.0 * math.pi * float(np.max(speed_hz))
     turn = 2.0 * math.pi
+    found = [
+        (n, n * speed / turn, speed / turn)
+        for speed, wave, _ in _crossings(seen, 1.0, top, at_rest=True)
+        if (n := round(float(seen.order_of(wave)))) > 0
+    ]
+    return tuple(sorted(found, key=lambda wave: wave[2]))
+
+
+def _crossings(seen: Waves, sense: float, top: float, *, at_rest: bool = False) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) at which a wave's frequency in the blade's frame is a mode's, up to a speed `top`.
+
+    With `at_rest` the speeds at which it is zero.
+    """
+    at = sense * np.linspace(0.0, top, LOOKS)
+    free = seen.poles(at, sense)
+    if free is None:
+        return []
+    waves = np.flatnonzero(free.casing & (free.order != 0.0))
+    modes = np.flatnonzero(~free.casing & (free.sign > 0.0))
+
+    def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
+        """Of waves and of what they shall meet, (speeds, waves), (speeds, modes)."""
+        met = found.met(speed)
+        return met[:, waves], np.zeros((speed.size, 1)) if at_rest else met[:, modes]
+
+    one, other = frequencies(free, at)
+    apart = one[:, :, None] - other[:, None, :]
+    apart[0][np.abs(apart[0]) < AT_REST * np.abs(other[0])] = 0.0  # equal at rest, which is no speed
+    k, i, j = np.nonzero((apart[:-1] * apart[1:] < 0.0) | ((apart[1:] == 0.0) & (apart[:-1] != 0.0)))
+    if not k.size:
+        return []
+    row, speed = np.arange(k.size), at[k]
+    low, high, below, above = at[k], at[k + 1], apart[k, i, j], apart[k + 1, i, j]
+    for _ in range(SECANTS):
+        speed = (low * above - high * below) / (above - below)
+        found = seen.poles(speed, sense)
+        if found is None:
+            return []
+        one, other = frequencies(found, speed)
+        middle = one[row, i] - other[row, j]
+        if np.all(np.abs(middle) <= MET * np.abs(free.s.imag).max()):
+            break
+        before = middle * below > 0.0
+        low, below = np.where(before, speed, low), np.where(before, middle, below)
+        high, above = np.where(before, high, speed), np.where(before, above, middle)
+    return list(zip(speed.tolist(), waves[i].tolist(), [0] * k.size if at_rest else modes[j].tolist(), strict=True))
+
+
+def _slope(seen: Waves, sense: float, speed: float, wave: int, mode: int) -> float:
+    """Derivative of the wave's frequency less the mode's by the speed [-]; -k where neither depends on it."""
+    step = 1e-4 * abs(speed)
+    at = np.array([speed - step, speed + step])
+    free = seen.poles(at, sense)
+    if free is None:
+        return math.nan
+    apart = free.met(at)[:, wave] - free.met(at)[:, mode]
+    return float(apart[1] - apart[0]) / (2.0 * step)
+
+
+def _met(free: FreePoles, wave: int, mode: int) -> bool:
+    """Whether the contacts see both: one contact by their residues, several where both move them alike."""
+    if free.seen.shape[1] == 1:
+        size = np.abs(free.residues[0])
+        return bool(size[[wave, mode]].min() > SEEN * float(size.max()))
+    one, other = free.seen[0, :, wave], free.seen[0, :, mode]
+    return bool(abs(np.vdot(one, other)) > ALIKE * np.linalg.norm(one) * np.linalg.norm(other))
+
+
+def _meeting(contact: ClosedContact, free: FreePoles, wave: int, mode: int, speed: float, slope: float) -> Coincidence:
+    """The quadratic of one wave and one mode, everything else a compliance S."""
+    turn, order, sign = 2.0 * math.pi, float(free.order[wave]), float(free.sign[wave])
+    own = free.own(np.array([speed]))[0]
+    known: dict[str, Any] = {
+        "n": round(abs(order)), "branch": _branch(sign, speed * order), "casing_hz": abs(float(own[wave])) / turn,
+        "blade_hz": float(own[mode]) / turn, "free_hz": speed / turn,
+    }  # fmt: skip
+    if len(contact.Q) > 1:
+        return Coincidence(
+            **known, speed_hz=speed / turn, half_hz=NEAR * abs(speed) / turn, growth=math.nan, drives=sign < 0.0
+        )
+    s, a, others = free.s[0], free.residues[0], np.ones(free.order.size, dtype=bool)
+    others[[wave, mode]] = False
+    S = float(contact.compliance(np.sign(speed))[0, 0])
+    S += float(np.sum(a[others] / (1j * own[mode] - s[others])).real)
+    moved = s - a / S  # poles of wave and mode, each alone on the compliance
+    coupling = complex(a[wave] * a[mode]) / S**2
+    centre = speed - float((a[mode] - a[wave]).imag) / S / slope
+    mean, apart = 0.5 * (moved[wave] + moved[mode]).real, 0.5 * (moved[wave] - moved[mode]).real
+    growth = float(mean + abs(np.sqrt(complex(apart**2) + coupling).real))
     return Coincidence(
-        n=round(abs(order)), branch=_branch(sign, speed * order), casing_hz=float(contact.omega[k]) / turn,
-        blade_hz=float(contact.omega[j]) / turn, free_hz=speed / turn, speed_hz=speed / turn,
-        half_hz=NEAR * abs(speed) / turn,
-        growth=math.nan, drives=sign < 0.0,
+        **known, speed_hz=centre / turn, half_hz=2.0 * abs(coupling) ** 0.5 / abs(slope) / turn, growth=growth,
+        drives=coupling.real > 0.0,
     )  # fmt: skip
+
+
+def _each_once(found: list[Coincidence]) -> list[Coincidence]:
+    """Meetings of modes of one frequency, such as a disk's pairs, count once."""
+    return list(
+        {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}.values()
+    )
 
 
 def _branch(sign: float, turned: float) -> str:
     return "sum" if sign < 0.0 else "backward" if turned > 0.0 else "forward"
-
-
-def _turning_shapes(contact: ClosedContact) -> tuple[Complex, Array]:
-    """Modes as waves e^(i k theta): eigenvectors of G within groups of equal modes, (m, m), and their orders k (m,)."""
-    m = contact.omega.size
-    U, order = np.eye(m, dtype=complex), np.zeros(m)
-    for group in equal_modes(contact.omega[: contact.casing], contact.zeta[: contact.casing]):
-        block = np.ix_(group, group)
-        order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
-    return U, order
-
-
-def _meeting(contact: ClosedContact, seen: Waves, k: int, j: int, sign: float, speed: float) -> Coincidence:
-    """The quadratic of one wave and one mode, everything else a compliance S."""
-    nu = seen.omega[j]
-    gap = seen.omega**2 - (nu + speed * seen.order) ** 2
-    others = np.ones(gap.size, dtype=bool)
-    others[[k, j]] = False
-    S = float(contact.compliance(np.sign(speed))[0, 0]) + float(np.sum((seen.product[others] / gap[others]).real))
-    S += float(sum((seen.product[i] / (4.0 * seen.omega[i] ** 2)).real for i in (k, j)))
-    c, b = sign * seen.product[k] / (2.0 * seen.omega[k]), seen.product[j] / (2.0 * seen.omega[j])
-    shift = float((c - b).real) / S
-    coupling = complex(b * c) / S**2
-    lost = 1j * (seen.zeta[k] * seen.omega[k] - seen.zeta[j] * seen.omega[j]) + 1j * float(c.imag) / S
-    mean = 0.5j * (seen.zeta[k] * seen.omega[k] + seen.zeta[j] * seen.omega[j]) + 0.5j * float(c.imag) / S
-    root = np.sqrt(0.25 * lost**2 + coupling)
-    growth = float(-min((mean + root).imag, (mean - root).imag))
-    centre = speed + shift / float(seen.order[k])
-    n, turn = round(abs(float(seen.order[k]))), 2.0 * math.pi
-    branch = _branch(sign, speed * float(seen.order[k]))
-    return Coincidence(
-        n=n, branch=branch, casing_hz=float(seen.omega[k]) / turn, blade_hz=float(nu) / turn, free_hz=speed / turn,
-        speed_hz=centre / turn, half_hz=2.0 * abs(coupling) ** 0.5 / n / turn, growth=growth,
-        drives=float((b * c).real) < 0.0,
-    )  # fmt: skip
 
 
 def close_speeds(met: tuple[Coincidence, ...]) -> Array:
@@ -194,21 +222,26 @@ def close_speeds(met: tuple[Coincidence, ...]) -> Array:
 def in_words(contact: ClosedContact | None, met: tuple[Coincidence, ...], found: StabilityMap) -> str:
     """What applies in the range of a map and why, a few sentences."""
     low, high = float(found.speed_hz[0]), float(found.speed_hz[-1])
-    said = [_verdict(found), *_sum_words(met, low, high), *_difference_words(met, low, high)]
+    said = [_verdict(found), *_sum_words(contact, met, low, high), *_difference_words(met, low, high)]
     away = any(all(abs(c.speed_hz - speed) > 2.0 * c.half_hz for c in met) for band in found.bands_hz for speed in band)
     if contact is not None and len(contact.Q) == 1 and contact.mu > 0.0 and away:
-        said.append(_creep_words(contact))
+        said += _creep_words(contact, 0.5 * (low + high))
     return " ".join(said)
 
 
-def _creep_words(contact: ClosedContact) -> str:
-    """Friction on the casing alone: r = (1 -+ i mu/n)/(2 m), so a wave grows at |Im r|/(2 w S), damping aside."""
-    seen = waves(contact, 1.0)
-    rate = np.abs(seen.product.imag) / (2.0 * seen.omega * float(contact.compliance(1.0)[0, 0]))
-    return (
+def _creep_words(contact: ClosedContact, speed_hz: float) -> list[str]:
+    """Friction on the casing alone: its residue a has a real part, so that a wave grows at |Re a|/S, damping aside."""
+    sense, speed = math.copysign(1.0, speed_hz), np.array([2.0 * math.pi * speed_hz])
+    free = waves_of(contact).poles(speed, sense)
+    if free is None:
+        return []
+    waves = free.casing & (free.order != 0.0)
+    rate = np.abs(free.residues[0, waves].real) / float(contact.compliance(sense)[0, 0])
+    damping = rate / np.abs(free.own(speed)[0, waves])
+    return [
         f"Away from coincidences friction along the casing feeds a travelling wave at up to {rate.max():.2g} 1/s, "
-        f"which a damping ratio of {(rate / seen.omega).max():.2g} holds."
-    )
+        f"which a damping ratio of {damping.max():.2g} holds."
+    ]
 
 
 def _verdict(found: StabilityMap) -> str:
@@ -224,13 +257,14 @@ def _nearest(met: tuple[Coincidence, ...], low: float, high: float) -> Coinciden
     return min(met, key=lambda c: (max(low - c.speed_hz, c.speed_hz - high, 0.0), -c.growth))
 
 
-def _sum_words(met: tuple[Coincidence, ...], low: float, high: float) -> list[str]:
+def _sum_words(
+    contact: ClosedContact | None, met: tuple[Coincidence, ...], low: float, high: float
+) -> list[str]:  # fmt: skip
     """The sum condition: met, met elsewhere, or out of reach because n f stays below every f_c."""
-    sums = tuple(c for c in met if c.branch == "sum" and c.speed_hz * (low + high) >= 0.0)
+    sums, fastest = tuple(c for c in met if c.branch == "sum" and c.speed_hz * (low + high) >= 0.0), max(-low, high)
     if not sums:
-        return []
+        return _no_sum_words(contact, fastest)
     c = _nearest(sums, low, high)
-    fastest = max(-low, high)
     if low <= c.speed_hz <= high:
         return [
             f"The sum condition f_c + f_b = n f (n = {c.n}) is met at {c.speed_hz:.5g} Hz "
@@ -242,6 +276,27 @@ def _sum_words(met: tuple[Coincidence, ...], low: float, high: float) -> list[st
             "met in this range, whatever the blade."
         ]
     return [f"The sum condition f_c + f_b = n f (n = {c.n}) is met at {c.speed_hz:.5g} Hz, outside this range."]
+
+
+def _no_sum_words(contact: ClosedContact | None, fastest: float) -> list[str]:
+    """Why the sum condition is not met up to `REACH` times the fastest speed [Hz]."""
+    if contact is None or len(contact.Q) > 1:
+        return []
+    speed = np.array([2.0 * math.pi * fastest])
+    free = waves_of(contact).poles(speed, 1.0)
+    if free is None or not np.any(waves := free.casing & (free.order > 0.0) & (free.sign > 0.0)):
+        return []
+    casing_hz, n = free.own(speed)[0, waves] / (2.0 * math.pi), free.order[waves]
+    k, reach = int(np.argmax(n / casing_hz)), f"{REACH * fastest:.4g} Hz"
+    said = [f"The sum condition f_c + f_b = n f is not met up to {reach}."]
+    if n[k] * fastest < casing_hz[k]:
+        said = [
+            f"n f = {n[k] * fastest:.4g} Hz < f_c = {casing_hz[k]:.4g} Hz: the sum condition f_c + f_b = n f cannot be "
+            "met in this range, whatever the blade."
+        ]
+    if contact.turns == "casing" and contact.gyroscopic is not None:
+        said.append(f"The casing turns: the blade overtakes none of its waves up to {reach}.")
+    return said
 
 
 def _difference_words(met: tuple[Coincidence, ...], low: float, high: float) -> list[str]:

@@ -62,9 +62,7 @@ def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = N
     `rate` gives growth [1/s] at speeds [Hz]; `floor` is what counts as none; `seeds` are further speeds looked at, so
     that a band narrower than the grid is not missed. Raises InputError unless there are two ascending speeds.
     """
-    speed = readonly(speed_hz)
-    if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0):
-        raise InputError("speed_hz: found no ascending row, expected at least two ascending speeds")
+    speed = ascending(speed_hz)
     extra = np.zeros(0) if seeds is None else np.asarray(seeds, dtype=float)
     every = np.union1d(speed, extra[(extra > speed[0]) & (extra < speed[-1])])
     values = rate(every)
@@ -76,6 +74,14 @@ def scan(rate: Growth, speed_hz: Array, *, floor: float, seeds: Array | None = N
         speed_hz=speed, growth=readonly(values[np.isin(every, speed)]), peak_speed_hz=where, peak_growth=peak,
         bands_hz=_bands(rate, every, values, floor), seen_hz=readonly(every), seen_growth=readonly(values),
     )  # fmt: skip
+
+
+def ascending(speed_hz: Array) -> Array:
+    """Speeds as a read-only row; raises InputError unless they are two or more and ascend."""
+    speed = readonly(speed_hz)
+    if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0):
+        raise InputError("speed_hz: found no ascending row, expected at least two ascending speeds")
+    return speed
 
 
 def _peak(rate: Growth, speed: Array, values: Array, floor: float) -> tuple[float, float]:

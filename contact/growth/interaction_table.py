@@ -2,7 +2,7 @@
 
 All of it is linear theory of contacts that stay closed (`closed_contact`, `coincidence`), on the mean of split pairs
 (`perfect_mean`), and what keeps them closed: an out-of-round rim passes a closed contact as a force of p per turn,
-F_p = -d_p/(S + Q A(i p Omega)^-1 W^T), A(s) = (s + Omega G)^2 + 2 zeta omega (s + Omega G) + omega^2. Where these
+F_p = -d_p/(S + Q A(i p Omega)^-1 W^T), A(s) = (s + Omega G)^2 + C (s + Omega G) + K. Where these
 forces outgrow the one that presses, contact is intermittent: theory then gives an upper bound, and runs decide.
 """
 
@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
-from contact.growth.closed_contact import floor_of, poles_each, stability
-from contact.growth.coincidence import Coincidence, coincidences, free_coincidences, waves
+from contact.growth.closed_contact import FirstOrder, first_order, floor_of, poles_each, stability
+from contact.growth.coincidence import Coincidence, coincidences, standing_speeds
 from contact.growth.growth_map import StabilityMap, between
 from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import finite
@@ -32,11 +32,11 @@ DRAWN = 161  # speeds at which poles are kept for a picture
 COLUMNS = {
     "n": "nodal diameters of the casing's wave",
     "condition": "which frequencies meet: f_c of the casing and f_b of the blade, n f the speed in passes of a wave",
-    "f_c": "frequency of the casing's mode alone [Hz]",
-    "f_b": "frequency of the blade's mode alone [Hz]",
+    "f_c": "frequency of the casing's wave without contact at that speed, in the casing's frame [Hz]",
+    "f_b": "frequency of the blade's mode without contact at that speed, in the blade's frame [Hz]",
     "free": "speed of the coincidence without contact [turns/s]",
     "closed": "speed of the coincidence while one contact stays closed [turns/s]: its stiffness shifts it",
-    "f_c/n": "speed at which the wave stands still before the blade, which runs as fast as the wave [turns/s]",
+    "f_c/n": "speed of the wave around the casing [turns/s]: a blade that runs as fast sees it stand still",
     "diverges": "speeds at which closed contact grows without bound [turns/s], - where it does not",
     "growth": "largest growth rate there [1/s], by poles; below 0 it decays",
     "at": "speed of the largest growth [turns/s]",
@@ -151,7 +151,7 @@ def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu:
     if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0) or speed[0] <= 0.0:
         raise InputError("speed_hz: found speeds that do not ascend from above 0, expected two or more that do")
     contact, averaged = _closed(what, mu)
-    met = coincidences(contact) if len(contact.Q) == 1 else free_coincidences(contact)
+    met = coincidences(contact, speed)
     here = tuple(c for c in met if c.free_hz > 0.0 and speed[0] <= c.speed_hz <= speed[-1])
     found = stability(contact, speed)
     press, angle, terms = _pressed(what)
@@ -167,7 +167,7 @@ def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu:
     poles = np.array([_seen(every) for every in poles_each(contact, drawn)])
     standing = contact.omega[contact.casing :] / (2.0 * np.pi)
     return Interactions(
-        rows=tuple(sorted(rows, key=lambda row: -row.growth)), map=found, waves=_waves(contact),
+        rows=tuple(sorted(rows, key=lambda row: -row.growth)), map=found, waves=standing_speeds(contact, speed),
         opens_hz=_above(at, ratio), averaged=averaged, blade_hz=tuple(float(f) for f in standing),
         pole_speed_hz=readonly(drawn), pole_hz=readonly(poles.imag / (2.0 * np.pi)), pole_growth=readonly(poles.real),
     )  # fmt: skip
@@ -223,28 +223,16 @@ def pulse_ratio(
     if not (press.min() > 0.0):
         return ratio + math.inf
     for k, hz in enumerate(speed_hz):
-        still = float(np.real(_stiffness(contact, hz, 0.0) @ press).min())
-        loads = [size * np.abs(_stiffness(contact, hz, p * hz) @ np.exp(-1j * p * at)).max() for p, size in deviations]
+        bodies, turn = first_order(contact, 2.0 * math.pi * hz), 2.0 * math.pi * hz
+        still = float(np.real(_force(bodies, 0.0, press)).min())
+        loads = [size * np.abs(_force(bodies, p * turn, np.exp(-1j * p * at))).max() for p, size in deviations]
         ratio[k] = sum(loads) / still if still > 0.0 else math.inf
     return ratio
 
 
-def _stiffness(contact: ClosedContact, speed_hz: float, freq_hz: float) -> NDArray[np.complex128]:
-    """Contact forces per overlap at a frequency in the blade's frame, (r, r) [N/m]."""
-    sense, turn = math.copysign(1.0, speed_hz), 2.0 * math.pi * speed_hz * contact.G
-    m = contact.omega.size
-    D = 2.0j * math.pi * freq_hz * np.eye(m) + turn
-    A = D @ D + np.diag(2.0 * contact.zeta * contact.omega) @ D + np.diag(contact.omega**2)
-    H = contact.Q @ np.linalg.solve(A, contact.pushes(sense).T.astype(complex))
-    return np.asarray(np.linalg.inv(contact.compliance(sense) + H))
-
-
-def _waves(contact: ClosedContact) -> tuple[tuple[int, float, float], ...]:
-    """(n, f_c, f_c/n) of the casing's waves, by speed; each pair once."""
-    seen = waves(contact, 1.0)
-    turning = [k for k in range(contact.casing) if seen.order[k] > 0.5]
-    found = [(round(float(seen.order[k])), float(seen.omega[k]) / (2.0 * math.pi)) for k in turning]
-    return tuple(sorted(((n, f, f / n) for n, f in found), key=lambda wave: wave[2]))
+def _force(bodies: FirstOrder, w: float, overlap: Array) -> NDArray[np.complex128]:
+    """Contact forces of overlaps [m] that vibrate at w [rad/s] in the blade's frame, (r,) [N]."""
+    return np.asarray(np.linalg.solve(bodies.S + bodies.receptance(1j * w), overlap.astype(complex)))
 
 
 def _above(speed: Array, ratio: Array) -> tuple[tuple[float, float], ...]:

@@ -1,8 +1,8 @@
 """Closed contact of a split casing: growth per turn by Floquet's theory, and the perfect casing nearest to it.
 
-In the casing's frame the modes vibrate freely and the contact point moves: q'' + 2 zeta omega q' + omega^2 q =
--W(phi)^T Q(phi) q/S(phi), phi = phi_0 - Omega t. The matrix of one turn (monodromy) has multipliers rho; growth =
-max log|rho|/T, T = 2 pi/|Omega|.
+In their own frames the bodies vibrate freely and the contact point moves around the casing: q'' + C q' + K q =
+-W(phi)^T Q(phi) q/S(phi), phi = phi_0 - Omega t, C and K of `ModalBody.matrices`. The matrix of one turn (monodromy)
+has multipliers rho; growth = max log|rho|/T, T = 2 pi/|Omega|.
 Its coefficients are periodic in time in either frame. The nearest perfect casing has each pair's mean, seen as cos and
 sin of its own n.
 """
@@ -12,18 +12,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from contact.base.arrays import Array, aligned
+from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
-from contact.model.bodies.modal_body import ModalBody
+from contact.growth.waves import COUPLED, joined_groups
+from contact.model.bodies.modal_body import SQUARES, ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, rim_system
-from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
+from contact.model.gaps.permanent import ClosedContact, SplitError, bodies_matrices, rub_contact
 from contact.model.gaps.rub import Rub, Start, rub_of
-from contact.scheme.modal.propagator import free_motion
+
+if TYPE_CHECKING:
+    from contact.loop.revolve import Drifts
 
 P = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))  # five steps of order two make one of order four (Suzuki, Phys. Lett. A 146, 1990)
 KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
@@ -35,7 +39,8 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
     """A rim whose pairs are equal and turn into themselves; what has no partner is left to the compliance.
 
     Modes belong to the n that most of their radial and tangential motion has; those of one n are paired in order of
-    frequency. Of a perfect casing it is the casing itself but for the turn of its pairs.
+    frequency. Damping, stiffness and the arrays of rotation are averaged over the angle at which the pairs could stand.
+    Of a perfect casing it is the casing itself but for the turn of its pairs.
 
     >>> from contact.model.gaps.bladed_disk import pair_rim
     >>> from contact.model.gaps.permanent import ModalPair
@@ -48,28 +53,65 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
     content = np.sum(rows**2, axis=0)
     content[1 : N + 1] += content[N + 1 :]  # cosine and sine
     order = content[: N + 1].argmax(axis=0)
-    kept: list[tuple[float, float, Array]] = []
+    kept: list[_Mean] = []
     gone = []
+    unit = np.eye(casing.omega.size)
     for n in range(N + 1):
         own = np.flatnonzero(order == n)
         if n == 0:
             alone = [np.where(np.arange(size)[:, None] == 0, rows[:, :, i].T, 0.0).T.ravel() for i in own]
-            kept += [(casing.omega[i], casing.zeta[i], row) for i, row in zip(own, alone, strict=True)]
+            kept += [_Mean(casing.omega[i], casing.zeta[i], row, unit[i], 0) for i, row in zip(own, alone, strict=True)]
             continue
         own = own[np.argsort(casing.omega[own], kind="stable")]
         gone += own[own.size - own.size % 2 :].tolist()
         for i, j in zip(own[: own.size - own.size % 2 : 2], own[1::2], strict=True):
             omega, zeta = float(casing.omega[[i, j]].mean()), float(casing.zeta[[i, j]].mean())
-            kept += [(omega, zeta, row) for row in _pair(rows[:, :, i], rows[:, :, j], n, N)]
+            pair, waves = _pair(rows[:, :, i], rows[:, :, j], n, N), _share(rows[:, :, i], rows[:, :, j], n, N)
+            shapes = waves @ unit[[i, j]]
+            kept += [_Mean(omega, zeta, row, shape, k) for row, shape, k in zip(pair, shapes, (n, -n), strict=True)]
     S = casing.S + sum((np.outer(casing.rows[:, i], casing.rows[:, i]) / casing.omega[i] ** 2 for i in gone), 0.0)
-    kept.sort(key=lambda mode: mode[0])
+    kept.sort(key=lambda mode: mode.omega)
+    shapes, orders = np.array([mode.shape for mode in kept]), np.array([mode.order for mode in kept], dtype=np.int64)
+    squares: dict[str, Any] = {
+        name: _mean_square(shapes @ given @ shapes.T, orders)
+        for name in SQUARES if (given := getattr(casing, name)) is not None
+    }  # fmt: skip
     return replace(
-        casing, omega=np.array([mode[0] for mode in kept]), zeta=np.array([mode[1] for mode in kept]),
-        rows=np.array([mode[2] for mode in kept]).reshape(len(kept), -1).T, S=_mean_compliance(np.asarray(S), size, N),
+        casing, omega=np.array([mode.omega for mode in kept]), zeta=np.array([mode.zeta for mode in kept]),
+        rows=np.array([mode.row for mode in kept]).reshape(len(kept), -1).T, S=_mean_compliance(np.asarray(S), size, N),
         recovery=None, recovery_S=None, recovery_points=None, recovery_cells=None, outputs=(), output_rows=None,
-        output_S=None, gyroscopic=None, stiffness_by_speed=None, damping=None, stiffness=None, participation=None,
-        out_of_roundness=None,
+        output_S=None, **squares, participation=None, out_of_roundness=None,
     )  # fmt: skip
+
+
+class _Mean(NamedTuple):
+    """A mode of the perfect rim: its row, what it is of the casing's modes, and n of a cosine, -n of a sine."""
+
+    omega: float
+    zeta: float
+    row: Array
+    shape: Array
+    order: int
+
+
+def _share(first: Array, second: Array, n: int, N: int) -> Array:
+    """Cosine and sine of n as sums of two modes, (2, 2): their radial phases, made orthogonal."""
+    angle = [math.atan2(mode[0, N + n], mode[0, n]) for mode in (first, second)]
+    left, _, right = np.linalg.svd(np.array([np.cos(angle), np.sin(angle)]))
+    return np.asarray(left @ right)
+
+
+def _mean_square(X: Array, order: Indices) -> Array:
+    """A matrix of cosines (order n) and sines (-n) averaged over the angle: it then couples waves of one n alone."""
+    found, n = np.zeros_like(X), np.abs(order)
+    found[np.ix_(n == 0, n == 0)] = X[np.ix_(n == 0, n == 0)]
+    for one in np.unique(n[n > 0]):
+        c, s = np.flatnonzero(order == one), np.flatnonzero(order == -one)
+        even = 0.5 * (X[np.ix_(c, c)] + X[np.ix_(s, s)])
+        odd = 0.5 * (X[np.ix_(c, s)] - X[np.ix_(s, c)])
+        found[np.ix_(c, c)] = found[np.ix_(s, s)] = even
+        found[np.ix_(c, s)], found[np.ix_(s, c)] = odd, -odd
+    return found
 
 
 def mean_contact(rub: RotatingRim | Rub, *, mu: float = 0.0) -> tuple[ClosedContact, bool]:
@@ -127,33 +169,55 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
 def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
     if rim.speed == 0.0:
         raise InputError("speed_hz: found 0 with a split casing, expected a speed: there is no turn to follow")
-    turn = monodromy(rim_system(rim), math.copysign(mu, rim.speed), phase)
+    C, K = bodies_matrices(rub_of(rim), rim.speed)
+    turn = monodromy(rim_system(rim), C, K, math.copysign(mu, rim.speed), phase)
     return float(np.log(np.abs(np.linalg.eigvals(turn)).max()) * abs(rim.speed) / (2.0 * math.pi))
 
 
-def monodromy(system: ModalSystem, mu: float, phase: float = PHASE) -> Array:
-    """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed."""
-    from contact.loop.modal.rows import revolve
+def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float = PHASE) -> Array:
+    """State (q, q'/scale) after one turn for each unit state before, (2 m, 2 m); `mu` with the sign of the speed.
+
+    C [1/s] and K [1/s^2] (m, m) of the bodies at the speed of the system.
+    """
+    from contact.loop.revolve import revolve
     from contact.scheme.modal.modal_stepper import padded, rim_rows
 
     m, period = system.omega.size, 2.0 * math.pi / abs(system.speed)
     scale = float(system.omega.max())
-    steps = math.ceil(period * fastest(system, mu) / phase)
+    steps = math.ceil(period * fastest(system, C, K, mu) / phase)
     if steps > MOST_STEPS:
         raise LimitError(f"speed_hz: found {steps} steps a turn, expected at most {MOST_STEPS}: raise the speed")
     h = period / steps
-    edges = np.concatenate(([0.0], KICKS, [0.0]))
-    drifts = np.array([free_motion(system.omega, system.zeta, 0.5 * (a + b) * h)
-                       for a, b in pairwise(edges)])  # fmt: skip
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
     rows = rim_rows(system, mu, *system.sums(), motion_limits(0.0, 0.0))
     Q, T = aligned(2, padded(m))
-    revolve(q, v, rows, Q, T, np.zeros(2 * m), drifts, times, KICKS, h, steps)
+    edges = np.concatenate(([0.0], KICKS, [0.0]))
+    parts = _drifts(C, K, np.array([0.5 * (a + b) * h for a, b in pairwise(edges)]))
+    revolve(q, v, rows, Q, T, np.zeros(2 * m), parts, times, KICKS, h, steps)
     return np.vstack([q, v / scale])
 
 
-def fastest(system: ModalSystem, mu: float) -> float:
+def _drifts(C: Array, K: Array, times: Array) -> Drifts:
+    """Exact free motion over each of some times, in blocks of modes that C or K couple."""
+    from scipy.linalg import expm
+
+    from contact.loop.revolve import Drifts
+
+    groups = joined_groups((np.abs(C) > COUPLED * np.abs(C).max()) | (np.abs(K) > COUPLED * np.abs(K).max()))
+    values = []
+    for group in groups:
+        own, none = np.ix_(group, group), np.zeros((group.size, group.size))
+        A = np.block([[none, np.eye(group.size)], [-K[own], -C[own]]])
+        values.append(expm(times[:, None, None] * A).reshape(times.size, -1))
+    sizes = np.array([group.size for group in groups])
+    start = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum(4 * sizes**2)[:-1]]).astype(np.int64)
+    work = np.zeros((2 * int(sizes.max()), 2 * len(K)))
+    return Drifts(start, np.concatenate(groups).astype(np.int64), first, np.hstack(values), work)
+
+
+def fastest(system: ModalSystem, C: Array, K: Array, mu: float) -> float:
     """Bound on the angular frequencies [rad/s] of the modes on the contact's spring, over a turn."""
     assert system.table is not None  # a rim's rows always turn
     stiffest = 0.0
@@ -163,4 +227,5 @@ def fastest(system: ModalSystem, mu: float) -> float:
         if not S > 0.0:
             raise InputError(f"S: found compliance {S:g} m/N at the contact, expected > 0: it needs some give")
         stiffest = max(stiffest, float(np.linalg.norm(Q) * np.linalg.norm(Q - mu * T)) / S)
-    return math.sqrt(float(system.omega.max()) ** 2 + stiffest)
+    carried = 0.25 * float(np.linalg.norm(C - C.T, 2))  # half of what Coriolis forces shift a pair by
+    return carried + math.sqrt(carried**2 + float(np.linalg.norm(K, 2)) + stiffest)

@@ -123,7 +123,11 @@ def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> 
         friction=plan.friction,
         lean_deg=plan.lean_deg,
     )
-    met = next(c for c in coincidences(hand.contact()) if c.branch == "backward" and c.free_hz > 0.0)
+    met = next(
+        c
+        for c in coincidences(hand.contact(), np.array([nu / n / np.pi]))
+        if c.branch == "backward" and c.free_hz > 0.0
+    )
     if not met.drives:
         raise ValueError(f"friction {plan.friction} below tan(lean): no speed of this blade grows at f_b = f_c - n f")
     centre, half = n * (met.speed_hz - met.free_hz), n * met.half_hz

@@ -144,7 +144,9 @@ def run_rate(rub: ct.Rub, mu: float, waves: IntArray, speed_hz: float, pole: flo
     """Growth of these modes in a run at one speed [1/s], from rest under the press but for a kick to them."""
     closed, m = rub_contact(rub, mu=mu), rub.casing.omega.size
     force = np.linalg.solve(closed.compliance(1.0), np.full(len(rub.tips), PRESS))
-    rest = np.linalg.solve(np.diag(closed.omega**2) + closed.joined(1.0), closed.pushes(1.0).T @ force)
+    push = closed.pushes(1.0).T
+    joined = push @ np.linalg.solve(closed.compliance(1.0), closed.Q)
+    rest = np.linalg.solve(np.diag(closed.omega**2) + joined, push @ force)
     kick = np.zeros(m)
     kick[waves[0]] = STRONG_KICK
     started = replace(

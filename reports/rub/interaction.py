@@ -22,6 +22,7 @@ from reports.tables import Row, command_line, show, write
 from reports.verification.interaction import B6, OTHERS, around, digging
 
 SMALL = 0.05  # 1/s
+SPEEDS = np.array([1.0, 60.0])  # turns/s
 
 
 def signs(quick: bool) -> list[Row]:
@@ -30,7 +31,7 @@ def signs(quick: bool) -> list[Row]:
     damped = digging(0.0, 0.0, zeta=4e-4)
     for freq in (110.0, 120.0) if quick else (100.0, 110.0, 120.0, 130.0, 140.0):
         pair = replace(damped, blade=replace(damped.blade, freq_hz=freq))
-        sum_hz, low = loaded(pair).speed_hz, coincidences(pair.contact())
+        sum_hz, low = loaded(pair).speed_hz, coincidences(pair.contact(), SPEEDS)
         difference = next(c.speed_hz for c in low if c.branch == "backward" and c.speed_hz > 0.0)
         for speed in (sum_hz - 1.0, sum_hz - 0.1, sum_hz, sum_hz + 0.08, sum_hz + 1.0, difference, 40.0):
             rate = float(growth(pair.contact(), np.array([speed]))[0])
@@ -53,7 +54,7 @@ def friction() -> list[Row]:
             "lean deg": lean,
             "mu > tan(lean)": "yes" if 0.0 < np.tan(np.radians(lean)) < mu else "no",
         }
-        for c in coincidences(digging(mu, lean).contact()):
+        for c in coincidences(digging(mu, lean).contact(), SPEEDS):
             if c.speed_hz > 0.0:
                 speed = np.linspace(c.speed_hz - c.half_hz, c.speed_hz + c.half_hz, 201)
                 rates = growth(digging(mu, lean).contact(), speed)

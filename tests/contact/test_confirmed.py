@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 import contact as ct
 from contact.confirmed import ConfirmingRun, _start, _step, closed_rub, exponent
-from contact.growth.closed_contact import poles, state_matrix
+from contact.growth.closed_contact import first_order, poles
 from contact.growth.split_casing import mean_contact
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
@@ -65,7 +65,7 @@ def test_no_contact_of_several_moves_by_more_than_a_share_of_the_least_force():
     points = [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=130.0 * k, lean_deg=10.0) for k in range(2)]
     contact = mean_contact(ct.Rub(ring(), (blade(), blade(psi=0.8)), points), mu=0.3)[0]
     m, turn, S = contact.omega.size, 2.0 * np.pi * 20.0 * contact.G, contact.compliance(1.0)
-    values, vectors = np.linalg.eig(state_matrix(contact, 20.0)[0])
+    values, vectors = np.linalg.eig(first_order(contact, 40.0 * np.pi).closed())
     k = int(values.real.argmax())
     press, q, _ = _start(contact, 20.0, values[k], 1e-5, 2e-5)
     free = turn @ turn + np.diag(2.0 * contact.zeta * contact.omega) @ turn + np.diag(contact.omega**2)

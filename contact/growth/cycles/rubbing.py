@@ -1,7 +1,7 @@
 """A turning rim against its blades over speed, clearance or friction, in the blades' frame: coefficients are constant.
 
 A perfect casing's modes turn into each other, so with G as in `contact.model.gaps.permanent.ClosedContact`
-(D + Omega G)^2 q + 2 zeta omega (D + Omega G) q + omega^2 q = (Q - mu s T)^T lam,
+(D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam,
 gap = clearance + d(phi_0 - Omega t) + Q q + (S_nn - mu s S_nt) lam + lam/stiffness:
 the out-of-roundness d forces the motion, once a turn and at its harmonics.
 """
@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.growth.closed_contact import first_order
 from contact.growth.cycles.driven import looks_of
 from contact.growth.cycles.passage import Motion
 from contact.growth.cycles.switched import Complex, Drive, Forcing, Plant
@@ -141,20 +142,18 @@ def _require_periodic(rub: Rub, mu: float) -> None:
 
 
 def _plant(rub: Rub, contact: ClosedContact, speed: float, stiffness: float) -> Plant:
-    """State (q, (D + Omega G) q/omega); shown is what is in `SHOWN`, then each slip in the direction of the turn."""
-    omega, k = contact.omega, len(contact.Q)
-    sense, turn = math.copysign(1.0, speed), -speed * contact.G
-    W, S = contact.pushes(sense), contact.compliance(sense)
-    across = (turn / omega[:, None]) * omega  # of q'/omega
-    A = np.block([[turn, np.diag(omega)], [-np.diag(omega), across - np.diag(2.0 * contact.zeta * omega)]])
+    """The state of `first_order`; shown is what is in `SHOWN`, then each slip in the direction of the turn."""
+    k, sense, m = len(contact.Q), math.copysign(1.0, speed), contact.omega.size
+    bodies, (C, K) = first_order(contact, speed), contact.matrices(speed)
     shown, pushed = _shown(rub, contact, sense)
-    S = S + np.eye(k) / stiffness
-    held = omega.max() ** 2 + float(np.linalg.norm(W.T @ np.linalg.solve(S, contact.Q), 2))
-    none = np.zeros_like(contact.Q)
+    S = bodies.S + np.eye(k) / stiffness
+    W = contact.pushes(sense)
+    fastest = float(np.linalg.norm(K, 2) + np.linalg.norm(W.T @ np.linalg.solve(S, contact.Q), 2))
+    carried = np.linalg.norm(C, 2) + np.abs(speed * contact.G).sum(axis=1).max()
+    slips = sense * contact.T * contact.rates
     return Plant(
-        A=A, B=np.vstack([none.T, W.T / omega[:, None]]), C=np.hstack([contact.Q, none]), S=S,
-        D=np.vstack([shown, np.hstack([none, sense * contact.T * omega])]), E=np.vstack([pushed, np.zeros((k, k))]),
-        restitution=np.zeros(k), rate=math.sqrt(held) + float(np.abs(turn).sum(axis=1).max()),
+        A=bodies.A, B=bodies.B, C=bodies.C, S=S, D=np.vstack([shown, np.hstack([np.zeros((k, m)), slips])]),
+        E=np.vstack([pushed, np.zeros((k, k))]), restitution=np.zeros(k), rate=math.sqrt(fastest) + float(carried),
         slips=tuple((j, len(shown) + j) for j in range(k)) if contact.mu > 0.0 else (), hidden=k,
     )  # fmt: skip
 

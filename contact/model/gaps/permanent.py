@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import RubSystem, rub_system
 
+Turning = Literal["casing", "blades"]
+SQUARES = ("damping", "gyroscopic", "stiffness", "stiffness_by_speed")
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
 TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmonics of its own, such as 2e-4
 
@@ -33,11 +36,15 @@ class SplitError(InputError):
 class ClosedContact:
     """Modes joined by r closed contacts, in the frame in which the contact points stand still.
 
-    (D + Omega G)^2 q + 2 zeta omega (D + Omega G) q + omega^2 q = (Q - mu s T)^T lam,
-    Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega; G^T = -G, dQ/dphi = Q G: how modes turn when the point moves.
+    (D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam, Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega;
+    C = diag(2 zeta omega) + damping + Omega gyroscopic, K = diag(omega^2) + stiffness + Omega^2 stiffness_by_speed.
+    G^T = -G, dQ/dphi = Q G: how modes turn when the point moves. C and K commute with G.
 
     `omega` [rad/s], `zeta` (m,); `G` (m, m); `Q`, `T` (r, m) normal and tangential rows [1/sqrt(kg)]; `S_nn`, `S_nt`
-    (r, r) [m/N]; `mu` friction. The first `casing` modes are the turning body's, the others stand still.
+    (r, r) [m/N]; `mu` friction. The first `casing` modes are those of the body before which the contact points move,
+    the others belong to the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
+    and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), are zero where they are left out. A body at rest has no
+    share in those of speed; `turns` tells whether the casing turns or its blades do.
 
     Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
     """
@@ -51,19 +58,44 @@ class ClosedContact:
     S_nt: Array
     casing: int
     mu: float = 0.0
+    damping: Array | None = None
+    gyroscopic: Array | None = None
+    stiffness: Array | None = None
+    stiffness_by_speed: Array | None = None
+    turns: Turning = "casing"
 
     def __post_init__(self) -> None:
-        keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt")
+        keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt", *SQUARES)
         m, r = self.omega.size, len(self.Q)
         if not r:
             raise InputError("Q: found no contact, expected a row for each of one or more")
         shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
+        shapes |= {name: (m, m) for name in SQUARES if getattr(self, name) is not None}
         for name, shape in shapes.items():
             require_shape(name, getattr(self, name), shape)
         require_not_negative(mu=self.mu)
         lowest = float(np.linalg.eigvalsh(0.5 * (self.S_nn + self.S_nn.T))[0])
         if not lowest > 0.0:
             raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")
+
+    def parts(self) -> tuple[Array, Array, Array, Array]:
+        """C at rest, C per speed, K at rest, K per squared speed, (m, m) each."""
+        none = np.zeros((self.omega.size,) * 2)
+        C, c_by_speed, K, k_by_speed = (
+            none if getattr(self, name) is None else np.asarray(getattr(self, name)) for name in SQUARES
+        )
+        return C + np.diag(2.0 * self.zeta * self.omega), c_by_speed, K + np.diag(self.omega**2), k_by_speed
+
+    def matrices(self, speed: float) -> tuple[Array, Array]:
+        """C and K at a speed [rad/s], (m, m)."""
+        C, c_by_speed, K, k_by_speed = self.parts()
+        return C + speed * c_by_speed, K + speed**2 * k_by_speed
+
+    @property
+    def rates(self) -> Array:
+        """Scale of each mode's velocity [rad/s], (m,): its own frequency, of a rigid mode the highest one."""
+        highest = float(self.omega.max(initial=0.0)) or 1.0
+        return np.where(self.omega > 0.0, self.omega, highest)
 
     def pushes(self, sense: float) -> Array:
         """W = Q - mu s T, (r, m): what unit contact forces do to the modes, s the sense of rotation."""
@@ -72,10 +104,6 @@ class ClosedContact:
     def compliance(self, sense: float) -> Array:
         """S = S_nn - mu s S_nt, (r, r)."""
         return np.asarray(self.S_nn - self.mu * sense * self.S_nt)
-
-    def joined(self, sense: float) -> Array:
-        """W^T S^-1 Q, (m, m): what the closed contacts add to diag(omega^2)."""
-        return np.asarray(self.pushes(sense).T @ np.linalg.solve(self.compliance(sense), self.Q))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +136,7 @@ class ModalPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandPair:
-    """The hand calculation: one n-diameter pair of a turning casing against one mode of a fixed blade.
+    """The hand calculation: a pair of n diameters of a casing at rest against one mode of a blade that moves around it.
 
     `compliance` S [m/N] of the contact, 1/stiffness; `friction` mu; `lean_deg` the lean a of the blade into the motion.
     The blade's mode bends across its span: 1 along the normal goes with cot a along the rim, so the contact works on it
@@ -156,7 +184,7 @@ class HandPair:
             omega=np.array([casing.omega, casing.omega, blade.omega]),
             zeta=np.array([casing.zeta, casing.zeta, blade.zeta]), G=turning([casing.n], 3),
             Q=np.array([[x, 0.0, -y]]), T=np.array([[0.0, x / casing.n, -y * self.slip]]),
-            S_nn=np.array([[self.compliance]]), S_nt=np.zeros((1, 1)), casing=2, mu=self.friction,
+            S_nn=np.array([[self.compliance]]), S_nt=np.zeros((1, 1)), casing=2, mu=self.friction, turns="blades",
         )  # fmt: skip
 
 
@@ -175,7 +203,7 @@ def disk_contact(casing: ModalPair, disk: ModalPair, *, stiffness: float, blades
     return ClosedContact(
         omega=np.array(omega), zeta=np.array(zeta), G=turning([casing.n], 4),
         Q=np.hstack([x * np.eye(2), -y * np.eye(2)]), T=np.zeros((2, 4)),
-        S_nn=np.eye(2) * 2.0 / (stiffness * blades), S_nt=np.zeros((2, 2)), casing=2,
+        S_nn=np.eye(2) * 2.0 / (stiffness * blades), S_nt=np.zeros((2, 2)), casing=2, turns="blades",
     )  # fmt: skip
 
 
@@ -203,10 +231,10 @@ def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
 def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     """A perfect casing with every tip of a rub closed, sliding around, in the tips' frame.
 
-    Profile, closing, whirl and stiffening only force or detune the vibration and are left out. Every pair must be
-    equal to 1e-8 and turn into itself but for 1e-3, and S must not depend on the angle.
+    Profile, closing and whirl only force the vibration and are left out. Every pair must be equal to 1e-8 and turn into
+    itself but for 1e-3, what its damping, stiffness and rotation do must be the same at all angles, and so must S.
 
-    Raises SplitError where it does: the coefficients are then periodic in time (`contact.growth.split_casing`).
+    Raises SplitError where it does not: the coefficients are then periodic in time (`contact.growth.split_casing`).
     """
     rub: Rub = rub_of(what)
     system = rub_system(rub, 2)
@@ -216,6 +244,8 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     tables = [table[b] for b in seen for table in (rim.cos, rim.sin)]
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
     S, varies = mean_compliance(system, rub.casing.n_max)
+    squares: dict[str, Any] = bodies_squares(rub)
+    left = max([left, *(_varies(part[:m, :m], G[:m, :m]) for part in squares.values())])
     if left > TURNS or varies > TURNS:
         found = f"pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on the angle"
         expected = "a perfect casing; a split one is a matter for Floquet's theory"
@@ -228,8 +258,49 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
             rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
     return ClosedContact(
         omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
-        mu=mu,
+        mu=mu, **squares,
     )  # fmt: skip
+
+
+def bodies_squares(rub: Rub) -> dict[str, Array]:
+    """Damping, gyroscopic, stiffness and stiffness_by_speed of all bodies by the speed of the rub, (m, m) each."""
+    parts: dict[str, list[Array]] = {name: [] for name in SQUARES}
+    for body, turns in zip(rub.bodies, bodies_turn(rub), strict=True):
+        C, K = body.matrices(0.0)
+        none = np.zeros_like(K)
+        parts["damping"].append(C - np.diag(2.0 * body.zeta * body.omega))
+        parts["stiffness"].append(K - np.diag(body.omega**2))
+        for name in ("gyroscopic", "stiffness_by_speed"):
+            given = getattr(body, name)
+            factor = turns if name == "gyroscopic" else turns**2
+            parts[name].append(none if given is None else factor * given)
+    return {name: _block_diagonal(found) for name, found in parts.items() if any(part.any() for part in found)}
+
+
+def bodies_matrices(rub: Rub, speed: float) -> tuple[Array, Array]:
+    """C [1/s] and K [1/s^2] of all bodies, each in its own frame, at a speed of the rub [rad/s], (m, m) each."""
+    found = [body.matrices(turns * speed) for body, turns in zip(rub.bodies, bodies_turn(rub), strict=True)]
+    return _block_diagonal([C for C, _ in found]), _block_diagonal([K for _, K in found])
+
+
+def bodies_turn(rub: Rub) -> list[float]:
+    """Speed of each body over that of the rub: which of them turn, and in which sense about the axis of the casing."""
+    return [1.0, *(0.0 for _ in rub.blades)]
+
+
+def _block_diagonal(blocks: list[Array]) -> Array:
+    size = sum(len(block) for block in blocks)
+    whole, first = np.zeros((size, size)), 0
+    for block in blocks:
+        whole[first : first + len(block), first : first + len(block)] = block
+        first += len(block)
+    return whole
+
+
+def _varies(part: Array, G: Array) -> float:
+    """How far a matrix of the casing's modes depends on the angle, relative: |G X - X G| over |G X|."""
+    size = float(np.linalg.norm(G @ part))
+    return float(np.linalg.norm(G @ part - part @ G)) / size if size else 0.0
 
 
 def mean_compliance(system: RubSystem, n_max: int) -> tuple[Array, float]:

@@ -118,15 +118,3 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
         turn=readonly(turn), stiff=readonly(stiff), stay=readonly(np.cos(turn) - slope * np.sin(turn)),
         drift=readonly(h * np.sinc(turn / np.pi)), rigid=not elastic.all(),
     )  # fmt: skip
-
-
-def free_motion(omega: Array, zeta: Array, h: float) -> Array:
-    """Exact (q, q') -> (q, q') of free modes over h [s], which may be negative: entries 11, 12, 21, 22, (4, m).
-
-    >>> free_motion(np.array([np.pi]), np.zeros(1), 1.0).round(12).ravel().tolist()
-    [-1.0, 0.0, -0.0, -1.0]
-    """
-    w_d, slope = omega * np.sqrt(1.0 - zeta**2), zeta / np.sqrt(1.0 - zeta**2)
-    fade, cos, sin = np.exp(-zeta * omega * h), np.cos(w_d * h), np.sin(w_d * h)
-    across = fade * h * np.sinc(w_d * h / np.pi)
-    return np.array([fade * (cos + slope * sin), across, -(omega**2) * across, fade * (cos - slope * sin)])

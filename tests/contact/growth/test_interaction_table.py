@@ -11,9 +11,10 @@ from scipy.optimize import linear_sum_assignment
 import contact as ct
 from contact.confirmed import confirming_run
 from contact.growth.closed_contact import closed_poles, growth, poles, poles_each
-from contact.growth.coincidence import loaded, waves
+from contact.growth.coincidence import loaded
 from contact.growth.interaction_table import _above, _pressed, pulse_ratio
 from contact.growth.split_casing import mean_contact, perfect_mean
+from contact.growth.waves import waves_of
 from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact, rub_contact
 from contact.scene.stability import load_interactions
 from tests.contact.synthetic_rim import blade, ring
@@ -40,7 +41,7 @@ TWO_BLADES = ct.Rub(
 def test_the_characteristic_equation_has_the_eigenvalues(mu, hz):
     contact = rim_contact(rim(), mu=mu)
     sense = np.sign(hz)
-    found = closed_poles(waves(contact, sense), float(contact.compliance(sense)[0, 0]), 2.0 * np.pi * hz)
+    found = closed_poles(waves_of(contact), float(contact.compliance(sense)[0, 0]), 2.0 * np.pi * hz)
     every = poles(contact, np.array([hz]))[0]
     distance = np.abs(found[:, None] - every)
     assert distance[linear_sum_assignment(distance)].max() < 1e-9 * np.abs(every).max()

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.closed_contact import closed_poles, floor_of, growth, poles, poles_each, rim_stability, state_matrix
-from contact.growth.coincidence import Waves
+from contact.growth.closed_contact import closed_poles, first_order, floor_of, growth, poles, poles_each, rim_stability
 from contact.growth.growth_map import StabilityMap, scan
 from contact.growth.split_casing import mean_contact, perfect_mean
+from contact.growth.waves import waves_of
 from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.permanent import (
     ClosedContact,
@@ -103,9 +103,8 @@ def test_poles_are_eigenvalues_at_either_sense(make):
         distance = np.abs(every[:, None] - expected)
         assert max(distance.min(axis=0).max(), distance.min(axis=1).max()) < 1e-7 * size
         assert growth(contact, hz) == pytest.approx([expected.real.max()], abs=1e-9 * size)
-        A, scale = state_matrix(contact, hz)
-        assert scale == contact.omega.max()
-        assert np.sort(np.linalg.eigvals(A).imag) == pytest.approx(np.sort(expected.imag), abs=1e-7 * size)
+        closed = first_order(contact, TURN * hz).closed()
+        assert np.sort(np.linalg.eigvals(closed).imag) == pytest.approx(np.sort(expected.imag), abs=1e-7 * size)
     assert floor_of(contact) == pytest.approx(1e-8 * contact.omega.max(), rel=1e-14)
 
 
@@ -134,20 +133,26 @@ def test_thirty_modes_or_more_of_one_contact_go_by_the_equation(monkeypatch):
         assert len(used) == often
 
 
-def test_the_equation_of_one_contact_is_refused_for_what_has_no_frequency():
-    none = Waves(np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, complex))
-    assert closed_poles(none, 1.0, 1.0) is None
-    rigid = Waves(np.zeros(2), np.array([0.0, 1.0]), np.zeros(2), np.ones(2, complex))
-    assert closed_poles(rigid, 1.0, 1.0) is None
+def alone(omega, rows, zeta=0.0):
+    """A pair of n = 2 and modes that stand, each seen by its entry in `rows`."""
+    m = len(omega)
+    return ClosedContact(omega=omega, zeta=np.full(m, zeta), G=turning([2], m), Q=[rows], T=np.zeros((1, m)),
+                         S_nn=[[0.25]], S_nt=[[0.0]], casing=2)  # fmt: skip
+
+
+def test_a_rigid_mode_has_two_poles_that_are_one_and_goes_by_eigenvalues():
+    contact = alone([3.0, 3.0, 0.0], [1.0, 0.0, 1.0])
+    assert closed_poles(waves_of(contact), 0.25, 1.0) is None
+    assert closed_poles(waves_of(replace(contact, omega=[3.0, 3.0, 1.0])), 0.25, 1.0) is not None
 
 
 def test_modes_that_contact_does_not_see_keep_their_poles():
-    """s = -zeta omega - i n Omega +- i omega sqrt(1 - zeta^2); two others by the polynomial of the equation."""
-    seen = Waves(np.array([2.0, 0.0]), np.array([3.0, 7.0]), np.array([0.1, 0.2]), np.array([0.0, 1.5 + 0j]))
-    found = closed_poles(seen, 0.25, 0.5)
-    free = -0.3 - 1.0j + 3.0j * math.sqrt(0.99) * np.array([1.0, -1.0])
-    np.testing.assert_allclose(found[2:], free, rtol=1e-14)
-    met = np.roots([0.25, 0.25 * 2.8, 0.25 * 49.0 + 1.5])  # S (s^2 + 2 zeta w s + w^2) + r
+    """s = -zeta omega -+ i n Omega +- i omega sqrt(1 - zeta^2); two others by the polynomial of the equation."""
+    contact = alone([3.0, 3.0, 7.0], [0.0, 0.0, math.sqrt(1.5)], zeta=0.1)
+    found = closed_poles(waves_of(contact), 0.25, 0.5)
+    free = [-0.3 + 1j * (turn + sign * 3.0 * math.sqrt(0.99)) for turn in (1.0, -1.0) for sign in (1.0, -1.0)]
+    assert np.sort_complex(found[2:].round(9)) == pytest.approx(np.sort_complex(np.round(free, 9)), rel=1e-8)
+    met = np.roots([0.25, 0.25 * 1.4, 0.25 * 49.0 + 1.5])  # S (s^2 + 2 zeta w s + w^2) + r
     assert np.sort_complex(found[:2]) == pytest.approx(np.sort_complex(met), rel=1e-12)
 
 

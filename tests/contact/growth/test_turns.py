@@ -9,6 +9,8 @@ import contact as ct
 from contact.growth import split_casing as floquet
 from contact.growth.split_casing import fastest, floquet_growth
 from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.permanent import bodies_matrices
+from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 
 
@@ -24,7 +26,12 @@ def test_the_fastest_vibration_is_bounded_by_the_stiffest_of_sixty_four_angles()
         Q, T = system.table.rows_at(np.array([phi]))
         S = system.S_nn(phi) - mu * system.S_nt(phi)
         stiffest = max(stiffest, np.linalg.norm(Q) * np.linalg.norm(Q - mu * T) / S)
-    assert fastest(system, mu) == pytest.approx(math.sqrt(system.omega.max() ** 2 + stiffest), rel=1e-12)
+    C, K = bodies_matrices(rub_of(rim()), system.speed)
+    assert fastest(system, C, K, mu) == pytest.approx(math.sqrt(system.omega.max() ** 2 + stiffest), rel=1e-12)
+    pair = np.zeros_like(C)
+    pair[0, 1], pair[1, 0] = 800.0, -800.0  # its waves are 400 rad/s slower and faster than their mean
+    found = 400.0 + math.sqrt(400.0**2 + system.omega.max() ** 2 + stiffest)
+    assert fastest(system, C + pair, K, mu) == pytest.approx(found, rel=1e-12)
 
 
 @pytest.mark.parametrize(("hz", "sense"), [(5.0, 1.0), (-5.0, -1.0)])
@@ -32,7 +39,7 @@ def test_growth_is_that_of_the_largest_multiplier_over_a_turn(hz, sense, monkeyp
     """A turn that makes two states three times as large, in a fifth of a second; friction has the sign of the speed."""
     asked = []
 
-    def turn(system, mu, phase):
+    def turn(system, C, K, mu, phase):
         asked.append((system.speed, mu, phase))
         return np.diag([0.5, -3.0, 1.0])
 

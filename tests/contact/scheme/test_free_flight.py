@@ -9,7 +9,7 @@ from contact.loop.modal.free_flight import FOREVER, WAIT, largest_share, open_st
 from contact.model.gaps.modal_system import rim_system
 from contact.model.trig import fourier
 from contact.scheme.modal.modal_stepper import BITS, CELLS, least_clearance, powers, rim_free_flight
-from contact.scheme.modal.propagator import free_motion, propagator
+from contact.scheme.modal.propagator import propagator
 from tests.contact.synthetic_rim import blade, ring
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
@@ -24,14 +24,6 @@ def lobed(*, clearance=2e-4, zeta=0.01, imperfect=0.0, speed_hz=20.0, **more):
         ring(S=4e-7, zeta=zeta, imperfect=imperfect), blade(S=1e-6, zeta=zeta), clearance=clearance, speed_hz=speed_hz,
         lean_deg=25.0, out_of_roundness=[{"p": 2, "cos": 2.5e-4}], angle_deg=45.0, **more,
     )  # fmt: skip
-
-
-@pytest.mark.parametrize("zeta", [0.0, 0.01, 0.6])
-def test_free_motion_is_the_exponential_of_its_matrix(zeta):
-    for h in (0.2, -0.2):
-        exact = expm(h * np.array([[0.0, 1.0], [-9.0, -6.0 * zeta]]))
-        found = free_motion(np.array([3.0]), np.array([zeta]), h)
-        np.testing.assert_allclose(found.ravel(), exact.ravel(), rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("zeta", [0.0, 0.05, 0.6])

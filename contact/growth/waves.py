@@ -1,0 +1,146 @@
+"""Free waves and modes of the bodies of a closed contact, as the contact sees them, at any speed.
+
+Seen from the contact a casing's wave e^(i k theta) obeys
+(D + i k Omega)^2 z + C_k (D + i k Omega) z + K_k z = W_k^H lam, with C_k and K_k what `ClosedContact.matrices` has
+between waves of k diameters at that speed: Coriolis forces make the two senses k and -k differ. Modes of the bodies
+that stand before the contact have k = 0. Each gives two poles, and together they are the receptance
+H(s) = sum_j seen_j pushed_j/(s - s_j).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array, Indices
+from contact.model.gaps.permanent import ClosedContact, equal_modes
+
+Complex = NDArray[np.complex128]
+COUPLED = 1e-12  # of the largest entry of C or K: a smaller one couples no waves
+DEFECT = 1e10  # condition of the eigenvectors of a wave beyond which two of its poles have become one
+
+
+class FreePoles(NamedTuple):
+    """Poles s [1/s, rad/s] of the free bodies in the frame of the contact points, at each of some speeds.
+
+    `s` (speeds, 2 m), `seen` (speeds, r, 2 m), `pushed` (speeds, 2 m, r); `order` k, `sign` of the frequency in the
+    body's own frame, and whether it is the `casing`'s, (2 m,). Column j is the same wave at all speeds.
+    """
+
+    s: Complex
+    seen: Complex
+    pushed: Complex
+    order: Array
+    sign: Array
+    casing: NDArray[np.bool_]
+
+    def own(self, speed: Array) -> Array:
+        """Frequencies without damping, |s + i k Omega| with their sign, in the body's own frame, (speeds, 2 m)."""
+        return np.asarray(self.sign * np.abs(self.s + 1j * np.multiply.outer(speed, self.order)))
+
+    def met(self, speed: Array) -> Array:
+        """The same in the frame of the contact points, (speeds, 2 m)."""
+        return np.asarray(self.own(speed) - np.multiply.outer(speed, self.order))
+
+    @property
+    def residues(self) -> Complex:
+        """What one contact sees of each pole, seen pushed, (speeds, 2 m)."""
+        return np.asarray(self.seen[:, 0] * self.pushed[:, :, 0])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Waves:
+    """Modes as waves e^(i k theta): shapes U (m, m), orders k (m,), and groups of waves that C or K couple."""
+
+    contact: ClosedContact
+    U: Complex
+    order: Array
+    groups: tuple[Indices, ...]
+
+    def order_of(self, pole: int) -> float:
+        """Order k of a column of `poles`."""
+        return float(
+            np.repeat([self.order[group[0]] for group in self.groups], [2 * g.size for g in self.groups])[pole]
+        )
+
+    def poles(self, speed: Array, sense: float) -> FreePoles | None:
+        """Poles at speeds [rad/s] of one sense of rotation; None where two of them have become one."""
+        contact, m, r = self.contact, self.order.size, len(self.contact.Q)
+        first = np.concatenate([[0], 2 * np.cumsum([group.size for group in self.groups])]).astype(int)
+        s = np.empty((speed.size, 2 * m), dtype=complex)
+        seen, pushed = np.empty((speed.size, r, 2 * m), dtype=complex), np.empty((speed.size, 2 * m, r), dtype=complex)
+        order, sign, casing = np.empty(2 * m), np.empty(2 * m), np.empty(2 * m, dtype=bool)
+        rows, pushes = contact.Q @ self.U, self.U.conj().T @ contact.pushes(sense).T
+        C, c_by_speed, K, k_by_speed = (self.U.conj().T @ part @ self.U for part in contact.parts())
+        for size in sorted({group.size for group in self.groups}):
+            same = [i for i, group in enumerate(self.groups) if group.size == size]
+            at = np.array([self.groups[i] for i in same])  # (groups, size)
+            block = at[:, :, None], at[:, None, :]
+            w = speed[:, None, None, None]
+            found = _blocks(
+                C[block] + w * c_by_speed[block], K[block] + w**2 * k_by_speed[block], self.order[at[:, 0]], speed,
+                contact.rates[at],
+            )  # fmt: skip
+            if found is None:
+                return None
+            values, vectors, left = found
+            place = np.array([first[i] + np.arange(2 * size) for i in same])  # (groups, 2 size)
+            s[:, place] = values
+            seen[:, :, place] = np.einsum("rgi,wgij->wrgj", rows[:, at], vectors[:, :, :size])
+            scaled = pushes[at] / contact.rates[at][:, :, None]
+            pushed[:, place] = np.einsum("wgji,gir->wgjr", left[:, :, :, size:], scaled)
+            order[place] = self.order[at[:, 0]][:, None]
+            sign[place] = np.repeat([-1.0, 1.0], size)
+            casing[place] = (at[:, 0] < contact.casing)[:, None]
+        return FreePoles(s, seen, pushed, order, sign, casing)
+
+
+def waves_of(contact: ClosedContact) -> Waves:
+    """Eigenvectors of G within groups of equal modes, so that each is a wave of one mode wherever modes do not mix."""
+    m = contact.omega.size
+    U, order = np.eye(m, dtype=complex), np.zeros(m)
+    for group in equal_modes(contact.omega[: contact.casing], contact.zeta[: contact.casing]):
+        block = np.ix_(group, group)
+        order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
+    order = np.round(order)
+    joined = np.zeros((m, m), dtype=bool)
+    for part in contact.parts():
+        size = np.abs(U.conj().T @ part @ U)
+        joined |= size > COUPLED * float(size.max(initial=0.0))
+    joined &= order[:, None] == order
+    return Waves(contact, U, order, joined_groups(joined))
+
+
+def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:
+    """Numbers of what is joined, directly or through others."""
+    from scipy.sparse.csgraph import connected_components
+
+    _, label = connected_components(joined, directed=False)
+    return tuple(np.flatnonzero(label == one) for one in range(int(label.max(initial=-1)) + 1))
+
+
+def _blocks(
+    C: Complex, K: Complex, order: Array, speed: Array, rate: Array
+) -> tuple[Complex, Complex, Complex] | None:  # fmt: skip
+    """Eigenvalues, eigenvectors and their inverse of groups of waves in first order, by frequency in the own frame.
+
+    C, K (speeds, groups, size, size), `rate` (groups, size) the scales of the velocities; values are seen from the
+    contact.
+    """
+    size = C.shape[-1]
+    A = np.zeros((*C.shape[:2], 2 * size, 2 * size), dtype=complex)
+    lower = np.arange(size)
+    A[:, :, lower, size + lower] = rate
+    A[:, :, size:, :size] = -K / rate[:, :, None]
+    A[:, :, size:, size:] = -C * rate[:, None, :] / rate[:, :, None]
+    values, vectors = np.linalg.eig(A)
+    ascending = np.argsort(values.imag, axis=-1, kind="stable")
+    values = np.take_along_axis(values, ascending, axis=-1)
+    vectors = np.take_along_axis(vectors, ascending[:, :, None, :], axis=-1)
+    if not np.all(np.linalg.cond(vectors) < DEFECT):
+        return None
+    values = values - 1j * speed[:, None, None] * order[:, None]
+    return values, vectors, np.linalg.inv(vectors)
