@@ -94,6 +94,17 @@ def updated():
     return cf.update(start, table, vary)
 
 
+def estimated():
+    t = np.arange(512) / 256.0
+    pulse = np.where(np.abs(t - 0.1) < 0.02, np.cos(25.0 * np.pi * (t - 0.1)) ** 2, 0.0)
+    ring = np.convolve(pulse, np.exp(-3.0 * t) * np.sin(200.0 * t))[:512]
+    force, response = (
+        cf.frf.FrfSet.from_arrays(kind="time", x=t, responses=[values], unit=unit)
+        for values, unit in ((pulse, "N"), (ring, "m"))
+    )
+    return cf.frf.estimate(cf.frf.Take(response=response, force=force))
+
+
 def scanned():
     theta = turning(3.0, 2000.0, 8000)
     seen = np.cos(5 * (theta - 0.1)) * np.cos(2.0 * np.pi * 401.7 * np.arange(8000) / 2000.0)
@@ -177,6 +188,7 @@ KINDS = {
     "deflection of a mesh": lambda: cf.solve_static(solid(), [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 10.0))]),
     "frequency table": lambda: cf.FrequencyTable.from_arrays(freq_hz=[367.9, 368.4], sigma_hz=0.2, n=[8, 8]),
     "identified": lambda: Identified.load(DATA / "experiments" / "bench.npz"),
+    "responses of records": estimated,
     "correlation": correlated,
     "circle scan": scanned,
     "update": updated,

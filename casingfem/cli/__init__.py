@@ -6,6 +6,7 @@ from casingfem.cli.compile import compile_loops
 from casingfem.cli.contact import contact, cycles, interactions, rub, stability
 from casingfem.cli.correlate import correlate, locate
 from casingfem.cli.doctor import doctor
+from casingfem.cli.frf import frf
 from casingfem.cli.identify import identify, rig
 from casingfem.cli.matrices import export_matrices, import_matrices
 from casingfem.cli.new import example, new, watch
@@ -30,8 +31,8 @@ def main() -> None:
 
 # commands that change nothing on the disk unless --out names a folder, and those that write without it
 READING = (
-    modes, campbell, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact, rub,
-    stability, interactions, cycles, sweep, schema, explain, doctor,
+    modes, campbell, frf, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact,
+    rub, stability, interactions, cycles, sweep, schema, explain, doctor,
 )  # fmt: skip
 WRITING = (reduce, report, new, example, watch, recover, compile_loops)
 for command in (*READING, *WRITING):

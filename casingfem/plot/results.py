@@ -163,6 +163,7 @@ PICTURES: dict[str, Draw] = {
     "casingfem.structure.imported.loads.MeshDeflection": deflection,
     "casingfem.experiment.frequency_table.FrequencyTable": measured,
     "casingfem.experiment.identify.identified.Identified": identified,
+    "casingfem.experiment.frf.records.estimated.Estimate": by_name("records", "figure_estimate"),
     "casingfem.experiment.correlation.correlate.Correlation": by_name("correlation", "figure_mac"),
     "casingfem.experiment.correlation.matches.Pairing": partial(
         columns, x="measured_hz", y="computed_hz", labels=("measured [Hz]", "computed [Hz]")

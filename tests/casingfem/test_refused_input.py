@@ -121,7 +121,7 @@ REFUSED = {
     "a shape of zeros": (lambda: shapes(np.zeros((1, 1))), "zero everywhere"),
     "a window": (lambda: estimate(recorded(), window="flat"), "window: found 'flat', expected"),
     "an estimator": (lambda: estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
-    "an empty band": (lambda: estimate(recorded(), band=(1.0, 2.0)), "0 lines, expected 1 averages, a line"),
+    "an empty band": (lambda: estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz with no line in it"),
     "bits": (lambda: Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
     "a quantity": (
         lambda: ONE.frfs([10.0], sensors=[0], drives=[0], quantity="velocity"),

@@ -1,5 +1,13 @@
 from .frf_set import FrfSet
+from .records.estimate import estimate
+from .records.estimated import Estimate
+from .records.read import read_records
+from .records.take import Take
 
 __all__ = [
+    "Estimate",
     "FrfSet",
+    "Take",
+    "estimate",
+    "read_records",
 ]

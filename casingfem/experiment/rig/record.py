@@ -19,6 +19,7 @@ from scipy.signal import lfilter, resample_poly
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.frf.records.take import Take
 from casingfem.experiment.rig.excitation import Excitation
 from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Converter, Quantity, Rig, noise
 from casingfem.io.arrays import FloatArray, freeze
@@ -76,6 +77,11 @@ class Record:
 
         unit = UNITS[self.quantity].removesuffix("/N").strip("()")
         return records(self.response, self.sensors, unit), records(self.force, self.drives, "N")
+
+    def take(self) -> Take:
+        """Forces and responses as `cf.frf.estimate` takes them."""
+        response, force = self.functions()
+        return Take(response=response, force=force, name="the rig's record")
 
     def __repr__(self) -> str:
         seconds = self.force.shape[1] / self.fs

@@ -6,6 +6,7 @@ import shutil
 import stat
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -17,14 +18,15 @@ from reports.robustness.kill_targets import write_inputs
 ROTATION = "[rotation]\nspeed_hz = 10.0\n"
 READ = {  # arguments of each command; the exit code is 0, or 2 where the files lack what it needs
     "modes": ("study.toml",), "campbell": ("turning.toml", "--steps", "2", "--count", "2"), "update": ("study.toml",),
-    "identify": ("frfs.npz", "--open", "--order", "8"), "correlate": ("study.toml", "frfs.npz"),
+    "frf": ("records.npz",), "identify": ("frfs.npz", "--open", "--order", "8"),
+    "correlate": ("study.toml", "frfs.npz"),
     "mistune": ("study.toml", "--draws", "1"), "rig": ("study.toml",), "locate": ("study.toml", "table.csv"),
     "import": ("part.npz", "--contact", "7", "--modes", "2"), "export": ("study.toml",), "contact": ("scene.toml",),
     "rub": ("rim.toml",), "stability": ("rim.toml",), "interactions": ("rim.toml",), "cycles": ("scene.toml",),
     "sweep": ("sweep.toml", "--jobs", "1"), "schema": (), "explain": ("shell-thickness",), "doctor": (),
 }  # fmt: skip
 REFUSED = {"correlate", "mistune", "rig", "locate", "cycles"}
-NAMES = ("study.toml", "table.csv", "rim.toml", "casing.npz", "blade.npz", "part.npz", "frfs.npz")
+NAMES = ("study.toml", "table.csv", "rim.toml", "casing.npz", "blade.npz", "part.npz", "frfs.npz", "records.npz")
 
 
 def test_every_command_says_whether_it_writes():
@@ -99,4 +101,7 @@ def inputs(tmp_path_factory):
     write_inputs(folder, 1.0)
     study = (folder / "study.toml").read_text()
     (folder / "turning.toml").write_text(study.partition("[update]")[0] + ROTATION)
+    t = np.arange(400) / 1e3
+    pulse = np.where(np.abs(t - 0.05) < 5e-3, np.cos(100.0 * np.pi * (t - 0.05)) ** 2, 0.0)
+    np.savez(folder / "records.npz", fs=1e3, force=pulse, response=np.convolve(pulse, np.exp(-30.0 * t))[:400])
     return Path(folder)

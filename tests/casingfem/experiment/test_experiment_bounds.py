@@ -140,7 +140,7 @@ BOUNDS = {
     "H2": (lambda k: estimated(1 + k, estimator="H2"), "estimator: found H2 with 2 drives, expected H1, or one drive"),
     "estimator": (lambda k: estimated(estimator=("H1", "H3")[k]), "estimator: found 'H3', expected H1 or H2"),
     "window.name": (lambda k: estimated(window=("hann", "han")[k]), "window: found 'han', expected "),
-    "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "4 averages, 0 lines, expected 1"),
+    "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "90.1 to 90.2 Hz with no line in it"),
     "scan.wander": (lambda k: Turning(mirror=2.0, wander=(0.1, 0.101)[k]), r"wander 0\.101, speckle 0\.0: expected"),
     "scan.back": (lambda k: Turning(mirror=2.0, wander=(0.0, -1e-9)[k]), "wander -1e-09, speckle 0.0: expected"),
     "scan.speckle": (lambda k: Turning(mirror=2.0, speckle=(0.0, -1e-9)[k]), "wander 0.0, speckle -1e-09: expected"),

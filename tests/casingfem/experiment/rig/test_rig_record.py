@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from casingfem.errors import InputError
-from casingfem.experiment.rig.estimate import estimate, spectra
+from casingfem.experiment.frf.records.averages import block_spectra
+from casingfem.experiment.rig.estimate import estimate
 from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
 from casingfem.experiment.rig.record import BAND, FINER, measured, prefiltered, record, respond
 from casingfem.experiment.rig.rig import Rig
@@ -92,7 +93,7 @@ def test_a_sine_on_a_line_is_seen_on_three_lines_of_a_hann_window():
     test = record(RIG, [Random(rms=1.0, band=(20.0, 780.0))], drives=[0], sensors=[1], fs=FS, block=256, blocks=2,
                   seed=SEED)  # fmt: skip
     sine = np.cos(2.0 * np.pi * 40.0 * np.arange(512) / 256)[None]
-    lines = spectra(sine, test, "hann", 0.5)
+    lines = block_spectra(sine, 256, "hann", 0.5)
     assert lines.shape == (1, 3, 129)
     exact = np.zeros(129)
     exact[39:42] = 128.0 * np.array([-0.25, 0.5, -0.25])

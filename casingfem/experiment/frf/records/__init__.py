@@ -1,0 +1,1 @@
+"""Time records of modal tests, and the frequency responses estimated from them."""

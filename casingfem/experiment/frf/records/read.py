@@ -1,0 +1,95 @@
+"""Time records of a file of any kind that is read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.files import UNIVERSAL
+from casingfem.experiment.frf.loose_arrays import read_mat
+from casingfem.experiment.frf.records.channels import ChannelTable, described, read_channels
+from casingfem.experiment.frf.records.loose import blocks_of_arrays
+from casingfem.experiment.frf.records.table import read_table
+from casingfem.experiment.frf.records.take import RecordBlock, Take, take_of, with_card
+from casingfem.experiment.frf.records.universal import read_universal
+from casingfem.experiment.frf.records.wav import read_wav
+from casingfem.experiment.uff.nodes import Nodes, TraceLine
+from casingfem.io.npz import read_npz
+
+MOST = 5e8  # bytes of a file of records
+KINDS = ", ".join((*UNIVERSAL, ".wav", ".mat", ".npz", ".csv"))
+
+
+class RecordFile(NamedTuple):
+    """What a file of records holds: takes, and the geometry of a universal file."""
+
+    takes: tuple[Take, ...]
+    nodes: Nodes | None = None
+    lines: tuple[TraceLine, ...] = ()
+
+
+def read_records(
+    path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    channels: str | os.PathLike[str] | None = None,
+) -> tuple[Take, ...]:
+    """Forces and responses of universal files, .wav, .mat, .npz or .csv, each take with its force.
+
+    Parameters
+    ----------
+    path
+        A file, or several of one test.
+    channels
+        A table of channels (`channels.read_channels`): what each channel is, where, in which unit. Sound files need
+        one.
+
+    Raises
+    ------
+    InputError
+        An unknown ending, a file larger than 500 MB, what the readers refuse, channels without a force.
+    """
+    paths = [path] if isinstance(path, str | os.PathLike) else list(path)
+    table = None if channels is None else read_channels(channels)
+    return tuple(take for each in paths for take in read_record_file(each, table).takes)
+
+
+def read_record_file(path: str | os.PathLike[str], table: ChannelTable | None) -> RecordFile:
+    """One file, with the geometry of a universal one."""
+    name, ending = str(path), Path(path).suffix.lower()
+    _bounded(Path(path))
+    nodes: Nodes | None = None
+    lines: tuple[TraceLine, ...] = ()
+    card: tuple[str, ...] = ()
+    if ending in UNIVERSAL:
+        blocks, file = read_universal(path)
+        nodes, lines, card = file.nodes, file.lines, tuple(line for line in file.header if line)
+    elif ending == ".wav":
+        blocks = read_wav(path, MOST)
+        if table is None:
+            found = f"{len(blocks[0].channels)} channels of a sound file without units"
+            raise InputError(name, found=found, expected="a table of channels: --channels, with kind, unit and factor")
+    elif ending in (".mat", ".npz"):
+        blocks = blocks_of_arrays(read_mat(path) if ending == ".mat" else read_npz(path), name)
+    elif ending == ".csv":
+        blocks = read_table(path)
+    else:
+        raise InputError(name, found=f"ending {ending!r}", expected=f"one of {KINDS}")
+    takes = tuple(with_card(take_of(_sampled(described(block, table))), card) for block in blocks)
+    return RecordFile(takes, nodes, lines)
+
+
+def _bounded(path: Path) -> None:
+    """Refuse a record of a day before it is read."""
+    if path.is_file() and path.stat().st_size > MOST:
+        found = f"{path.stat().st_size / 1e6:.6g} MB"
+        raise InputError(str(path), found=found, expected=f"at most {MOST / 1e6:g} MB: cut the record to the test")
+
+
+def _sampled(block: RecordBlock) -> RecordBlock:
+    """The block, refused where it has no samples."""
+    if block.values.shape[1] == 0:
+        raise InputError(block.name, found="no samples", expected="a record")
+    return block

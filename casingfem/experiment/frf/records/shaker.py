@@ -1,0 +1,84 @@
+"""Shaker tests: averages over blocks of stationary, burst or swept forces, one or several at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from casingfem.errors import InputError
+from casingfem.experiment.frf.frf_set import FrfSet
+from casingfem.experiment.frf.records.averages import Averages, Estimator, Window, averaged, block_spectra
+from casingfem.experiment.frf.records.estimated import Estimate
+from casingfem.experiment.frf.records.hits import clipped
+from casingfem.experiment.frf.records.lines import (
+    kept_lines,
+    lines_of,
+    same_channels,
+    turned_over,
+    unit_of,
+    without_unit,
+)
+from casingfem.experiment.frf.records.take import Take
+from casingfem.io.arrays import FloatArray
+
+AVERAGES = 20  # blocks of a record where no length is given
+SHORTEST = 4  # samples of a block
+
+
+def shaker_frfs(
+    takes: tuple[Take, ...], estimator: Estimator, seconds: float | None, window: Window, overlap: float,
+    band: tuple[float, float] | None,
+) -> Estimate:  # fmt: skip
+    """Responses of a shaker test; see `estimate` for the arguments."""
+    fs, drives = takes[0].fs, len(takes[0].force)
+    whole = len(takes) > 1 and seconds is None
+    samples = min(len(take) for take in takes)
+    block = round(seconds * fs) if seconds is not None else samples if whole else samples // AVERAGES
+    block -= block % 2
+    if not SHORTEST <= block <= samples:
+        found = f"blocks of {block} samples in records of {samples}"
+        raise InputError(takes[0].name, found=found, expected=f"{SHORTEST} samples or more, not more than these")
+    same_channels(list(takes))
+    for take in takes:
+        off = [*clipped(take.force.responses).tolist(), *clipped(take.response.responses).tolist()]
+        if off:
+            found = f"clipped channels: {len(clipped(take.force.responses))} forces, {_off(take)}"
+            raise InputError(take.name, found=found, expected="channels within their range: lower their sensitivity")
+    x, f = (
+        np.concatenate([block_spectra(part, block, window, overlap) for part in parts], axis=1)
+        for parts in ([take.response.responses for take in takes], [take.force.responses for take in takes])
+    )
+    freq = lines_of(block, fs)
+    kept = kept_lines(freq, fs, band)
+    averages = x.shape[1]
+    if averages < drives:
+        raise InputError(takes[0].name, found=f"{averages} averages", expected=f"{drives}, one for each force")
+    means = averaged(x[..., kept], f[..., kept], estimator)
+    words = f"{estimator}, {window} window, {averages} averages of {block} samples at {fs:.6g} Hz, overlap {overlap:g}"
+    return _of_drives(takes[0], means, freq[kept], (*takes[0].response.card, words), averages)
+
+
+def _off(take: Take) -> str:
+    off = clipped(take.response.responses).tolist()
+    return f"responses at points {', '.join(str(take.response.response_point[k]) for k in off)}" if off else "none"
+
+
+def _of_drives(take: Take, found: Averages, freq: FloatArray, card: tuple[str, ...], averages: int) -> Estimate:
+    """The estimate of forces that act at once: each response to the first force, then to the next."""
+    force, response = take.force, take.response
+    drives, channels = len(force), len(response)
+    frfs = FrfSet.from_arrays(
+        kind="frf", x=freq, responses=found.H.reshape(-1, len(freq)), unit=unit_of(take),
+        response_point=np.tile(response.response_point, drives),
+        response_direction=np.tile(response.response_direction, drives),
+        reference_point=np.repeat(force.response_point, channels),
+        reference_direction=np.repeat(force.response_direction, channels),
+        card=card, path=take.name,
+    )  # fmt: skip
+    own = FrfSet.from_arrays(
+        kind="spectrum", x=freq, responses=np.clip(found.coherence, 0.0, 1.0).astype(complex), unit="",
+        response_point=response.response_point, response_direction=response.response_direction,
+        reference_point=force.response_point[0], reference_direction=force.response_direction[0],
+        card=(*card, "multiple coherence") if drives > 1 else card, path=take.name,
+    )  # fmt: skip
+    notes = *turned_over(frfs), *without_unit(frfs)
+    return Estimate(frfs=frfs, coherence=own if averages > drives else None, averages=averages, notes=notes)

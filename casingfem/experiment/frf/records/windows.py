@@ -1,0 +1,77 @@
+"""Windows of hammer records, and the ringing that is left when a record ends.
+
+The force is kept about its pulse and set to its rest value elsewhere: what it shows there is noise. An exponential
+window exp(-(t - t_0)/tau) on force and responses alike gives H(i omega + 1/tau): poles move by -1/tau, residues stay
+(Fladung and Rost, Mech. Syst. Signal Process. 11, 1997, 789). `identify` takes this damping off again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from casingfem.experiment.frf.records.hits import Pulse
+from casingfem.io.arrays import FloatArray
+
+MARGIN = 2.0  # widths of a pulse that its window keeps on either side, and over which it then falls
+PART = 0.05  # of a record, in which the ringing is read at both ends
+ENOUGH = 0.01  # of the ringing left at the end: no window is needed
+QUIET = 8  # samples before a pulse that show the noise
+
+
+def force_window(samples: int, pulse: Pulse) -> FloatArray:
+    """1 about a pulse, falling to 0 as a cosine on both sides, (samples,).
+
+    >>> force_window(12, Pulse(4, 5, 1.0)).round(2).tolist()
+    [0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+    """
+    reach = MARGIN * (pulse.end - pulse.start)
+    at = np.arange(samples, dtype=float)
+    away = np.maximum(np.maximum(pulse.start - at, at - (pulse.end - 1)), 0.0) / reach - 1.0
+    return np.asarray(0.5 + 0.5 * np.cos(np.pi * np.clip(away, 0.0, 1.0)))
+
+
+def exponential_window(samples: int, fs: float, start: int, tau: float | None) -> FloatArray:
+    """exp(-(t - t_0)/tau), t_0 the instant of the sample `start`; 1 without tau, (samples,)."""
+    if tau is None:
+        return np.ones(samples)
+    return np.asarray(np.exp(-(np.arange(samples) - start) / (fs * tau)))
+
+
+def ringing_left(response: FloatArray, pulse: Pulse) -> float:
+    """Part of the ringing (its amplitude) that is left when a record (channels, samples) ends; 0 where none is seen.
+
+    The amplitude is the rms of all channels over a twentieth of the record at its end and, from the pulse on, the
+    largest such rms; the noise before the pulse is taken off. Exponential decay leads from the middles of both parts to
+    the instants of the pulse and of the end.
+
+    >>> t = np.arange(4096) / 1024.0 - 0.1
+    >>> ring = np.where(t > 0.0, np.exp(-0.5 * t) * np.sin(700.0 * t), 0.0)
+    >>> round(ringing_left(ring[None], Pulse(100, 105, 1.0)), 2)  # exp(-0.5 * 3.9) = 0.142
+    0.14
+    """
+    samples = response.shape[1]
+    length = max(4, round(PART * samples))
+    scale = np.sqrt(np.mean(response**2, axis=1, keepdims=True))
+    power = np.sum((response / np.where(scale > 0.0, scale, 1.0)) ** 2, axis=0)
+    noise = float(np.mean(power[: pulse.start - 1])) if pulse.start > QUIET else 0.0
+    total = np.cumsum(np.r_[0.0, power])
+    parts = (total[length:] - total[:-length]) / length
+    first = float(parts[min(pulse.start, len(parts) - 1) :].max()) - noise
+    last = float(parts[-1]) - noise
+    spread = noise / np.sqrt(0.5 * length * len(response))
+    after = samples - pulse.start
+    if first <= 0.0 or last <= 3.0 * spread or after <= length:
+        return 0.0
+    return float(min(last / first, 1.0) ** (0.5 * after / (after - length)))
+
+
+def longer(left: float, seconds: float) -> tuple[float, float]:
+    """Record length [s], or time constant of a window [s], that leaves one per cent of the ringing.
+
+    `left` is what `seconds` of record leave. Exponential decay is assumed.
+
+    >>> [round(value, 3) for value in longer(0.1, 2.0)]
+    [4.0, 0.869]
+    """
+    left = min(left, 0.99)
+    return seconds * float(np.log(ENOUGH) / np.log(left)), seconds / float(np.log(left / ENOUGH))

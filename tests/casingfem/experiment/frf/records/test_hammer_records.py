@@ -1,0 +1,240 @@
+"""Hammer records: exact responses within the noise, windows and their damping, hits that are left out and why."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import InputError
+from casingfem.experiment.frf.records.hits import clipped
+
+FS, BLOCK, DELAY = 2048.0, 4096, 0.05
+RIG = cf.rig.Rig.of(
+    omega=2.0 * np.pi * np.array([61.0, 147.3, 290.2]),
+    zeta=[0.009, 0.006, 0.008],
+    rows=[[1.0, 0.4, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]],
+)
+TAP = cf.rig.Impact(peak=40.0, width=3e-3, delay=DELAY)
+
+
+def tapped(blocks=4, rig=RIG, block=BLOCK, quantity="accelerance", drive=0):
+    """A long record with a tap every two seconds; probe 1 is the drive point, too."""
+    test = cf.rig.record(
+        rig, [TAP], drives=[drive], sensors=[0, 1, 2], fs=FS, block=block, blocks=blocks, seed=3, quantity=quantity
+    )
+    return test.take()
+
+
+def with_values(take, *, force=None, response=None):
+    """The take with other numbers."""
+    return replace(
+        take,
+        force=take.force if force is None else replace(take.force, responses=force),
+        response=take.response if response is None else replace(take.response, responses=response),
+    )
+
+
+def cut(take, start, samples, name="hit"):
+    """A part of a take as a record of its own."""
+    part = slice(start, start + samples)
+    own = {"x": take.response.x[:samples]}
+    return cf.frf.Take(
+        force=replace(take.force, responses=take.force.responses[:, part], **own),
+        response=replace(take.response, responses=take.response.responses[:, part], **own),
+        name=name,
+    )
+
+
+def off(frfs, rig=RIG, quantity="accelerance"):
+    """Largest distance from the exact responses, of the channel's largest response."""
+    exact = rig.frfs(frfs.x, sensors=[0, 1, 2], drives=[0], quantity=quantity).responses
+    return np.abs(frfs.responses - exact).max(axis=1) / np.abs(exact).max(axis=1)
+
+
+@pytest.mark.parametrize("quantity", ["receptance", "accelerance"])
+def test_a_long_record_is_cut_at_its_hits_and_gives_the_exact_responses(quantity):
+    found = cf.frf.estimate(tapped(quantity=quantity), band=(20.0, 400.0))
+    assert [hit.fault for hit in found.kept] == [""] * 4
+    assert np.diff([hit.time for hit in found.hits]) == pytest.approx(2.0)
+    assert found.hits[0].peak == pytest.approx(40.0, rel=0.07)  # between two samples
+    assert found.frfs.unit == cf.rig.Rig.frfs(RIG, [50.0], sensors=[0], drives=[0], quantity=quantity).unit
+    assert off(found.frfs, quantity=quantity).max() < 2e-3
+    assert found.coherence.responses.real.min() > 1.0 - 1e-3  # at antiresonances
+    assert found.left < 0.01
+
+
+@pytest.mark.slow
+def test_noise_on_the_responses_leaves_h1_exact_and_noise_on_the_force_h2():
+    """|H1| falls by the noise of the force, |H2| rises by that of the responses, Hv lies between them."""
+    take, rng = tapped(blocks=60), np.random.default_rng(5)
+    response = take.response.responses + 3.0 * rng.standard_normal(take.response.responses.shape)
+    noisy = with_values(take, response=response)
+    found = {name: cf.frf.estimate(noisy, estimator=name, band=(20.0, 400.0)) for name in ("H1", "H2", "Hv")}
+    first, second, both = (np.abs(each.frfs.responses) for each in found.values())
+    np.testing.assert_allclose(first / second, found["H1"].coherence.responses.real, rtol=1e-9)
+    np.testing.assert_allclose(both**2, first * second, rtol=1e-9)
+    clean = cf.frf.estimate(take, band=(20.0, 400.0)).frfs.responses
+    coherence = found["H1"].coherence.responses.real
+    scatter = first * np.sqrt((1.0 - coherence) / (coherence * 60))  # Bendat & Piersol, 9.2
+    error = np.abs(found["H1"].frfs.responses - clean)
+    assert np.mean((error / scatter) ** 2) == pytest.approx(1.0, abs=0.1)
+    assert np.mean(second / np.abs(clean)) > 1.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tau", [0.1, 0.5])
+def test_identify_takes_the_damping_of_an_exponential_window_off(tau, tmp_path):
+    """The window adds 4.3 % to the first mode's 0.2 % at 0.1 s; what is left is right to one per cent."""
+    rig = replace(RIG, zeta=np.array([2e-3, 1e-3, 8e-4]))
+    take = cut(tapped(blocks=1, rig=rig), 0, BLOCK)
+    found = cf.frf.estimate(take, exponential=tau, band=(20.0, 400.0))
+    assert found.left > 0.05
+    modes = cf.identify(found.frfs)
+    np.testing.assert_allclose(modes.freq, rig.freq, rtol=1e-5)
+    np.testing.assert_allclose(modes.zeta, rig.zeta, rtol=0.01)
+    assert any("exponential window" in note for note in modes.notes)
+
+
+def test_responses_of_windowed_records_are_those_at_a_shifted_frequency():
+    """H(i omega + 1/tau): poles move by -1/tau, residues stay."""
+    tau = 0.4
+    found = cf.frf.estimate(tapped(blocks=1), exponential=tau, band=(20.0, 400.0)).frfs
+    s = 2j * np.pi * found.x + 1.0 / tau
+    terms = 1.0 / (RIG.omega[:, None] ** 2 + 2.0 * (RIG.zeta * RIG.omega)[:, None] * s + s**2)
+    exact = s**2 * ((RIG.rows * RIG.rows[0]) @ terms)
+    assert (np.abs(found.responses - exact).max(axis=1) < 2e-3 * np.abs(exact).max(axis=1)).all()
+    assert "exponential_window_s: 0.4" in found.card
+
+
+def test_a_record_that_ends_while_it_rings_says_how_much_is_left():
+    rig = replace(RIG, zeta=np.full(3, 1e-3), rows=RIG.rows * [1.0, 0.0, 0.0])
+    take = tapped(blocks=1, rig=rig, quantity="receptance")
+    found = cf.frf.estimate(take)
+    seconds = BLOCK / FS - DELAY
+    left = np.exp(-1e-3 * rig.omega[0] * seconds)
+    assert found.left == pytest.approx(left, rel=0.05)
+    assert f"ringing is at {100 * found.left:.0f} % when the record ends" in found.notes[1]
+    longer = cf.frf.estimate(take, exponential=0.4)
+    assert not any("ringing is at" in note for note in longer.notes)
+
+
+def second_pulse(take, delay, share):
+    shift = round(delay * FS)
+    force, response = take.force.responses, take.response.responses
+
+    def later(values):
+        return share * np.pad(values, ((0, 0), (shift, 0)))[:, : values.shape[1]]
+
+    return with_values(take, force=force + later(force), response=response + later(response))
+
+
+def test_double_hits_are_left_out_with_their_size_and_delay():
+    whole = tapped()
+    hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
+    hits[2] = second_pulse(hits[2], 0.03, 0.3)
+    found = cf.frf.estimate(hits, band=(20.0, 400.0))
+    assert [bool(hit.fault) for hit in found.hits] == [False, False, True, False]
+    assert "double hit: a second pulse of 30 % comes 29.8 ms after the first" in found.hits[2].fault
+    assert found.averages == 3
+    assert off(found.frfs).max() < 2e-3
+    long = second_pulse(cut(whole, 0, 2 * BLOCK), 0.03, 0.3)
+    with pytest.raises(InputError, match=r"hit 1: double hit.*hit 2: double hit"):
+        cf.frf.estimate(long)
+
+
+@pytest.mark.parametrize(
+    ("start", "words"),
+    [(round(DELAY * FS) + 4, "the record begins after the pulse has begun"), (-BLOCK, "second half of the record"),
+     (300, "no hit: the largest force is 0 N")],
+)  # fmt: skip
+def test_wrong_triggers_are_named(start, words):
+    take = tapped(blocks=1)
+    if start < 0:
+        shifted = [np.pad(part.responses, ((0, 0), (2500, 0)))[:, :BLOCK] for part in (take.force, take.response)]
+        bad = with_values(take, force=shifted[0], response=shifted[1])
+    else:
+        bad = cut(take, start, BLOCK - start)
+    with pytest.raises(InputError, match=words):
+        cf.frf.estimate(bad, test="hammer")
+    good = cf.frf.estimate([cut(take, 0, BLOCK - max(start, 0)), bad], test="hammer", band=(20.0, 400.0))
+    assert words in good.hits[1].fault
+    assert good.averages == 1
+
+
+def test_clipped_channels_have_no_part_in_the_averages():
+    whole = tapped()
+    hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
+    response = np.array(hits[1].response.responses)
+    limit = 0.6 * np.abs(response[2]).max()
+    response[2] = np.clip(response[2], -limit, limit)
+    hits[1] = with_values(hits[1], response=response)
+    hits[3] = with_values(hits[3], force=np.minimum(hits[3].force.responses, 20.0))
+    found = cf.frf.estimate(hits, band=(20.0, 400.0))
+    assert "the force is clipped at 20 N" in found.hits[3].fault
+    assert "response channel 3 (point 3) is clipped in 1 of 3 hits" in "\n".join(found.notes)
+    assert off(found.frfs).max() < 2e-3
+
+
+def test_a_slow_peak_of_a_coarse_converter_is_not_clipped():
+    slow = np.round(1e3 * np.sin(1e-3 * np.arange(4000)))
+    ring = np.round(20.0 * np.exp(-1e-4 * np.arange(4000)) * np.sin(0.9 * np.arange(4000)))
+    assert not len(clipped(np.array([slow, ring]), decaying=True))
+    assert clipped(np.clip([slow, 100.0 * ring], -1200.0, 1200.0), decaying=True).tolist() == [1]
+
+
+def test_a_channel_that_is_turned_over_shows_at_the_drive_point():
+    take = tapped()
+    turned = with_values(take, response=take.response.responses * [[-1.0], [1.0], [1.0]])
+    assert not any("turned over" in note for note in cf.frf.estimate(take).notes)
+    words = "channel 1: the mobility at the drive point 1 is negative"
+    assert any(words in note for note in cf.frf.estimate(turned).notes)
+    pulled = with_values(take, force=-take.force.responses)
+    assert any("pulses of the force are negative" in note for note in cf.frf.estimate(pulled).notes)
+
+
+def test_a_roving_hammer_has_its_hit_points_as_sensors():
+    hits = [replace(cut(tapped(drive=k), 0, BLOCK, f"point {k + 1}")) for k in range(3)]
+    one = [
+        cf.frf.Take(
+            force=hit.force, name=hit.name,
+            response=replace(hit.response, responses=hit.response.responses[:1], response_point=np.array([1]),
+                             response_direction=np.array([0]), reference_point=np.array([0]),
+                             reference_direction=np.array([0])),
+        )
+        for hit in hits
+    ]  # fmt: skip
+    found = cf.frf.estimate(one, band=(20.0, 400.0))
+    assert (found.frfs.response_point.tolist(), found.frfs.reference_point.tolist()) == ([1, 2, 3], [1, 1, 1])
+    assert off(found.frfs).max() < 2e-3  # H_rs = H_sr
+    assert any("reciprocity" in note for note in found.notes)
+
+
+def test_takes_that_do_not_belong_together_are_refused():
+    take = tapped(blocks=1)
+    fast = replace(
+        take, response=replace(take.response, x=take.response.x / 2.0), force=replace(take.force, x=take.force.x / 2.0)
+    )
+    with pytest.raises(InputError, match="4096 samples a second, the rig's record has 2048; expected one rate"):
+        cf.frf.estimate([take, fast])
+    for options, words in (
+        ({"test": "drop"}, "test: found 'drop'"),
+        ({"exponential": 0.0}, "exponential: found 0.0"),
+        ({"estimator": "H4"}, "estimator: found 'H4'"),
+        ({"band": (400.0, 20.0)}, "band: found 400 to 20 Hz"),
+        ({"test": "shaker", "exponential": 0.5}, "expected a hammer test"),
+    ):
+        with pytest.raises(InputError, match=words):
+            cf.frf.estimate(take, **options)
+
+
+@pytest.mark.slow
+def test_a_shaker_s_record_is_taken_for_one():
+    force = cf.rig.Random(rms=2.0, band=(20.0, 700.0))
+    test = cf.rig.record(RIG, [force], drives=[0], sensors=[0, 1, 2], fs=FS, block=BLOCK, blocks=40, seed=3)
+    found = cf.frf.estimate(test.take(), seconds=4.0, band=(40.0, 400.0))
+    assert not found.hits
+    assert found.averages == 39
+    exact = RIG.frfs(found.frfs.x, sensors=[0, 1, 2], drives=[0]).responses
+    assert np.median(np.abs(found.frfs.responses - exact) / np.abs(exact)) < 0.02
+    assert found.records()[0]["median_coherence"] > 0.99
