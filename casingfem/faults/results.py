@@ -99,6 +99,10 @@ RESULTS = {
         "an output lies off the surface, or at a place that structures of this kind do not have",
         "give parameters within the chart's bounds; of imported parts a NodeDisplacement, of solids a NodeStress too",
     ),
+    "reduce-axis": (
+        "a casing turns about another axis than that of its rim",
+        "give both the same axis; a casing on a chart turns about z",
+    ),
     "reduce-damping": (
         "the damping ratio is not one of a vibrating mode",
         "give zeta from 0 to below 1 (half a per cent as 0.005)",

@@ -146,6 +146,17 @@ def solve_held(K: Symmetric, f: FloatArray) -> FloatArray:
         u = np.asarray(factorise(K).solve(f))
     except NumericsError as error:
         raise ModelError("static-loose", "static solution: found a singular stiffness") from error
+    return balanced(K, u, f)
+
+
+def balanced(K: Symmetric, u: FloatArray, f: FloatArray) -> FloatArray:
+    """A static answer u (free,) to a load f whose strain energy is the work of the load.
+
+    Raises
+    ------
+    ModelError
+        `static-loose` if it is not: a rigid motion is not held.
+    """
     work, strain = float(u @ f), float(u @ (K @ u))
     if not abs(work - strain) <= BALANCE * abs(work):
         raise ModelError("static-loose", f"static solution: found {strain:.3g} J of strain for {work:.3g} J of work")

@@ -4,7 +4,8 @@ Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 58
 shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
 columns. Craig-Bampton (AIAA J. 6, 1968, 1313): static shapes of unit interface displacements and the modes of
 the shell held there, diagonalised; exact in statics with S = 0, but the interface then carries mass. Both answer a
-static push at the interface exactly as the full model does.
+static push at the interface exactly as the full model does. A rim's basis, and that of a structure with a rotation, has
+the matrices of rotation between its modes (`turning.py`).
 """
 
 import hashlib
@@ -24,13 +25,13 @@ from casingfem.linalg.krylov import START_SEED
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import static_by_cycles
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.campbell import spin_from_rest
 from casingfem.modal.interface.kinds import Interface, Rim
 from casingfem.modal.interface.output import Output, output_rows
 from casingfem.modal.interface.view import load_columns, view
 from casingfem.modal.mesh_modes import thick
 from casingfem.modal.modes import modes as lowest_modes
-from casingfem.structure.geometry.rotation import Rotation, rigid_motions
+from casingfem.modal.turning import modal_turning
+from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.plausible import warn_of
@@ -78,7 +79,8 @@ def reduce(
     Raises
     ------
     ValueError
-        Unknown method, negative damping, an interface the structure does not have, or rigid motions.
+        Unknown method, negative damping, an interface the structure does not have, rigid motions, or a rotation about
+        another axis than that of a rim.
     NumericsError
         If the stiffness is singular.
     """
@@ -103,12 +105,16 @@ def reduce(
     if not P.any():
         where = interface.where if isinstance(interface, Rim) else repr(getattr(interface, "edge", ""))
         raise ModelError("interface-held", f"interface: {where} is held, nothing can be pushed there")
+    turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
+    loads = P if turning is None else np.hstack([P, turning.load])
     if method == "free":
-        attachment = static_shapes(system, P)
+        shapes = static_shapes(system, loads)
+        attachment = shapes[:, : P.shape[1]]
         vectors, omega = free_vectors(system, modes)
     else:
         factor = factorise(stiffness(system))
-        attachment = factor.solve(P)
+        shapes = factor.solve(loads)
+        attachment = shapes[:, : P.shape[1]]
         vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
     S = np.zeros((P.shape[1], P.shape[1]))
@@ -127,15 +133,13 @@ def reduce(
     if outputs:
         restricted = load_columns(system, wanted).T
         stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
-    rotation: Rotation | None = getattr(structure, "rotation", None)
-    if rotation is not None:
-        stored["stiffness_by_speed"] = stiffening(structure, vectors)
+    if turning is not None:
+        stored |= turning.arrays(shapes[:, P.shape[1] :], vectors)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),
         channels=seen.channels,
         outputs=tuple(output.name for output in outputs),
-        spin=0.0 if rotation is None else rotation.omega,
         lines=seen.lines,
         line_thickness=seen.line_thickness,
         out_of_roundness=seen.out_of_roundness,
@@ -149,13 +153,6 @@ def reduce(
         provenance=provenance(system, method, modes) | seen.facts,
         **stored,
     )
-
-
-def stiffening(structure: Shell | MeshStructure, vectors: FloatArray) -> FloatArray:
-    """Modal stiffness Phi^T K1 Phi that each (rad/s)^2 adds to a rotating structure, (modes, modes)."""
-    _, from_rest = spin_from_rest(structure, "reduce")
-    added = vectors.T @ (from_rest.K1 @ vectors)
-    return np.asarray(0.5 * (added + added.T))
 
 
 def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatArray) -> FloatArray:

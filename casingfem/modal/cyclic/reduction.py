@@ -74,7 +74,11 @@ def cyclic_reduce(
     rows, count = waves.rows() @ turn, sector.sectors * modes
     rest = rows[:, count:] / omega[count:]
     rotation = sector.structure.rotation
-    added = np.zeros((0, 0)) if rotation is None else turn[:, :count].T @ waves.added @ turn[:, :count]
+    kept = turn[:, :count]
+    added, gyroscopic = (
+        np.zeros((0, 0)) if rotation is None else kept.T @ A @ kept for A in (waves.added, waves.gyroscopic)
+    )
+    sense = 1.0 if rotation is None else float(np.sign(rotation.direction @ np.asarray(sector.axis)))
     return ModalBasis(
         omega=omega[:count],
         zeta=np.full(count, zeta),
@@ -83,7 +87,8 @@ def cyclic_reduce(
         S=rest @ rest.T,
         kind="point",
         sectors=sector.sectors,
-        spin=0.0 if rotation is None else rotation.omega,
+        spin=0.0 if rotation is None else sense * rotation.omega + 0.0,
+        gyroscopic=0.5 * sense * (gyroscopic - gyroscopic.T),
         stiffness_by_speed=0.5 * (added + added.T),
         provenance=provenance(system.system, "cyclic", modes)
         | seen.facts

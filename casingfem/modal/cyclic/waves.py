@@ -42,8 +42,9 @@ class Waves:
         Motion of the channels of sector 0, real part before imaginary for a pair, (channels, D).
     blade
         Elastic energy of the blade of sector 0 between the coordinates, (D, D); empty unless asked for.
-    added
-        Modal stiffness that each (rad/s)^2 adds, (D, D); empty without rotation.
+    added, gyroscopic
+        Modal stiffness that each (rad/s)^2 adds, and the Coriolis matrix per rad/s about the axis of the rotation,
+        (D, D) each; empty without rotation.
     """
 
     sectors: int
@@ -55,6 +56,7 @@ class Waves:
     places: FloatArray
     blade: FloatArray
     added: FloatArray
+    gyroscopic: FloatArray
 
     def turned(self, table: FloatArray, j: int) -> FloatArray:
         """What a table (..., D) of sector 0 is for sector j."""
@@ -84,7 +86,9 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
     P = np.zeros((system.system.size, 0)) if loads is None else loads
     held = np.unique(blade.nonzero()[0]) if blade is not None else np.zeros(0, dtype=np.int64)
     parts = defaultdict[str, list[Array]](list)
-    blocks, first = [], 0
+    added: list[FloatArray] = []
+    gyroscopic: list[FloatArray] = []
+    first = 0
     for n in sector.diameters:
         omega, Z, modes = waves_of(system, n, count, P)
         scale, size = np.sqrt(sector.count(n) / sector.sectors), len(omega)
@@ -97,14 +101,21 @@ def wheel_waves(system: CyclicSystem, count: int, loads: FloatArray | None, blad
         for name, values in (("places", scale * (P.T @ Z)), ("shapes", scale * Z[held])):
             parts[name] += [values.real, values.imag][:copies]
         if system.spin is not None:
-            H = Z.conj().T @ (system.spin.K1 @ Z)
-            blocks.append(np.block([[H.real, H.imag], [-H.imag, H.real]]) if copies == 2 else H.real)
+            added.append(between(Z, system.spin.K1, copies))
+            gyroscopic.append(between(Z, system.spin.G, copies))
         first += size * copies
     joined = {name: np.concatenate(part, axis=-1) for name, part in parts.items()}
     shapes = joined.pop("shapes")
     energy = np.zeros((0, 0)) if blade is None else shapes.T @ (blade[held][:, held] @ shapes)
-    added = block_diag(*(0.5 * (block + block.T) for block in blocks)) if blocks else np.zeros((0, 0))
-    return Waves(sectors=sector.sectors, blade=energy, added=added, **joined)
+    stiff, G = (block_diag(*blocks) if blocks else np.zeros((0, 0)) for blocks in (added, gyroscopic))
+    even, skew = 0.5 * (stiff + stiff.T), 0.5 * (G - G.T)
+    return Waves(sectors=sector.sectors, blade=energy, added=even, gyroscopic=skew, **joined)
+
+
+def between(Z: Array, A: csc_array, copies: int) -> FloatArray:
+    """A real matrix of the wheel between the real amplitudes of its waves: Re(a^H Z^H A Z a') of a = c - i s."""
+    H = Z.conj().T @ (A @ Z)
+    return np.asarray(np.block([[H.real, H.imag], [-H.imag, H.real]]) if copies == 2 else H.real)
 
 
 def waves_of(system: CyclicSystem, n: int, count: int, P: FloatArray) -> tuple[FloatArray, Array, Array]:

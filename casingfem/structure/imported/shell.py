@@ -39,7 +39,7 @@ from casingfem.structure.imported.checks import check_groups, check_mesh, check_
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.spin import MeshSpin, mesh_spin, spun
+from casingfem.structure.imported.spin import MeshSpin, MeshTurning, mesh_spin, spun
 from casingfem.structure.shell.checks import WALLS
 from contact.io.brief import brief
 
@@ -125,9 +125,14 @@ class MeshShell(ShellCells):
 
     def spin(self, at_rest: MeshSystem, rotation: Rotation) -> MeshSpin:
         """What rotation about an axis adds to its matrices at rest."""
+        return mesh_spin(self.turning(at_rest, rotation))
+
+    def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
+        """Its centrifugal load about an axis, and what rotation adds to modes."""
         from casingfem.structure.imported.shell_spin import shell_inertia, shell_stiffening
 
-        return mesh_spin(at_rest, rotation, partial(shell_inertia, self), partial(shell_stiffening, self))
+        inertia, stiffening = shell_inertia(self, rotation), partial(shell_stiffening, self)
+        return MeshTurning(system=at_rest, rotation=rotation, inertia=inertia, stiffening=stiffening)
 
 
 def check_layers(shell: MeshShell) -> None:

@@ -21,7 +21,7 @@ from casingfem.structure.imported.cells.solid import SolidCells, cell_matrices, 
 from casingfem.structure.imported.cells.support import check_support
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh.cell_kind import SOLIDS
-from casingfem.structure.imported.spin import MeshSpin, spun
+from casingfem.structure.imported.spin import MeshSpin, MeshTurning, spun
 from contact.io.brief import brief
 
 
@@ -86,6 +86,12 @@ class Solid(SolidCells):
         from casingfem.structure.imported.solid_spin import solid_spin
 
         return solid_spin(at_rest, self, rotation)
+
+    def turning(self, at_rest: MeshSystem, rotation: Rotation) -> MeshTurning:
+        """Its centrifugal load about an axis, and what rotation adds to modes."""
+        from casingfem.structure.imported.solid_spin import solid_turning
+
+        return solid_turning(at_rest, self, rotation)
 
 
 def assemble_solid(solid: Solid) -> MeshSystem:

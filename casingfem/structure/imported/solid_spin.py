@@ -31,7 +31,7 @@ from casingfem.structure.imported.cells.solid import (
 )
 from casingfem.structure.imported.mesh.cell_kind import rule
 from casingfem.structure.imported.mesh.collapsed import native
-from casingfem.structure.imported.spin import Inertia, MeshSpin, Stiffening, mesh_spin, tied_solution
+from casingfem.structure.imported.spin import Inertia, MeshSpin, MeshTurning, Stiffening, mesh_spin, tied_solution
 
 STEPS, SETTLED = 30, 1e-9  # Newton's steps at most; relative size of the last one
 
@@ -44,12 +44,18 @@ def solid_spin(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> Mes
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
-    linear = mesh_spin(system, rotation, partial(solid_inertia, solid), partial(solid_stiffening, solid))
+    linear = mesh_spin(solid_turning(system, solid, rotation))
 
     def steady(omega: float) -> csc_array:
         return steady_stiffness(system, solid, rotation.at(omega), omega**2 * linear.fields)
 
     return linear if system.lift is not None else replace(linear, steady=steady)  # connections: in their shape at rest
+
+
+def solid_turning(system: MeshSystem, solid: SolidCells, rotation: Rotation) -> MeshTurning:
+    """A solid assembled at rest and an axis."""
+    inertia, stiffening = solid_inertia(solid, rotation), partial(solid_stiffening, solid)
+    return MeshTurning(system=system, rotation=rotation, inertia=inertia, stiffening=stiffening)
 
 
 def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:

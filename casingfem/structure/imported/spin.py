@@ -13,17 +13,18 @@ shape instead (`solid_spin.py`), and K(Omega) is its tangent. What hangs on a pa
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from casingfem.io.arrays import FloatArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
-from casingfem.structure.imported.attachments.turning import attached_spin, carried
+from casingfem.structure.imported.attachments.turning import AttachedSpin, attached_spin, carried
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, symmetric
 from casingfem.structure.shell.prestress import Spin
 
@@ -69,45 +70,90 @@ class MeshSpin(Spin):
         return super().stiffness(omega)
 
 
-def mesh_spin(
-    system: MeshSystem,
-    rotation: Rotation,
-    inertia: Callable[[Rotation], Inertia],
-    stiffening: Callable[[FloatArray], Stiffening],
-) -> MeshSpin:
-    """What rotation about an axis adds to a part assembled at rest; its speed is not used.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshTurning:
+    """A part at rest and an axis: its centrifugal load, and what rotation adds once the answer to the load is known.
 
-    Parameters
+    Attributes
     ----------
+    system
+        The part assembled at rest.
+    rotation
+        Axis; its speed is not used.
     inertia
-        Inertia of the cells about an axis.
+        Of the cells about the axis.
     stiffening
         Nodal fields (nodes, dofs) -> what their stress and strain add to the stiffness of the cells.
+    """
+
+    system: MeshSystem
+    rotation: Rotation
+    inertia: Inertia
+    stiffening: Callable[[FloatArray], Stiffening]
+
+    @property
+    def rows(self) -> IntArray:
+        """Dofs of the cells, (cells, m)."""
+        return cell_dofs(self.system.structure.mesh.cells, self.system.dofs)
+
+    @cached_property
+    def extra(self) -> AttachedSpin | None:
+        """What hangs on the part."""
+        connected = self.system.connected
+        return None if connected is None else attached_spin(connected.rows.motions, self.rotation)
+
+    @cached_property
+    def force(self) -> FloatArray:
+        """Centrifugal force at 1 rad/s on all motions."""
+        size = self.system.dofs * len(self.system.points)
+        force = scatter(self.inertia.mass, self.rows, size) @ self.inertia.away.ravel()
+        extra = self.extra
+        return np.asarray(force if extra is None else extra.force + np.pad(force, (0, len(extra.force) - size)))
+
+    @property
+    def load(self) -> FloatArray:
+        """Centrifugal force at 1 rad/s on the free dofs, (free,)."""
+        connected = self.system.connected
+        return np.asarray(self.force[self.system.free] if connected is None else connected.whole.T @ self.force)
+
+    def spin(self, u: FloatArray) -> MeshSpin:
+        """K1, K2, G and the static state, of the static answer u (free,) to the load."""
+        system, of, extra = self.system, self.inertia, self.extra
+        size = system.dofs * len(system.points)
+        fields = system.expand(u[:, None])[:, :, 0]
+        added = self.stiffening(fields)
+        parts = [scatter(cells, self.rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
+        if extra is not None and system.connected is not None:
+            on = system.connected
+            parts = [enlarged(part, len(self.force)) for part in parts]
+            carries = carried(on.rows.motions, on.rows, self.force - on.K @ (on.whole @ u))
+            parts[0], parts[2] = parts[0] + extra.stiffness + carries - extra.softening, parts[2] + extra.gyroscopic
+        first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
+        return MeshSpin(K1=symmetric(first), K2=symmetric(second), G=gyroscopic, fields=fields, nonlinear=added.ratio)
+
+    def modal(self, u: FloatArray, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """G and K1 between the columns of `vectors` (free, m), (m, m) each, of the static answer u to the load."""
+        if self.system.connected is not None:
+            whole = self.spin(u)
+            return np.asarray(vectors.T @ (whole.G @ vectors)), np.asarray(vectors.T @ (whole.K1 @ vectors))
+        stiff = self.stiffening(self.system.expand(u[:, None])[:, :, 0]).first
+        fields = self.system.expand(vectors).reshape(-1, vectors.shape[1])[self.rows]
+        G, more = (
+            np.tensordot(fields, cells @ fields, axes=((0, 1), (0, 1)))
+            for cells in (self.inertia.gyroscopic, stiff - self.inertia.softening)
+        )
+        return np.asarray(G), np.asarray(more)
+
+
+def mesh_spin(turning: MeshTurning) -> MeshSpin:
+    """What rotation about an axis adds to a part assembled at rest.
 
     Raises
     ------
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
-    rows = cell_dofs(system.structure.mesh.cells, system.dofs)
-    size = system.dofs * len(system.points)
-    of = inertia(rotation)
-    force = scatter(of.mass, rows, size) @ of.away.ravel()
-    extra = None if system.connected is None else attached_spin(system.connected.rows.motions, rotation)
-    if extra is not None:
-        force = extra.force + np.pad(force, (0, len(extra.force) - size))
-    felt = force[system.free] if system.connected is None else system.connected.whole.T @ force
-    moved = tied_solution(system, system.K, felt, solve_held)
-    fields = system.expand(moved[:, None])[:, :, 0]
-    added = stiffening(fields)
-    parts = [scatter(cells, rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
-    if extra is not None and system.connected is not None:
-        on = system.connected
-        parts = [enlarged(part, len(force)) for part in parts]
-        carries = carried(on.rows.motions, on.rows, force - on.K @ (on.whole @ moved))
-        parts[0], parts[2] = parts[0] + extra.stiffness + carries - extra.softening, parts[2] + extra.gyroscopic
-    first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
-    return MeshSpin(K1=symmetric(first), K2=symmetric(second), G=gyroscopic, fields=fields, nonlinear=added.ratio)
+    return turning.spin(tied_solution(turning.system, turning.system.K, turning.load, solve_held))
 
 
 def reduced(system: MeshSystem, A: csc_array) -> csc_array:

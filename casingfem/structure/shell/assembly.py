@@ -28,7 +28,7 @@ from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.nodal_mass import diagonal_frames, nodal_mass
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.prestress import Spin, spin_matrices
+from casingfem.structure.shell.prestress import Spin, Turning, spun
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
@@ -184,6 +184,22 @@ def spin(system: System, rotation: Rotation) -> Spin:
     ModelError
         `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
     """
-    if system.own or system.change is not None:
+    return spun(turning(system, rotation))
+
+
+def turning(system: System, rotation: Rotation) -> Turning:
+    """A shell assembled at rest and an axis.
+
+    Raises
+    ------
+    ModelError
+        `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
+    """
+    if carries_more(system):
         raise ModelError("rotation-ring", "rotation: found a ring or point masses on an edge")
-    return spin_matrices(system, rotation, nodal_mass(system.shell, system.grid))
+    return Turning(system=system, rotation=rotation, mass=nodal_mass(system.shell, system.grid))
+
+
+def carries_more(system: System) -> bool:
+    """Whether rings or masses hang on the edges: rotation is not modelled for these."""
+    return bool(system.own) or system.change is not None

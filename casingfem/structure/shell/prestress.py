@@ -23,6 +23,7 @@ Dynamics of Rotating Systems, 2005.)
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -76,10 +77,11 @@ class Spin:
         return csc_array(omega**2 * self.K1 + omega**4 * self.K2)
 
 
-def spin_matrices(system: System, rotation: Rotation, mass: NodalMass) -> Spin:
-    """K1, K2, G and the static state of a shell at rest, for rotation about an axis.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turning:
+    """A shell at rest and an axis: its centrifugal load, and what rotation adds once the answer to the load is known.
 
-    Parameters
+    Attributes
     ----------
     system
         The supported shell at rest.
@@ -87,25 +89,61 @@ def spin_matrices(system: System, rotation: Rotation, mass: NodalMass) -> Spin:
         Axis; its speed is not used.
     mass
         Lobatto mass of every node (`nodal_mass`).
+    """
+
+    system: System
+    rotation: Rotation
+    mass: NodalMass
+
+    @cached_property
+    def nodes(self) -> tuple[FloatArray, FloatArray]:
+        """Distances from the axis P(x - c) and normals at the nodes, (nodes, 3) each."""
+        grid = self.system.grid
+        surface = self.system.shell.geometry(*grid.nodes).surface
+        away = (surface.x.T - np.asarray(self.rotation.centre)) @ self.rotation.plane
+        return away, frame(surface).normal.T
+
+    @property
+    def load(self) -> FloatArray:
+        """Centrifugal forces and moments at 1 rad/s on the free dofs, (free,)."""
+        return np.asarray(self.system.restrict(centrifugal(self.rotation, self.mass, *self.nodes)[:, :, None])[:, 0])
+
+    @property
+    def blocks(self) -> tuple[FloatArray, FloatArray]:
+        """Blocks of S and of G at the nodes, (nodes, 5, 5)."""
+        return softening(self.rotation, self.mass, *self.nodes), gyroscopic(self.rotation, self.mass)
+
+    def spin(self, u: FloatArray) -> Spin:
+        """K1, K2, G and the static state, of the static answer u (free,) to the load."""
+        system, fields = self.system, self.system.expand(u[:, None])
+        at_points, nonlinear = point_stiffness(system.shell, system.grid, fields)
+        first, second = (
+            element_sum(jet_elements(system.grid, H), system.grid, system.frames, system.free).tocsc()
+            for H in at_points
+        )
+        soft, G = (scatter_blocks(blocks, system.frames, system.free) for blocks in self.blocks)
+        return Spin(K1=csc_array(first - soft), K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
+
+    def modal(self, u: FloatArray, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """G and K1 between the columns of `vectors` (free, m), (m, m) each, of the static answer u to the load."""
+        system = self.system
+        (first, _), _ = point_stiffness(system.shell, system.grid, system.expand(u[:, None]))
+        fields = system.expand(vectors)
+        jets = point_jets(system.grid, fields)
+        stiff = np.tensordot(jets, first @ jets, axes=((0, 1, 2), (0, 1, 2)))
+        soft, G = (np.tensordot(fields, blocks @ fields, axes=((0, 1), (0, 1))) for blocks in self.blocks)
+        return np.asarray(G), np.asarray(stiff - soft)
+
+
+def spun(turning: Turning) -> Spin:
+    """K1, K2, G and the static state of a shell that turns about an axis.
 
     Raises
     ------
     ModelError
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
-    shell, grid = system.shell, system.grid
-    surface = shell.geometry(*grid.nodes).surface
-    normals = frame(surface).normal.T
-    away = (surface.x.T - np.asarray(rotation.centre)) @ rotation.plane
-    force = centrifugal(rotation, mass, away, normals)
-    u = solve_held(system.stiffness, system.restrict(force[:, :, None])[:, 0])
-    fields = system.expand(u[:, None])
-    blocks = softening(rotation, mass, away, normals)
-    at_points, nonlinear = point_stiffness(shell, grid, fields)
-    first, second = (element_sum(jet_elements(grid, H), grid, system.frames, system.free).tocsc() for H in at_points)
-    linear = csc_array(first - scatter_blocks(blocks, system.frames, system.free))
-    G = scatter_blocks(gyroscopic(rotation, mass), system.frames, system.free)
-    return Spin(K1=linear, K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
+    return turning.spin(solve_held(turning.system.stiffness, turning.load))
 
 
 def centrifugal(rotation: Rotation, mass: NodalMass, away: FloatArray, n: FloatArray) -> FloatArray:

@@ -34,6 +34,7 @@ def waves(omega=(4.0, 3.0, 6.0, 3.0, 6.0), modes=(True,) * 5):
         sectors=N, n=np.array([0, 1, 1, 1, 1]), omega=np.array(omega), modes=np.array(modes),
         partner=np.array([0, 3, 4, 1, 2]), sign=np.array([-1.0, -1.0, -1.0, 1.0, 1.0]), places=in_sector(PLACES, 0),
         blade=in_sector(SHAPES, 0).T @ STIFF @ in_sector(SHAPES, 0), added=np.zeros((0, 0)),
+        gyroscopic=np.zeros((0, 0)),
     )  # fmt: skip
 
 

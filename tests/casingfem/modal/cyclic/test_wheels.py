@@ -313,6 +313,7 @@ def test_a_softer_blade_may_leave_a_wheel_no_stiffness_but_not_less(energy, omeg
     wave = Waves(
         sectors=1, n=0 * one, omega=3.0 * one, modes=one > 0.0, partner=np.zeros(1, int), sign=one,
         places=one[None], blade=energy * one[None], added=np.zeros((0, 0)),
+        gyroscopic=np.zeros((0, 0)),
     )  # fmt: skip
     found, turn = mixed(wave, -0.5 * one)
     np.testing.assert_allclose(found, [omega], atol=1e-7)

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 import casingfem as cf
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.solid_spin import solid_spin, steady_stiffness, tangent
-from casingfem.structure.imported.spin import LARGE, Inertia, MeshSpin, Stiffening, mesh_spin, spun
+from casingfem.structure.imported.spin import LARGE, Inertia, MeshSpin, MeshTurning, Stiffening, mesh_spin, spun
 from tests.casingfem.structure.imported.parts import STEEL, supported
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
@@ -43,7 +43,8 @@ def test_what_cells_add_is_summed_on_the_free_dofs(tied):
         seen.append(fields)
         return Stiffening(first, second, 0.07)
 
-    found = mesh_spin(system, ROTATION, lambda axis: Inertia(mass, softening, gyroscopic, away), stiffening)
+    inertia = Inertia(mass, softening, gyroscopic, away)
+    found = mesh_spin(MeshTurning(system=system, rotation=ROTATION, inertia=inertia, stiffening=stiffening))
     force, K = (summed(mass) @ away.ravel())[system.free], system.K.toarray()
     u = T @ np.linalg.solve(T.T @ K @ T, T.T @ force) if tied else np.linalg.solve(K, force)
     np.testing.assert_allclose(found.fields, system.expand(u[:, None])[:, :, 0], rtol=1e-6, atol=1e-9 * np.abs(u).max())

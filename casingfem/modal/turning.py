@@ -1,0 +1,137 @@
+"""The matrices of rotation between the modes of a reduced structure.
+
+    q'' + 2 zeta omega q' + Omega Phi^T G Phi q' + [omega^2 + (Omega^2 - spin^2) Phi^T K1 Phi] q = rows^T lam
+
+in the frame of the body, which turns at Omega. G and K1 are those of the whole structure (`structure/shell/prestress`,
+`structure/imported/spin`); the term Omega^4 K2 of the stiffness is left out, except in modes computed at speed.
+
+A positive Omega turns a rim about its axis, from cos 1 to sin 1, and a tip from span to flap, which is how contact has
+them: span along the radius, flap along growing angles. For nodes it is the direction of the study's rotation.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import balanced, solve_held
+from casingfem.modal.interface.kinds import Interface, Rim, Tip, TipNodes
+from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
+from casingfem.structure.imported.spin import MeshTurning
+from casingfem.structure.shell.assembly import assemble, carries_more, turning
+from casingfem.structure.shell.prestress import Turning
+from casingfem.structure.shell.shell import Shell
+from casingfem.structure.shell.system import System
+
+ALONG = 1e-6  # sine of an angle between axes, or distance between them over the radius, that is none
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ModalTurning:
+    """A structure to be reduced and the axis about which it may turn.
+
+    Attributes
+    ----------
+    part
+        Centrifugal load of the structure at rest, and what rotation adds to modes.
+    sense
+        1 where a positive speed turns about the axis of `part`, -1 where it turns the other way.
+    spin
+        Speed of the modes [rad/s], with the sign of `sense`.
+    """
+
+    part: Turning | MeshTurning
+    sense: float
+    spin: float
+
+    @property
+    def load(self) -> FloatArray:
+        """Columns to be solved beside the unit forces of the interface, (free, 1), or none at speed, (free, 0).
+
+        The static state is that of the structure at rest, whose stiffness at speed is another one.
+        """
+        load = self.part.load[:, None]
+        return load if self.spin == 0.0 else load[:, :0]
+
+    def arrays(self, static: FloatArray, vectors: FloatArray) -> dict[str, Any]:
+        """Fields of the basis, of the static answer to `load` and modes (free, modes).
+
+        Raises
+        ------
+        ModelError
+            `static-loose` if the centrifugal force drives a rigid motion that is not held.
+        """
+        system, load = self.part.system, self.part.load
+        K = system.stiffness if isinstance(system, System) else system.K
+        u = balanced(K, static[:, 0], load) if static.shape[1] else solve_held(K, load)
+        G, added = self.part.modal(u, vectors)
+        skew, even = 0.5 * self.sense * (G - G.T), 0.5 * (added + added.T)
+        return {"gyroscopic": skew, "stiffness_by_speed": even, "spin": self.spin}
+
+
+def modal_turning(
+    structure: Shell | MeshStructure, system: System | MeshSystem, interface: Interface, axes: FloatArray, radius: float
+) -> ModalTurning | None:
+    """A structure's rotation, else that of its rim; None where no axis is known, or where rotation is not modelled.
+
+    Parameters
+    ----------
+    system
+        The structure assembled, at its own speed.
+    axes, radius
+        Of the interface, as of `View`.
+
+    Raises
+    ------
+    ModelError
+        `rotation-ring` where a structure with a rotation carries what rotation is not modelled for; `reduce-axis` where
+        a structure turns about another axis than that of its rim.
+    """
+    owner: Any = structure
+    rotation: Rotation | None = getattr(structure, "rotation", None)
+    about = rim_axis(structure, interface) if isinstance(interface, Rim) else None
+    if rotation is None and about is None:
+        return None
+    if rotation is not None and rotation.omega != 0.0:
+        still = replace(owner, rotation=None)
+        system = assemble(still) if isinstance(structure, Shell) else still.assembled()
+    turns = rotation or about
+    assert turns is not None
+    if rotation is None and not modelled(structure, system):
+        return None
+    part = turning(system, turns) if isinstance(system, System) else owner.turning(system, turns)
+    if rotation is not None and about is not None:
+        require_axis(rotation, about, radius)
+    sense = 1.0
+    if about is not None:
+        sense = float(np.sign(turns.direction @ about.direction))
+    elif isinstance(interface, Tip | TipNodes):
+        sense = 1.0 if turns.direction @ np.cross(axes[0], axes[1]) > -ALONG else -1.0
+    return ModalTurning(part=part, sense=sense, spin=0.0 if rotation is None else sense * rotation.omega + 0.0)
+
+
+def rim_axis(structure: Shell | MeshStructure, rim: Rim) -> Rotation:
+    """The axis of a rim: z of a chart."""
+    if isinstance(structure, Shell):
+        return Rotation(omega=0.0)
+    return Rotation(omega=0.0, axis=rim.axis, centre=rim.point)
+
+
+def modelled(structure: Shell | MeshStructure, system: System | MeshSystem) -> bool:
+    """Whether the structure knows what rotation adds; one of the user's own, or one with rings, need not."""
+    return not carries_more(system) if isinstance(system, System) else hasattr(structure, "turning")
+
+
+def require_axis(rotation: Rotation, rim: Rotation, radius: float) -> None:
+    """Refuse a rotation about another axis than that of the rim."""
+    apart = np.asarray(rotation.centre) - np.asarray(rim.centre)
+    aside = np.linalg.norm(np.cross(rim.direction, apart))
+    tilted = np.linalg.norm(np.cross(rim.direction, rotation.direction))
+    if tilted > ALONG or aside > ALONG * radius:
+        found = f"axis {rotation.axis!r} through {rotation.centre!r} of the rotation"
+        raise ModelError(
+            "reduce-axis", f"rotation: found {found}, beside {rim.axis!r} through {rim.centre!r} of the rim"
+        )
