@@ -5,7 +5,10 @@ Each mode k of set-up s is a pole p = -zeta omega + j omega sqrt(1 - zeta^2) wit
     H(f) = s^q [sum_k A_k/(s - p_k) + A_k*/(s - p_k*) + S],   s = 2 pi j f + 1/tau,
 
 tau the time constant of an exponential window, q = 0, 1, 2. What an average of random blocks under a Hann window
-leaks is H smoothed by the window's power spectrum (Bendat & Piersol, Random Data, 4th ed., 2010, section 8.5).
+leaks is H smoothed by the window's power spectrum (Bendat & Piersol, Random Data, 4th ed., 2010, section 8.5). A record
+that ends D seconds after the hit, while the structure rings, lacks the rest of the ringing,
+
+    H_D = H - sum_k p_k^q A_k e^{(p_k - s) D}/(s - p_k) + conjugates.
 """
 
 from __future__ import annotations
@@ -44,6 +47,8 @@ class Troubles:
     dead, noisy, swapped, flipped : channels without signal, with ten times the noise, pairs exchanged, signs turned
     double_hit : second hit of the hammer over the first: noise rises where their spectra cancel
     exponential : time constant of an exponential window [s]
+    cut_off : records end one over the distance of the lines after they begin, while the structure rings
+    pre_trigger : time that such a record has before the hit [s]
     leakage : a Hann window's, as with random forces
     fixture : number of local modes, each seen by a few neighbouring sensors
     phase_deg : rms phase of the shapes' components, of modes that are not proportionally damped
@@ -61,6 +66,8 @@ class Troubles:
     flipped: int = 0
     double_hit: float = 0.0
     exponential: float = 0.0
+    cut_off: bool = False
+    pre_trigger: float = 0.0
     leakage: bool = False
     fixture: int = 0
     phase_deg: float = 0.0
@@ -70,7 +77,12 @@ class Troubles:
         for name, (low, high) in ranges.items():
             if not low <= getattr(self, name) <= high:
                 raise InputError(f"{name}: found {getattr(self, name)!r}, expected {low:g} to {high:g}")
-        for name in ("dead", "noisy", "swapped", "flipped", "fixture", "exponential", "setups"):
+        if self.pre_trigger and not self.cut_off:
+            raise InputError("pre_trigger", found=f"{self.pre_trigger!r} s without cut_off", expected="cut_off = true")
+        if self.cut_off and self.leakage:
+            expected = "one of them: a Hann window belongs to random forces"
+            raise InputError("cut_off", found="cut_off and leakage", expected=expected)
+        for name in ("dead", "noisy", "swapped", "flipped", "fixture", "exponential", "pre_trigger", "setups"):
             if not getattr(self, name) >= (1 if name == "setups" else 0):
                 raise InputError(f"{name}: found {getattr(self, name)!r}, expected none, or how much")
 
@@ -80,13 +92,15 @@ class TroubledTruth:
     """What is behind a test: poles as each set-up has them, and which channels are spoilt.
 
     `freq` [Hz] and `zeta` (setups, modes) are those of the responses, with what the window adds; `peak` (modes,) the
-    rms of each mode's peak over that of the noise there; `fixture_hz` the local modes; `setup` (channels,); `dead`,
-    `noisy`, `flipped` channels, `swapped` pairs of them.
+    rms of each mode's peak over that of the noise there; `left` (modes,) the part of its ringing (amplitude) at the end
+    of records that are cut off, 0 of others; `fixture_hz` the local modes; `setup` (channels,); `dead`, `noisy`,
+    `flipped` channels, `swapped` pairs of them.
     """
 
     freq: FloatArray
     zeta: FloatArray
     peak: FloatArray
+    left: FloatArray
     fixture_hz: FloatArray
     setup: IntArray
     dead: tuple[int, ...]
@@ -100,6 +114,7 @@ class TroubledTruth:
             "freq_hz": self.freq.tolist(),
             "zeta": self.zeta.tolist(),
             "peak_over_noise": self.peak.tolist(),
+            "ringing_left": self.left.tolist(),
             "fixture_hz": self.fixture_hz.tolist(),
             "setup": (self.setup + 1).tolist(),
             **{name: [k + 1 for k in getattr(self, name)] for name in ("dead", "noisy", "flipped")},
@@ -107,7 +122,7 @@ class TroubledTruth:
         }
 
     def __post_init__(self) -> None:
-        freeze(self, "freq", "zeta", "peak", "fixture_hz", "setup")
+        freeze(self, "freq", "zeta", "peak", "left", "fixture_hz", "setup")
 
 
 class TroubledTest(NamedTuple):
@@ -152,12 +167,14 @@ def troubled_frfs(
     local, parts = _fixture(what, freq, residues, rig, len(drives), rng)
     power, decay = DERIVATIVES[quantity], 1.0 / what.exponential if what.exponential else 0.0
 
+    end = _end(what, freq)
+
     def seen_at(lines: FloatArray) -> Array:
         s = 2j * np.pi * lines + decay
-        H = modal_sum(parts, local, s) + static
+        H = modal_sum(parts, local, s, power, end) + static * s**power
         for k in range(what.setups):
-            H[setup == k] += modal_sum(residues[setup == k], poles[k], s)
-        return np.asarray(H * s**power)
+            H[setup == k] += modal_sum(residues[setup == k], poles[k], s, power, end)
+        return np.asarray(H)
 
     clean = seen_at(freq)
     if what.leakage:
@@ -188,16 +205,38 @@ def troubled_frfs(
     truth = TroubledTruth(
         freq=own, zeta=zeta, fixture_hz=np.abs(local - decay) / (2.0 * np.pi), setup=setup, dead=tuple(dead),
         noisy=tuple(noisy), swapped=swapped, flipped=tuple(flipped),
+        left=np.exp(poles.real.mean(axis=0) * end),
         peak=np.sqrt(np.mean((peaks[alive] / sigma[alive][:, at]) ** 2, axis=0)),
     )  # fmt: skip
     frfs = replace(exact, responses=H, card=(*exact.card, f"troubles: {what}, seed {seed}"))
     return TroubledTest(frfs, replace(frfs, kind="spectrum", responses=coherence, unit=""), truth)
 
 
-def modal_sum(residues: Array, poles: Array, s: Array) -> Array:
-    """Sum of A/(s - p) + A*/(s - p*) with A = r/(2 j omega_d): r/(s^2 + 2 zeta omega s + omega^2) where r is real."""
+def modal_sum(residues: Array, poles: Array, s: Array, power: int = 0, end: float = np.inf) -> Array:
+    """Sum of s^q A/(s - p) + s^q A*/(s - p*), without the ringing after `end` [s]; A = r/(2 j omega_d).
+
+    Without an end and with q = 0 that is r/(s^2 + 2 zeta omega s + omega^2) where r is real.
+    """
     A = residues / (2j * poles.imag)
-    return np.asarray(A @ (1.0 / (s - poles[:, None])) + A.conj() @ (1.0 / (s - poles.conj()[:, None])))
+
+    def columns(p: Array) -> Array:
+        rest = p**power * np.exp((p - s) * end) if np.isfinite(end) else 0.0
+        return np.asarray((s**power - rest) / (s - p))
+
+    return np.asarray(A @ columns(poles[:, None]) + A.conj() @ columns(poles.conj()[:, None]))
+
+
+def _end(what: Troubles, freq: FloatArray) -> float:
+    """Seconds of ringing in a record: all of it where records are not cut off."""
+    if not what.cut_off:
+        return np.inf
+    seconds = 1.0 / float(freq[1] - freq[0])
+    if not what.pre_trigger < seconds:
+        raise InputError(
+            "troubles.pre_trigger", found=f"{what.pre_trigger:g} s",
+            expected=f"less than the record, {seconds:g} s at these lines",
+        )  # fmt: skip
+    return seconds - what.pre_trigger
 
 
 def hann_power(lines: FloatArray) -> FloatArray:

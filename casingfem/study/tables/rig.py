@@ -57,6 +57,8 @@ class TroublesTable(Table):
     flipped: int = Field(default=0, ge=0, description="channels of the wrong sign")
     double_hit: float = Field(default=0.0, ge=0, le=0.99, description="second hit of the hammer over the first [-]")
     exponential: NotNegative = Field(default=0.0, description="time constant of an exponential window [s]")
+    cut_off: bool = Field(default=False, description="records end 1/resolution_hz after they begin, while it rings")
+    pre_trigger: NotNegative = Field(default=0.0, description="time before the hit in records that are cut off [s]")
     leakage: bool = Field(default=False, description="that of a Hann window")
     fixture: int = Field(default=0, ge=0, le=100, description="local modes of a fixture")
     phase_deg: float = Field(default=0.0, ge=0, le=90, description="rms phase in the shapes of complex modes [degrees]")

@@ -145,7 +145,7 @@ ENDS = {
         "colour": [(-2.0, -2.001), (4.0, 4.001)], "coherent": SHARE, "setups": COUNT_1000,
         "shift": [(0.0, -1e-9), (0.05, 0.0501)], "dead": [(0, -1)], "noisy": [(0, -1)], "swapped": [(0, -1)],
         "flipped": [(0, -1)], "double_hit": [(0.0, -1e-9), (0.99, 0.991)], "exponential": NOT_NEGATIVE,
-        "fixture": [(0, -1), (100, 101)], "phase_deg": [(0.0, -1e-9), (90.0, 90.001)],
+        "pre_trigger": NOT_NEGATIVE, "fixture": [(0, -1), (100, 101)], "phase_deg": [(0.0, -1e-9), (90.0, 90.001)],
     },
     ResponsesTable: {
         "band_hz": PAIR, "blocks": [(1, 0), (10_000, 10_001)], "force": POSITIVE, "part": [(1e-9, 0.0), (0.999, 1.0)],
@@ -214,8 +214,8 @@ LEFT_OUT = {
     SensorTable: {"angle_deg": 0.0, "at": None, "direction": "radial", "mass": 0.0, "count": 1},
     TroublesTable: {
         "colour": 0.0, "coherent": 0.0, "setups": 1, "shift": 0.0, "half_rim": False, "dead": 0, "noisy": 0,
-        "swapped": 0, "flipped": 0, "double_hit": 0.0, "exponential": 0.0, "leakage": False, "fixture": 0,
-        "phase_deg": 0.0,
+        "swapped": 0, "flipped": 0, "double_hit": 0.0, "exponential": 0.0, "cut_off": False, "pre_trigger": 0.0,
+        "leakage": False, "fixture": 0, "phase_deg": 0.0,
     },
     ResponsesTable: {
         "blocks": 20, "force": 1.0, "part": 0.4, "width": None, "snr_db": None, "bits": None, "keep_records": False,

@@ -58,3 +58,17 @@ def test_three_pairs_of_a_ring_whose_records_end_while_it_rings(zeta, before, se
     assert found.doublets == ((0, 1), (2, 3), (4, 5))
     assert found.zeta == pytest.approx(np.full(6, zeta), rel=0.02)
     assert found.sure.all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("before", [0.0, 0.05, 0.1])
+def test_the_rig_s_records_that_are_cut_off_are_identified_too(before):
+    """The same beam by `[rig.test.troubles]`: the truth names the ringing left, and every mode is found."""
+    rig = cf.rig.Rig.of(omega=2.0 * np.pi * np.array(BEAM), zeta=3e-4, rows=np.vstack([BEAM_SIZES, BEAM_SIZES[:1]]))
+    what = cf.rig.Troubles(snr_db=60.0, cut_off=True, pre_trigger=before)
+    test = cf.rig.troubled_frfs(rig, np.arange(20.0, 1001.0), what, sensors=[0, 1, 2], drives=[3], seed=3)
+    assert test.truth.left[0] == pytest.approx(np.exp(-3e-4 * rig.omega[0] * (1.0 - before)))
+    found = cf.identify(test.frfs)
+    assert found.freq == pytest.approx(BEAM, abs=2e-3)
+    assert found.zeta == pytest.approx(np.full(5, 3e-4), rel=0.05)
+    assert found.sure.all()

@@ -52,6 +52,40 @@ def test_every_quantity_is_its_sum_of_modes_under_its_window(quantity, exponenti
     close(found.truth.zeta, [(ZETA * OMEGA + decay) / own])
 
 
+@pytest.mark.parametrize("quantity", POWERS)
+def test_records_that_are_cut_off_lack_the_ringing_after_their_end(quantity):
+    """The lines of a record of 2 s that begins 0.4 s before the hit: a sum over its samples gives the same."""
+    found, fs = made(quantity, cut_off=True, pre_trigger=0.4), 2.0**16
+    t = np.arange(round(1.6 * fs)) / fs
+    poles = OMEGA * (-ZETA + 1j * np.sqrt(1.0 - ZETA**2))
+    lines = X[[30, 43, 44, 100]]
+    kernel = np.exp(np.multiply.outer(t, poles)[None] - 2j * np.pi * lines[:, None, None] * t[:, None])
+    kernel[:, 0], kernel[:, -1] = 0.5 * kernel[:, 0], 0.5 * kernel[:, -1]  # trapezia
+    free = kernel.sum(axis=1) / fs  # (lines, modes): integral of exp((p - s) t)
+    kernel = np.exp(np.multiply.outer(t, poles.conj())[None] - 2j * np.pi * lines[:, None, None] * t[:, None])
+    kernel[:, 0], kernel[:, -1] = 0.5 * kernel[:, 0], 0.5 * kernel[:, -1]
+    mirror = kernel.sum(axis=1) / fs
+    A, q = RESIDUES / (2j * poles.imag), POWERS[quantity]
+    direct = {0: 0.0, 1: 0.0, 2: RESIDUES.sum(axis=1)[:, None]}[q]  # acceleration at the instant of the hit
+    expected = (A * poles**q) @ free.T + (A * poles**q).conj() @ mirror.T + direct
+    expected = expected + STATIC * (2j * np.pi * lines) ** q
+    np.testing.assert_allclose(
+        found.frfs.responses[:, [30, 43, 44, 100]], expected, atol=2e-4 * np.abs(expected).max(axis=1).min()
+    )
+    np.testing.assert_allclose(found.truth.left, np.exp(-ZETA * OMEGA * 1.6))
+    assert made(quantity).truth.left.tolist() == [0.0] * 4
+
+
+@pytest.mark.parametrize(
+    ("troubles", "words"),
+    [({"pre_trigger": 0.1}, "without cut_off"), ({"cut_off": True, "leakage": True}, "cut_off and leakage"),
+     ({"cut_off": True, "pre_trigger": 2.5}, "less than the record, 2 s")],
+)  # fmt: skip
+def test_a_pre_trigger_belongs_to_a_record_that_is_cut_off(troubles, words):
+    with pytest.raises(InputError, match=words):
+        made(**troubles)
+
+
 def test_without_a_word_there_is_noise_of_a_hundredth_and_no_other_trouble():
     rig = Rig.of(omega=OMEGA, zeta=ZETA, rows=ROWS, S=S)
     found = troubled_frfs(rig, X, Troubles(), sensors=SENSORS, drives=DRIVES, seed=SEED)
@@ -200,11 +234,13 @@ def test_common_noise_reaches_each_channel_with_a_phase_of_its_own():
 def test_records_count_channels_from_one():
     truth = TroubledTruth(
         freq=np.array([[1.0, 2.0]]), zeta=np.array([[0.1, 0.2]]), peak=np.array([3.0, 4.0]),
-        fixture_hz=np.array([5.0]), setup=np.array([0, 1, 1]), dead=(0,), noisy=(2,), swapped=((3, 5),), flipped=(4, 6),
+        left=np.array([0.4, 0.0]), fixture_hz=np.array([5.0]),
+        setup=np.array([0, 1, 1]), dead=(0,), noisy=(2,), swapped=((3, 5),), flipped=(4, 6),
     )  # fmt: skip
     assert truth.records() == {
-        "freq_hz": [[1.0, 2.0]], "zeta": [[0.1, 0.2]], "peak_over_noise": [3.0, 4.0], "fixture_hz": [5.0],
-        "setup": [1, 2, 2], "dead": [1], "noisy": [3], "flipped": [5, 7], "swapped": [[4, 6]],
+        "freq_hz": [[1.0, 2.0]], "zeta": [[0.1, 0.2]], "peak_over_noise": [3.0, 4.0],
+        "ringing_left": [0.4, 0.0],
+        "fixture_hz": [5.0], "setup": [1, 2, 2], "dead": [1], "noisy": [3], "flipped": [5, 7], "swapped": [[4, 6]],
     }  # fmt: skip
 
 
