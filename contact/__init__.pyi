@@ -7,6 +7,7 @@ from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
 from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
+from .model.force_law import ForceLaw, ForceTable, Hertz, Response
 from .model.gaps.bladed_disk import BladedDisk
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
@@ -33,6 +34,9 @@ __all__ = [
     "ContactPoint",
     "Coulomb",
     "ExactModal",
+    "ForceLaw",
+    "ForceTable",
+    "Hertz",
     "InputError",
     "LimitError",
     "LinearBody",
@@ -46,6 +50,7 @@ __all__ = [
     "PointGap",
     "PointMass",
     "Record",
+    "Response",
     "Result",
     "RimProfile",
     "Rod",

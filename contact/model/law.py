@@ -14,6 +14,7 @@ from typing import ClassVar, Protocol, TypeVar
 
 from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.model.force_law import Response, spring
 
 Depth = TypeVar("Depth", float, Array)
 MOST_BARS = 10_000  # under a tip
@@ -28,7 +29,7 @@ class Law(Protocol):
     """What schemes read of a law; one of a user's own needs no more. All but `words` are zero or None if left out.
 
     `stiffness` [N/m] of a spring in the contact, 0 for a rigid one; `updates` of multipliers in a step, to a
-    `tolerance` [m]; `mu` of friction; `coating` that wears.
+    `tolerance` [m]; `mu` of friction; `coating` that wears; `response` of a contact that gives way.
     """
 
     @property
@@ -55,6 +56,10 @@ class Law(Protocol):
     def coating(self) -> Abradable | None:
         """What wears, or None."""
 
+    @property
+    def response(self) -> Response | None:
+        """Force and slope at a depth, None of a rigid contact and of a coating."""
+
 
 def kind(law: Law) -> str:
     """Name of the law of this module whose kind it is, which schemes take or refuse.
@@ -66,6 +71,8 @@ def kind(law: Law) -> str:
         return "Abradable"
     if law.stiffness > 0.0:
         return "AugmentedLagrangian" if law.updates > 0 else "Penalty"
+    if law.response is not None:
+        return "ForceLaw"
     return "Coulomb" if law.mu > 0.0 or law.words == Coulomb.words else "Unilateral"
 
 
@@ -83,6 +90,7 @@ class Unilateral:
     tolerance: ClassVar[float] = 0.0
     mu: ClassVar[float] = 0.0
     coating: ClassVar[None] = None
+    response: ClassVar[None] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,6 +115,11 @@ class Penalty:
         """Its name in the label of a run."""
         return f"penalty {self.stiffness:.3g} N/m"
 
+    @property
+    def response(self) -> Response:
+        """Force and slope of the spring."""
+        return Response(spring, (self.stiffness, 0.0))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AugmentedLagrangian:
@@ -126,6 +139,7 @@ class AugmentedLagrangian:
     words: ClassVar[str] = "augmented Lagrangian"
     mu: ClassVar[float] = 0.0
     coating: ClassVar[None] = None
+    response: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(stiffness=self.stiffness, updates=self.updates, tolerance=self.tolerance)
@@ -148,6 +162,7 @@ class Coulomb:
     updates: ClassVar[int] = 0
     tolerance: ClassVar[float] = 0.0
     coating: ClassVar[None] = None
+    response: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_not_negative(mu=self.mu)
@@ -184,6 +199,7 @@ class Abradable:
     stiffness: ClassVar[float] = 0.0
     updates: ClassVar[int] = 0
     tolerance: ClassVar[float] = 0.0
+    response: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(E=self.E, yield_stress=self.yield_stress, thickness=self.thickness, width=self.width)

@@ -8,9 +8,10 @@ from typing import NamedTuple
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.tally import note_contact, store, store_state
+from contact.loop.tally import note_contact, note_yielding, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.friction.one_contact import scalar_force
+from contact.solver.yielding.yields import Yielding, paced, press
 
 
 class ModalState(NamedTuple):
@@ -83,10 +84,10 @@ def move(s: ModalState, new: Array) -> None:
 
 @jit_entry
 def advance_modal(
-    s: ModalState, Q: Array, clearance: float, S: float, averaged: bool, damped: bool,
+    s: ModalState, Q: Array, clearance: float, S: float, averaged: bool, damped: bool, y: Yielding | None,
     sums: Tally, out: Samples, h: float, first: int, steps: int,
 ) -> int:  # fmt: skip
-    """Exact-modal steps with constant rows Q: forward law, or the averaged one."""
+    """Exact-modal steps with constant rows Q: forward law, or the averaged one; rigid, or with a force-depth law."""
     old, new = s.old, s.d
     H = 0.0
     for i in range(Q.size):
@@ -98,9 +99,14 @@ def advance_modal(
         old, new = new, old
         free = clearance + free_gap(s, Q, old, new)
         test = 0.25 * (free + 2.0 * now + last) if averaged else free
-        force = 0.0
+        force, depth = 0.0, 0.0
         if not test >= 0.0:
-            force = scalar_force(scale, test)
+            if y is None:
+                force = scalar_force(scale, test)
+            else:
+                paced(y, 0, h, averaged, scale, S, test, now, last, S * s.memory[2])
+                force = press(y, 0, scale, test)
+                depth = y.depth[0]
             if not force >= 0.0:
                 return step
             add_force(s, Q, force, new)
@@ -111,7 +117,10 @@ def advance_modal(
         s.gap[0] = test + scale * force
         s.force[0] = force
         s.memory[2] = force
-        note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now, free)
+        if y is None:
+            note_contact(sums, out, 0, h, step * h, force, s.gap[0], scale, now, free)
+        else:
+            note_yielding(sums, out, y, 0, h, step * h, force, s.gap[0], depth, now, free)
         move(s, new)
         last, now = now, after
         store(sums, out, step, step * h, s.force, s.gap)

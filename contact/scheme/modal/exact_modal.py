@@ -74,9 +74,13 @@ class ExactModal:
 
         `courant` means omega_max h/2, as for central differences; with neither, omega_max h = .8.
         """
-        if law.stiffness > 0.0:
-            expected = "Unilateral(), Coulomb(mu=...) or Abradable(...) with ExactModal"
+        if law.updates > 0:
+            expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response with ExactModal"
             raise InputError(f"law: found {law!r}, expected {expected}")
+        if law.response is not None and not isinstance(problem, PointGap | Chain):
+            raise InputError(
+                f"law: found {law.words} on {type(problem).__name__}, expected one contact at a fixed point"
+            )
         if law.coating is not None and not hasattr(problem, "casing"):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         return _prepared(problem, self, law, dt, courant)
@@ -89,18 +93,22 @@ class ExactModal:
         h = _step(system.omega, dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
         if self.law == "energy":
+            if law.response is not None:
+                raise InputError(
+                    f"law: found {law.words} with law = 'energy', expected 'auto', 'averaged' or 'forward'"
+                )
             return energy_stepper(system, parts)
         self._require_slow(system.omega, h)
         if system.table is not None:
             n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
             _require_slow_turn(n_max, system.speed, h)
         H, S, rho = delassus(system, parts, mu)
-        averaged = self._averaged(H, S, rho)
+        averaged = self._averaged(H, S, rho) if law.response is None else self.law != "forward"
         top = float(system.omega.max(initial=0.0))
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
         label = f"exact modal, {chosen} law, {reached}"
-        return modal_stepper(system, parts, averaged=averaged, mu=mu, label=label, law=law.coating, skip=self.skip)
+        return modal_stepper(system, parts, averaged=averaged, law=law, label=label, skip=self.skip)
 
     def patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
         """Stepper of several contacts of one body."""

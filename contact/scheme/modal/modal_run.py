@@ -58,6 +58,8 @@ class ModalRun:
     steps: Indices  # taken so far, one entry
     rim: RimRun | None = None
     tracks: Tracks | None = None
+    gives_way: tuple[Any, ...] = ()  # what a force-depth law needs to go on
+    slow: Callable[[], tuple[Flag, ...]] = tuple  # whether the step is too long for it
 
     @property
     def window(self) -> float:
@@ -86,7 +88,8 @@ class ModalRun:
     def memory(self) -> tuple[Any, ...]:
         """State, sums, what skipping and limits hold, and the coating."""
         rim = () if self.rim is None else (self.rim.wide, self.rim.limits, self.rim.flight)
-        return self.state, self.sums, self.steps, rim, () if self.tracks is None else self.tracks.memory
+        coating = () if self.tracks is None else self.tracks.memory
+        return self.state, self.sums, self.steps, rim, coating, self.gives_way
 
     @property
     def limits(self) -> Array | None:
@@ -101,7 +104,7 @@ class ModalRun:
     def notes(self) -> Notes:
         """How far the rim went; heat and drive of friction."""
         if self.rim is None:
-            return Notes()
+            return Notes(flags=self.slow())
         flags = wall_flags(float(self.rim.limits[REACHED + RIM]), self.system.thickness)
         if not self.rim.mu > 0.0:
             return Notes(flags=flags)

@@ -14,11 +14,12 @@ from contact.base.remembered import remembered
 from contact.io.trust import Flag
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, RowTable
-from contact.model.law import Abradable
+from contact.model.law import Law
 from contact.model.trig import Terms, Trig
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.blocks import narrowed, row_blocks, whole, widened
+from contact.scheme.modal.gives_way import memory_of, stored_by, too_long, yielding_of
 from contact.scheme.modal.modal_run import ModalRun, RimRun
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.wear_track import Tracks, bare
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from contact.loop.modal.free_flight import FreeFlight
     from contact.loop.modal.modal import EnergyState, ModalState
     from contact.loop.modal.rows import RimRows
+    from contact.solver.yielding.yields import Yielding
 
 Loop = Callable[["ModalState", Tally, Samples, int, int], int]
 BITS = 24  # a skip is shorter than 2^BITS steps
@@ -35,18 +37,17 @@ POINTS = 8  # where the clearance is looked at in each cell
 
 
 def modal_stepper(
-    system: ModalSystem, parts: Propagator, *, averaged: bool, mu: float, label: str, law: Abradable | None = None,
-    skip: bool = False,
-) -> ModalRun:  # fmt: skip
-    """Stepper at t = 0, with the compiled loop that this scene needs and no other; `law` a rim's coating."""
+    system: ModalSystem, parts: Propagator, *, averaged: bool, law: Law, label: str, skip: bool = False
+) -> ModalRun:
+    """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
     q = np.zeros(system.omega.size)
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
-    tracks = None if law is None else Tracks.of(system, law)
-    rim = None
+    mu, tracks = law.mu, None if law.coating is None else Tracks.of(system, law.coating)
+    rim, y = None, yielding_of(law, 1)
     if system.table is None:
-        loop = _point_loop(system, parts, averaged, damped)
+        loop = _point_loop(system, parts, averaged, damped, y)
     else:
         normal, tangent = system.sums()
         flight, limits = (
@@ -66,16 +67,20 @@ def modal_stepper(
     return ModalRun(
         system=system, dt=parts.h, sums=tally(1), label=label, loop=advance, steps=np.zeros(1, dtype=np.int64),
         state=state,
-        energy=lambda steps: _stored(system, parts, state, steps, tracks), velocity=lambda: state.d / parts.h,
+        energy=lambda steps: _stored(system, parts, state, steps, tracks, stored_by(law, y)),
+        velocity=lambda: state.d / parts.h,
         failure=lambda: _failure(state), rim=rim, tracks=tracks,
+        gives_way=memory_of(y), slow=lambda: too_long(y, float(parts.c @ system.Q**2), parts.h),
     )  # fmt: skip
 
 
-def _stored(system: ModalSystem, parts: Propagator, state: ModalState, steps: int, tracks: Tracks | None) -> Stored:
-    """Energy at t_n; lam^2 S/2 and what bends the coating count as residual."""
+def _stored(
+    system: ModalSystem, parts: Propagator, state: ModalState, steps: int, tracks: Tracks | None, in_contact: float
+) -> Stored:  # fmt: skip
+    """Energy at t_n; lam^2 S/2, what bends the coating and what is `in_contact` count as residual."""
     phi = system.angle - system.speed * steps * parts.h
     force, pull = float(state.memory[2]), float(state.memory[3])
-    at_rest = 0.0 if tracks is None else tracks.elastic
+    at_rest = in_contact + (0.0 if tracks is None else tracks.elastic)
     if force == 0.0 and not (state.q.any() or state.d.any() or parts.load.any()):  # as most runs start
         return Stored(kinetic=0.0, strain=0.0, potential=system.potential, residual=at_rest, discrete=system.potential)
     if force == 0.0:
@@ -118,13 +123,13 @@ def _state(system: ModalSystem, parts: Propagator, q: Array, d: Array) -> ModalS
     )  # fmt: skip
 
 
-def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool) -> Loop:
+def _point_loop(system: ModalSystem, parts: Propagator, averaged: bool, damped: bool, y: Yielding | None) -> Loop:
     from contact.loop.modal.modal import advance_modal
 
     clearance, S, h, Q = system.clearance(0.0), system.S_nn(0.0), parts.h, system.Q
 
     def loop(state: ModalState, sums: Tally, out: Samples, first: int, steps: int) -> int:
-        return advance_modal(state, Q, clearance, S, averaged, damped, sums, out, h, first, steps)
+        return advance_modal(state, Q, clearance, S, averaged, damped, y, sums, out, h, first, steps)
 
     return loop
 

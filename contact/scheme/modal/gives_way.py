@@ -1,0 +1,75 @@
+"""Contacts with a force-depth law in an exact-modal run: what loops take, the energy in them, a step that fits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.base.errors import InputError
+from contact.io.trust import Flag
+from contact.model.force_law import Response
+from contact.model.law import Law
+
+if TYPE_CHECKING:
+    from contact.solver.yielding.yields import Yielding
+
+TRIED = 1e-6  # depth [m] and rate [m/s] at which a function is tried before the run
+
+
+def yielding_of(law: Law, contacts: int) -> Yielding | None:
+    """Work space of a law's response, None of a rigid one; raises InputError for a function that cannot be used."""
+    if law.response is None:
+        return None
+    from contact.solver.yielding.yields import ByDepth, yielding
+
+    require_usable(law.response)
+    found = ByDepth(law.response.function)
+    try:
+        found.compile()
+    except Exception as error:  # numba's own, of many kinds
+        reason = str(error).strip().splitlines()[0]
+        expected = "a function of numbers that numba compiles: math and the array values alone"
+        raise InputError(
+            f"response: found {law.words}, which does not compile ({reason}), expected {expected}"
+        ) from error
+    return yielding(found, np.array(law.response.values), contacts)  # which loops may write
+
+
+def require_usable(response: Response) -> None:
+    """Try a response in Python; raises InputError unless it returns two numbers, finite and of a slope not below 0."""
+    try:
+        force, slope = response(TRIED, TRIED)
+    except Exception as error:
+        found = f"{type(error).__name__}: {error}"
+        raise InputError(f"response: found {found}, expected (force, slope) of (depth, rate, values)") from error
+    if not (np.isfinite([force, slope]).all() and slope >= 0.0):
+        found = f"force {force:g} N and slope {slope:g} N/m at a depth of {TRIED:g} m"
+        raise InputError(f"response: found {found}, expected finite numbers and a force that does not fall")
+
+
+def stored_by(law: Law, y: Yielding | None) -> float:
+    """Energy in the contacts now [J]."""
+    if y is None or law.response is None:
+        return 0.0
+    return sum(law.response.energy(float(depth)) for depth in y.depth)
+
+
+def memory_of(y: Yielding | None) -> tuple[Any, ...]:
+    """What a resumed run needs."""
+    return () if y is None else (y.depth, y.steepest)
+
+
+def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:
+    """A flag where the stiffest moment of the contact is too quick for the step; H [m/N] of the modes in one step.
+
+    Within a step the modes move by H force; a mass m on a spring k has H k = (omega dt)^2.
+    """
+    if y is None or not H * y.steepest[0] > 1.0:
+        return ()
+    ratio = float(np.sqrt(H * y.steepest[0]))
+    words = (
+        f"dt = {dt:.4g} s is {ratio:.3g} time constants of the contact at its stiffest ({y.steepest[0]:.3g} N/m): take "
+        f"dt <= {dt / ratio:.2g} s"
+    )
+    return (Flag(words, "step-too-long"),)

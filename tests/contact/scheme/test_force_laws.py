@@ -1,0 +1,150 @@
+"""Contacts that give way: Hertz, dissipation, tables and a law of one's own against closed forms and each other."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import gamma
+
+import contact as ct
+
+MASS, SPEED = 2.0, 1.5
+
+
+def body(S=0.0, omega=0.0):
+    """A mass of 2 kg, free or on a spring, with residual compliance."""
+    row = np.array([[1.0 / math.sqrt(MASS)]])
+    return ct.ModalBody(
+        omega=np.array([omega]), zeta=np.zeros(1), channels=("x",), rows=row, S=np.array([[S]])
+    )  # fmt: skip
+
+
+def impact(law, dt, t_end, *, S=0.0, scheme="auto", clearance=1e-5, omega=0.0, **how):
+    """The mass flies against a wall."""
+    velocity = np.array([-SPEED * math.sqrt(MASS)])
+    side = ct.gaps.Side(body=body(S, omega), channel="x", sign=1, velocity=velocity)
+    gap = ct.PointGap(sides=(side,), clearance=clearance)
+    return ct.run(gap, law=law, scheme=ct.ExactModal(law=scheme), dt=dt, t_end=t_end, **how)
+
+
+def closed_forms(k, p):
+    """Depth, force and duration of an impact on force = k depth^p, by its energy."""
+    depth = ((p + 1.0) * MASS * SPEED**2 / (2.0 * k)) ** (1.0 / (p + 1.0))
+    n = 1.0 / (p + 1.0)
+    time = 2.0 * depth / SPEED * math.sqrt(math.pi) * gamma(1.0 + n) / gamma(0.5 + n)
+    return depth, k * depth**p, time
+
+
+def duration(result):
+    ((begin, end),) = result.intervals[0]
+    return end - begin
+
+
+@pytest.mark.parametrize(("k", "p"), [(1e9, 1.5), (1e6, 1.0), (1e12, 2.0), (1e14, 3.0)])
+def test_a_mass_on_a_hertz_contact_has_the_depth_force_and_time_of_its_energy(k, p):
+    depth, force, time = closed_forms(k, p)
+    result = impact(ct.Hertz(k=k, exponent=p), dt=time / 2000.0, t_end=1.3 * time)
+    assert float(result.peak_force[0]) == pytest.approx(force, rel=1e-4)
+    assert float(result.max_penetration[0]) == pytest.approx(depth, rel=1e-4)
+    assert float(result.impulse[0]) == pytest.approx(2.0 * MASS * SPEED, rel=1e-4)
+    assert duration(result) == pytest.approx(time, rel=1e-3)
+    assert abs(result.energy.lost_in_contact) <= 1e-4 * 0.5 * MASS * SPEED**2
+    assert abs(result.energy.unaccounted) <= 1e-12 * result.energy.scale
+    assert result.flags == ()
+
+
+def test_the_error_falls_with_the_square_of_the_step():
+    _, force, time = closed_forms(1e9, 1.5)
+    errors = [
+        abs(float(impact(ct.Hertz(k=1e9), dt=time / n, t_end=1.3 * time).impulse[0]) / (2.0 * MASS * SPEED) - 1.0)
+        for n in (50, 200, 800)
+    ]
+    assert errors[1] < errors[0] / 12.0
+    assert errors[2] < errors[1] / 12.0
+    forward = impact(ct.Hertz(k=1e9), dt=time / 800, t_end=1.3 * time, scheme="forward")
+    assert 0.0 < 1.0 - float(forward.peak_force[0]) / force < 0.02  # of first order, loses energy
+
+
+@pytest.mark.parametrize("dissipation", [0.05, 0.2, 0.6])
+def test_dissipation_leaves_the_speed_that_integrating_its_law_over_the_depth_gives(dissipation):
+    """v dv/d depth = -k/m depth^p (1 + a v): G(v) = v/a - ln(1 + a v)/a^2 is the same before and after."""
+
+    def G(v):
+        return v / dissipation - math.log1p(dissipation * v) / dissipation**2
+
+    back = brentq(lambda v: G(-v) - G(SPEED), 1e-9, 0.999 / dissipation)
+    _, _, time = closed_forms(1e9, 1.5)
+    result = impact(ct.Hertz(k=1e9, dissipation=dissipation), dt=time / 2000.0, t_end=1.6 * time)
+    assert float(result.impulse[0]) == pytest.approx(MASS * (SPEED + back), rel=1e-4)
+    lost = 0.5 * MASS * (SPEED**2 - back**2)
+    assert result.energy.lost_in_contact == pytest.approx(lost, rel=1e-4)
+
+
+def test_a_spring_in_the_contact_is_the_residual_compliance_of_a_rigid_contact():
+    """1/k in the law and 1/k in S are one spring in series with the body: the same run to round-off."""
+    k, S = 4e7, 1e-8
+    _, _, time = closed_forms(1.0 / (S + 1.0 / k), 1.0)
+    dt, end = time / 300.0, 1.5 * time
+    rigid = impact(ct.Unilateral(), dt, end, S=S + 1.0 / k, scheme="averaged")
+    for law in (ct.Penalty(stiffness=k), ct.ForceLaw(lambda d, r, v: (4e7 * d, 4e7)), ct.Hertz(k=k, exponent=1.0)):
+        soft = impact(law, dt, end, S=S)
+        np.testing.assert_allclose(soft.force, rigid.force, rtol=0.0, atol=1e-10 * float(rigid.force.max()))
+        assert soft.energy.end.residual == pytest.approx(rigid.energy.end.residual, abs=1e-10)
+
+
+def test_a_table_is_the_law_that_its_points_are_of():
+    """A parabola by many points, and two springs by three points against the law written out."""
+    depth = np.linspace(0.0, 2e-3, 2001)
+    by_points = impact(ct.ForceTable(depth=depth, force=1e9 * depth**2), 1e-7, 8e-3, omega=10.0)
+    by_law = impact(ct.Hertz(k=1e9, exponent=2.0), 1e-7, 8e-3, omega=10.0)
+    assert float(by_points.impulse[0]) == pytest.approx(float(by_law.impulse[0]), rel=1e-5)
+
+    def bumper(depth, rate, values):
+        soft, stiff, end = values[0], values[1], values[2]
+        if depth < end:
+            return soft * depth, soft
+        return soft * end + stiff * (depth - end), stiff
+
+    own = ct.ForceLaw(ct.Response(bumper, (1e6, 5e7, 5e-4)))
+    table = ct.ForceTable(depth=[0.0, 5e-4, 1e-3], force=[0.0, 500.0, 25500.0])
+    first, second = (impact(law, 1e-6, 8e-3) for law in (own, table))
+    np.testing.assert_allclose(first.force, second.force, rtol=1e-9, atol=1e-6)
+    assert first.energy.end.residual == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_step_that_is_long_for_the_stiffest_moment_is_flagged_with_one_that_fits():
+    _, _, time = closed_forms(1e9, 1.5)
+    result = impact(ct.Hertz(k=1e9), dt=time / 3.0, t_end=3.0 * time)
+    (flag,) = (flag for flag in result.flags if flag.code == "step-too-long")
+    assert "of the contact at its stiffest" in flag
+    assert "take dt <=" in flag
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (lambda: ct.ForceLaw(3.0), r"response: found 3.0, expected a function of depth, rate and values"),
+        (lambda: ct.ForceLaw(lambda d: d), r"response: found TypeError: .*expected \(force, slope\) of \(depth, rate"),
+        (lambda: ct.ForceLaw(lambda d, r, v: (-1e6 * d, -1e6)), r"slope -1e\+06 N/m .*a force that does not fall"),
+        (lambda: ct.ForceLaw(lambda d, r, v: (float(str(d)), 1.0)), r"which does not compile .*math and the array"),
+        (lambda: ct.Hertz(k=-1.0), r"k: found -1"),
+        (lambda: ct.Hertz(k=1.0, exponent=0.5), r"exponent: found 0.5, expected 1 to 10"),
+        (lambda: ct.ForceTable(depth=[0.0, 1.0], force=[0.0, 1.0, 2.0]), r"found shapes \(2,\), \(3,\)"),
+        (lambda: ct.ForceTable(depth=[0.0, 1.0, 1.0], force=[0.0, 1.0, 2.0]), r"depth: found 1 at point 3.*than 1"),
+        (lambda: ct.ForceTable(depth=[0.0, 1.0, 2.0], force=[0.0, 2.0, 1.0]), r"force: found 1 at point 3.*at least 2"),
+        (lambda: ct.ForceTable(depth=[0.1, 1.0], force=[0.0, 1.0]), r"depth: found .*begin with 0"),
+    ],
+)  # fmt: skip
+def test_laws_that_cannot_be_used_are_refused(law, words):
+    with pytest.raises(ct.InputError, match=words):
+        impact(law(), 1e-6, 1e-4)
+
+
+def test_schemes_that_do_not_take_a_force_law_refuse_it():
+    rods = [ct.Rod(length=1.0, area=1e-4, E=2e11, rho=7800.0, elements=4, x=1.0), ct.Wall()]
+    for scheme in (ct.CentralDifference(), ct.Newmark(), ct.MoreauJean()):
+        with pytest.raises(ct.InputError, match="law: found"):
+            ct.run(rods, law=ct.Hertz(k=1e9), scheme=scheme, dt=1e-6, t_end=1e-5)
+    with pytest.raises(ct.InputError, match="law = 'energy'"):
+        impact(ct.Hertz(k=1e9), 1e-6, 1e-4, scheme="energy")
