@@ -11,7 +11,7 @@ import numpy as np
 from casingfem.experiment.identify.counting import asked, counted, widths
 from casingfem.experiment.identify.lscf import Candidates, Stabilisation, candidates, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles
-from casingfem.experiment.identify.spectra import Peaks
+from casingfem.experiment.identify.spectra import Peaks, visible_peaks
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
@@ -32,6 +32,11 @@ class Responses(NamedTuple):
     peaks: Peaks
     end: float = np.inf
     leak: float = 0.0
+
+    def some(self, channels: IntArray, rules: Thresholds = USUAL) -> Responses:
+        """Some of the channels, with their own visible peaks."""
+        Y = self.Y[:, channels]
+        return self._replace(Y=Y, peaks=visible_peaks(Y, rules))
 
     def window(self, lines: slice, Y: Array, rules: Thresholds = USUAL) -> Window:
         """A window of lines with responses Y (its lines, channels)."""
@@ -183,19 +188,23 @@ def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thres
     Poles may go, with `more` they come; with None they stay.
     """
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
+    return [fitted_group(data, modes, group, more, rules) for group in groups(modes.poles, step, rules)]
+
+
+def fitted_group(
+    data: Responses, modes: Modal, group: IntArray, more: bool | None, rules: Thresholds = USUAL
+) -> PoleFit:
+    """The fit of one group of modes, the others subtracted."""
+    lines = window_about(data, modes.poles, group, rules)
+    others = modes.some(np.delete(np.arange(len(modes.poles)), group))
+    whole = data.window(lines, data.Y[lines] - others.response(data, lines), rules)
+    small = Window(freq=whole.freq, Y=compressed(whole.Y), along=whole.along, end=whole.end, leak=whole.leak,
+                   floor=whole.floor)  # fmt: skip
     seen = data.freq[data.peaks.at]
-    found: list[PoleFit] = []
-    for group in groups(modes.poles, step, rules):
-        lines = window_about(data, modes.poles, group, rules)
-        others = modes.some(np.delete(np.arange(len(modes.poles)), group))
-        whole = data.window(lines, data.Y[lines] - others.response(data, lines), rules)
-        small = Window(freq=whole.freq, Y=compressed(whole.Y), along=whole.along, end=whole.end, leak=whole.leak,
-                       floor=whole.floor)  # fmt: skip
-        here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
-        start = modes.poles[group]
-        fit = fit_poles(small, start, rules=rules) if more is None else counted(small, start, here, more, rules)
-        found.append(fit_poles(whole, fit.poles, steps=0, rules=rules))
-    return found
+    here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
+    start = modes.poles[group]
+    fit = fit_poles(small, start, rules=rules) if more is None else counted(small, start, here, more, rules)
+    return fit_poles(whole, fit.poles, steps=0, rules=rules)
 
 
 def modal_of(fits: list[PoleFit], channels: int) -> Modal:

@@ -37,10 +37,11 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.lscf import Stabilisation
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, merged, mode_of, pair_notes, paired, settled
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.setups import SetUp, Track, setup_notes, setups_of, shift_of, simpler, tracked
+from casingfem.experiment.identify.setups import SetUp, setups_of, simpler
 from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, visible_peaks
 from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
 from casingfem.experiment.identify.usable import usable
 from casingfem.experiment.identify.verdict import doubts
 from casingfem.io.arrays import Array, FloatArray, IntArray
@@ -128,8 +129,8 @@ def identify(
         data = data._replace(leak=float(freq[1] - freq[0]))
         fits = _fits(data, modal_of(fits, len(noise)), say, rules)
     elif alone:
-        data = data._replace(leak=max(fit.window.leak for part in alone for fit in part.fits))
-    tracks = tracked(alone, noise, None if circle is None else (grid, circle), rules) if alone else []
+        data = data._replace(leak=alone[0].data.leak)
+    alone, tracks = tracked(alone, noise, grid, circle, rules) if alone else ([], [])
     sensors = Sensors.of(grid, power, circle)
     modes = _modes(fits, tracks, noise, sensors, picked is not None, rules)
     kept = _belonging(modes, grid, circle)
@@ -225,21 +226,33 @@ def _setups(
     data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
 ) -> list[SetUp]:
     """Each set-up identified alone; nothing where the channels are one set-up."""
-    parts = setups_of(fits, data.Y.shape[1], rules)
-    own = [data._replace(Y=data.Y[:, channels], peaks=visible_peaks(data.Y[:, channels], rules)) for channels in parts]
-    alone = []
-    for number, (channels, mine) in enumerate(zip(parts, own, strict=True)):
-        say(f"set-up {number + 1} of {len(parts)}")
-        start = with_residues(mine, first_poles(mine, order, say, rules)[0], rules)
-        alone.append(SetUp(channels, _fits(mine, start, say, rules)))
+    alone = _apart(data, fits, order, say, rules)
+    if alone and leaks([(part.data, modal_of(part.fits, len(part.channels))) for part in alone], rules):
+        leak = float(data.freq[1] - data.freq[0])
+        alone = [part._replace(data=part.data._replace(leak=leak)) for part in alone]
+        alone = [
+            part._replace(fits=_fits(part.data, modal_of(part.fits, len(part.channels)), say, rules)) for part in alone
+        ]
+    return alone
+
+
+def _apart(
+    data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
+) -> list[SetUp]:
+    """Channels in set-ups, and these in further ones, as long as that needs fewer numbers."""
+    alone = list[SetUp]()
+    for channels in setups_of(fits, data.Y.shape[1]):
+        say(f"set-up {len(alone) + 1}: {len(channels)} channels")
+        own = data.some(channels, rules)
+        start = with_residues(own, first_poles(own, order, say, rules)[0], rules)
+        alone.append(SetUp(channels, own, _fits(own, start, say, rules)))
     if not simpler(fits, alone):
         return []
-    found = [modal_of(part.fits, len(part.channels)) for part in alone]
-    if leaks(list(zip(own, found, strict=True)), rules):
-        leak = float(data.freq[1] - data.freq[0])
-        again = [_fits(m._replace(leak=leak), modes, say, rules) for m, modes in zip(own, found, strict=True)]
-        alone = [part._replace(fits=fits) for part, fits in zip(alone, again, strict=True)]
-    return alone
+    parts = []
+    for part in alone:
+        finer = _apart(part.data, part.fits, order, say, rules)
+        parts += [each._replace(channels=part.channels[each.channels]) for each in finer] or [part]
+    return parts
 
 
 def _modes(
@@ -306,7 +319,7 @@ def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> In
 def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list[SetUp]) -> Array:
     """The fits in the units of the responses (channels, lines); nan where nothing was fitted."""
     whole = np.full(data.Y.T.shape, complex(np.nan, np.nan))
-    parts = alone or [SetUp(np.arange(len(whole)), fits)]
+    parts = [(part.channels, part.fits) for part in alone] or [(np.arange(len(whole)), fits)]
     for channels, own in parts:
         for fit in own:
             first = int(np.searchsorted(data.freq, fit.window.freq[0]))

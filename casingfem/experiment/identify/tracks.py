@@ -1,0 +1,205 @@
+"""The modes of a test of several set-ups: matched, searched again where a set-up lacks one, and averaged.
+
+A set-up of few channels may show two close modes as one. Where the other set-ups show both, it is fitted again with
+both; the pole is kept where the data determine it at the place that the other set-ups predict.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.experiment.circle.orientation import Circle
+from casingfem.experiment.frf.sensor_grid import SensorGrid
+from casingfem.experiment.identify.clusters import Modal, fitted_group, groups, modal_of
+from casingfem.experiment.identify.matching import Matching, matching
+from casingfem.experiment.identify.mode import Found, Residues, found_in
+from casingfem.experiment.identify.pole_fit import PoleFit
+from casingfem.experiment.identify.setups import SetUp
+from casingfem.experiment.identify.shared_shape import Member, Shapes
+from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.experiment.identify.verdict import doubts
+from casingfem.io.arrays import Array, FloatArray, IntArray
+
+UNLIKE = 2.5  # times the usual spread over the set-ups, beyond which a mode may be two
+LOOKS = 2  # searches for modes that a set-up lacks
+EXPECTED = 0.02  # chance at which noise adds a pole that other set-ups predict
+OPEN = 0.4  # deviation of such a pole's frequency in bandwidths and of its ln zeta
+PREDICTED = 3.0, 0.4  # how far it may be from its place: scatters of ln f between set-ups; ln zeta
+
+
+class Track(NamedTuple):
+    """One mode over the set-ups: the mean, its frequencies [Hz] and the doubt."""
+
+    found: Found
+    freqs: FloatArray
+    doubt: str
+
+
+def tracked(
+    alone: list[SetUp], noise: FloatArray, grid: SensorGrid, circle: Circle | None, rules: Thresholds = USUAL
+) -> tuple[list[SetUp], list[Track]]:
+    """Modes of all set-ups, each once, ascending; and the set-ups with the modes that were found there later."""
+    channels = [part.channels for part in alone]
+    for look in range(LOOKS + 1):
+        members = [_members(part, noise, rules) for part in alone]
+        match = matching(members, Shapes.of(members, channels, grid, circle))
+        if look < LOOKS:
+            alone = [_searched(part, _expected(match, members, s), match, rules) for s, part in enumerate(alone)]
+    clear = _clear(match, members)
+    tracks = [_track(k, match, members, channels, len(noise), clear[k]) for k in range(len(match.rows))]
+    return alone, sorted(tracks, key=lambda track: track.found.freq)
+
+
+def shift_of(tracks: list[Track]) -> float:
+    """Standard deviation of ln frequency from set-up to set-up, 0 where there is one."""
+    spread = [float(np.var(np.log(track.freqs), ddof=1)) for track in tracks if len(track.freqs) > 1]
+    return float(np.sqrt(np.mean(spread))) if spread else 0.0
+
+
+def setup_notes(tracks: list[Track]) -> tuple[str, ...]:
+    """What a test of several set-ups is."""
+    if not tracks:
+        return ()
+    most = max(len(track.freqs) for track in tracks)
+    return (
+        f"peaks lie at different frequencies in {most} groups of channels (a roving mass, a moved hammer): each was"
+        f" identified alone. Frequencies are means; they differ by {100.0 * shift_of(tracks):.2g} % (standard"
+        " deviation), and sigma is what one more set-up would show",
+    )
+
+
+def _members(part: SetUp, noise: FloatArray, rules: Thresholds) -> list[Member]:
+    found = []
+    for fit in part.fits:
+        poles = found_in(fit, noise[part.channels], rules)
+        found += [Member(pole, why) for pole, why in zip(poles, doubts(fit, [1.0] * len(fit), rules), strict=True)]
+    return sorted(found, key=lambda member: member.found.freq)
+
+
+def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array:
+    """Poles [rad/s] of a set-up where it lacks modes that others show."""
+    starts = []
+    for row, middle in zip(match.rows, match.middle, strict=True):
+        if row[setup] < 0:
+            freq = np.exp(middle + match.shifts.at(setup, middle))
+            zeta = np.exp(np.mean([np.log(members[s][k].found.zeta) for s, k in enumerate(row) if k >= 0]))
+            starts.append(2.0 * np.pi * freq * (-zeta + 1j * np.sqrt(1.0 - zeta**2)))
+    return np.array(starts, complex)
+
+
+def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) -> SetUp:
+    """A set-up with the poles that others predict, where its data determine them."""
+    low, high = 2.0 * np.pi * part.data.freq[[0, -1]]
+    starts = starts[(starts.imag > low) & (starts.imag < high)]
+    if not len(starts):
+        return part
+    channels, step = len(part.channels), 2.0 * np.pi * float(part.data.freq[1] - part.data.freq[0])
+    lax = replace(rules, chance=EXPECTED, same_shape=1.1, known_freq=OPEN, known_zeta=OPEN)
+    modes = modal_of(part.fits, channels)
+    both = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
+    fits = []
+    for group in groups(both.poles, step, rules):
+        fresh = group[np.isin(both.poles[group], starts)]
+        fit = fitted_group(part.data, both, group, False if len(fresh) else None, lax if len(fresh) else rules)
+        if len(fresh) and not _at_their_places(fit, both.poles[fresh], match.scatter):
+            kept = np.setdiff1d(np.arange(len(both.poles)), fresh)
+            there = np.flatnonzero(np.isin(kept, group))
+            if not len(there):
+                continue
+            fit = fitted_group(part.data, both.some(kept), there, None, rules)
+        fits.append(fit)
+    return part._replace(fits=fits)
+
+
+def _at_their_places(fit: PoleFit, starts: Array, scatter: float) -> bool:
+    """Whether each predicted pole is there."""
+    free = list(range(len(fit)))
+    for start in starts:
+        off = [
+            max(
+                abs(np.log(fit.poles[k].imag / start.imag)) / (PREDICTED[0] * scatter + 1e-9),
+                abs(np.log(fit.poles[k].real / start.real)) / PREDICTED[1],
+            )
+            for k in free
+        ]
+        if not off or min(off) > 1.0:
+            return False
+        free.pop(int(np.argmin(off)))
+    return True
+
+
+def _clear(match: Matching, members: list[list[Member]]) -> list[list[bool]]:
+    """For each row which set-ups show the mode alone.
+
+    Not one that lacks another mode within a bandwidth: its pole is that of both.
+    """
+    clear = [[k >= 0 for k in row] for row in match.rows]
+    for i, row in enumerate(match.rows):
+        for s, k in enumerate(row):
+            if k < 0:
+                continue
+            found = members[s][k].found
+            for j, other in enumerate(match.rows):
+                if other[s] >= 0 or sum(each >= 0 for each in other) < 2:
+                    continue
+                expected = match.middle[j] + match.shifts.at(s, match.middle[j])
+                if abs(np.log(found.freq) - expected) < 2.0 * found.zeta + match.scatter:
+                    clear[i][s] = False
+    return [mine if any(mine) else [k >= 0 for k in row] for mine, row in zip(clear, match.rows, strict=True)]
+
+
+def _track(
+    number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], channels: int, clear: list[bool]
+) -> Track:
+    """The mean of a row: its set-ups weigh alike, for each has a frequency of its own."""
+    row = match.rows[number]
+    some = [(s, members[s][k]) for s, k in enumerate(row) if k >= 0]
+    used = [(s, member) for s, member in some if clear[s]]
+    found = [member.found for _, member in used]
+    freqs = np.array([member.found.freq for _, member in some])
+    count, whole = len(used), len(row)
+    logs = np.log([each.freq for each in found])
+    common = np.mean([match.shifts.at(s, logs.mean()) for s, _ in used])  # zero where all set-ups are used
+    freq = float(np.exp(logs.mean() - common))
+    own = float(np.sqrt(np.sum([each.sigma_freq**2 for each in found]))) / count
+    lacking = match.scatter * freq * float(np.sqrt((whole - count) / (whole * count)))
+    unclear = freq * float(np.sqrt(match.unclear[number]))
+    weights = np.array([each.sigma_zeta for each in found]) ** -2.0
+    zeta = float(weights @ [each.zeta for each in found] / weights.sum())
+    scatter = float(np.sum(weights * (np.array([each.zeta for each in found]) - zeta) ** 2)) / max(count - 1, 1)
+    sigma_zeta = float(np.sqrt(max(scatter, 1.0) / weights.sum()))
+    mean = Found(
+        freq, float(np.linalg.norm([own, lacking, unclear])), zeta, sigma_zeta, _residues(some, parts, channels),
+        max(each.signal for each in found), max(each.split_bound for each in found),
+    )  # fmt: skip
+    return Track(mean, freqs, "; ".join(_reasons(some, freqs, whole, match.scatter)))
+
+
+def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: int) -> Residues:
+    """Residues of a row at all channels, 0 where it has none."""
+    values, direct, moved = np.zeros(channels, complex), np.zeros(channels), []
+    for setup, member in some:
+        residues, at = member.found.residues, parts[setup]
+        values[at], direct[at] = residues.values, residues.direct
+        each = np.zeros((channels, residues.moved.shape[1]), complex)
+        each[at] = residues.moved
+        moved.append(each)
+    return Residues(values, direct, np.concatenate(moved, axis=1))
+
+
+def _reasons(some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shift: float) -> list[str]:
+    """Why a mode is doubtful."""
+    reasons, count = [], len(some)
+    spread = float(np.std(np.log(freqs), ddof=1)) if count > 1 else 0.0
+    if spread > UNLIKE * shift > 0.0:
+        reasons.append(
+            f"its frequency differs by {100.0 * spread:.2g} % between set-ups, other modes' by {100.0 * shift:.2g} %:"
+            " two modes exchanged? Give the sensors' angles, or measure in one set-up"
+        )
+    if 2 * count <= whole:
+        reasons.append(f"it is seen in {count} of {whole} set-ups: a local mode, or one that two share? Measure again")
+    own = [member.doubt for _, member in some if member.doubt]
+    return reasons + (own[:1] if len(own) == count else [])  # one set-up that shows it clearly is enough
