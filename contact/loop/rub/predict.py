@@ -7,7 +7,7 @@ import math
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
-from contact.loop.modal.rows import bound, product, product_of_sum, rotate, weighted
+from contact.loop.modal.rows import bound, fill_some, product, product_of_sum, rotate, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.rows import (
     AHEAD,
@@ -144,6 +144,13 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         slip = slid_by + blade_dot(rows, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
     else:
         nn += share * weighted(ahead, s.c, normal)
+    if s.blocks.used:
+        fill_some(s.blocks.casing, normal, 0, w.normal_moves)
+        nn += share * product(ahead, w.normal_moves)
+        if rubs:
+            fill_some(s.blocks.casing, tangent, 0, w.tangent_moves)
+            nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
+            tt += product(tangent, w.tangent_moves)
     w.chosen[0] = j
     for i in range(dim):
         w.column[i] = i

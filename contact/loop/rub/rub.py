@@ -10,6 +10,7 @@ import math
 from contact.jit.compiled import jit, jit_vectors
 from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.rows import move, product_of_sum
+from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.predict import alone, find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
@@ -115,6 +116,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
         look_at(w.angles, AHEAD, ahead)
         propagate(s, laws, t, angle, omega)
+        if s.blocks.used:
+            fly_coupled(s, w)
         every = due(step, out.every, out.at, sums.filled[0])
         closing = find_near(s, laws, rows, w, dim, share, every, t, h)
         if coats is not None:
@@ -140,6 +143,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
+            if s.blocks.used:
+                answer(s, w, s.contact)
             update_gaps(s, w, count, dim, share)
             add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
@@ -154,6 +159,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             for i in range(s.lam.size):
                 s.seen[modes + i] = s.lam[i]
             store_state(sums, out, step, t, s.seen)
+        if s.blocks.used:
+            works_of_coupling(s, w, sums)
         advance_modes(s, sums)
         note(s, rows, w, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)

@@ -6,7 +6,7 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.patch import ROUGH
-from contact.loop.modal.rows import product, weighted
+from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
 from contact.loop.rub.state import TOGETHER, RubState, Work
@@ -52,6 +52,9 @@ def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: floa
         else:
             copy(w.normal[now, p], row)
             law(s.c, w.normal[1 - now, p], share, test)
+        if s.blocks.used:
+            fill_some(s.blocks.turned, row if i > 0 else w.normal[1 - now, p], 0, w.spare)
+            add_part(w.spare, 1.0 if i > 0 else share, test)
         w.along[slot * dim + i] = product(row, s.d)
         for k in range(rows.width):
             w.row_columns[i * rows.width + k, slot] = row[k]
@@ -80,6 +83,14 @@ def law(c: Array, row: Array, share: float, out: Array) -> None:
     part = same(share)
     for i in range(0, out.size, WIDTH):
         put(out, i, part * load(c, i) * load(row, i))
+
+
+@jit_inside
+def add_part(row: Array, share: float, out: Array) -> None:
+    """Add share row to `out`."""
+    part = same(share)
+    for i in range(0, out.size, WIDTH):
+        put(out, i, load(out, i) + part * load(row, i))
 
 
 @jit
@@ -195,11 +206,15 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
 def others_close(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> bool:
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
+    if s.blocks.used:
+        fill_some(s.blocks.casing, w.pushed, 0, w.normal_moves)
     for j in range(s.mu.size):
         if s.inside[j] != 1:
             continue
         R = j * dim
         casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
+        if s.blocks.used:
+            casing += product(w.normal[1 - w.side[0], rows.place[j]], w.normal_moves)
         gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
         for n in range(count):
             first = w.chosen[n] * dim

@@ -8,12 +8,29 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.jit.vector import WIDTH
+from contact.loop.modal.rows import RowBlocks
 from contact.loop.rub.rows import RubRows
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
 
 TOGETHER = 4  # rows that `solve.casing` takes at a time
+
+
+class ModalBlocks(NamedTuple):
+    """What couples modes, as rows by blocks of eight, w places of all modes or `width` of the casing's.
+
+    Where modes are coupled, `al`, `be`, `c` and `weight` of the state are zero.
+    """
+
+    used: bool
+    free: RowBlocks  # (w, 2 w): D and q to the increment without forces
+    yields: RowBlocks  # (w, w): c
+    casing: RowBlocks  # (width, width): c of the casing's modes alone
+    turned: RowBlocks  # its transpose
+    lost: RowBlocks  # (w, w): P, for the work of damping
+    false: RowBlocks  # (w, w): P of what does no work, for what the discrete energy errs by
+    odd: RowBlocks  # (w, w): skew part of the stiffness
 
 
 class RubState(NamedTuple):
@@ -30,6 +47,7 @@ class RubState(NamedTuple):
     c: Array
     kick: Array
     weight: Array
+    blocks: ModalBlocks
     stiff: Array  # (b, b) of all blades' modes, empty without stiffening
     stiff_at: Array  # the same times Omega^2 of each basis
     push: Array  # (m,) force of the stiffening
@@ -95,6 +113,10 @@ class Work(NamedTuple):
     mu: Array  # (K,)
     depth: Array  # (K,) of the tips in a coating
     pushed: Array  # (width,)
+    both: Array  # (2 w,) D and q of coupled modes, or forces on them
+    moved_by: Array  # (w,) what a coupled body answers
+    normal_moves: Array  # (width,) what the casing's coupled modes answer to a unit force along the normal
+    tangent_moves: Array  # (width,) and along the tangent
     strained: Array  # (waves,) what the forces strain of the casing
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
@@ -126,7 +148,8 @@ def work_space(s: RubState, rows: RubRows) -> Work:
         soft=aligned(D, waves), row_columns=aligned(d * width, slots), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
         casing=aligned(D, d * slots), W=aligned(R, R), b=aligned(R), lam=aligned(R), motion=aligned(R), mu=aligned(K),
-        depth=aligned(K), pushed=aligned(width), strained=aligned(waves), spread=aligned(waves),
+        depth=aligned(K), pushed=aligned(width), both=aligned(2 * s.q.size), moved_by=aligned(s.q.size),
+        normal_moves=aligned(width), tangent_moves=aligned(width), strained=aligned(waves), spread=aligned(waves),
         pressed=aligned(spread, 2, n), S=aligned(few, wide), S_old=aligned(few, wide), S_at=whole(few) - 2,
         turning=aligned(R), before=aligned(R), strain=aligned(R), all_sliding=AllSliding(used=R > K > 1),
         room=solver_room(K, d),

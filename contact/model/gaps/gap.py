@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from contact.base.arrays import Array, readonly, require_finite, require_not_neg
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.body_force import casing_turns
 from contact.model.gaps.limits import FAR, require_near
 
 
@@ -77,7 +79,7 @@ class RotatingRim:
     g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness
     in the casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of
     the blade is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0; modal
-    velocities at t = 0 are zero when left out.
+    velocities at t = 0 are zero when left out. `turning`: which side turns, as in `Rub`.
 
     Raises InputError when a basis is of the wrong kind or lacks a channel, or |clearance| exceeds
     a tenth of the radius.
@@ -93,6 +95,7 @@ class RotatingRim:
     angle_deg: float = 0.0
     casing_velocity: Array | None = None
     blade_velocity: Array | None = None
+    turning: Literal["casing", "blades"] = "casing"
 
     __repr__ = brief
 
@@ -107,6 +110,7 @@ class RotatingRim:
         if not {"span", "flap"} <= set(self.blade.channels):
             found = f"the channels {', '.join(self.blade.channels)}"
             raise InputError(f"blade: found {found}, expected span and flap (Rub takes others)")
+        casing_turns(self.turning)
         radius = self.casing.line_radius(0)
         require_positive(radius=radius)
         require_finite(clearance=self.clearance, speed_hz=self.speed_hz, angle_deg=self.angle_deg)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import KW_ONLY, dataclass, field
 from functools import singledispatch
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from contact.base.arrays import Array, is_whole, keep_readonly, require_count, r
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
-from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.body_force import BodyForce, casing_turns
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
@@ -107,6 +107,9 @@ class Rub:
     together, with the residual compliances that couple them. `thickness` of the wall [m], that of the casing's basis
     where it is left out, bounds the deflection that linear theory carries: a run stops there, or is flagged.
     `forces`: gravity and whirl on the modes that are kept; the static share of the others is left out.
+    `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
+    by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.
+    A blade of `stiffening` has the stiffness given there.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     or a clearance, closing, whirl or profile beyond a tenth of the radius.
@@ -126,6 +129,7 @@ class Rub:
     blade_starts: tuple[Start, ...] = ()
     thickness: float = math.inf
     forces: tuple[BodyForce, ...] = ()
+    turning: Literal["casing", "blades"] = "casing"
 
     __repr__ = brief
 
@@ -152,6 +156,7 @@ class Rub:
                 raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
             m = self.blades[stiff.blade].omega.size
             require_shape("stiffness_by_speed", stiff.stiffness_by_speed, (m, m))
+        casing_turns(self.turning)
         for force in self.forces:
             self._require_participation(force)
         radius = min(self.casing.line_radius(tip.line) for tip in self.tips)
@@ -282,5 +287,6 @@ def _(rim: RotatingRim) -> Rub:
     return Rub(
         rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
         clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),
+        turning=rim.turning,
         casing_start=Start(velocity=rim.casing_velocity), blade_starts=(Start(velocity=rim.blade_velocity),),
     )  # fmt: skip

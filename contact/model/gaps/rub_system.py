@@ -10,6 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
+from contact.model.bodies.body_matrices import BodyMatrices
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
@@ -94,10 +95,11 @@ def settled(rub: Rub) -> Rub:
     """
     load, first = force_at_start(rub) + axial_load(rub), 0
     speed2, starts = rub.speed.omega(0.0) ** 2, []
+    stiffness = matrices_of(rub).at(rub.speed.omega(0.0))[1]
     for k, (body, start) in enumerate(zip(rub.bodies, rub.starts, strict=True)):
-        own = load[first : first + body.omega.size]
+        here = slice(first, first + body.omega.size)
+        own, K = load[here], stiffness[here, here].copy()
         first += body.omega.size
-        K = np.diag(body.omega**2)
         for stiff in rub.stiffening:
             if stiff.blade == k - 1:
                 K += (speed2 - (2.0 * math.pi * stiff.at_hz) ** 2) * stiff.stiffness_by_speed
@@ -153,6 +155,7 @@ class RubSystem:
     clearance: Array  # (K,)
     blade_rows: Array
     own: Indices
+    matrices: BodyMatrices
     S: Array  # (lines d, 2 N + 1) twice, of the casing's lines, directions and waves 1, cos .. cos N, sin .. sin N
     still: Array  # (K d, K d)
 
@@ -195,7 +198,7 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
     return RubSystem(
         omega=np.concatenate([b.omega for b in rub.bodies]), zeta=np.concatenate([b.zeta for b in rub.bodies]),
         load=joined("load") + axial_load(rub), displacement=joined("displacement"), velocity=joined("velocity"),
-        first=first,
+        first=first, matrices=matrices_of(rub),
         names=rub.names, rim=_rim_table(rub), directions=rub.casing.directions,
         line=np.array([t.line for t in tips], dtype=np.int64),
         radius=np.array([rub.casing.line_radius(t.line) for t in tips]), angle=angle,
@@ -203,6 +206,16 @@ def rub_system(rub: Rub, dimensions: int) -> RubSystem:
         blade_rows=np.ascontiguousarray(rows.reshape(-1, rows.shape[2])), own=own,
         S=S, still=still,
     )  # fmt: skip
+
+
+def matrices_of(rub: Rub) -> BodyMatrices:
+    """C and K of the bodies by the speed: those on the side that turns see it, blades in the other sense."""
+    given = {stiff.blade for stiff in rub.stiffening}
+    blades = [
+        replace(body, stiffness_by_speed=None) if k in given else body for k, body in enumerate(rub.blades)
+    ]  # fmt: skip
+    casing, others = (1, 0) if rub.turning == "casing" else (0, -1)
+    return BodyMatrices(bodies=(rub.casing, *blades), senses=(casing, *(others for _ in blades)))
 
 
 def _rim_table(rub: Rub) -> RimTable:

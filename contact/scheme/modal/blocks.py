@@ -76,6 +76,28 @@ def row_blocks(table: Array) -> tuple[Indices, Indices, Array, Indices]:
     return start.astype(np.int64), wave, value, alike
 
 
+def matrix_blocks(matrices: Array) -> tuple[tuple[Indices, Indices, Array, Indices], Array]:
+    """Matrices of one pattern (V, rows, columns) by blocks of eight rows: what `RowBlocks` holds, and all V values.
+
+    The values of the first are those of the blocks; values are (V, entries, 8). Columns are whole blocks.
+
+    >>> (start, wave, value, _), values = matrix_blocks(np.array([np.diag([2.0, 3.0] + 6 * [0.0])]))
+    >>> start.tolist(), wave.tolist(), value[:, :2].tolist(), values.shape
+    ([0, 2], [0, 1], [[2.0, 0.0], [0.0, 3.0]], (1, 2, 8))
+    """
+    V, rows, columns = matrices.shape
+    padded = np.zeros((V, whole(rows), columns))
+    padded[:, :rows] = matrices
+    used = padded.any(axis=0).reshape(-1, BLOCK, columns).any(axis=1).repeat(BLOCK, axis=0)
+    number = np.where(used, 1.0 + np.arange(used.size, dtype=float).reshape(used.shape), 0.0)
+    table = np.zeros((1, *used.shape))
+    table[0, :, 0::2], table[0, :, 1::2] = number[:, : columns // 2], number[:, columns // 2 :]
+    start, wave, value, alike = row_blocks(table)
+    found = np.concatenate([np.zeros((V, 1)), padded.reshape(V, -1)], axis=1)[:, value.astype(np.int64)]
+    value[...] = found[0]
+    return (start, wave, value, alike), found
+
+
 def _alike(used: NDArray[np.bool_]) -> Indices:
     """Which blocks of (rows, blocks, waves) begin four with nearly the same waves, which get the same in `used`."""
     rows, blocks, waves = used.shape

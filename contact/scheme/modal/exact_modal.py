@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import singledispatch
+from operator import itemgetter
 from typing import Literal, cast
 
 import numpy as np
@@ -28,10 +29,11 @@ from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.modal_system import ModalSystem, RowTable, point_system, rim_system
 from contact.model.gaps.rod_modes import chain_gap
-from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_system import rub_system
+from contact.model.gaps.rub import Rub, rub_of
+from contact.model.gaps.rub_system import matrices_of, rub_system
 from contact.model.law import Law
 from contact.model.trig import Trig
+from contact.scheme.modal.at_speeds import at_speeds
 from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
 from contact.scheme.modal.propagator import Propagator, propagator
@@ -90,7 +92,7 @@ class ExactModal:
         mu = law.mu
         if mu > 0.0 and system.table is None:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
-        h = _step(system.omega, dt, courant)
+        h = _step(float(system.omega.max(initial=0.0)), dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
         if self.law == "energy":
             if law.response is not None:
@@ -98,7 +100,7 @@ class ExactModal:
                     f"law: found {law.words} with law = 'energy', expected 'auto', 'averaged' or 'forward'"
                 )
             return energy_stepper(system, parts)
-        self._require_slow(system.omega, h)
+        self._require_slow(parts.top, h)
         if system.table is not None:
             n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
             _require_slow_turn(n_max, system.speed, h)
@@ -118,10 +120,10 @@ class ExactModal:
             found = "Coulomb friction on a Patch without tangent"
             raise InputError(f"law: found {found}, expected channels along the ground")
         omega = problem.body.omega
-        h = _step(omega, dt, courant)
-        self._require_slow(omega, h)
+        h = _step(float(omega.max(initial=0.0)), dt, courant)
         parts = propagator(omega, problem.body.zeta, np.asarray(problem.load), h)
-        reached = f"dt omega_max = {h * float(omega.max(initial=0.0)):.3g} (limit {self.omega_h_limit:g})"
+        self._require_slow(parts.top, h)
+        reached = f"dt omega_max = {h * parts.top:.3g} (limit {self.omega_h_limit:g})"
         return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
 
     def rub(self, rub: Rub, law: Law, dt: float | None, courant: float | None) -> Stepper:
@@ -131,21 +133,26 @@ class ExactModal:
         mu = law.mu
         dimensions = rub.dimensions if mu > 0.0 else 1
         system = rub_system(rub, dimensions)
-        h = _step(system.omega, dt, courant)
-        parts = propagator(system.omega, system.zeta, system.load, h)
-        self._require_slow(system.omega, h)
+        low, high = (2.0 * math.pi * float(f(rub.speed.hz)) for f in (np.min, np.max))
+        fastest = float(np.abs(rub.speed.table[:, 3]).max())
+        speeds = at_speeds(
+            system.matrices, system.omega, system.zeta, system.load, low, high, fastest,
+            lambda top: _step(top, dt, courant),
+        )  # fmt: skip
+        h = speeds.parts[0].h
+        self._require_slow(speeds.top, h)
         n_max = max([system.rim.n_max, *(p for p, _, _ in rub.profile.terms)])
         _require_slow_turn(n_max, rub.speed.fastest, h)
-        H, S, rho = rub_delassus(rub, system, parts, mu)
+        H, S, rho = max((rub_delassus(rub, system, part, mu) for part in speeds.parts), key=itemgetter(2))
         averaged = self._averaged(H, S, rho)
-        top = h * float(system.omega.max(initial=0.0))
+        top = h * speeds.top
         label = (
             f"exact modal, {'averaged' if averaged else 'forward'} law at {system.contacts} tips, dt omega_max = "
             f"{top:.3g} (limit {self.omega_h_limit:g}), n_max Omega dt = {n_max * rub.speed.fastest * h:.3g} "
             f"(limit 0.3), rho = {rho:.3g}"
         )
         return rub_stepper(
-            rub, system, parts, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=law.coating
+            rub, system, speeds, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=law.coating
         )
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
@@ -158,8 +165,7 @@ class ExactModal:
             )
         return averaged
 
-    def _require_slow(self, omega: Array, h: float) -> None:
-        top = float(omega.max(initial=0.0))
+    def _require_slow(self, top: float, h: float) -> None:
         if h * top > self.omega_h_limit * (1.0 + 1e-12):
             raise LimitError(
                 f"dt: found omega_max dt = {h * top:.6g}, expected <= {self.omega_h_limit:g} (step "
@@ -233,6 +239,14 @@ def _(problem: Rub, scheme: ExactModal, law: Law, dt: float | None, courant: flo
     return scheme.rub(problem, law, dt, courant)
 
 
+@_prepared.register
+def _(problem: RotatingRim, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
+    rub = rub_of(problem)
+    if matrices_of(rub).coupled:
+        return scheme.rub(rub, law, dt, courant)
+    return scheme.one_contact(rim_system(problem), law, dt, courant)
+
+
 @singledispatch
 def _system(problem: Problem, modes: int) -> ModalSystem:
     if not hasattr(problem, "modal_form"):
@@ -247,22 +261,16 @@ def _(problem: PointGap, modes: int) -> ModalSystem:
 
 
 @_system.register
-def _(problem: RotatingRim, modes: int) -> ModalSystem:
-    return rim_system(problem)
-
-
-@_system.register
 def _(problem: Chain, modes: int) -> ModalSystem:
     return point_system(chain_gap(problem, modes=modes))
 
 
-def _step(omega: Array, dt: float | None, courant: float | None) -> float:
+def _step(top: float, dt: float | None, courant: float | None) -> float:
     if dt is not None and courant is not None:
         raise InputError("dt: found both dt and courant, expected one of them")
     if dt is not None:
         require_positive(dt=dt)
         return dt
-    top = float(omega.max(initial=0.0))
     if top == 0.0:
         raise InputError("dt: found none with rigid bodies only, expected a time step")
     product = 0.8 if courant is None else 2.0 * courant

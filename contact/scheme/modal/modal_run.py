@@ -64,7 +64,7 @@ class ModalRun:
     @property
     def window(self) -> float:
         """Period of the highest mode [s]."""
-        return window(self.system.omega, self.dt)
+        return window(float(self.system.omega.max(initial=0.0)), self.dt)
 
     @property
     def size(self) -> int:

@@ -8,7 +8,7 @@ Math. 3, 1961, 381). Free motion and statics are exact for any h.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contact.base.arrays import Array, readonly
 from contact.base.remembered import remembered
 from contact.record.energy import Stored
 from contact.record.record import Tally
+from contact.scheme.modal.coupled import Coupled
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -23,7 +24,8 @@ class Propagator:
     """Coefficients (m,) each for a step h; `fade` = e^{-a h}, `turn` = w_d h.
 
     `stiff` is omega^2, 1 for rigid modes; `stay` = cos(w_d h) - a/w_d sin(w_d h), `drift` = sin(w_d h)/w_d.
-    `rigid`: there are rigid modes.
+    `rigid`: there are rigid modes. `coupled` modes have coefficients of their own; theirs in `al`, `be` and `c` are
+    zero, as is their `omega`.
     """
 
     h: float
@@ -38,6 +40,32 @@ class Propagator:
     stay: Array
     drift: Array
     rigid: bool
+    coupled: Coupled | None = None
+
+    @property
+    def top(self) -> float:
+        """Highest frequency [rad/s]."""
+        own = float(self.omega.max(initial=0.0))
+        return own if self.coupled is None else max(own, self.coupled.top)
+
+    @property
+    def weight(self) -> Array:
+        """(1 - al)/(2 c), for the work of damping; zero where modes are coupled."""
+        return np.divide(1.0 - self.al, 2.0 * self.c, out=np.zeros(self.c.size), where=self.c > 0.0)
+
+    def yields(self, rows: Array) -> Array:
+        """Rows (R, m) times the matrix c: what a step answers to forces along them."""
+        found = rows * self.c
+        if self.coupled is not None:
+            found[:, self.coupled.modes] = rows[:, self.coupled.modes] @ self.coupled.c
+        return found
+
+    def push(self, force: Array) -> Array:
+        """Return c f: what a step answers to forces on the modes."""
+        found = self.c * force
+        if self.coupled is not None:
+            found[self.coupled.modes] = self.coupled.c @ force[self.coupled.modes]
+        return np.asarray(found)
 
     def backward(self, q: Array, velocity: Array) -> Array:
         """D = q(0) - q(-h) of the motion through (q, velocity) under the load."""
@@ -45,7 +73,11 @@ class Propagator:
         before = (self.stay * (q - rest) - self.drift * velocity) / self.fade
         elastic = q - (rest + before)
         rigid = self.h * velocity - 0.5 * self.h**2 * self.load
-        return np.asarray(np.where(self.omega > 0.0, elastic, rigid))
+        found = np.where(self.omega > 0.0, elastic, rigid)
+        if self.coupled is not None:
+            own = self.coupled.modes
+            found[own] = self.coupled.backward(q[own], velocity[own], self.load[own])
+        return np.asarray(found)
 
     def velocity(self, q: Array, d: Array, force: Array) -> Array:
         """Velocity at t_n of the motion through q_{n-1}, q_n with constant `force` (load and contact)."""
@@ -53,7 +85,11 @@ class Propagator:
         elastic = 1.0 / self.drift * (self.stay * (q - rest) - self.fade * (q - d - rest))
         if not self.rigid:
             return np.asarray(elastic)
-        return np.asarray(np.where(self.omega > 0.0, elastic, d / self.h + 0.5 * self.h * force))
+        found = np.where(self.omega > 0.0, elastic, d / self.h + 0.5 * self.h * force)
+        if self.coupled is not None:
+            own = self.coupled.modes
+            found[own] = self.coupled.velocity(q[own], d[own], force[own])
+        return np.asarray(found)
 
     def _rest(self, force: Array) -> Array:
         """Static displacement of elastic modes, zero for rigid ones."""
@@ -63,9 +99,16 @@ class Propagator:
         """Energies at t_n; discrete form D^T D/(2 c) + omega^2 q_{n-1} q_n/2 - f (q_{n-1} + q_n)/2."""
         v = self.velocity(q, d, self.load + contact)
         old = q - d
-        discrete = 0.5 * np.sum(d * d / self.c) + 0.5 * np.sum(self.omega**2 * old * q)
+        strain = 0.5 * float(np.sum((self.omega * q) ** 2))
+        if self.coupled is None:
+            discrete = 0.5 * np.sum(d * d / self.c) + 0.5 * np.sum(self.omega**2 * old * q)
+        else:
+            single, own = self.c > 0.0, self.coupled.modes
+            discrete = 0.5 * np.sum(d[single] ** 2 / self.c[single]) + 0.5 * np.sum(self.omega**2 * old * q)
+            discrete += self.coupled.discrete(q[own], d[own])
+            strain += 0.5 * float(q[own] @ self.coupled.stiff @ q[own])
         return Stored(
-            kinetic=0.5 * float(v @ v), strain=0.5 * float(np.sum((self.omega * q) ** 2)),
+            kinetic=0.5 * float(v @ v), strain=strain,
             potential=potential - float(self.load @ q), residual=residual,
             discrete=float(potential + discrete - 0.5 * self.load @ (q + old)),
         )  # fmt: skip
@@ -87,12 +130,11 @@ class ExactRun:
     @property
     def window(self) -> float:
         """Period of the highest mode [s]."""
-        return window(self.parts.omega, self.dt)
+        return window(self.parts.top, self.dt)
 
 
-def window(omega: Array, dt: float) -> float:
-    """Period of the highest mode [s], or the step where there is none or it is longer."""
-    top = float(omega.max(initial=0.0))
+def window(top: float, dt: float) -> float:
+    """Period of the highest mode `top` [rad/s] [s], or the step where there is none or it is longer."""
     return max(2.0 * math.pi / top, dt) if top > 0.0 else dt
 
 
@@ -118,3 +160,12 @@ def propagator(omega: Array, zeta: Array, load: Array, h: float) -> Propagator:
         turn=readonly(turn), stiff=readonly(stiff), stay=readonly(np.cos(turn) - slope * np.sin(turn)),
         drift=readonly(h * np.sinc(turn / np.pi)), rigid=not elastic.all(),
     )  # fmt: skip
+
+
+def with_coupled(omega: Array, zeta: Array, load: Array, h: float, part: Coupled) -> Propagator:
+    """Coefficients where some of the modes are coupled; their `omega` and `zeta` are not used."""
+    own = np.zeros(omega.size, dtype=bool)
+    own[part.modes] = True
+    found = propagator(np.where(own, 0.0, omega), np.where(own, 0.0, zeta), load, h)
+    al, be, c = (readonly(np.where(own, 0.0, values)) for values in (found.al, found.be, found.c))
+    return replace(found, al=al, be=be, c=c, rigid=True, coupled=part)

@@ -20,7 +20,9 @@ from contact.model.trig import PRUNE, fourier, harmonics, turned_back
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
 from contact.record.wear import Wear
+from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
+from contact.scheme.modal.modal_blocks import fill_blocks, modal_blocks
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.modal.wear_track import Tracks, rub_tracks
 from contact.scheme.protocol import Block, Motion, Notes
@@ -28,7 +30,7 @@ from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
     from contact.loop.rub.rows import RubLaws, RubRows
-    from contact.loop.rub.state import RubState, Work
+    from contact.loop.rub.state import ModalBlocks, RubState, Work
     from contact.solver.abradable.tips import Coats
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
@@ -42,6 +44,8 @@ class RubStepper(ExactRun):
 
     rub: Rub
     system: RubSystem
+    speeds: AtSpeeds
+    values: tuple[Array, ...]  # of the blocks at the nodes of the speeds; none where they do not vary
     state: RubState  # views of `wide`
     wide: RubState  # in whole blocks of eight
     laws: RubLaws
@@ -50,6 +54,7 @@ class RubStepper(ExactRun):
     dimensions: int
     averaged: bool
     steps: Indices  # taken so far, one entry
+    stretch: Indices  # number of the stretch whose coefficients the loop has, one entry
     worn: tuple[Tracks, Coats] | None = None
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
 
@@ -81,11 +86,37 @@ class RubStepper(ExactRun):
         if not self.given:
             self.given.extend(map(bundled, (self.wide, self.laws, self.rows, coats, self.work, self.sums)))
         state, laws, rows, coating, work, sums = self.given
-        failed = advance_rub(
-            state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, first, steps
-        )  # fmt: skip
+        failed, at, end = -1, first, first + steps
+        while failed < 0 and (at < end or at == first):
+            count = end - at
+            if self.values:
+                self._turn(at // self.speeds.stretch)
+                count = min(count, self.speeds.stretch - at % self.speeds.stretch)
+            failed = advance_rub(
+                state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, at, count
+            )  # fmt: skip
+            at += max(count, 1)
         self.work.room.otherwise.pass_on()
         return failed
+
+    def _turn(self, stretch: int) -> None:
+        """Give the loop the coefficients of a stretch of steps; the change of the modes' energy is the drive's work."""
+        if stretch == self.stretch[0]:
+            return
+        before, after, s = self.now(), self.speeds.at(self.omega(stretch)), self.state
+        self.sums.external[0] += _discrete(after, s.q, s.d) - _discrete(before, s.q, s.d)
+        self.stretch[0] = stretch
+        fill_blocks(self.wide.blocks, self.speeds.weights(self.omega(stretch)), self.values)
+        s.kick[:] = after.push(after.load)
+        self.rows.fixed[:] = blade_delassus(self.system, after)
+
+    def omega(self, stretch: int) -> float:
+        """Speed in the middle of a stretch of steps [rad/s]."""
+        return self.rub.speed.omega(self.speeds.middle(stretch))
+
+    def now(self) -> Propagator:
+        """Coefficients that the loop has."""
+        return self.speeds.at(self.omega(int(self.stretch[0]))) if self.speeds.vary else self.parts
 
     def wear(self) -> tuple[Wear, ...]:
         """What each track of a coating has lost so far; none without one."""
@@ -95,7 +126,7 @@ class RubStepper(ExactRun):
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays, sums and the coating."""
         coating = () if self.worn is None else (self.worn[0].memory, self.worn[1])
-        return self.wide, self.work, self.rows, self.sums, self.steps, coating
+        return self.wide, self.work, self.rows, self.sums, self.steps, self.stretch, coating
 
     @property
     def limits(self) -> Array:
@@ -127,7 +158,7 @@ class RubStepper(ExactRun):
         turned = self.rub.speed.angle((int(self.steps[0]) - 1) * self.dt)
         residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
         residual += 0.0 if self.worn is None else self.worn[0].elastic
-        return self.parts.stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
+        return self.now().stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
         """Supported bodies have no rigid motion."""
@@ -143,22 +174,34 @@ class RubStepper(ExactRun):
         return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
 
 
-def rub_stepper(rub: Rub, system: RubSystem, parts: Propagator, *, mu: float, dimensions: int, averaged: bool,
+def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, mu: float, dimensions: int, averaged: bool,
                 label: str, law: Abradable | None = None) -> RubStepper:  # fmt: skip
     """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
     from contact.loop.rub.state import work_space
 
+    parts = speeds.at(rub.speed.omega(speeds.middle(0)))
     m, rows = system.omega.size, _rows(rub, system, parts)
-    wide = widened(_state(rub, system, parts, mu, dimensions), whole(m), NAMES)
+    blocks, values = modal_blocks(speeds, m, int(system.first[1]))
+    if speeds.vary:
+        fill_blocks(blocks, speeds.weights(rub.speed.omega(speeds.middle(0))), values)
+    wide = widened(_state(rub, system, parts, blocks, mu, dimensions), whole(m), NAMES)
     return RubStepper(
-        rub=rub, system=system, parts=parts, state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
+        rub=rub, system=system, parts=parts, speeds=speeds, values=values if speeds.vary else (),
+        state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
         rows=rows, work=work_space(wide, rows), dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
+        stretch=np.zeros(1, dtype=np.int64),
         worn=None if law is None else rub_tracks(rub, law),
     )  # fmt: skip
 
 
-def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
+def _discrete(parts: Propagator, q: Array, d: Array) -> float:
+    """Discrete energy of the coupled modes."""
+    assert parts.coupled is not None
+    return parts.coupled.discrete(q[parts.coupled.modes], d[parts.coupled.modes])
+
+
+def _state(rub: Rub, system: RubSystem, parts: Propagator, blocks: ModalBlocks, mu: float, dimensions: int) -> RubState:
     from contact.loop.rub.state import RubState
 
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
@@ -172,7 +215,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions
 
     return RubState(
         q=q, d=loaded.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
-        kick=parts.c * parts.load, weight=(1.0 - parts.al) / (2.0 * parts.c), stiff=stiff, stiff_at=stiff_at,
+        kick=parts.push(parts.load), weight=parts.weight, blocks=blocks, stiff=stiff, stiff_at=stiff_at,
         push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
@@ -283,7 +326,7 @@ def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
     for row, values in enumerate(system.blade_rows):
         begin, end = system.own[row // d]
         full[row, begin:end] = values[: end - begin]
-    return np.ascontiguousarray((full * parts.c) @ full.T)
+    return np.ascontiguousarray(parts.yields(full) @ full.T)
 
 
 def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:
@@ -303,7 +346,9 @@ def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> t
     for line in np.unique(system.line):
         here, block = np.flatnonzero(system.line == line), int(line) * system.directions
         Q, along = (np.concatenate([system.rim.cos[b], system.rim.sin[b, 1:]]) for b in (block, block + 1))
-        form = (Q * parts.c[:m]) @ (Q - pull * along).T
+        waves = np.zeros((len(Q), system.omega.size))
+        waves[:, :m] = Q
+        form = parts.yields(waves)[:, :m] @ (Q - pull * along).T
         H[:, here] += _around(system.rim.n_max, system.angle[here], turned, form)
         if system.turns:
             own = system.S[d * line]

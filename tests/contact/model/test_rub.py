@@ -13,6 +13,7 @@ from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import harmonics
 from contact.record.record import samples
 from contact.scheme.modal import rub_stepper
+from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.propagator import propagator
 from contact.solver.friction.coulomb import coulomb
 from tests.contact.synthetic_rim import blade, ring
@@ -578,7 +579,8 @@ def at_start(rub, *, mu=0.0):
     dimensions = rub.dimensions if mu else 1
     system = rub_system(rub, dimensions)
     parts = propagator(system.omega, system.zeta, system.load, 1e-5)
-    return rub_stepper.rub_stepper(rub, system, parts, mu=mu, dimensions=dimensions, averaged=False, label="")
+    speeds = AtSpeeds(nodes=np.zeros(1), parts=(parts,))
+    return rub_stepper.rub_stepper(rub, system, speeds, mu=mu, dimensions=dimensions, averaged=False, label="")
 
 
 def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():

@@ -54,19 +54,19 @@ def test_energies_of_modes_are_kinetic_strain_and_potential_and_their_form_betwe
 
 
 def test_the_window_is_the_period_of_the_highest_mode_or_the_step():
-    assert window(np.array([3.0, 70.0, 8.0]), 1e-3) == pytest.approx(2.0 * math.pi / 70.0, rel=1e-14)
-    assert window(np.array([3.0, 70.0]), 0.5) == 0.5
-    assert window(np.zeros(2), 0.25) == window(np.zeros(0), 0.25) == 0.25
+    assert window(70.0, 1e-3) == pytest.approx(2.0 * math.pi / 70.0, rel=1e-14)
+    assert window(70.0, 0.5) == 0.5
+    assert window(0.0, 0.25) == 0.25
 
 
 def test_the_step_is_the_one_given_or_a_share_of_the_highest_mode():
-    omega = np.array([3.0, 50.0])
+    omega = 50.0
     assert _step(omega, 0.3, None) == 0.3
     assert _step(omega, None, 0.5) == 1.0 / 50.0
     assert _step(omega, None, None) == 0.8 / 50.0
     for given, words in (
         ((omega, 0.1, 0.1), "both dt and courant"), ((omega, 0.0, None), "dt: found 0"),
-        ((np.zeros(1), None, None), "rigid bodies only"), ((np.zeros(0), None, 0.5), "rigid bodies only"),
+        ((0.0, None, None), "rigid bodies only"), ((0.0, None, 0.5), "rigid bodies only"),
         ((omega, None, 0.0), "courant: found 0"),
     ):  # fmt: skip
         with pytest.raises(ct.InputError, match=words):

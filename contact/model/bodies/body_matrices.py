@@ -1,0 +1,48 @@
+"""C and K of several modal bodies at a speed, one after the other: what is coupled within a body and turns with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from contact.base.arrays import Array
+from contact.model.bodies.modal_body import ModalBody
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class BodyMatrices:
+    """Bodies of a scene and the sense in which each turns: 1 or -1 with the speed, 0 for a body at rest.
+
+    A body at rest keeps the frequencies of its basis, and what couples its modes at any speed.
+    """
+
+    bodies: tuple[ModalBody, ...]
+    senses: tuple[int, ...]
+
+    @property
+    def vary(self) -> bool:
+        """Whether some matrix depends on the speed."""
+        turning = zip(self.bodies, self.senses, strict=True)
+        return any(s != 0 and (b.gyroscopic is not None or b.stiffness_by_speed is not None) for b, s in turning)
+
+    @property
+    def coupled(self) -> bool:
+        """Whether some body has more than its modes' own frequencies and damping."""
+        return self.vary or any(body.damping is not None or body.stiffness is not None for body in self.bodies)
+
+    def at(self, omega: float) -> tuple[Array, Array]:
+        """C [1/s] and K [1/s^2] of all modes at a speed [rad/s], (m, m) each.
+
+        >>> pair = ModalBody(omega=[3.0, 3.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2),
+        ...                  S=np.zeros((2, 2)), gyroscopic=[[0.0, -2.0], [2.0, 0.0]])
+        >>> BodyMatrices(bodies=(pair, pair), senses=(0, -1)).at(0.5)[0][2:].tolist()
+        [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0]]
+        """
+        parts = []
+        for body, sense in zip(self.bodies, self.senses, strict=True):
+            seen = body if sense else replace(body, gyroscopic=None, stiffness_by_speed=None)
+            parts.append(seen.matrices(sense * omega))
+        C, K = (block_diag(*[part[k] for part in parts]) for k in (0, 1))
+        return np.asarray(C), np.asarray(K)

@@ -1,0 +1,151 @@
+"""Coefficients of modes over a range of speeds, by interpolation between nodes; of one speed, exact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import LimitError
+from contact.model.bodies.body_matrices import BodyMatrices
+from contact.scheme.modal.coupled import Coupled, Form, coupled, form, poles
+from contact.scheme.modal.propagator import Propagator, propagator, with_coupled
+
+EXACT = 1e-12  # of the largest entry: error of the interpolated coefficients between the nodes
+TURN = 1e-5  # [rad]
+LONGEST = 256  # steps
+NODES = (5, 9, 17, 33)
+Matrices = list[tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class AtSpeeds:
+    """Propagators at Chebyshev nodes of a range of speeds [rad/s], one where the speed is constant or has no effect.
+
+    `stretch` steps are taken with the coefficients of the speed in their middle.
+    """
+
+    nodes: Array
+    parts: tuple[Propagator, ...]
+    stretch: int = 1
+
+    @property
+    def vary(self) -> bool:
+        """Whether the coefficients depend on the speed."""
+        return len(self.parts) > 1
+
+    @property
+    def top(self) -> float:
+        """Highest frequency [rad/s]."""
+        return max(part.top for part in self.parts)
+
+    def at(self, omega: float) -> Propagator:
+        """Coefficients at a speed within the range."""
+        if not self.vary:
+            return self.parts[0]
+        weights = self.weights(omega)
+        found = [part.coupled for part in self.parts if part.coupled is not None]
+        arrays: dict[str, Any] = {
+            name: readonly(np.tensordot(weights, np.array([getattr(part, name) for part in found]), axes=1))
+            for name in _square_names()
+        }
+        return replace(self.parts[0], coupled=replace(found[0], top=self.top, **arrays))
+
+    def middle(self, stretch: int) -> float:
+        """Time in the middle of the steps of a stretch, each of which goes from t - h to t + h [s]."""
+        return (stretch * self.stretch + 0.5 * (self.stretch - 1)) * self.parts[0].h
+
+    def weights(self, omega: float) -> Array:
+        """Shares of the nodes at a speed: Lagrange's polynomials, barycentric."""
+        away = omega - self.nodes
+        if (hit := np.flatnonzero(away == 0.0)).size:
+            return np.asarray(np.eye(away.size)[hit[0]])
+        k = np.arange(away.size)
+        shares = (-1.0) ** k * np.where((k == 0) | (k == away.size - 1), 0.5, 1.0) / away
+        return np.asarray(shares / shares.sum())
+
+
+def _square_names() -> list[str]:
+    return [field.name for field in fields(Coupled) if field.name not in ("h", "modes", "top")]
+
+
+def chebyshev(low: float, high: float, count: int) -> Array:
+    """Chebyshev's extreme points of a range, its ends with them.
+
+    >>> chebyshev(0.0, 2.0, 3).round(12).tolist()
+    [0.0, 1.0, 2.0]
+    """
+    turns = np.cos(np.pi * np.arange(count) / (count - 1))
+    return np.asarray(0.5 * (low + high) - 0.5 * (high - low) * turns)
+
+
+def highest(matrices: Matrices, found: Form) -> float:
+    """Highest frequency [rad/s] at any of the speeds."""
+    top = float(found.omega.max(initial=0.0))
+    for C, K in matrices:
+        for block in found.blocks:
+            own = np.ix_(block, block)
+            top = max(top, float(np.abs(poles(C[own], K[own]).imag).max()))
+    return top
+
+
+def at_speeds(
+    bodies: BodyMatrices, omega: Array, zeta: Array, load: Array, low: float, high: float, fastest: float,
+    step: Callable[[float], float],
+) -> AtSpeeds:  # fmt: skip
+    """Coefficients of bodies between two speeds [rad/s]; `step` gives the time step by the highest frequency.
+
+    `fastest` [rad/s^2] bounds the change of the speed: within a stretch it turns no mode by more than 1e-5 rad.
+    More nodes are taken until the coefficients between them are exact to 1e-12. Raises LimitError where that takes
+    too many: the speed changes the modes too much within one step.
+    """
+    if not bodies.coupled:
+        h = step(float(omega.max(initial=0.0)))
+        return AtSpeeds(nodes=np.array([low]), parts=(propagator(omega, zeta, load, h),))
+
+    def made(speeds: Array) -> tuple[Propagator, ...]:
+        return tuple(
+            with_coupled(found.omega, found.zeta, load, h, coupled(C, K, found.modes, found.blocks, h))
+            for C, K in map(bodies.at, speeds.tolist())
+        )
+
+    constant = low == high or not bodies.vary
+    seen = [bodies.at(speed) for speed in ([high] if constant else chebyshev(low, high, NODES[0]).tolist())]
+    found = form(seen, omega, zeta)
+    h = step(highest(seen, found))
+    if not found.modes.size:
+        return AtSpeeds(nodes=np.array([high]), parts=(propagator(found.omega, found.zeta, load, h),))
+    if constant:
+        return AtSpeeds(nodes=np.array([high]), parts=made(np.array([high])))
+    for count in NODES:
+        nodes = chebyshev(low, high, count)
+        table = AtSpeeds(nodes=nodes, parts=made(nodes), stretch=_stretch(seen, high - low, fastest, h))
+        between = 0.5 * (nodes[:-1] + nodes[1:])
+        if max(map(_error, made(between), map(table.at, between.tolist()))) <= EXACT:
+            return table
+    raise LimitError(
+        f"dt: found modes that change too much between {low / (2.0 * math.pi):g} and {high / (2.0 * math.pi):g} Hz "
+        f"within a step of {h:g} s, expected a smaller dt"
+    )
+
+
+def _stretch(matrices: Matrices, span: float, fastest: float, h: float) -> int:
+    """Steps within which C and K may be those of the middle: a frequency that changes by r t turns by r t^2/8."""
+    (C, K), others = matrices[0], matrices[-1]
+    stiff = np.sqrt(np.maximum(np.abs(np.diag(K)), 1e-300))
+    change = np.abs(others[0] - C).sum(axis=1).max() + (np.abs(others[1] - K).sum(axis=1) / stiff).max()
+    seconds = math.sqrt(8.0 * TURN * span / (change * fastest)) if change * fastest > 0.0 else math.inf
+    return int(min(max(1.0, seconds / h), LONGEST))
+
+
+def _error(exact: Propagator, found: Propagator) -> float:
+    """Largest error of the coefficients that move the modes, over the largest entry."""
+    if exact.coupled is None or found.coupled is None:
+        return 0.0
+    names, parts = ("alpha", "beta", "c"), (exact.coupled, found.coupled)
+    pairs = [[getattr(part, name) for part in parts] for name in names]
+    return max(float(np.abs(a - b).max() / np.abs(a).max()) for a, b in pairs)

@@ -1,0 +1,189 @@
+"""Exact two-step coefficients of modes that are coupled: q'' + C q' + K q = f with full C and K.
+
+Over a step h with constant f, q -> a q + b v + J f, v -> g q + d v + b f, where [a b J; g d b] are blocks of
+exp([0 I 0; -K -C I; 0 0 0] h). Eliminating v,
+
+ D <- alpha D - beta q + c f;  q <- q + D,  alpha = b d b^-1 a - b g,  c = J + b b - b d b^-1 J,  beta = c K.
+
+One mode gives the coefficients of `propagator`; damping above the critical one, zero and negative stiffness are
+included, for c comes from the integral of the propagator and not from K^-1. Singular where b is: where a mode turns by
+pi in a step.
+
+Discrete energy E = D^T N D/2 + q_(n-1)^T K_s q_n/2, N = (c^-1 + c^-T)/2, K = K_s + K_a (symmetric, skew):
+with s = D_n + D_(n+1),
+
+ E_(n+1) - E_n = s^T f/2 - s^T P D_n/2 - s^T K_a q_n/2,  P = c^-T - c^-1 alpha.
+
+A gyroscopic force does no work: the P_0 of the skew part of C and the symmetric part of K alone, zero for a perfect
+pair and of the order of h^2 else, is what E errs by, and its part counts as the scheme's own. P - P_0 is damping's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag, eigvals, expm
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from contact.base.arrays import Array, Indices, readonly
+from contact.model.gaps.modal_system import NOISE
+
+ROUND_OFF = 4.0 * float(np.finfo(float).eps)
+PARTS = ("alpha", "beta", "c", "lost", "false", "odd", "inertia", "stiff", "mean", "fly", "lift")
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Coupled:
+    """Coefficients of b coupled modes over a step h, (b, b) each; `modes` their numbers, `top` the largest |Im s|.
+
+    `lost` P - P_0, `false` P_0, `odd` K_a, `inertia` N and `stiff` K_s as in the module. The velocity at t_n of the
+    motion through q_(n-1) and q_n under a constant force f is mean q_n - fly q_(n-1) + lift f.
+    """
+
+    h: float
+    modes: Indices
+    top: float
+    alpha: Array
+    beta: Array
+    c: Array
+    lost: Array
+    false: Array
+    odd: Array
+    inertia: Array
+    stiff: Array
+    mean: Array
+    fly: Array
+    lift: Array
+
+    def velocity(self, q: Array, d: Array, force: Array) -> Array:
+        """Velocity at t_n of the motion through q_(n-1), q_n with constant `force`, all (b,)."""
+        return np.asarray(self.mean @ q - self.fly @ (q - d) + self.lift @ force)
+
+    def backward(self, q: Array, velocity: Array, load: Array) -> Array:
+        """D = q(0) - q(-h) of the motion through (q, velocity) under the load."""
+        return np.asarray(q - np.linalg.solve(self.fly, self.mean @ q + self.lift @ load - velocity))
+
+    def discrete(self, q: Array, d: Array) -> float:
+        """The discrete energy E."""
+        return 0.5 * float(d @ self.inertia @ d + (q - d) @ self.stiff @ q)
+
+
+def couplings(C: Array, K: Array) -> list[Indices]:
+    """Modes that C and K (m, m) couple, as connected components, in ascending order; single modes as well.
+
+    An entry beside the diagonal is taken for zero below 1e-10 of the largest entry of its matrix beside the diagonal
+    (of C with it), the noise of an eigen solver, or where its effect on the motion is below round-off:
+    |K_ij| <= 4 eps sqrt|K_ii K_jj|, |C_ij| <= 4 eps |K_ii K_jj|^(1/4).
+
+    >>> couplings(np.array([[0.0, 0.0, 2.0], [0.0, 0.1, 0.0], [-2.0, 0.0, 0.0]]), np.diag([1.0, 2.0, 3.0]))
+    [array([0, 2]), array([1])]
+    """
+    return _components(_joined(C, K))
+
+
+def _components(joined: Array) -> list[Indices]:
+    _, label = connected_components(csr_array(joined), directed=False)
+    return [np.flatnonzero(label == number) for number in range(int(label.max(initial=-1)) + 1)]
+
+
+def _joined(C: Array, K: Array) -> Array:
+    """Whether C or K couples two modes, (m, m)."""
+    stiff = np.sqrt(np.abs(np.diag(K)))
+    off = np.abs(K - np.diag(np.diag(K)))
+    floor = np.maximum(NOISE * off.max(initial=0.0), ROUND_OFF * np.multiply.outer(stiff, stiff))
+    turning = np.abs(C - np.diag(np.diag(C)))
+    turning_floor = np.maximum(NOISE * np.abs(C).max(initial=0.0), ROUND_OFF * np.sqrt(np.multiply.outer(stiff, stiff)))
+    return np.asarray((off > floor) | (turning > turning_floor), dtype=float)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Form:
+    """Modes of a scene at some speeds: `omega` and `zeta` (m,) of those that are single, `blocks` of coupled ones.
+
+    `modes` are the coupled ones in ascending order. A mode that nothing couples is single where it has one stiffness
+    at all speeds and is damped below the critical damping.
+    """
+
+    omega: Array
+    zeta: Array
+    modes: Indices
+    blocks: list[Indices]
+
+
+def form(matrices: Sequence[tuple[Array, Array]], omega: Array, zeta: Array) -> Form:
+    """Single and coupled modes of C, K (m, m) at one or several speeds; `omega`, `zeta` of the bodies at rest.
+
+    >>> C, K = np.diag([0.2, 0.0, 9.0]), np.diag([4.0, 9.0, 16.0])
+    >>> found = form([(C, K)], np.array([2.0, 3.0, 4.0]), np.zeros(3))
+    >>> found.omega.tolist(), found.zeta.tolist(), found.modes.tolist()  # the third has zeta = 1.125
+    ([2.0, 3.0, 0.0], [0.05, 0.0, 0.0], [2])
+    """
+    joined = np.max([_joined(C, K) for C, K in matrices], axis=0)
+    C, K = (np.array([np.diag(pair[k]) for pair in matrices]) for k in (0, 1))
+    alone = np.ptp(C, axis=0) + np.ptp(K, axis=0) == 0.0
+    alone &= ((K[0] > 0.0) & (C[0] ** 2 < 4.0 * K[0]) & (C[0] >= 0.0)) | ((K[0] == 0.0) & (C[0] == 0.0))
+    blocks = [block for block in _components(joined) if block.size > 1 or not alone[block[0]]]
+    modes = np.sort(np.concatenate([np.zeros(0, dtype=np.int64), *blocks]))
+    single = np.ones(omega.size, dtype=bool)
+    single[modes] = False
+    own = np.where(single, np.where(K[0] == omega**2, omega, np.sqrt(np.maximum(K[0], 0.0))), 0.0)
+    moving = own > 0.0
+    damped = np.where(C[0] == 2.0 * zeta * omega, zeta, C[0] / (2.0 * np.where(moving, own, 1.0)))
+    return Form(omega=readonly(own), zeta=readonly(np.where(moving, damped, 0.0)), modes=modes, blocks=blocks)
+
+
+def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float) -> Coupled:
+    """Coefficients of the modes `modes` of C and K (m, m), which fall apart into `blocks`, for a step h [s].
+
+    >>> C, K = np.array([[0.0, -3.0], [3.0, 0.0]]), np.diag([16.0, 25.0])
+    >>> part = coupled(C, K, np.arange(2), [np.arange(2)], 0.1)
+    >>> bool(np.abs(part.lost).max() < 1e-10), round(part.top, 4)  # the gyroscopic force does no work
+    (True, 6.3246)
+    """
+    made = [_coefficients(C[np.ix_(block, block)], K[np.ix_(block, block)], h) for block in blocks]
+    order = np.argsort(np.searchsorted(modes, np.concatenate([np.zeros(0, dtype=np.int64), *blocks])))
+    arrays = {name: readonly(block_diag(*[one[name] for one in made])[np.ix_(order, order)]) for name in PARTS}
+    top = max((float(np.abs(poles(C[np.ix_(b, b)], K[np.ix_(b, b)]).imag).max()) for b in blocks), default=0.0)
+    return Coupled(h=h, modes=modes, top=top, **arrays)
+
+
+def poles(C: Array, K: Array) -> Array:
+    """Poles s of q'' + C q' + K q = 0, (2 b,) complex."""
+    b = len(K)
+    return np.asarray(eigvals(np.block([[np.zeros((b, b)), np.eye(b)], [-K, -C]])))
+
+
+def propagated(C: Array, K: Array, h: float) -> tuple[Array, Array, Array, Array, Array]:
+    """Blocks a, b, g, d, J of the module, (b, b) each; times are counted in steps, so that all are near 1."""
+    m = len(K)
+    A = np.zeros((3 * m, 3 * m))
+    A[:m, m : 2 * m] = A[m : 2 * m, 2 * m :] = np.eye(m)
+    A[m : 2 * m, :m], A[m : 2 * m, m : 2 * m] = -h * h * K, -h * C
+    E = expm(A)
+    return E[:m, :m], E[:m, m : 2 * m], E[m : 2 * m, :m], E[m : 2 * m, m : 2 * m], E[:m, 2 * m :]
+
+
+def _coefficients(C: Array, K: Array, h: float) -> dict[str, Array]:
+    """Coefficients of one block."""
+    found, even, skew = _one(C, K, h), 0.5 * (K + K.T), 0.5 * (C - C.T)
+    alone = np.array_equal(C, skew) and np.array_equal(K, even)
+    false = found["lost"] if alone else _one(skew, even, h)["lost"]
+    false = np.asarray(np.where(np.abs(false) > ROUND_OFF * len(C) * np.abs(found["inertia"]).max(), false, 0.0))
+    return {**found, "false": false, "lost": 0.0 * false if alone else found["lost"] - false}
+
+
+def _one(C: Array, K: Array, h: float) -> dict[str, Array]:
+    """Coefficients of one block, with all of P in `lost`."""
+    a, b, g, d, J = propagated(C, K, h)
+    carried = np.asarray(np.linalg.solve(b.T, d.T).T, dtype=np.float64)  # d b^-1
+    c = h * h * (J + b @ b - b @ carried @ J)
+    alpha = b @ (carried @ a - g)
+    inverse = np.linalg.inv(c)
+    return {
+        "alpha": alpha, "beta": c @ K, "c": c, "lost": inverse.T - inverse @ alpha, "odd": 0.5 * (K - K.T),
+        "inertia": 0.5 * (inverse + inverse.T), "stiff": 0.5 * (K + K.T), "mean": carried / h,
+        "fly": (carried @ a - g) / h, "lift": h * (b - carried @ J),
+    }  # fmt: skip
