@@ -23,8 +23,9 @@ from contact.model.bodies.modal_body import SQUARES, ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, rim_system
-from contact.model.gaps.permanent import ClosedContact, SplitError, bodies_matrices, rub_contact
+from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
 from contact.model.gaps.rub import Rub, Start, rub_of
+from contact.model.gaps.rub_system import matrices_of
 
 if TYPE_CHECKING:
     from contact.loop.revolve import Drifts
@@ -169,7 +170,7 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
 def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
     if rim.speed == 0.0:
         raise InputError("speed_hz: found 0 with a split casing, expected a speed: there is no turn to follow")
-    C, K = bodies_matrices(rub_of(rim), rim.speed)
+    C, K = matrices_of(rub_of(rim)).at(rim.speed)
     turn = monodromy(rim_system(rim), C, K, math.copysign(mu, rim.speed), phase)
     return float(np.log(np.abs(np.linalg.eigvals(turn)).max()) * abs(rim.speed) / (2.0 * math.pi))
 

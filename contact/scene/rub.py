@@ -263,7 +263,8 @@ class RubFile(SceneFile):
         casing = read_basis(folder / self.casing.basis)
         rub = Rub(
             casing, tuple(blades), tuple(tips), clearance=self.contact.clearance,
-            speed=self.speed.law(), profile=self._profile(folder, casing), stiffening=tuple(stiff),
+            speed=self.speed.law(), turning=self.speed.turning, profile=self._profile(folder, casing),
+            stiffening=tuple(stiff),
             closing=Closing.none() if self.closing is None else self.closing.law(),
             whirl=tuple(whirl.law() for whirl in self.whirl), forces=self._forces(),
             thickness=math.inf if self.casing.thickness is None else self.casing.thickness,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -15,7 +15,7 @@ from contact.model.bodies.modal_body import ModalBody
 class BodyMatrices:
     """Bodies of a scene and the sense in which each turns: 1 or -1 with the speed, 0 for a body at rest.
 
-    A body at rest keeps the frequencies of its basis, and what couples its modes at any speed.
+    A body at rest has the stiffness of its basis at rest, and what couples its modes at any speed.
     """
 
     bodies: tuple[ModalBody, ...]
@@ -30,7 +30,12 @@ class BodyMatrices:
     @property
     def coupled(self) -> bool:
         """Whether some body has more than its modes' own frequencies and damping."""
-        return self.vary or any(body.damping is not None or body.stiffness is not None for body in self.bodies)
+        return self.vary or any(
+            body.damping is not None
+            or body.stiffness is not None
+            or (body.spin != 0.0 and body.stiffness_by_speed is not None)
+            for body in self.bodies
+        )
 
     def at(self, omega: float) -> tuple[Array, Array]:
         """C [1/s] and K [1/s^2] of all modes at a speed [rad/s], (m, m) each.
@@ -40,9 +45,6 @@ class BodyMatrices:
         >>> BodyMatrices(bodies=(pair, pair), senses=(0, -1)).at(0.5)[0][2:].tolist()
         [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0]]
         """
-        parts = []
-        for body, sense in zip(self.bodies, self.senses, strict=True):
-            seen = body if sense else replace(body, gyroscopic=None, stiffness_by_speed=None)
-            parts.append(seen.matrices(sense * omega))
+        parts = [body.matrices(sense * omega) for body, sense in zip(self.bodies, self.senses, strict=True)]
         C, K = (block_diag(*[part[k] for part in parts]) for k in (0, 1))
         return np.asarray(C), np.asarray(K)

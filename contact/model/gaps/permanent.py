@@ -20,7 +20,7 @@ from contact.base.arrays import (
 from contact.base.errors import InputError
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
-from contact.model.gaps.rub_system import RubSystem, rub_system
+from contact.model.gaps.rub_system import RubSystem, matrices_of, rub_system
 
 Turning = Literal["casing", "blades"]
 SQUARES = ("damping", "gyroscopic", "stiffness", "stiffness_by_speed")
@@ -258,14 +258,15 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
             rows[i, j, begin:end] = system.blade_rows[2 * j + i, : end - begin]
     return ClosedContact(
         omega=system.omega, zeta=system.zeta, G=G, Q=rows[0], T=rows[1], S_nn=S[::2, ::2], S_nt=S[::2, 1::2], casing=m,
-        mu=mu, **squares,
+        mu=mu, turns=rub.turning, **squares,
     )  # fmt: skip
 
 
 def bodies_squares(rub: Rub) -> dict[str, Array]:
     """Damping, gyroscopic, stiffness and stiffness_by_speed of all bodies by the speed of the rub, (m, m) each."""
     parts: dict[str, list[Array]] = {name: [] for name in SQUARES}
-    for body, turns in zip(rub.bodies, bodies_turn(rub), strict=True):
+    seen = matrices_of(rub)
+    for body, turns in zip(seen.bodies, seen.senses, strict=True):
         C, K = body.matrices(0.0)
         none = np.zeros_like(K)
         parts["damping"].append(C - np.diag(2.0 * body.zeta * body.omega))
@@ -275,17 +276,6 @@ def bodies_squares(rub: Rub) -> dict[str, Array]:
             factor = turns if name == "gyroscopic" else turns**2
             parts[name].append(none if given is None else factor * given)
     return {name: _block_diagonal(found) for name, found in parts.items() if any(part.any() for part in found)}
-
-
-def bodies_matrices(rub: Rub, speed: float) -> tuple[Array, Array]:
-    """C [1/s] and K [1/s^2] of all bodies, each in its own frame, at a speed of the rub [rad/s], (m, m) each."""
-    found = [body.matrices(turns * speed) for body, turns in zip(rub.bodies, bodies_turn(rub), strict=True)]
-    return _block_diagonal([C for C, _ in found]), _block_diagonal([K for _, K in found])
-
-
-def bodies_turn(rub: Rub) -> list[float]:
-    """Speed of each body over that of the rub: which of them turn, and in which sense about the axis of the casing."""
-    return [1.0, *(0.0 for _ in rub.blades)]
 
 
 def _block_diagonal(blocks: list[Array]) -> Array:

@@ -9,8 +9,8 @@ import contact as ct
 from contact.growth import split_casing as floquet
 from contact.growth.split_casing import fastest, floquet_growth
 from contact.model.gaps.modal_system import rim_system
-from contact.model.gaps.permanent import bodies_matrices
 from contact.model.gaps.rub import rub_of
+from contact.model.gaps.rub_system import matrices_of
 from tests.contact.synthetic_rim import blade, ring
 
 
@@ -26,7 +26,7 @@ def test_the_fastest_vibration_is_bounded_by_the_stiffest_of_sixty_four_angles()
         Q, T = system.table.rows_at(np.array([phi]))
         S = system.S_nn(phi) - mu * system.S_nt(phi)
         stiffest = max(stiffest, np.linalg.norm(Q) * np.linalg.norm(Q - mu * T) / S)
-    C, K = bodies_matrices(rub_of(rim()), system.speed)
+    C, K = matrices_of(rub_of(rim())).at(system.speed)
     assert fastest(system, C, K, mu) == pytest.approx(math.sqrt(system.omega.max() ** 2 + stiffest), rel=1e-12)
     pair = np.zeros_like(C)
     pair[0, 1], pair[1, 0] = 800.0, -800.0  # its waves are 400 rad/s slower and faster than their mean
