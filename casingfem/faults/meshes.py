@@ -38,9 +38,8 @@ MESHES = {
         "change it in the model and export again; docs/structures.md says what each can be",
     ),
     "mesh-branch": (
-        "three or more walls of a shell meet on an edge",
-        "shells that branch are not supported: delete cells that were meshed twice, compute each wall alone, "
-        "or mesh the part as a solid",
+        "walls of a shell meet at an angle, and this analysis takes one wall only",
+        "compute the whole part without [cyclic], mesh the sector as a solid, or round the fold off with small cells",
     ),
     "mesh-coarse": (
         "the shapes bend more within an element than its polynomials carry: frequencies come out too high",
@@ -72,8 +71,8 @@ MESHES = {
         "orient the normals alike in the mesher",
     ),
     "mesh-fold": (
-        "cells of a shell meet in a fold, which one director a node cannot follow",
-        "mesh the part as a solid, or round the fold off with small cells",
+        "walls of a shell touch at a node back to back: one director cannot follow both",
+        "delete cells that lie over each other, orient the normals alike there, or part the walls at the node",
     ),
     "mesh-format": (
         "the ending of a mesh file is not one of those known",
@@ -155,8 +154,8 @@ MESHES = {
     ),
     "mesh-orphan-nodes": ("nodes belong to no cell", "they are left out; see that no cell is missing"),
     "mesh-overlap": (
-        "cells lie over each other: two have the same nodes, or more than two share a facet",
-        "delete duplicate cells",
+        "cells lie over each other: they have the same nodes, fold back beside a common edge, or share a solid's facet",
+        "delete the cells that were meshed twice",
     ),
     "mesh-parts": (
         "the mesh falls into parts that do not touch",

@@ -20,6 +20,7 @@ from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.cell_kind import rule
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.walls import walls_apart
 
 DEGREE = 8  # of the quadrature on facets: pieces cut them, harmonics are no polynomials
 OPEN = np.pi / 12.0  # largest angle between neighbouring points of a rim [rad]
@@ -32,6 +33,7 @@ class Facets(NamedTuple):
     x: FloatArray  # (points, 3)
     weight: FloatArray  # area or length, (points,)
     outward: FloatArray  # (points, 3): normal of a solid's face; of a shell's edge square to it in the surface
+    normal: FloatArray  # (points, 3): of a shell's wall; as `outward` of a solid
     nodes: IntArray  # (points, nodes of a facet)
     values: FloatArray  # (points, nodes of a facet)
 
@@ -51,19 +53,31 @@ def facets_of(system: MeshSystem, name: str) -> Facets:
         raise ModelError("mesh-group-no-facets", f"{mesh.source}: interface {name!r}")
     nodes = mesh.facet_nodes(facets)
     kinds = native(mesh.cell_kind.facet, nodes)
-    parts = [part_of(mesh, kind, nodes[rows], slots, facets[rows]) for kind, rows, slots in kinds]
+    lean = None
+    if mesh.cell_kind.dim == 2:
+        walls = walls_apart(mesh).mesh
+        lean = directors(walls)[walls.facet_nodes(facets)]
+    parts = [
+        part_of(mesh, kind, nodes[rows], slots, facets[rows], None if lean is None else lean[rows])
+        for kind, rows, slots in kinds
+    ]
     return parts[0] if len(parts) == 1 else Facets(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def part_of(mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets: IntArray) -> Facets:
-    """Facets of one kind with `slots` of their nodes; the others have shape functions of 0."""
+def part_of(
+    mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets: IntArray, lean: FloatArray | None
+) -> Facets:
+    """Facets of one kind with `slots` of their nodes; the others have shape functions of 0.
+
+    `lean` (facets, nodes, 3): of shells the directors of the walls that have the facets.
+    """
     own = nodes[:, slots]
     on = mapped(kind, mesh.points, own, DEGREE)
     values = rule(kind, DEGREE)[2].T  # (q, nodes)
-    if mesh.cell_kind.dim == 3:
-        outward = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
+    if lean is None:
+        outward = normal = np.cross(on.tangents[:, :, 0], on.tangents[:, :, 1])
     else:
-        normal = np.einsum("qk,ekc->eqc", values, directors(mesh)[own])
+        normal = np.einsum("qk,ekc->eqc", values, lean[:, slots])
         outward = np.cross(on.tangents[:, :, 0], normal)
         middle = mesh.points[mesh.cells[facets[:, 0]]].mean(axis=1)
         outward *= np.sign(np.einsum("eqc,eqc->eq", outward, on.x - middle[:, None]).sum(axis=1))[:, None, None]
@@ -71,7 +85,7 @@ def part_of(mesh: MeshData, kind: str, nodes: IntArray, slots: IntArray, facets:
     q = len(values)
     whole = np.zeros((q, nodes.shape[1]))
     whole[:, slots] = values
-    at_points = on.x.reshape(-1, 3), np.abs(on.measure).ravel(), outward.reshape(-1, 3)
+    at_points = on.x.reshape(-1, 3), np.abs(on.measure).ravel(), outward.reshape(-1, 3), normal.reshape(-1, 3)
     return Facets(*at_points, np.repeat(nodes, q, axis=0), np.tile(whole, (len(nodes), 1)))
 
 
@@ -93,8 +107,7 @@ def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
     chord = chord * np.sign(chord[np.abs(chord).argmax()])
     flap = np.cross(span, chord)
     if system.structure.mesh.cell_kind.dim == 2:
-        surface = np.einsum("qk,qkc,q->c", facets.values, directors(system.structure.mesh)[facets.nodes], facets.weight)
-        turn = np.sign(surface @ flap)
+        turn = np.sign(facets.weight @ facets.normal @ flap)
         flap, chord = turn * flap, turn * chord
     return np.array([span, flap, chord])
 

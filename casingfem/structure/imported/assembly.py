@@ -1,11 +1,12 @@
 """What imported solids and shells share: what a structure on a mesh has, and its assembled system.
 
-Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations.
+Dofs are numbered node by node, `dofs` of them on each: u_x, u_y, u_z, and on shells two rotations; on shells some of
+whose walls meet at an angle three, of which nodes of one wall use two (`mesh/joints.py`).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
@@ -19,6 +20,7 @@ from casingfem.structure.imported.attachments.ties import motions_of
 from casingfem.structure.imported.cells.mapped import cell_dofs, on_free, symmetric
 from casingfem.structure.imported.cells.support import MeshSupport
 from casingfem.structure.imported.mesh.cell_kind import VTK
+from casingfem.structure.imported.mesh.joints import Joints
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from contact.io.brief import brief
 
@@ -60,6 +62,13 @@ def require_structure(structure: object, what: str) -> None:
         raise ModelError("structure-unknown", found)
 
 
+class Walls(NamedTuple):
+    """Walls of a shell that meet: their joints, and the stiffness on the dofs of walls' nodes."""
+
+    joints: Joints
+    K: csc_array
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshSystem:
     """Matrices of an imported structure on its free dofs.
@@ -73,7 +82,7 @@ class MeshSystem:
     free
         Numbers of the free dofs among dofs * nodes; with `lift` of the unknowns, turns of nodes counted on behind.
     dofs
-        Dofs of a node: 3 in solids, 5 in shells.
+        Dofs of a node: 3 in solids, 5 in shells, 6 where walls of a shell meet.
     rigid
         Rigid motions that the supports leave, 0 to 6.
     wall
@@ -89,6 +98,8 @@ class MeshSystem:
         Motions of the nodes that have neither stiffness nor mass, (dofs * nodes, motions); None without attachments.
     connected
         All motions of a mesh with attachments; None without.
+    walls
+        Where walls of a shell meet: how the nodes of walls move, and the stiffness on their dofs; None elsewhere.
     """
 
     structure: MeshStructure
@@ -103,6 +114,7 @@ class MeshSystem:
     lift: csr_array | None = None
     idle: csr_array | None = None
     connected: Connected | None = None
+    walls: Walls | None = None
 
     __repr__ = brief
 
@@ -200,46 +212,52 @@ def assembled(
     motions: FloatArray,
     wall: float,
     sound: float,
-    tangents: tuple[FloatArray, FloatArray] | None = None,
+    joints: Joints | None = None,
 ) -> MeshSystem:
     """The system of all dofs put on the free ones: those of a cell that no support holds, and what attachments leave.
 
     Parameters
     ----------
     K, M
-        Stiffness without springs, and mass, (all, all).
+        Stiffness without springs, and mass, (all, all); of shells on the dofs of walls' nodes.
     springs
         Matrices of the elastic supports, (all, all) each.
     motions
-        Rigid motions on all dofs, (all, 6).
+        Rigid motions on the dofs of nodes, (dofs * nodes, 6).
     wall, sound
         Wall thickness [m], and the least speed of sound c = sqrt(E/rho) [m/s].
-    tangents
-        Of a shell: directors (nodes, 3) and frames (nodes, 2, 3).
+    joints
+        Of a shell: how the nodes of its walls move with its nodes.
     """
-    mesh, size = structure.mesh, K.shape[0]
+    mesh, size = structure.mesh, len(motions)
     dofs = size // len(mesh.points)
     held = held_dofs(structure, dofs)
     K = csc_array(sum(springs, K))
+    walls = None
+    if joints is not None and joints.motions is not None:
+        walls = Walls(joints, K)
+        K, M, *springs = (joints.on_nodes(A) for A in (K, M, *springs))
     scale = sound * wall / mesh.size**2
     if mesh.attachments:
         own, added = float(M[::dofs, ::dofs].sum()), sum(mass.mass for mass in mesh.attachments.masses)
         scale *= float(np.sqrt(own / (own + added)))
-        normals, frames = tangents or (None, None)
-        joined = attached(motions_of(mesh, dofs, normals, frames), K, M, held, still_nodes(structure), motions, springs)
+        joined = attached(motions_of(mesh, dofs, joints), K, M, held, still_nodes(structure), motions, springs)
         return MeshSystem(
             structure=structure, K=symmetric(joined.K), M=symmetric(joined.M), free=joined.unknowns, dofs=dofs,
             rigid=joined.rigid, wall=wall, frequency_scale=scale,
             lift=joined.lift if mesh.attachments.ties or joined.unknowns.max() >= size else None, idle=joined.idle,
-            connected=joined.connected,
+            connected=joined.connected, walls=walls,
         )  # fmt: skip
     loose = np.zeros(size, dtype=bool)
     loose[cell_dofs(mesh.used[None], dofs)] = True
     loose[held] = False
+    if walls is not None:
+        loose[walls.joints.absent] = False
     free = np.flatnonzero(loose)
     return MeshSystem(
         structure=structure, K=on_free(K, free), M=on_free(M, free), free=free, dofs=dofs,
         rigid=rigid_left(motions, held, list(springs)), wall=wall, frequency_scale=scale,
+        walls=walls,
     )  # fmt: skip
 
 
@@ -252,6 +270,12 @@ def still_nodes(structure: MeshStructure) -> IntArray:
 
 def held_dofs(structure: MeshStructure, dofs: int) -> IntArray:
     """Dofs held by clamps and fixed directions, `dofs` of each node."""
-    held = [(name, [i for i in support.held if i < dofs]) for name, support in structure.supports.items()]
-    parts = [(structure.mesh.groups[name].nodes[:, None] * dofs + own).ravel() for name, own in held]
+    held = [
+        (name, range(dofs) if isinstance(support, Clamped) else support.held)
+        for name, support in structure.supports.items()
+    ]
+    parts = [
+        (structure.mesh.groups[name].nodes[:, None] * dofs + np.array(own, dtype=np.int64)).ravel()
+        for name, own in held
+    ]
     return np.unique(np.concatenate([*parts, np.zeros(0, dtype=np.int64)])).astype(np.int64)

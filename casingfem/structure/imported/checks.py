@@ -16,6 +16,7 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, shape_fun
 from casingfem.structure.imported.mesh.collapsed import LEAST, distinct
 from casingfem.structure.imported.mesh.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
 from casingfem.structure.imported.mesh.mesh_data import NATIVE, MeshData, natives
+from casingfem.structure.imported.mesh.walls import FLAT, against, neighbours, one_wall
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
 from contact.io.names import hint
@@ -167,16 +168,21 @@ def parts(mesh: MeshData) -> list[Finding]:
 
 
 def overlaps(mesh: MeshData) -> list[Finding]:
-    """Cells given twice, and facets that more than two cells share; at edges of shells, walls branch there."""
+    """Cells given twice, facets of solids that more than two cells share, cells of shells that lie over each other."""
     _, first = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True)
     copies = ~np.isin(np.arange(len(mesh.cells)), first)
     found = where("mesh-overlap", copies, lambda k: f"{cells_named(mesh, k)} with the same nodes as another")
-    shared = mesh.sharing > 2
-    over = shared.any(axis=1)
-    what, code = ("an edge", "mesh-branch") if mesh.cell_kind.dim == 2 else ("a facet", "mesh-overlap")
-    at = nodes_named(mesh, np.unique(mesh.facets[shared]))
-    others = f"share {what} with two or more others, at {at}"
-    return found or where(code, over, lambda k: f"{cells_named(mesh, k)} {others}")
+    if found:
+        return found
+    if mesh.kind not in SHELLS:
+        others = "share a facet with two or more others"
+        return where("mesh-overlap", (mesh.sharing > 2).any(axis=1), lambda k: f"{cells_named(mesh, k)} {others}")
+    given = neighbours(mesh)
+    back = given.facets[given.ahead < -np.cos(np.radians(FLAT))]
+    over = np.isin(np.arange(len(mesh.cells)), back[:, :, 0])
+    at = nodes_named(mesh, np.unique(mesh.facet_nodes(back[:, 0])))
+    beside = f"lie over another cell beside an edge that they share, at {at}"
+    return where("mesh-overlap", over, lambda k: f"{cells_named(mesh, k)} {beside}")
 
 
 def hanging(mesh: MeshData) -> list[Finding]:
@@ -202,16 +208,15 @@ def split_facets(mesh: MeshData) -> list[Finding]:
 
 
 def normals(mesh: MeshData) -> list[Finding]:
-    """Shell cells whose normal points against a neighbour's: both run along their edge the same way.
+    """Cells of one wall of a shell whose normal points against a neighbour's: both run along their edge the same way.
 
-    Where three or more cells share an edge, no normals agree in pairs: such edges are no fault.
+    Normals of different walls are independent: those at folds and branches are no fault.
     """
     if mesh.kind not in SHELLS:
         return []
-    ends = mesh.facets.reshape(-1, 2)
-    _, inverse, counts = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    twice = (counts[inverse.ravel()] > 1) & (mesh.sharing.ravel() == 2)
-    bad = twice.reshape(len(mesh.cells), -1).any(axis=1)
+    given = neighbours(mesh)
+    pairs = given.facets[one_wall(given)]
+    bad = np.isin(np.arange(len(mesh.cells)), pairs[against(mesh, pairs), :, 0])
     return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with the normal against a neighbour's")
 
 

@@ -21,13 +21,12 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rotation import Rotation, rigid_motions
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem, assembled
 from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, scatter
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
-    cell_normals,
     consistent_mass,
     directors,
     five_dofs,
@@ -38,12 +37,14 @@ from casingfem.structure.imported.cells.support import check_support
 from casingfem.structure.imported.checks import check_groups, check_mesh, check_units
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
+from casingfem.structure.imported.mesh.joints import joints_of
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.walls import FOLDED, cell_normals, walls_apart
 from casingfem.structure.imported.spin import MeshSpin, MeshTurning, mesh_spin, spun
 from casingfem.structure.shell.checks import WALLS
 from contact.io.brief import brief
 
-BENT, FOLDED = 10.0, 61.0  # degrees between neighbours: doubted, refused
+BENT, ROUND = 10.0, 1e-6  # degrees between neighbours from which a warning is given; of round-off
 ACROSS = 1e-3  # of 1 less the cosine to the normal: below, a wall does not see a direction
 
 
@@ -107,10 +108,11 @@ class MeshShell(ShellCells):
         check_mesh(self.mesh)
         check_units(self.mesh, self.material)
         object.__setattr__(self, "mesh", with_centres(self.mesh))
+        object.__setattr__(self, "apart", walls_apart(self.mesh))
         object.__setattr__(self, "supports", read_only(self.supports))
         object.__setattr__(self, "thicknesses", read_only(self.thicknesses))
         object.__setattr__(self, "materials", read_only(self.materials))
-        check_folds(self.mesh)
+        check_folds(self)
         check_layers(self)
         self.walls()
 
@@ -168,13 +170,14 @@ def with_centres(mesh: MeshData) -> MeshData:
     return replace(mesh, kind="quad9", points=points, cells=cells, node_numbers=numbers)
 
 
-def check_folds(mesh: MeshData) -> None:
-    """Warn of kinks between cells, refuse folds: one director a node cannot follow them."""
+def check_folds(shell: MeshShell) -> None:
+    """Warn of kinks within a wall; refuse walls back to back at a node, which no director can follow."""
+    mesh = shell.apart.mesh
     own = cell_normals(mesh)
     cosine = np.where(own.any(axis=2), np.einsum("ekc,ekc->ek", own, directors(mesh)[mesh.cells]), 1.0).min(axis=1)
     angle = 2.0 * np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    if angle.max() > FOLDED:
-        found = f"{cells_named(mesh, np.flatnonzero(angle > FOLDED))} fold by up to {angle.max():.0f} degrees"
+    if angle.max() > FOLDED + ROUND:
+        found = f"{cells_named(mesh, np.flatnonzero(angle > FOLDED + ROUND))} fold by up to {angle.max():.0f} degrees"
         raise ModelError("mesh-fold", f"{mesh.source}: {found}")
     if angle.max() > BENT:
         found = f"{cells_named(mesh, np.flatnonzero(angle > BENT))} meet at up to {angle.max():.0f} degrees"
@@ -183,7 +186,7 @@ def check_folds(mesh: MeshData) -> None:
 
 def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     """Assemble stiffness and consistent mass of a shell on its free dofs."""
-    mesh = shell.mesh
+    mesh = shell.apart.mesh
     size = DOFS * len(mesh.points)
     normals = directors(mesh)
     frames = tangent_frames(normals)
@@ -191,20 +194,22 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     K = scatter(stiffness(shell, normals, frames), dofs, size)
     M = scatter(consistent_mass(shell, frames), dofs, size)
     t, E, _, rho = shell.walls()
-    motions = rigid_motions(mesh.points, normals, frames)
-    sound = float(np.sqrt((E / rho).min()))
-    springs = edge_springs(shell, frames)
-    return assembled(shell, K, M, springs, motions, float(t.min()), sound, tangents=(normals, frames))
+    joints = joints_of(shell.apart, normals, frames)
+    return assembled(
+        shell, K, M, edge_springs(shell, frames), joints.rigid(shell.mesh.points), float(t.min()),
+        float(np.sqrt((E / rho).min())), joints,
+    )  # fmt: skip
 
 
 def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
-    """Springs of each elastic edge."""
-    size = DOFS * len(shell.mesh.points)
+    """Springs of each elastic edge, on the dofs of walls' nodes."""
+    mesh = shell.apart.mesh
+    size = DOFS * len(mesh.points)
     springs = []
     for name, support in shell.supports.items():
         if isinstance(support, ElasticEdge):
             facets = shell.mesh.group_facets(name)
-            products, nodes, _ = facet_shape_products(shell.mesh, facets)
+            products, nodes, _ = facet_shape_products(mesh, facets)
             k, t = support.k_face, shell.walls()[0, facets[:, 0], None, None]
             matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
             springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))

@@ -34,7 +34,7 @@ PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 
 def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
     """Inertia of the cells about an axis, the rotary one of the directors included."""
-    mesh = shell.mesh
+    mesh = shell.apart.mesh
     normals = directors(mesh)
     frames = tangent_frames(normals)
     P, a = rotation.plane, rotation.direction
@@ -52,7 +52,7 @@ def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
 
 def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:
     """What a static state (nodes, 5) adds to the stiffness of the cells."""
-    mesh = shell.mesh
+    mesh = shell.apart.mesh
     normals = directors(mesh)
     frames = tangent_frames(normals)
     u, w = fields[:, :3], np.einsum("na,nac->nc", fields[:, 3:], frames)

@@ -26,6 +26,7 @@ from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import AttachedSpin, attached_spin, carried
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, symmetric
+from casingfem.structure.imported.mesh.joints import WALL
 from casingfem.structure.shell.prestress import Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
@@ -103,12 +104,16 @@ class MeshTurning:
         return None if connected is None else attached_spin(connected.rows.motions, self.rotation)
 
     @cached_property
+    def on_cells(self) -> FloatArray:
+        """Centrifugal force of the cells at 1 rad/s, on the dofs of nodes, or of walls' nodes where walls meet."""
+        return np.asarray(sums(self.system, self.inertia.mass) @ self.inertia.away.ravel())
+
+    @cached_property
     def force(self) -> FloatArray:
         """Centrifugal force at 1 rad/s on all motions."""
-        size = self.system.dofs * len(self.system.points)
-        force = scatter(self.inertia.mass, self.rows, size) @ self.inertia.away.ravel()
-        extra = self.extra
-        return np.asarray(force if extra is None else extra.force + np.pad(force, (0, len(extra.force) - size)))
+        walls, extra = self.system.walls, self.extra
+        force = self.on_cells if walls is None else walls.joints.onto_nodes(self.on_cells)
+        return np.asarray(force if extra is None else extra.force + np.pad(force, (0, len(extra.force) - len(force))))
 
     @property
     def load(self) -> FloatArray:
@@ -118,11 +123,14 @@ class MeshTurning:
 
     def spin(self, u: FloatArray) -> MeshSpin:
         """K1, K2, G and the static state, of the static answer u (free,) to the load."""
-        system, of, extra = self.system, self.inertia, self.extra
-        size = system.dofs * len(system.points)
+        system, of, extra, walls = self.system, self.inertia, self.extra, self.system.walls
         fields = system.expand(u[:, None])[:, :, 0]
-        added = self.stiffening(fields)
-        parts = [scatter(cells, self.rows, size) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
+        of_cells = fields if walls is None else walls.joints.of_walls(fields)
+        added = self.stiffening(of_cells)
+        parts = [sums(system, cells) for cells in (added.first - of.softening, added.second, of.gyroscopic)]
+        if walls is not None:
+            parts = [walls.joints.on_nodes(part) for part in parts]
+            parts[0] = csc_array(parts[0] + walls.joints.arms(self.on_cells - walls.K @ of_cells.ravel()))
         if extra is not None and system.connected is not None:
             on = system.connected
             parts = [enlarged(part, len(self.force)) for part in parts]
@@ -133,7 +141,7 @@ class MeshTurning:
 
     def modal(self, u: FloatArray, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """G and K1 between the columns of `vectors` (free, m), (m, m) each, of the static answer u to the load."""
-        if self.system.connected is not None:
+        if self.system.connected is not None or self.system.walls is not None:
             whole = self.spin(u)
             return np.asarray(vectors.T @ (whole.G @ vectors)), np.asarray(vectors.T @ (whole.K1 @ vectors))
         stiff = self.stiffening(self.system.expand(u[:, None])[:, :, 0]).first
@@ -154,6 +162,14 @@ def mesh_spin(turning: MeshTurning) -> MeshSpin:
         `static-loose` if the centrifugal force drives a rigid motion that is not held.
     """
     return turning.spin(tied_solution(turning.system, turning.system.K, turning.load, solve_held))
+
+
+def sums(system: MeshSystem, matrices: FloatArray) -> csc_array:
+    """Matrices of the cells on the dofs of nodes, or of walls' nodes where walls meet."""
+    cells, dofs, count = system.structure.mesh.cells, system.dofs, len(system.points)
+    if system.walls is not None:
+        cells, dofs, count = system.walls.joints.cells, WALL, len(system.walls.joints.nodes)
+    return scatter(matrices, cell_dofs(cells, dofs), dofs * count)
 
 
 def reduced(system: MeshSystem, A: csc_array) -> csc_array:

@@ -89,6 +89,8 @@ def attached(
     active[motions.dofs * len(mesh.points) :] = True
     active[held] = False
     active[list(rows.owner)] = False
+    if motions.joints is not None:
+        active[motions.joints.absent] = False
     unknowns = np.flatnonzero(active)
     T = csr_array(R[:, unknowns])
     every, K, M = K, csc_array(T.T @ K @ T), csc_array(T.T @ M @ T)

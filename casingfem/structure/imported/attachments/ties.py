@@ -20,6 +20,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import skew
 from casingfem.structure.imported.mesh.attachments import Equation, Mean, PointMass, Rigid, Term, Tie
+from casingfem.structure.imported.mesh.joints import Joints
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 LEVELS = 6  # squarings: connections that hang on one another, 64 deep
@@ -38,18 +39,14 @@ class Motions:
         The mesh, and dofs of each of its nodes.
     turning
         Nodes with turns of their own, ascending, (turning,).
-    tilts
-        Of shells, (nodes, 2, 3): the turn theta that goes with w_1 = 1 and w_2 = 1, n x e_a. None of solids.
-    normals, frames
-        Of shells: directors n (nodes, 3) and their tangents e_a (nodes, 2, 3).
+    joints
+        Of shells: how the nodes of walls move with the nodes. None of solids.
     """
 
     mesh: MeshData
     dofs: int
     turning: IntArray
-    tilts: FloatArray | None
-    normals: FloatArray | None = None
-    frames: FloatArray | None = None
+    joints: Joints | None
 
     @property
     def size(self) -> int:
@@ -73,9 +70,14 @@ class Motions:
             return {self.dofs * node + component: 1.0}
         if (turn := self.turn(node)) >= 0:
             return {turn + component - 3: 1.0}
-        if self.tilts is None:
+        if self.joints is None:
             raise self.fault(where, node, f"the {DIRECTIONS[component]}, and nodes of solids do not turn")
-        return {self.dofs * node + 3 + a: float(self.tilts[node, a, component - 3]) for a in (0, 1)}
+        return {self.dofs * node + 3 + a: float(axis[component - 3]) for a, axis in self.turns(node)}
+
+    def turns(self, node: int) -> list[tuple[int, FloatArray]]:
+        """Which dofs of a shell's node are turns, counted from its displacements, and about which axes (3,)."""
+        axes = np.zeros((0, 3)) if self.joints is None else self.joints.axes[node]
+        return [(a, axis) for a, axis in enumerate(axes) if axis.any()]
 
     def felt(self, mass: PointMass) -> list[dict[int, float]]:
         """The components of a node's motion that a mass feels, over the dofs."""
@@ -95,13 +97,12 @@ class Motions:
         return ModelError("mesh-attachment", f"{source}: {where}: node {number}: found {found}")
 
 
-def motions_of(mesh: MeshData, dofs: int, normals: FloatArray | None, frames: FloatArray | None) -> Motions:
-    """How nodes move; of shells with the directors (nodes, 3) and their tangents (nodes, 2, 3)."""
+def motions_of(mesh: MeshData, dofs: int, joints: Joints | None = None) -> Motions:
+    """How nodes move; of shells with the joints of their walls."""
     given = mesh.attachments
     alone = np.setdiff1d(given.nodes, mesh.used)
     pivots = np.array([rigid.reference for rigid in given.rigids], dtype=np.int64)
-    tilts = None if normals is None or frames is None else np.cross(normals[:, None], frames)
-    return Motions(mesh, dofs, np.union1d(alone, pivots), tilts, normals, frames)
+    return Motions(mesh, dofs, np.union1d(alone, pivots), joints)
 
 
 class Rows:
@@ -130,7 +131,7 @@ def tied_rows(motions: Motions, held: IntArray) -> Rows:
         take_mean(rows, mean)
     for equation in motions.mesh.attachments.equations:
         take_equation(rows, equation)
-    for tie in motions.mesh.attachments.glued:
+    for tie in motions.mesh.attachments.glued if motions.joints is None else motions.joints.glued:
         take_tie(rows, tie, held)
     return rows
 
@@ -141,10 +142,10 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
     reference, pivot = rigid.reference, rows.motions.turn(rigid.reference)
     arms = -skew(mesh.points[rigid.nodes] - mesh.points[reference])  # of theta in theta x r
     turning = [c for c in rigid.components if c > 2]
-    of_shell = motions.tilts is not None and bool(np.isin(reference, mesh.cells))
+    of_shell = motions.joints is not None and bool(np.isin(reference, mesh.cells))
     if of_shell and dofs * reference + 3 not in rows.owner:
         tie_director(rows, reference, pivot, f"its turns as the reference of {rigid.where}")
-        rows.own |= {dofs * reference + 3, dofs * reference + 4}
+        rows.own |= {dofs * reference + 3 + a for a, _ in motions.turns(reference)}
     for node, arm in zip(rigid.nodes.tolist(), arms, strict=True):
         if node == reference:
             raise motions.fault(rigid.where, node, "it among the nodes that follow it")
@@ -155,7 +156,7 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
         if own >= 0:
             for c in turning:
                 rows.add(own + c - 3, node, {pivot + c - 3: 1.0}, rigid.where)
-        elif turning and motions.tilts is not None:
+        elif turning and motions.joints is not None:
             if len(turning) < 3:
                 found = "some of the turns of a shell's node, expected all three or none"
                 raise motions.fault(rigid.where, node, found)
@@ -163,11 +164,9 @@ def take_rigid(rows: Rows, rigid: Rigid) -> None:
 
 
 def tie_director(rows: Rows, node: int, pivot: int, where: str) -> None:
-    """The director of a shell's node turns with a pivot: w_a = e_a.(theta x n) = theta.(n x e_a)."""
-    tilts = rows.motions.tilts
-    assert tilts is not None
-    for a in (0, 1):
-        of = {pivot + k: float(tilts[node, a, k]) for k in range(3)}
+    """The directors of a shell's node turn with a pivot: w_a = e_a.(theta x n) = theta.(n x e_a)."""
+    for a, axis in rows.motions.turns(node):
+        of = {pivot + k: float(axis[k]) for k in range(3)}
         rows.add(rows.motions.dofs * node + 3 + a, node, of, where)
 
 
@@ -215,19 +214,22 @@ def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
 
     A node's own director is n = sum n_k/|sum n_k| (`cells/shell.py`), so that rigid motions pass.
     """
-    motions, dofs, normals, frames = rows.motions, rows.motions.dofs, rows.motions.normals, rows.motions.frames
+    motions, dofs, joints = rows.motions, rows.motions.dofs, rows.motions.joints
     fixed = set(held.tolist())
     for node, others, weights in zip(tie.nodes.tolist(), tie.others, tie.weights, strict=True):
         used = np.flatnonzero(weights)
-        at, share = others[used].tolist(), weights[used]
+        walls, share = others[used], weights[used]
+        at = (walls if joints is None else joints.nodes[walls]).tolist()
         table = {c: [(dofs * k + c, w) for k, w in zip(at, share.tolist(), strict=True)] for c in range(3)}
-        if normals is not None and frames is not None:
-            along = share @ normals[at]
-            if not along @ normals[node] > ALIGNED:
+        if joints is not None:
+            along = share @ joints.normals[walls]
+            if len(motions.turns(node)) > 2 or not along @ joints.normals[node] > ALIGNED:
                 raise motions.fault(tie.where, node, "walls that meet at an angle, expected faces that run on")
-            turns = np.einsum("ac,kbc,k->akb", frames[node], frames[at], share) / np.linalg.norm(along)
+            across = np.cross(joints.normals[walls][:, None], joints.frames[node]) * share[:, None, None]
+            across /= np.linalg.norm(along)
             for a in (0, 1):
-                table[3 + a] = [(dofs * k + 3 + b, float(turns[a, j, b])) for j, k in enumerate(at) for b in (0, 1)]
+                turned = ((k, lean[a], *turn) for k, lean in zip(at, across, strict=True) for turn in motions.turns(k))
+                table[3 + a] = [(dofs * k + 3 + b, float(lean @ axis)) for k, lean, b, axis in turned]
         for c, of in table.items():
             if dofs * node + c not in fixed:
                 rows.add(dofs * node + c, node, dict(of), tie.where)

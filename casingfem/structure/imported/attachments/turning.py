@@ -98,7 +98,7 @@ def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
             break
         forces = passed
     entries: Entries = []
-    dofs, x = motions.dofs, motions.mesh.points
+    dofs, x, joints = motions.dofs, motions.mesh.points, motions.joints
     for rigid in motions.mesh.attachments.rigids:
         pivot, total = motions.turn(rigid.reference), np.zeros((3, 3))
         moved = [c for c in rigid.components if c < 3]
@@ -106,9 +106,9 @@ def carried(motions: Motions, rows: Rows, residual: FloatArray) -> csc_array:
             pushed = np.zeros(3)
             pushed[moved] = forces[dofs * node + np.array(moved, dtype=np.int64)]
             total += arm_stiffness(pushed, x[node] - x[rigid.reference])
-            if motions.normals is not None and motions.frames is not None and len(rigid.components) > len(moved):
-                tilted = forces[dofs * node + 3 : dofs * node + 5] @ motions.frames[node]
-                total += arm_stiffness(tilted, motions.normals[node])
+            if joints is not None and len(rigid.components) > len(moved) and len(motions.turns(node)) == 2:
+                tilted = forces[dofs * node + 3 : dofs * node + 5] @ joints.frames[node]
+                total += arm_stiffness(tilted, joints.normals[node])
         entries.append(([{pivot + k: 1.0} for k in range(3)], total))
     for mean in motions.mesh.attachments.means:
         fit, arms = fitted(motions, mean), x[mean.nodes] - x[mean.reference]

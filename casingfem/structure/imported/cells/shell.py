@@ -16,8 +16,8 @@ from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.cells.mapped import CHUNK, put, shape_products
 from casingfem.structure.imported.cells.support import MeshSupport, by_group, constants_of
 from casingfem.structure.imported.cells.tying import tied_strains
-from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
+from casingfem.structure.imported.mesh.walls import Apart, mean_normals, walls_apart
 from casingfem.structure.material import Material, plane_stress
 from casingfem.structure.shell.plies import Ply, layered_inertia, layered_wall
 from casingfem.structure.shell.wall import curved_wall, linear_wall
@@ -41,6 +41,10 @@ class ShellCells:
     wall: str = "curved"
     plies: tuple[Ply, ...] = ()
     angle_from: Vector = (0.0, 0.0, 1.0)
+    apart: Apart = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "apart", walls_apart(self.mesh))
 
     def walls(self) -> FloatArray:
         """Thickness, E, nu, rho of each cell, (4, cells)."""
@@ -61,21 +65,6 @@ class ShellCells:
         return np.stack([rho * t, rho * t**3 / 12.0])
 
 
-def cell_normals(mesh: MeshData) -> FloatArray:
-    """Unit normals of each cell at its nodes, (cells, nodes, 3); 0 where a six-noded triangle has a node again."""
-    found = np.zeros((*mesh.cells.shape, 3))
-    for kind, rows, slots in natives(mesh):
-        _, slopes = shape_functions(kind, np.ascontiguousarray(KINDS[kind].places.T))
-        tangents = np.einsum("dkq,ekc->deqc", slopes, mesh.points[mesh.cells[rows][:, slots]])
-        normals = np.cross(tangents[0], tangents[1])
-        size = np.linalg.norm(normals, axis=2, keepdims=True)
-        if not size.all():  # squares collapsed to triangles, which have one normal
-            normals = np.where(size > 0.0, normals, normals.sum(axis=1, keepdims=True))
-            size = np.linalg.norm(normals, axis=2, keepdims=True)
-        found[rows[:, None], slots] = normals / size
-    return found
-
-
 def directors(mesh: MeshData) -> FloatArray:
     """Unit normals at the nodes: the mesh's own, or the mean over their cells, (nodes, 3); z where no cell is.
 
@@ -83,10 +72,8 @@ def directors(mesh: MeshData) -> FloatArray:
     """
     if mesh.directors is not None:
         return mesh.directors
-    total = np.zeros_like(mesh.points)
-    np.add.at(total, mesh.cells, cell_normals(mesh))
-    size = np.linalg.norm(total, axis=1, keepdims=True)
-    normals = np.where(size > 0.0, total / np.maximum(size, np.finfo(float).tiny), [0.0, 0.0, 1.0])
+    normals = mean_normals(mesh)
+    normals[~normals.any(axis=1)] = [0.0, 0.0, 1.0]
     for tie in mesh.attachments.glued:
         other = np.einsum("ik,ikc->ic", tie.weights, normals[tie.others])
         other /= np.linalg.norm(other, axis=1, keepdims=True)
@@ -104,7 +91,7 @@ def tangent_frames(normals: FloatArray) -> FloatArray:
 
 def stiffness(shell: ShellCells, normals: FloatArray, frames: FloatArray, only: IntArray | None = None) -> FloatArray:
     """Stiffness of each cell, or of some by their numbers, (cells, 5 nodes, 5 nodes), dofs node by node."""
-    mesh = shell.mesh
+    mesh = shell.apart.mesh
     numbers = np.arange(len(mesh.cells)) if only is None else only
     whole = DOFS * mesh.cell_kind.nodes
     matrices = np.zeros((len(numbers), whole, whole))
@@ -149,7 +136,7 @@ def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArr
 
 def consistent_mass(shell: ShellCells, frames: FloatArray) -> FloatArray:
     """Mass of each cell, (cells, 5 nodes, 5 nodes): u.v and w.w by `ShellCells.inertia`."""
-    mesh = shell.mesh
+    mesh = shell.apart.mesh
     products, _ = shape_products(mesh.points, mesh.cells, natives(mesh))
     moved, turned = shell.inertia()[:, :, None, None] * products
     return five_dofs(moved, turned, frames[mesh.cells])

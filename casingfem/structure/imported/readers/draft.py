@@ -16,6 +16,7 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.collapsed import common_kind, mirror, written_as
 from casingfem.structure.imported.mesh.findings import named
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData, find_facets
+from casingfem.structure.imported.mesh.walls import against, neighbours, one_wall
 from casingfem.structure.imported.readers.middles import filled, raised
 from contact.io.names import names_fault
 
@@ -107,8 +108,6 @@ def build(draft: Draft, source: str) -> MeshData:
     main = [k for k, dim in enumerate(dims) if dim == top]
     start = dict(zip(main, np.cumsum([0, *(len(draft.blocks[k].cells) for k in main)]).tolist(), strict=False))
     blocks = [draft.blocks[k] for k in main]
-    if top == 2:
-        blocks = alike(blocks, kind, source)
     mesh = MeshData(
         kind=kind,
         points=draft.points,
@@ -118,6 +117,8 @@ def build(draft: Draft, source: str) -> MeshData:
         attachments=draft.attachments,
         source=source,
     )
+    if top == 2:
+        mesh = alike(mesh)
     names = dict.fromkeys([*draft.cell_sets, *draft.facet_sets, *draft.node_sets])
     if fault := names_fault(names):
         raise ModelError("mesh-file", f"{source}: found the group {fault}")
@@ -125,19 +126,16 @@ def build(draft: Draft, source: str) -> MeshData:
     return tied(mesh, draft.gluings)
 
 
-def alike(blocks: Sequence[Block], kind: str, source: str) -> list[Block]:
-    """Blocks of shell cells with those turned round whose normals point against their neighbours', and a warning."""
-    table = [written_as(kind, block.kind, block.cells, np.empty((0, 3))) for block in blocks]
-    turned = against(np.concatenate(table)[:, np.array(KINDS[kind].edges)])
+def alike(mesh: MeshData) -> MeshData:
+    """A shell with the cells turned round whose normals point against their neighbours' in one wall, and a warning."""
+    given = neighbours(mesh)
+    pairs = given.facets[one_wall(given)]
+    turned = to_turn(len(mesh.cells), pairs[:, :, 0], against(mesh, pairs))
     if not turned.any():
-        return list(blocks)
-    parts = np.split(turned, np.cumsum([len(block.cells) for block in blocks])[:-1])
-    numbers = np.concatenate([block.numbers for block in blocks])
-    found = f"{named('cell', numbers[turned])} turned round, with normals against their neighbours'"
-    warn("mesh-turned-shell", f"{source}: {found}", stacklevel=5)
-    others = [block.cells[:, mirror(block.kind)] for block in blocks]
-    both = zip(blocks, parts, others, strict=True)
-    return [replace(block, cells=np.where(part[:, None], other, block.cells)) for block, part, other in both]
+        return mesh
+    found = f"{named('cell', mesh.cell_numbers[turned])} turned round, with normals against their neighbours'"
+    warn("mesh-turned-shell", f"{mesh.source}: {found}", stacklevel=5)
+    return replace(mesh, cells=np.where(turned[:, None], mesh.cells[:, mirror(mesh.kind)], mesh.cells))
 
 
 def with_middles(draft: Draft) -> Draft:
@@ -208,25 +206,18 @@ def joined(mesh: MeshData, distance: float) -> MeshData:
     return replace(mesh, points=points, cells=cells, groups=groups, node_numbers=numbers, attachments=attached)
 
 
-def against(edges: IntArray) -> BoolArray:
+def to_turn(count: int, pairs: IntArray, against: BoolArray) -> BoolArray:
     """Cells to turn so that all normals agree with their neighbours', (cells,): of each connected part the fewer ones.
 
-    `edges` (cells, edges, 2) are the ends of each cell's edges on its way round. Edges of more than two cells join
-    nothing; a part without two sides (a Moebius strip) is left as it is.
+    `pairs` (pairs, 2) of `count` cells are neighbours, `against` (pairs,) those whose normals disagree. A part without
+    two sides (a Moebius strip) is left as it is.
 
-    >>> against(np.array([[[0, 1], [1, 2], [2, 0]], [[1, 2], [2, 3], [3, 1]], [[2, 3], [3, 4], [4, 2]]])).tolist()
+    >>> to_turn(3, np.array([[0, 1], [1, 2]]), np.array([True, True])).tolist()
     [False, True, False]
     """
-    count = len(edges)
-    ends = edges.reshape(-1, 2)
-    _, place, shared = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(place.ravel(), kind="stable")
-    first = np.cumsum(shared)[(shared == 2) & (np.ptp(ends[order[np.cumsum(shared) - 1]], axis=1) > 0)] - 2
-    one, other = order[first], order[first + 1]
-    a, b = one // edges.shape[1], other // edges.shape[1]
-    alike = (ends[one] != ends[other]).all(axis=1)  # they run along their common edge in opposite ways
+    a, b = pairs.T
     # each cell stands twice, as it is and turned; neighbours are joined where they agree
-    i, j = np.concatenate([a, a + count]), np.concatenate([b + count * ~alike, b + count * alike])
+    i, j = np.concatenate([a, a + count]), np.concatenate([b + count * against, b + count * ~against])
     graph = coo_array((np.ones(len(i)), (i, j)), shape=(2 * count, 2 * count))
     part = connected_components(graph, directed=False)[1].reshape(2, count)
     kept = np.bincount(part[0], minlength=part.max() + 1)  # cells that stay as they are if this copy of a part is taken

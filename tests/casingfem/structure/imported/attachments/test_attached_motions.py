@@ -23,7 +23,9 @@ from casingfem.structure.imported.mesh.attachments import (
     Term,
     Tie,
 )
+from casingfem.structure.imported.mesh.joints import joints_of
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.walls import walls_apart
 
 X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 5], [7, 1, 1], [4, 4, 4.0]])
 NUMBERS = np.arange(11, 18)
@@ -35,7 +37,7 @@ def motions(**items):
     """A tetrahedron of nodes 0 to 3 with 4, 5 and 6 beside it."""
     mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), node_numbers=NUMBERS, source="part.bdf",
                     attachments=Attachments(**items))  # fmt: skip
-    return motions_of(mesh, 3, None, None)
+    return motions_of(mesh, 3)
 
 
 def shell(**items):
@@ -46,14 +48,14 @@ def shell(**items):
     mesh = MeshData(
         kind="quad", points=x, cells=np.array([[0, 1, 2, 3]]), source="skin", attachments=Attachments(**items)
     )
-    return motions_of(mesh, 5, np.tile(n, (5, 1)), np.tile(e, (5, 1, 1)))
+    return motions_of(mesh, 5, joints_of(walls_apart(mesh), np.tile(n, (5, 1)), np.tile(e, (5, 1, 1))))
 
 
 def rigid_motion(at, u, theta):
     """Displacements of all nodes, then the turns of nodes that have their own, of a rigid motion."""
     moved = u + np.cross(theta, at.mesh.points)
-    if at.normals is not None:
-        turned = np.einsum("nac,nc->na", at.frames, np.cross(theta, at.normals))
+    if at.joints is not None:
+        turned = np.einsum("nac,nc->na", at.joints.frames, np.cross(theta, at.joints.normals))
         moved = np.hstack([moved, turned])
     return np.concatenate([moved.ravel(), *[theta] * len(at.turning)])
 
@@ -74,8 +76,9 @@ def test_nodes_of_no_cell_and_references_have_turns_behind_the_dofs_of_nodes():
 def test_turns_of_a_shells_node_are_those_of_its_director():
     """theta of w_1 = 1 is n x e_1 = e_2, of w_2 = 1 is n x e_2 = -e_1."""
     at = shell()
+    e = at.joints.frames[0]
     for c in range(3):
-        assert at.row(2, 3 + c, "") == pytest.approx({13: at.frames[0, 1, c], 14: -at.frames[0, 0, c]}, rel=1e-14)
+        assert at.row(2, 3 + c, "") == pytest.approx({13: e[1, c], 14: -e[0, c]}, rel=1e-14)
     assert at.row(2, 2, "") == {12: 1.0}
     assert at.place(14) == (2, 4)
     assert at.combined([Term(0, 0, 2.0), Term(0, 0, -2.0), Term(1, 1, 3.0)], "") == {6: 3.0}
@@ -152,7 +155,7 @@ def test_nodes_of_a_mean_span_a_triangle(off, taken):
     x = np.array([[0, 0, 0], [1, 0, 0], [2, off, 0], [0, 0, 1], [0, 0, 0]])
     mean = Mean(reference=4, nodes=np.arange(3), weights=np.ones(3), where="RBE3 9")
     mesh = MeshData(kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(means=(mean,)))
-    at = motions_of(mesh, 3, None, None)
+    at = motions_of(mesh, 3)
     if taken:
         assert fitted(at, mean).shape == (6, 3, 3)
     else:
@@ -184,7 +187,7 @@ def test_connections_hang_on_one_another_sixty_four_deep(depth, taken):
     x = np.vstack([X[:4], np.column_stack([np.arange(count), np.ones((count, 2))])])
     chain = tuple(Equation(terms=(Term(4 + k, 0, 1.0), Term(5 + k, 0, -0.5))) for k in range(depth))
     mesh = MeshData(kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(equations=chain))
-    rows = tied_rows(motions_of(mesh, 3, None, None), NONE)
+    rows = tied_rows(motions_of(mesh, 3), NONE)
     if taken:
         assert eliminated(rows)[[12]].toarray()[0, 12 + 3 * depth] == 0.5**depth
     else:

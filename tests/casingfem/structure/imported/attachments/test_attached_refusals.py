@@ -48,7 +48,7 @@ def test_nodes_that_hang_on_one_other_node_alone_float(items, held, told):
 
 
 def test_what_follows_cannot_be_held_but_for_the_turns_of_its_own_node():
-    at = motions_of(hung(rigids=(Rigid(reference=4, nodes=np.array([1, 5]), where="RBE2 3"),)), 3, None, None)
+    at = motions_of(hung(rigids=(Rigid(reference=4, nodes=np.array([1, 5]), where="RBE2 3"),)), 3)
     rows = tied_rows(at, NONE)
     refuse_held(at, rows, np.array([0, 12, 13]))
     with pytest.raises(ModelError, match=r"RBE2 3: node 16: found a support on it, expected one on the node that"):
@@ -67,7 +67,7 @@ def test_what_follows_cannot_be_held_but_for_the_turns_of_its_own_node():
 def test_each_of_the_six_motions_of_a_node_has_stiffness_or_mass(stiff, heavy, loose):
     """Mixed by a turn of the six, so that no entry is zero; of a node that is held or follows nothing is asked."""
     at = motions_of(hung(means=(Mean(reference=4, nodes=np.arange(4), weights=np.ones(4), components=(0, 1, 2)),)),
-                    3, None, None)  # fmt: skip
+                    3)  # fmt: skip
     mixed = np.linalg.qr(np.random.default_rng(1).standard_normal((6, 6)))[0] if loose else np.eye(6)
     unknowns = np.array([0, 12, 13, 14, at.turn(4), at.turn(4) + 1, at.turn(4) + 2])
     K, M = np.zeros((2, 7, 7))
@@ -84,7 +84,7 @@ def test_each_of_the_six_motions_of_a_node_has_stiffness_or_mass(stiff, heavy, l
 def test_each_node_with_turns_is_looked_at_alone():
     """A spring between the turns of two nodes leaves them free together, which no one of them tells."""
     means = tuple(Mean(reference=k, nodes=np.arange(4), weights=np.ones(4), components=(0, 1, 2)) for k in (4, 5))
-    at = motions_of(hung(means=means), 3, None, None)
+    at = motions_of(hung(means=means), 3)
     unknowns = np.arange(at.turn(4), at.turn(4) + 6)
     K = np.eye(6)
     K[2, 3] = K[3, 2] = -1.0

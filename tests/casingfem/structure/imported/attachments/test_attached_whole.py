@@ -39,7 +39,7 @@ def positive(size):
 def hung(held=(), still=(), supports=(), **items):
     """A tetrahedron of nodes 0 to 3 with 4, 5 and 6 beside it: what it becomes, and matrices of its cells."""
     mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(**items))
-    motions, (K, M) = motions_of(mesh, 3, None, None), (positive(21) for _ in range(2))
+    motions, (K, M) = motions_of(mesh, 3), (positive(21) for _ in range(2))
     held, still = (np.array(part, dtype=np.int64) for part in (held, still))
     return attached(motions, K, M, held, still, rigid_motions(X), supports), motions, K, M
 

@@ -20,7 +20,7 @@ NONE = np.zeros(0, dtype=np.int64)
 
 def motions(**items):
     mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(**items))
-    return motions_of(mesh, 3, None, None)
+    return motions_of(mesh, 3)
 
 
 def across(vector):

@@ -10,7 +10,6 @@ import casingfem as cf
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.mapped import shape_products
 from casingfem.structure.imported.cells.shell import (
-    cell_normals,
     directors,
     five_dofs,
     tangent_frames,
@@ -21,6 +20,7 @@ from casingfem.structure.imported.cells.tying import lagrange, linear_weights, l
 from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.attachments import Attachments, Tie
 from casingfem.structure.imported.mesh.mesh_data import Group, natives
+from casingfem.structure.imported.mesh.walls import cell_normals
 from casingfem.structure.imported.shell_spin import blocks, placed, shell_inertia, sym
 from casingfem.structure.shell.wall import curved_wall
 from tests.casingfem.structure.imported.parts import STEEL, flat, squares
@@ -38,7 +38,8 @@ def wall(**given):
     shell = {"mesh": PLATE, "shear_correction": None, "wall": "curved", "plies": (), "material": STEEL, "fibres": None}
     inertia = np.stack([walls[3] * walls[0], walls[3] * walls[0] ** 3 / 12.0])
     shell |= {"walls": lambda: walls, "inertia": lambda: inertia}
-    return SimpleNamespace(**(shell | given))
+    whole = shell | given
+    return SimpleNamespace(apart=SimpleNamespace(mesh=whole["mesh"]), **whole)
 
 
 def test_normals_of_a_turned_plate_and_of_a_triangle():
