@@ -48,7 +48,7 @@ class Family(Protocol):
 class DrivenBody:
     """A modal body under amplitude cos(2 pi freq_hz t) [N] at one channel, before k contacts.
 
-    q'' + 2 zeta omega q' + omega^2 q = rows_d^T F cos + load + W^T lam,  gap = clearance + N q + S lam + lam/stiffness,
+    q'' + C q' + K q = rows_d^T F cos + load + W^T lam,  gap = clearance + N q + S lam + lam/stiffness,
     W = N - mu s T, s the sign of the slip T q' - slide of each contact.
 
     `patch` names body, contacts, constant load and where runs start. A contact whose own S and 1/`stiffness` [N/m]
@@ -186,15 +186,15 @@ def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
 
 def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     modes, d = body.patch.body, body.patch.dimensions
-    omega = np.where(modes.omega > 0.0, modes.omega, RIGID * 2.0 * math.pi * freq_hz)
-    zeta = np.where(modes.omega > 0.0, modes.zeta, 0.0)
+    C, K = replace(modes, gyroscopic=None, stiffness_by_speed=None).matrices()  # a patch does not turn
+    K += np.diag(np.where(modes.omega > 0.0, 0.0, RIGID * 2.0 * math.pi * freq_hz) ** 2)
     rows, pushes, S = body.patch.rows(), body.pushes(), body.compliance()
     N, W = rows[::d], pushes.T @ rows
-    held_back, slowed = np.diag(omega**2 / scale), np.diag(2.0 * zeta * omega)
-    A = np.block([[np.zeros_like(slowed), np.diag(scale)], [-held_back, -slowed]])
+    A = np.block([[np.zeros_like(K), np.diag(scale)], [-K / scale[:, None], -C * (scale / scale[:, None])]])
     soft = np.diag(S) > 0.0
     springs = (N[soft].T / np.diag(S)[soft]) @ W[soft]
-    held = omega.max() ** 2 + (float(np.linalg.norm(springs, 2)) if np.isfinite(springs).all() else math.inf)
+    stiffest = float(np.linalg.norm(K, 2)) if np.isfinite(K).all() else math.inf
+    held = stiffest + (float(np.linalg.norm(springs, 2)) if np.isfinite(springs).all() else math.inf)
     at = [modes.channel(name) for name in body.shown]
     moved = modes.S[np.ix_(at, body.patch.channels())] @ pushes  # by forces on the patch's rows
     D, T = modes.rows[at], rows[1::d] if body.mu > 0.0 else rows[:0]

@@ -43,7 +43,7 @@ class RimFamily:
     place sees it at the passing of every blade.
 
     Raises SplitError for a casing that is not perfect, InputError for what is no periodic motion in this frame, or not
-    taken here: a closing, gravity, loads, stiffening, whirl beside whole turns, a profile by a table, axial friction.
+    taken here: a closing, gravity, loads, whirl beside whole turns, a profile by a table, axial friction.
     """
 
     rim: RotatingRim | Rub
@@ -129,7 +129,7 @@ def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, 
 def _require_periodic(rub: Rub, mu: float) -> None:
     """Raise InputError for what has no period of a turn, or is not taken."""
     refused = {
-        "closing": bool(np.any(rub.closing.by)), "gravity": bool(rub.forces), "stiffening": bool(rub.stiffening),
+        "closing": bool(np.any(rub.closing.by)), "gravity": bool(rub.forces),
         "profile": rub.profile.theta is not None, "tips.axial": mu > 0.0 and rub.dimensions == 3,
         "load": any(start.load is not None and np.any(start.load) for start in rub.starts),
         "whirl": any(whirl.hz != 0.0 or whirl.per_rev % 1.0 for whirl in rub.whirl),

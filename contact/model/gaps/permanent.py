@@ -266,15 +266,18 @@ def bodies_squares(rub: Rub) -> dict[str, Array]:
     """Damping, gyroscopic, stiffness and stiffness_by_speed of all bodies by the speed of the rub, (m, m) each."""
     parts: dict[str, list[Array]] = {name: [] for name in SQUARES}
     seen = matrices_of(rub)
-    for body, turns in zip(seen.bodies, seen.senses, strict=True):
-        C, K = body.matrices(0.0)
-        none = np.zeros_like(K)
-        parts["damping"].append(C - np.diag(2.0 * body.zeta * body.omega))
-        parts["stiffness"].append(K - np.diag(body.omega**2))
-        for name in ("gyroscopic", "stiffness_by_speed"):
-            given = getattr(body, name)
-            factor = turns if name == "gyroscopic" else turns**2
-            parts[name].append(none if given is None else factor * given)
+    given = {1 + stiff.blade: stiff for stiff in rub.stiffening}
+    for k, (body, turns) in enumerate(zip(seen.bodies, seen.senses, strict=True)):
+        none = np.zeros((body.omega.size,) * 2)
+        own = {name: none if getattr(body, name) is None else np.asarray(getattr(body, name)) for name in SQUARES}
+        own["stiffness"] = own["stiffness"] - body.spin**2 * own["stiffness_by_speed"]
+        own["gyroscopic"], own["stiffness_by_speed"] = turns * own["gyroscopic"], turns**2 * own["stiffness_by_speed"]
+        if k in given:
+            by_speed, at = given[k].stiffness_by_speed, 2.0 * math.pi * given[k].at_hz
+            own["stiffness"] = own["stiffness"] - at**2 * by_speed
+            own["stiffness_by_speed"] = own["stiffness_by_speed"] + by_speed
+        for name in SQUARES:
+            parts[name].append(own[name])
     return {name: _block_diagonal(found) for name, found in parts.items() if any(part.any() for part in found)}
 
 

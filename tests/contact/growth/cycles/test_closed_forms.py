@@ -9,6 +9,7 @@ from scipy.optimize import brentq, fsolve
 
 import contact as ct
 from contact.growth.cycles.passage import passage
+from tests.contact.growth.cycles.bodies import random_body
 
 pytestmark = pytest.mark.slow  # they compile the loop of a phase
 
@@ -169,3 +170,19 @@ def test_the_impact_oscillators_free_orbit_closes_and_shears(d):
     assert end.x == pytest.approx(family.state([-amplitude], [0.0]), abs=1e-13)
     slope = -2.0 / w * d / (amplitude**2 * math.sqrt(1.0 - (d / amplitude) ** 2))  # dT/d amplitude
     assert end.M == pytest.approx(np.array([[1.0, 0.0], [w * amplitude * slope, 1.0]]), abs=1e-10)
+
+
+def test_modes_that_stiffness_and_damping_couple_move_as_their_own_modes():
+    """The same body by other coordinates q = T z, in which its matrices are full and its frequencies one."""
+    driven = random_body(3, 2, stiffness=50.0)
+    body = driven.patch.body
+    T = np.linalg.qr(np.random.default_rng(4).standard_normal((6, 6)))[0]
+    K, C = T.T @ np.diag(body.omega**2) @ T, T.T @ np.diag(2.0 * body.zeta * body.omega) @ T
+    mixed = replace(body, omega=np.full(6, 2.0), zeta=np.zeros(6), rows=body.rows @ T, stiffness=K - 4.0 * np.eye(6),
+                    damping=C)  # fmt: skip
+    coupled = replace(driven, patch=replace(driven.patch, body=mixed))
+    found = [ct.growth.cycles.orbit(one.over("freq_hz", freq_hz=0.4), 0.4) for one in (driven, coupled)]
+    assert found[0].contacts > 0
+    assert found[1].amplitude["d"] == pytest.approx(found[0].amplitude["d"], rel=1e-8)
+    sizes = [np.sort(np.abs(one.multipliers)) for one in found]
+    assert sizes[1] == pytest.approx(sizes[0], abs=1e-8)

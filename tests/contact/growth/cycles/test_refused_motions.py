@@ -287,7 +287,6 @@ def gravity_on(rub):
     ("change", "word"),
     [
         (gravity_on, "gravity"),
-        (lambda rub: replace(rub, stiffening=[ct.gaps.Stiffening(stiffness_by_speed=np.eye(2))]), "stiffening"),
         (lambda rub: replace(rub, closing=ct.gaps.Closing(time=[0.0, 1.0], by=[0.0, -1e-5])), "closing"),
         (lambda rub: replace(rub, blade_starts=[ct.gaps.Start(load=[0.0, 1.0])]), "load"),
         (lambda rub: replace(rub, whirl=[ct.gaps.Whirl(amplitude=1e-6, per_rev=-0.5)]), "whirl"),

@@ -13,6 +13,7 @@ from contact.model.gaps.permanent import SplitError, rim_contact
 from contact.model.gaps.rub import rub_of
 from contact.model.gaps.rub_laws import Whirl
 from contact.record.wear import Wear
+from tests.contact.growth.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 
 pytestmark = pytest.mark.slow
@@ -26,10 +27,13 @@ def rim(*, clearance=2e-6, zeta=0.02, speed_hz=5.0, waves=WAVES, S=2e-8, angle_d
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("mu", "speed"), [(0.0, 5.0), (0.05, 5.0), (0.05, -8.0)])
-def test_a_permanent_contact_is_a_fixed_point_with_its_poles(mu, speed):
+@pytest.mark.parametrize(
+    ("mu", "speed", "casing"), [(0.0, 5.0, ring), (0.05, 5.0, ring), (0.05, -8.0, ring), (0.05, 8.0, turning_ring)]
+)
+def test_a_permanent_contact_is_a_fixed_point_with_its_poles(mu, speed, casing):
     """Backwards it is left, so that no run settles on it: all begin at the rest under the pressing."""
     pressed = rim(clearance=-1e-5, waves=(), zeta=0.002, speed_hz=speed)
+    pressed = replace(pressed, casing=casing(zeta=0.002))
     family = ct.growth.cycles.RimFamily(rim=pressed, mu=mu)
     motion, _ = family.at(speed)
     plant, states = motion.plant, len(motion.plant.A)
@@ -46,18 +50,31 @@ def test_a_permanent_contact_is_a_fixed_point_with_its_poles(mu, speed):
     assert found.period == pytest.approx(1.0 / abs(speed))
 
 
-@pytest.mark.parametrize(("mu", "angle", "speed"), [(0.0, 0.0, 5.0), (0.05, 30.0, 5.0), (0.05, 30.0, -5.0)])
-def test_a_rub_is_what_a_run_settles_on(mu, angle, speed):
-    turning = rim(angle_deg=angle, speed_hz=speed)
-    found = ct.growth.cycles.orbit(ct.growth.cycles.RimFamily(rim=turning, mu=mu), speed, settle=20)
+def settles(what, mu, speed, **search):
+    """An orbit against the last turns of a run."""
+    found = ct.growth.cycles.orbit(ct.growth.cycles.RimFamily(rim=what, mu=mu), speed, **search)
     law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
-    run = ct.run(turning, law=law, scheme=ct.ExactModal(law="averaged"), t_end=3.0, dt=2e-6,
-                 record=ct.Record(every=1))  # fmt: skip
+    run = ct.run(what, law=law, scheme=ct.ExactModal(law="averaged"), t_end=3.0, dt=2e-6, record=ct.Record(every=1))
     last = run.time > 2.8
     assert found.stable
     assert found.force[0] == pytest.approx(run.force[last].max(), rel=1e-4)
     closed = np.concatenate([[False], run.force[last][:, 0] > 0.0])
     assert found.closings[0] == np.count_nonzero(closed[1:] & ~closed[:-1])
+    return found
+
+
+@pytest.mark.parametrize(("mu", "angle", "speed"), [(0.0, 0.0, 5.0), (0.05, 30.0, 5.0), (0.05, 30.0, -5.0)])
+def test_a_rub_is_what_a_run_settles_on(mu, angle, speed):
+    settles(rim(angle_deg=angle, speed_hz=speed), mu, speed, settle=20)
+
+
+def test_a_blade_that_stiffens_is_what_a_run_settles_on():
+    """Its lower mode of 120 Hz rises by a twelfth at 5 turns/s."""
+    stiffening = ct.gaps.Stiffening(stiffness_by_speed=[[100.0, 30.0], [30.0, 200.0]])
+    still = rub_of(rim())
+    found = settles(replace(still, stiffening=[stiffening]), 0.05, 5.0, settle=20)
+    other = ct.growth.cycles.orbit(ct.growth.cycles.RimFamily(rim=still, mu=0.05), 5.0, settle=20)
+    assert abs(found.force[0] / other.force[0] - 1.0) > 1e-2
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
