@@ -40,6 +40,7 @@ def node_list(context: click.Context, option: click.Parameter, value: str | None
     default=0.0,
     help="Damping ratio where there is no C, no K4.",
 )
+@click.option("--nonsymmetric", is_flag=True, help="K and C may be nonsymmetric, as with cross-coupled bearings.")
 @click.option("--out", type=TABLE, metavar="NPZ", help="Write the basis there.", callback=free_way)
 @click.option("--json", "as_json", is_flag=True, help="One JSON document on stdout, nothing else.")
 @with_exit_codes
@@ -51,13 +52,15 @@ def import_matrices(
     units: str,
     count: int,
     zeta: float,
+    nonsymmetric: bool,
     out: Path | None,
     as_json: bool,
 ) -> None:
-    """Reduce the matrices M, K and maybe C and K4 of another program to a basis, and say what they are.
+    """Reduce the matrices M, K and maybe C, K4 and G of another program to a basis, and say what they are.
 
     FILE: DMIG cards (.pch, .bdf), OP4, CalculiX's .sti, .mat, HDF5 or npz, or the .mtx files of stiffness and mass.
     A superelement of Nastran: part.op4 part.pch, the latter gives rows (EXTRN), nodes and their axes (GRID, CORD).
+    G is a gyroscopic matrix, skew, per rad/s of the speed: name G, or with GYRO or CORIOLIS in it.
     Reduced sets (Craig-Bampton) are taken alike; their modal dofs are scalars, direction q or 0.
     """
     from casingfem.errors import InputError
@@ -75,8 +78,8 @@ def import_matrices(
             raise InputError(str(files[0]), found="no nodes that contact sees", expected="--contact, --nodes, or EXTRN")
         labels = [(node, DIRECTIONS[direction]) for node, direction in read.dofs.tolist()]
         matrices = Matrices.of(
-            read.M, read.K, read.C, K4=read.K4, dofs=labels, units=units, axes=read.axes,
-            points={n: x.tolist() for n, x in read.points.items()},
+            read.M, read.K, read.C, K4=read.K4, G=read.G, nonsymmetric=nonsymmetric, dofs=labels, units=units,
+            axes=read.axes, points={n: x.tolist() for n, x in read.points.items()},
         )  # fmt: skip
         body, facts = body_of(matrices, seen, modes=min(count, matrices.size), zeta=zeta)
     document = {

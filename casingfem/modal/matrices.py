@@ -1,4 +1,4 @@
-"""A structure or a basis as matrices M, K, C with the meaning of their rows: what other programs take."""
+"""A structure or a basis as matrices M, K, C, G with the meaning of their rows: what other programs take."""
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, null_space, pinv
@@ -63,7 +63,8 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
         K = [[S^-1, -S^-1 rows], [-rows^T S^-1, omega^2 + rows^T S^-1 rows]],   M = [[0, 0], [0, 1]]
 
     Without (Craig-Bampton) the modes are turned so that the channels come first: q = rows^+ u + Z z, rows Z = 0.
-    Channels such as 6.x keep node and direction; others are scalars 1, 2, ... in the basis's order, and so are q.
+    C and G are those of q in the same coordinates; K is that of the speed of the basis. Channels such as 6.x keep node
+    and direction; others are scalars 1, 2, ... in the basis's order, and so are q.
 
     Raises
     ------
@@ -71,24 +72,28 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
         `matrix-size` where channels hang together: S is singular and not zero, or rows have less rank than channels.
     """
     k, m = basis.rows.shape
-    stiff, damp = basis.omega**2, 2.0 * basis.zeta * basis.omega
+    stiff, damp = np.diag(basis.omega**2), np.diag(2.0 * basis.zeta * basis.omega)
+    stiff = stiff + basis.stiffness if basis.stiffness.size else stiff
+    damp = damp + basis.damping if basis.damping.size else damp
+    turn = basis.gyroscopic if basis.gyroscopic.size else np.zeros((m, m))
     if basis.S.any():
         sizes = np.linalg.eigvalsh(basis.S)
         if sizes[0] <= SOUND * sizes[-1]:
             raise ModelError("matrix-size", f"basis: found a singular S, eigenvalues {sizes[0]:.1e} to {sizes[-1]:.1e}")
         factor = cho_factor(basis.S)
         R, inverse = cho_solve(factor, basis.rows), cho_solve(factor, np.eye(k))
-        K = np.block([[inverse, -R], [-R.T, np.diag(stiff) + basis.rows.T @ R]])
+        K = np.block([[inverse, -R], [-R.T, stiff + basis.rows.T @ R]])
         M = np.diag(np.concatenate([np.zeros(k), np.ones(m)]))
-        C = np.diag(np.concatenate([np.zeros(k), damp]))
+        C, G = (np.pad(part, ((k, 0), (k, 0))) for part in (damp, turn))
     else:
         sizes = np.linalg.svd(basis.rows, compute_uv=False)
         if k > m or sizes[-1] <= SOUND * sizes[0]:
             raise ModelError("matrix-size", f"basis: found {k} channels that {m} modes do not move independently")
         T = np.hstack([pinv(basis.rows), null_space(basis.rows)])
-        K, M, C = T.T @ (stiff[:, None] * T), T.T @ T, T.T @ (damp[:, None] * T)
+        K, M, C, G = T.T @ (stiff @ T), T.T @ T, T.T @ (damp @ T), T.T @ (turn @ T)
+    damping, gyroscopic = (csc_array(part) if part.any() else None for part in (C, 0.5 * (G - G.T)))
     dofs = channel_dofs(basis, len(K) - k)
-    return MatrixSet(K=csc_array(K), M=csc_array(M), C=csc_array(C) if damp.any() else None, dofs=dofs)
+    return MatrixSet(K=csc_array(K), M=csc_array(M), C=damping, G=gyroscopic, dofs=dofs)
 
 
 def channel_dofs(basis: ModalBasis, scalars: int) -> IntArray:

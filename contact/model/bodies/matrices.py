@@ -1,4 +1,4 @@
-"""Someone's matrices M, K, C, K4, checked and in SI: what their rows mean, unit forces on a contact, their facts."""
+"""Someone's matrices M, K, C, G, K4, checked and in SI: what their rows mean, unit forces on a contact, their facts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from contact.io.units import units_of
 DIRECTIONS = ("q", "x", "y", "z", "rx", "ry", "rz")  # q: a scalar, such as the amplitude of a mode
 NUMBERED: dict[str | int, str] = dict(enumerate(DIRECTIONS))
 EYE = np.eye(3)
-OPTIONAL = ("C", "K4")
+OPTIONAL = ("C", "K4", "G")
 SQUARE = 1e-3  # of axes: three digits
 ROUND_OFF = 1e-12  # of a direction's components
 UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
@@ -30,9 +30,11 @@ Contact: TypeAlias = Sequence[int] | Sequence[Dof] | Mapping[str, Any]
 class Matrices:
     """Matrices in SI, and what their rows mean.
 
-    `M`, `K` (n, n) sparse; `C` and `K4` (structural damping, the imaginary part of K) likewise or None. `dofs` (n,)
-    pairs (node, direction), direction one of `DIRECTIONS`. `points` node -> position [m]; `axes` node -> directions of
-    its own x, y, z in the axes of the points, rows (3, 3), for nodes whose dofs are along those.
+    `M`, `K` (n, n) sparse; `C` and `K4` (structural damping, the imaginary part of K) likewise or None. `G` is the
+    gyroscopic matrix, skew: Omega G beside C at a speed Omega [rad/s]. `cross` is the skew part of a nonsymmetric
+    stiffness, whose symmetric part is `K`; both None where there is none. `skew`: asymmetry of M and K. `dofs`
+    (n,) pairs (node, direction), direction one of `DIRECTIONS`. `points` node -> position [m]; `axes` node ->
+    directions of its own x, y, z in the axes of the points, rows (3, 3), for nodes whose dofs are along those.
     """
 
     M: Any
@@ -42,6 +44,8 @@ class Matrices:
     points: Mapping[int, Array]
     skew: tuple[float, float]
     K4: Any = None
+    G: Any = None
+    cross: Any = None
     axes: Mapping[int, Array] = field(default_factory=dict)
 
     @staticmethod
@@ -54,9 +58,14 @@ class Matrices:
         points: Mapping[int, Sequence[float]] | None = None,
         units: str = "m-kg-s",
         K4: Any = None,
+        G: Any = None,
+        nonsymmetric: bool = False,
         axes: Mapping[int, Any] | None = None,
     ) -> Matrices:
-        """Check matrices in any consistent units; raises InputError naming what does not fit."""
+        """Check matrices in any consistent units; raises InputError naming what does not fit.
+
+        K and C must be symmetric unless they are given as `nonsymmetric`, such as with cross-coupled bearings.
+        """
         from scipy.sparse import csc_array, diags_array
 
         try:
@@ -69,21 +78,31 @@ class Matrices:
             raise InputError(f"dofs: found {twice[0]}.{twice[1]} twice, expected each once")
         size = [system.length if dof[1][0] == "r" else 1.0 for dof in named]  # a rotation times this is a length
         scale = csc_array(diags_array(np.array(size)))
-        matrices: list[Any] = []
-        skews: list[float] = []
-        given = [("M", M, system.mass), ("K", K, system.stiffness), ("C", C, system.damping)]
-        for name, A, unit in (*given, ("K4", K4, system.stiffness)):
+        matrices: dict[str, Any] = {}
+        skews: dict[str, float] = {}
+        given = [
+            ("M", M, system.mass), ("K", K, system.stiffness), ("C", C, system.damping), ("K4", K4, system.stiffness),
+            ("G", G, system.mass),
+        ]  # fmt: skip
+        for name, A, unit in given:
             if A is None and name in OPTIONAL:
-                matrices.append(None)
+                matrices[name] = None
                 continue
-            symmetric, skew = symmetric_part(name, A, len(named))
-            matrices.append(csc_array(unit * (scale @ symmetric @ scale)))
-            skews.append(skew)
+            if name == "G":
+                found = skew_part(A, len(named))
+            elif nonsymmetric and name in ("K", "C"):
+                found = checked(name, A, len(named))
+                skews[name] = asymmetry(found)
+            else:
+                found, skews[name] = symmetric_part(name, A, len(named))
+            matrices[name] = csc_array(unit * (scale @ found @ scale))
         places = {int(node): system.length * np.asarray(x, dtype=float) for node, x in (points or {}).items()}
         for node, x in places.items():
             if x.shape != (3,) or not np.isfinite(x).all():
                 raise InputError(f"points: found {points[node] if points else x!r} for node {node}, expected x, y, z")
-        M, K, C, K4 = matrices
+        M, K = matrices["M"], matrices["K"]
+        cross = csc_array(0.5 * (K - K.T)) if skews["K"] > SKEW else None
+        K = csc_array(0.5 * (K + K.T))
         check_minors(M, named)
         empty = np.flatnonzero((abs(M) + abs(K)).sum(axis=0) == 0.0)
         if empty.size:
@@ -91,7 +110,10 @@ class Matrices:
             found = f"found neither mass nor stiffness at {node}.{direction}, the first of {empty.size} such dofs"
             raise InputError(f"M, K: {found}, expected one or both; leave out their rows and columns")
         turned = {int(node): checked_axes(int(node), own) for node, own in (axes or {}).items()}
-        return Matrices(M=M, K=K, C=C, K4=K4, dofs=named, points=places, axes=turned, skew=(skews[0], skews[1]))
+        return Matrices(
+            M=M, K=K, C=matrices["C"], K4=matrices["K4"], G=matrices["G"], cross=cross, dofs=named, points=places,
+            axes=turned, skew=(skews["M"], skews["K"]),
+        )  # fmt: skip
 
     @property
     def size(self) -> int:
@@ -200,8 +222,8 @@ def checked_dof(dof: Dof) -> tuple[int, str]:
     return int(node), name
 
 
-def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
-    """A sparse symmetric matrix and the asymmetry taken out, relative to the entries in the same rows."""
+def checked(name: str, A: Any, size: int) -> Any:
+    """A sparse matrix of finite numbers with a row for each dof; only an optional one may be zero."""
     from scipy.sparse import csc_array
 
     given = csc_array(A)
@@ -212,14 +234,36 @@ def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
         raise InputError(f"{name}: found shape {sparse.shape}, expected ({size}, {size}), a row for each dof")
     if not np.isfinite(sparse.data).all():
         raise InputError(f"{name}: found entries that are NaN or infinite, expected finite numbers")
-    if not sparse.count_nonzero():
-        if name in OPTIONAL:
-            return sparse, 0.0
+    if not sparse.count_nonzero() and name not in OPTIONAL:
         raise InputError(f"{name}: found zeros alone, expected a mass and a stiffness")
+    return sparse
+
+
+def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
+    """A sparse symmetric matrix and the asymmetry taken out, relative to the entries in the same rows."""
+    from scipy.sparse import csc_array
+
+    sparse = checked(name, A, size)
     skew = asymmetry(sparse)
     if skew > SKEW:
-        raise InputError(f"{name}: found asymmetry of {skew:.2e} of its entries, expected a symmetric matrix")
+        more = "; if cross-coupling is meant, give the matrices as nonsymmetric" if name in ("K", "C") else ""
+        raise InputError(f"{name}: found asymmetry of {skew:.2e} of its entries, expected a symmetric matrix{more}")
     return csc_array(0.5 * (sparse + sparse.T)), skew
+
+
+def skew_part(G: Any, size: int) -> Any:
+    """A sparse gyroscopic matrix without the symmetric part that is round-off."""
+    from scipy.sparse import coo_array, csc_array
+
+    sparse = checked("G", G, size)
+    even = coo_array(sparse + sparse.T)
+    largest = float(np.abs(even.data).max(initial=0.0))
+    if largest > SKEW * float(np.abs(sparse.data).max(initial=0.0)):
+        k = int(np.abs(even.data).argmax())
+        row, column = int(even.coords[0][k]), int(even.coords[1][k])
+        found = f"{sparse[row, column]:.6g} at ({row}, {column}) and {sparse[column, row]:.6g} at ({column}, {row})"
+        raise InputError(f"G: found {found}, expected a skew matrix, G[i, j] = -G[j, i], per rad/s of the speed")
+    return csc_array(0.5 * (sparse - sparse.T))
 
 
 def asymmetry(A: Any) -> float:
@@ -237,6 +281,8 @@ def asymmetry(A: Any) -> float:
     largest = np.zeros(A.shape[0])
     for places in entries.coords:
         np.maximum.at(largest, places, np.abs(entries.data))
+    if not largest.any():
+        return 0.0
     largest = np.maximum(largest, np.median(largest[largest > 0.0]))
     rows, columns = odd.coords
     return float((np.abs(odd.data) / np.sqrt(largest[rows] * largest[columns])).max(initial=0.0))
@@ -249,9 +295,10 @@ class MatrixReport:
     `mass` [kg] along x, y, z (equal for a whole body without scalar dofs left out); `centre` [m] and `inertia` [kg m^2]
     about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the
     same rows; `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual`
-    the share of S in the static compliance at the contact; `coupling` the largest damping between two modes over their
-    own; `undamped` rigid modes that C damps and the body does not; `structural` the least and largest loss factor g of
-    a mode by structural damping, None without; `rigid_motion` what the test of rigid motions found.
+    the share of S in the static compliance at the contact; `coupling` the largest damping between two modes by C over
+    their own; `structural` the least and largest loss factor g of a mode by structural damping, `structural_coupling`
+    the largest between two modes over their own; None without. `gyroscopic` and `cross`: whether there is a gyroscopic
+    matrix, a nonsymmetric stiffness; `rigid_motion` what the test of rigid motions found.
     """
 
     size: int
@@ -265,8 +312,10 @@ class MatrixReport:
     kept: int
     residual: float
     coupling: float | None
-    undamped: int | None
     structural: tuple[float, float] | None = None
+    structural_coupling: float = 0.0
+    gyroscopic: bool = False
+    cross: bool = False
     rigid_motion: str = ""
 
     def __str__(self) -> str:
@@ -284,15 +333,22 @@ class MatrixReport:
         lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
         lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
         if self.coupling is not None:
-            lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, left out")
-        if self.undamped:
-            lines.append(f"damping of rigid modes: left out in {self.undamped} of {self.rigid}, which move on undamped")
+            lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, kept in the basis")
+        if self.gyroscopic:
+            lines.append("gyroscopic matrix: kept between the modes, by the speed")
+        if self.cross:
+            lines.append(
+                "nonsymmetric stiffness: its skew part is kept between the modes, not in the residual compliance"
+            )
         if self.structural is not None:
             least, most = self.structural
             lines.append(
                 f"structural damping: g from {least:.4g} to {most:.4g}, taken as zeta = g/2 of each mode: "
                 "the same at resonance alone"
             )
+            if self.structural_coupling > 0.0:
+                share = f"up to {self.structural_coupling:.2g} of their own"
+                lines.append(f"structural damping between modes: {share}, left out")
         if self.rigid_motion:
             lines.append(self.rigid_motion)
         return "\n".join([*lines, self.words])
@@ -312,7 +368,7 @@ class MatrixReport:
 
 
 def report_of(
-    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None, undamped: int | None
+    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
 ) -> MatrixReport:
     """The facts of matrices and of the modes kept."""
     motions = matrices.rigid_motions()
@@ -342,5 +398,6 @@ def report_of(
         kept=kept,
         residual=residual,
         coupling=coupling,
-        undamped=undamped,
+        gyroscopic=matrices.G is not None,
+        cross=matrices.cross is not None,
     )

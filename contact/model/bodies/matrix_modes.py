@@ -1,4 +1,4 @@
-"""Someone's matrices M, K, C, K4 as a body: reduced to modes with residual compliance.
+"""Someone's matrices M, K, C, G, K4 as a body: reduced to modes with residual compliance.
 
     K phi = omega^2 M phi,   S = P^T G P - (P^T Phi) diag(1/omega^2) (P^T Phi)^T
 
@@ -6,6 +6,9 @@ P are the unit forces on the contact channels, G the static compliance K^-1. A f
 elastic modes alone, by inertia relief: G P = u with K u = P - M R R^T P and R^T M u = 0, R its rigid modes. Massless
 dofs are kept by S exactly. Modes come from M x = theta (K + s M) x, theta = 1/(omega^2 + s), in which the lowest ones
 are the sharpest, rigid modes and massless dofs do no harm.
+
+The modes are those of M and the symmetric part of K. Phi^T C Phi beside the ratios of the modes is their `damping`,
+Phi^T G Phi their `gyroscopic`, and the skew part of K between them their `stiffness`.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
 SHIFT = 1e-6  # s over the median K_ii / M_ii
 ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
+NONE, LEAST = 1e-9, 1e-10  # damping between modes that is round-off: over their own, over the largest of all
 NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, of the modes beside a shift of 1e-6
 
 
@@ -49,26 +53,28 @@ def reduced(
     total, S = P.T @ G, P.T @ G - elastic @ elastic.T
     S = without_round_off(0.5 * (S + S.T), NOTHING * float(np.abs(total).max()))
     found = rigid_findings(matrices, R, median_rate(matrices))
-    damping, coupling, undamped = modal_damping(matrices, phi, omega, 0.0 if matrices.K4 is not None else zeta)
-    structural = None
+    damping, rest, coupling = modal_damping(matrices, phi, omega, 0.0 if matrices.K4 is not None else zeta)
+    structural, across = None, 0.0
     if matrices.K4 is not None:
         loss, across = loss_factors(matrices, phi, omega)
         damping = damping + 0.5 * loss
         if damping.max(initial=0.0) >= 1.0:
             k = int(damping.argmax())
             raise InputError(f"K4: found a damping ratio of {damping[k]:.3g} in mode {k + 1}, expected less than 1")
-        coupling = max(across, coupling or 0.0)
         structural = (float(loss[rigid:].min(initial=np.inf)), float(loss[rigid:].max(initial=0.0)))
         structural = structural if structural[0] <= structural[1] else (0.0, 0.0)
     share = float(np.trace(S) / np.trace(total)) if S.any() else 0.0
-    facts = report_of(matrices, lam, rigid, len(lam), share, coupling, undamped)
-    facts = replace(facts, structural=structural, rigid_motion=found)
+    facts = report_of(matrices, lam, rigid, len(lam), share, coupling)
+    facts = replace(facts, structural=structural, structural_coupling=across, rigid_motion=found)
     body = dict(
         omega=omega,
         zeta=damping,
         channels=channels,
         rows=rows,
         S=S,
+        damping=rest,
+        gyroscopic=between(matrices.G, phi),
+        stiffness=between(matrices.cross, phi),
         participation=matrices.rigid_motions()[:, :3].T @ (matrices.M @ phi),
         provenance=json.dumps({"method": "matrices", "modes": len(lam), "matrices": asdict(facts)}, sort_keys=True),
     )
@@ -187,27 +193,36 @@ def elastic_compliance(matrices: Matrices, P: Array, R: Array) -> Array:
     return np.asarray(solved[: matrices.size])
 
 
-def modal_damping(matrices: Matrices, phi: Array, omega: Array, zeta: float) -> tuple[Array, float | None, int | None]:
-    """Damping ratios, and what they leave out (None without C).
+def between(skew: Any, phi: Array) -> Array | None:
+    """A skew matrix between the modes, (m, m); None without it."""
+    if skew is None:
+        return None
+    found = phi.T @ (skew @ phi)
+    return np.asarray(0.5 * (found - found.T))
 
-    That is the largest coupling between modes, and the number of rigid modes that C damps: they have no ratio.
+
+def modal_damping(
+    matrices: Matrices, phi: Array, omega: Array, zeta: float
+) -> tuple[Array, Array | None, float | None]:
+    """Damping ratios, Phi^T C Phi beside them, and the largest coupling of two modes; None, None without C.
+
+    A mode whose own damping makes a ratio below 1 has this ratio; of others, such as rigid modes, it is in the matrix.
     """
     if matrices.C is None:
         return np.full(len(omega), zeta), None, None
-    c = phi.T @ (matrices.C @ phi)
+    c = np.asarray(phi.T @ (matrices.C @ phi))
     own = np.diag(c)
     if own.min() < -RIGID * np.abs(own).max():
         raise InputError(f"C: found negative damping in mode {int(own.argmin()) + 1}, expected one that takes energy")
     own = np.abs(own)
-    ratio = np.divide(own, 2.0 * omega, out=np.full(len(omega), zeta), where=omega > 0.0)
-    if ratio.max(initial=0.0) >= 1.0:
-        k = int(ratio.argmax())
-        raise InputError(f"C: found a damping ratio of {ratio[k]:.3g} in mode {k + 1}, expected less than 1")
+    vibrates = (omega > 0.0) & (own < 2.0 * omega)
+    ratio = np.divide(own, 2.0 * omega, out=np.zeros(len(omega)), where=vibrates)
     size = np.sqrt(np.outer(own, own))
     off = np.abs(c - np.diag(np.diag(c)))
     coupling = np.divide(off, size, out=np.zeros_like(off), where=size > 0.0).max(initial=0.0)
-    undamped = np.count_nonzero(own[omega == 0.0] > RIGID * own.max())
-    return ratio, float(coupling), int(undamped)
+    rest = c - np.diag(np.where(vibrates, np.diag(c), 0.0))
+    rest[np.abs(rest) <= NONE * size + LEAST * own.max(initial=0.0)] = 0.0
+    return ratio, rest if rest.any() else None, float(coupling)
 
 
 def loss_factors(matrices: Matrices, phi: Array, omega: Array) -> tuple[Array, float]:

@@ -288,15 +288,21 @@ class ModalBody:
         modes: int | None = None,
         zeta: float = 0.0,
         K4: Any = None,
+        G: Any = None,
+        nonsymmetric: bool = False,
         axes: Mapping[int, Any] | None = None,
     ) -> ModalBody:
-        """Modes and residual compliance of someone's matrices M, K and maybe C, K4, dense or sparse.
+        """Modes and residual compliance of someone's matrices M, K and maybe C, G, K4, dense or sparse.
 
         `dofs`: (node, direction) of each row, directions x, y, z, rx, ry, rz or 1 to 6; q or 0 for a scalar, such as a
         mode of a Craig-Bampton set. `contact`: nodes (channels 6.x, 6.y, 6.z), dofs, or channel name -> row over the
         dofs. `points`: node -> x, y, z. `units` of all of them, length-mass-time. `modes` kept: 20 if left out, or all
-        if they are fewer. `zeta` where there is no C and no K4. `K4`: structural damping, the imaginary part of K; a
-        mode has zeta = phi^T K4 phi / (2 omega^2). `axes`: node -> directions of its own x, y, z, rows (3, 3), for
+        if they are fewer. `zeta` where there is no C and no K4. What C does between modes, and to a mode that it
+        damps above its critical damping, is their `damping`. `G`: gyroscopic matrix, skew, which the speed [rad/s]
+        multiplies beside C. K and C may differ from their transposes where they are given as `nonsymmetric`: modes
+        and residual compliance are those of the symmetric part of K, the skew part is the `stiffness` between the
+        modes kept. `K4`: structural damping, the imaginary part of K; a mode has zeta = phi^T K4 phi / (2 omega^2).
+        `axes`: node -> directions of its own x, y, z, rows (3, 3), for
         nodes whose dofs are not along the axes of the points; channels are along the latter. A free body keeps its
         rigid modes; modes left out go into S, as do massless dofs. The provenance holds what `ct.bodies.body_of`
         reports: mass, inertia, rigid modes, symmetry, frequencies, residual compliance.
@@ -312,7 +318,9 @@ class ModalBody:
         from contact.model.bodies.matrices import Matrices
         from contact.model.bodies.matrix_modes import reduced
 
-        matrices = Matrices.of(M, K, C, dofs=dofs, points=points, units=units, K4=K4, axes=axes)
+        matrices = Matrices.of(
+            M, K, C, dofs=dofs, points=points, units=units, K4=K4, G=G, nonsymmetric=nonsymmetric, axes=axes
+        )  # fmt: skip
         return ModalBody(**reduced(matrices, contact, modes=modes, zeta=zeta)[0])
 
     @staticmethod

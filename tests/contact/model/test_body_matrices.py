@@ -195,6 +195,7 @@ I2 = np.eye(2)
         (np.diag([1.0, 0.0]), np.diag([1.0, 0.0]), {}, "neither mass nor stiffness at 2.x, the first of 1 such dofs"),
         (I2, I2, {"C": np.diag([0.1, -0.1])}, "C: found negative damping in mode"),
         (I2, I2, {"dofs": [(1, "x"), (1, "x")]}, "dofs: found 1.x twice"),
+        (I2, I2, {"G": np.eye(3)}, r"G: found shape \(3, 3\), expected \(2, 2\)"),
         (I2, I2, {"dofs": [(1, "x"), (1, "w")]}, "direction 'w' at node 1"),
         (I2, I2, {"contact": [3]}, "contact: found node 3"),
         (I2, I2, {"contact": [(1, "y")]}, "contact: found 1.y, which is no dof"),
@@ -204,7 +205,6 @@ I2 = np.eye(2)
         (I2, I2, {"units": "mm-stone-s"}, "units: found 'mm-stone-s'"),
         (I2, I2, {"modes": 3}, "modes: found 3, expected 1 to the 2"),
         (I2, I2, {"points": {1: (0.0, 0.0)}}, "points: found .* for node 1"),
-        (I2, [[1.0, -1.0], [-1.0, 1.0]], {"C": 10 * I2}, "C: found a damping ratio of"),
     ],
 )
 def test_what_cannot_be_a_body_is_named(M, K, change, message):
@@ -310,14 +310,89 @@ def test_few_masses_among_many_dofs_are_named(monkeypatch):
         ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=4)
 
 
-def test_a_dashpot_on_a_rigid_mode_is_left_out_and_told():
+def test_dashpot_on_a_rigid_mode_is_kept_as_a_matrix():
+    """A free rod of mass m with a dashpot d at its end slows down at d/m, whatever its modes."""
     M, K, dofs, _ = rod(6, set())
     C = np.zeros(K.shape)
     C[0, 0] = 1.0
-    body, facts = body_of(Matrices.of(M, K, C, dofs=dofs), [1], modes=3)
+    body = ct.ModalBody.from_matrices(M, K, C, dofs=dofs, contact=[1], modes=3)
     assert body.zeta[0] == 0.0
-    assert facts.undamped == 1
-    assert "damping of rigid modes: left out in 1 of 1" in str(facts)
-    _, facts = body_of(Matrices.of(M, K, 1e-6 * K, dofs=dofs), [1], modes=3)
-    assert facts.undamped == 0
-    assert "rigid modes: left out" not in str(facts)
+    assert body.damping[0, 0] == pytest.approx(1.0 / (7800 * 1e-4), rel=1e-9)
+    assert ct.ModalBody.from_matrices(M, K, 1e-6 * K, dofs=dofs, contact=[1], modes=3).damping is None
+
+
+def jeffcott(units="m-kg-s"):
+    """A disk on a massless shaft between a rigid and a cross-coupled bearing, 6 dofs: x, y, tilts, the bearing's x, y.
+
+    M, K, C, G of G. Genta, Dynamics of Rotating Systems, 2005, ch. 4: 10 kg, polar inertia 0.2, 0.12 across.
+    """
+    k, c, a = 4e6, 1.2e5, 0.03  # N/m; N, shaft's coupling of deflection and tilt; m, polar over diametral
+    M = np.diag([10.0, 10.0, 0.12, 0.12, 0.5, 0.5])
+    K = np.zeros((6, 6))
+    for x, tilt, end, sign in ((0, 3, 4, 1.0), (1, 2, 5, -1.0)):
+        s = np.zeros((1, 6))
+        s[0, [x, end]] = 1.0, -0.5
+        t = np.zeros((1, 6))
+        t[0, [tilt, x]] = 1.0, sign * a
+        K += k * s.T @ s + c * t.T @ t
+    C, cross, own = np.zeros((6, 6)), 3e5, 2e6
+    K[4:, 4:] += [[own, cross], [-cross, own]]
+    C[4:, 4:] += [[900.0, 200.0], [-150.0, 1100.0]]
+    G = np.zeros((6, 6))
+    G[2, 3], G[3, 2] = 0.2, -0.2
+    dofs = [(1, d) for d in ("x", "y", "rx", "ry")] + [(2, "x"), (2, "y")]
+    system = units_of(units)
+    scale = np.diag([1.0, 1.0, 1.0 / system.length, 1.0 / system.length, 1.0, 1.0])
+    units_each = (system.mass, system.stiffness, system.damping, system.mass)
+    return [scale @ A @ scale / unit for A, unit in zip((M, K, C, G), units_each, strict=True)], dofs
+
+
+@pytest.mark.parametrize("units", ["m-kg-s", "mm-t-s"])
+@pytest.mark.parametrize("speed", [0.0, 250.0, -900.0])
+def test_rotor_with_gyroscopic_disk_and_cross_coupled_bearing_has_its_own_poles(speed, units):
+    (M, K, C, G), dofs = jeffcott()
+    n = len(M)
+    dense = np.linalg.eigvals(
+        np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C + speed * G)]])
+    )
+    (M, K, C, G), dofs = jeffcott(units)
+    given = {"dofs": dofs, "contact": [(1, "x"), (1, "y")], "units": units, "nonsymmetric": True}
+    body = ct.ModalBody.from_matrices(M, K, C, G=G, **given)
+    damping, stiffness = body.matrices(speed)
+    m = body.omega.size
+    found = np.linalg.eigvals(np.block([[np.zeros((m, m)), np.eye(m)], [-stiffness, -damping]]))
+    for pole in dense:
+        assert np.abs(found - pole).min() < 1e-9 * np.abs(dense).max()
+    assert np.abs(body.stiffness + body.stiffness.T).max() == 0.0
+    still = ct.ModalBody.from_matrices(M, 0.5 * (K + K.T), 0.5 * (C + C.T), **given)
+    assert still.stiffness is still.gyroscopic is None
+    assert np.abs(np.linalg.eigvals(stiffness) - np.linalg.eigvals(still.matrices(0.0)[1])).max() > 1e3
+
+
+def test_matrices_of_a_rotor_are_refused_where_they_are_not_what_they_should_be():
+    (M, K, C, G), dofs = jeffcott()
+    given = {"dofs": dofs, "contact": [1]}
+    with pytest.raises(ct.InputError, match=r"K: found asymmetry of .*; if cross-coupling is meant, give the matrices"):
+        ct.ModalBody.from_matrices(M, K, **given)
+    with pytest.raises(ct.InputError, match=r"C: found asymmetry of .*; if cross-coupling is meant, give the matrices"):
+        ct.ModalBody.from_matrices(M, 0.5 * (K + K.T), C, **given)
+    with pytest.raises(ct.InputError, match=r"G: found 0\.2 at \(3, 2\) and 0\.2 at \(2, 3\), expected a skew matrix"):
+        ct.ModalBody.from_matrices(M, 0.5 * (K + K.T), G=np.abs(G), **given)
+    with pytest.raises(
+        ct.InputError, match=r"M: found asymmetry of [\d.e-]+ of its entries, expected a symmetric matrix$"
+    ):
+        ct.ModalBody.from_matrices(M + G, K, nonsymmetric=True, **given)
+
+
+def test_gyroscopic_disk_whirls_at_its_closed_form():
+    """A rigid disk in tilting springs: omega^2 -+ (p/d) Omega omega - k/d = 0 (Genta 2005)."""
+    d, p, k, speed = 0.12, 0.2, 3e4, 400.0
+    G = [[0.0, p], [-p, 0.0]]
+    body = ct.ModalBody.from_matrices(
+        d * np.eye(2), k * np.eye(2), G=G, dofs=[(1, "rx"), (1, "ry")], contact=[(1, "rx")]
+    )
+    C, K = body.matrices(speed)
+    found = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -C]])).imag
+    b = 0.5 * p / d * speed
+    exact = np.hypot(b, np.sqrt(k / d)) + np.array([-b, b])
+    np.testing.assert_allclose(np.sort(found), [*-exact[::-1], *exact], rtol=1e-12)

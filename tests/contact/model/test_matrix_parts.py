@@ -151,25 +151,25 @@ def damping(C, omega=(0.0, 2.0, 4.0), phi=None):
 
 
 def test_ratios_couplings_and_rigid_modes_of_a_damping_matrix():
-    ratio, coupling, undamped = damping([[0.3, 0.0, 0.0], [0.0, 0.8, 0.2], [0.0, 0.2, 1.6]])
-    np.testing.assert_allclose(ratio, [0.05, 0.2, 0.2], rtol=1e-14)
+    ratio, rest, coupling = damping([[0.3, 0.0, 0.0], [0.0, 0.8, 0.2], [0.0, 0.2, 1.6]])
+    np.testing.assert_allclose(ratio, [0.0, 0.2, 0.2], rtol=1e-14)
     assert coupling == pytest.approx(0.2 / math.sqrt(0.8 * 1.6), rel=1e-14)
-    assert undamped == 1
+    assert rest.tolist() == [[0.3, 0.0, 0.0], [0.0, 0.0, 0.2], [0.0, 0.2, 0.0]]
     assert damping(None)[0].tolist() == [0.05] * 3
     assert damping(None)[1:] == (None, None)
-    _, coupling, undamped = damping([[0.0, 0.5, 0.0], [0.5, 0.8, 0.0], [0.0, 0.0, 1.6]])
-    assert (coupling, undamped) == (0.0, 0)  # what is coupled to nothing of its own has no measure
-    assert damping(np.diag([1.5e-6, 0.8, 1.6]))[2] == 0
-    assert damping(np.diag([1.7e-6, 0.8, 1.6]))[2] == 1
+    _, rest, coupling = damping([[0.0, 0.5, 0.0], [0.5, 0.8, 0.0], [0.0, 0.0, 1.6]])
+    assert coupling == 0.0  # what is coupled to nothing of its own has no measure
+    assert rest[0].tolist() == [0.0, 0.5, 0.0]
+    assert damping([[1e-10, 0.0, 0.0], [0.0, 0.8, 1e-10], [0.0, 0.0, 1.6]])[1] is None  # round-off
 
 
-def test_damping_that_drives_or_is_more_than_critical_is_refused():
+def test_damping_that_drives_is_refused_and_more_than_critical_is_kept_as_a_matrix():
     damping(np.diag([0.0, -0.9e-6, 1.0]))
     with pytest.raises(ct.InputError, match="C: found negative damping in mode 2, expected one that takes energy"):
         damping(np.diag([0.0, -1.1e-6, 1.0]))
     assert damping(np.diag([0.0, 3.99, 1.0]))[0][1] == pytest.approx(0.9975)
-    with pytest.raises(ct.InputError, match="C: found a damping ratio of 1 in mode 2, expected less than 1"):
-        damping(np.diag([0.0, 4.0, 1.0]))
+    ratio, rest, _ = damping(np.diag([0.0, 4.0, 1.0]))
+    assert (ratio[1], rest[1, 1], rest[2, 2]) == (0.0, 4.0, 0.0)
 
 
 def test_a_body_of_all_its_modes_or_of_twenty():
@@ -210,12 +210,16 @@ def test_mass_centre_and_inertia_of_point_masses():
         away = np.array(x) - centre
         about += m * (away @ away * np.eye(3) - np.outer(away, away))
     np.testing.assert_allclose(facts.inertia, about, atol=1e-12)
-    assert (facts.massless, facts.rigid, facts.coupling, facts.undamped) == (0, 0, None, None)
+    assert (facts.massless, facts.rigid, facts.coupling) == (0, 0, None)
+    assert (facts.gyroscopic, facts.cross) == (False, False)
 
 
 def test_the_lines_that_are_told_of_matrices():
     _, facts = body_of(point_masses(), [1])
-    changed = replace(facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, undamped=1, rigid_motion="")
+    changed = replace(
+        facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, gyroscopic=True, cross=True, rigid_motion="",
+        structural=(0.01, 0.02), structural_coupling=0.5,
+    )  # fmt: skip
     text = str(changed).splitlines()
     assert text[0] == "9 unknowns, 2 of them without mass, 1 rigid modes"
     assert text[1] == "mass [kg]: 10 10 10 along x, y, z"
@@ -224,9 +228,12 @@ def test_the_lines_that_are_told_of_matrices():
     assert text[4] == "asymmetry of M and K: 1.0e-07, 2.0e-06 of the entries in the same rows"
     assert text[5].startswith("lowest elastic frequencies [Hz]: 0.159155 0.225079 ")
     assert len(text[5].split()) == 4 + 6
-    assert text[6] == "damping between modes: up to 0.25 of their own, left out"
-    assert text[7] == "damping of rigid modes: left out in 1 of 1, which move on undamped"
-    assert text[8].startswith("residual compliance: none")
+    assert text[6] == "damping between modes: up to 0.25 of their own, kept in the basis"
+    assert text[7] == "gyroscopic matrix: kept between the modes, by the speed"
+    assert text[8].startswith("nonsymmetric stiffness: its skew part is kept between the modes, not in the residual")
+    assert text[9].startswith("structural damping: g from 0.01 to 0.02, ")
+    assert text[10] == "structural damping between modes: up to 0.5 of their own, left out"
+    assert text[11].startswith("residual compliance: none")
     plain = str(replace(facts, centre=None, residual=0.125)).splitlines()
     assert plain[2] == "inertia: not known without the positions of the nodes, or with masses that differ"
     assert plain[-1].startswith("residual compliance: present, 12.5 % of the static compliance at the contact; without")
@@ -236,9 +243,9 @@ def test_the_lines_that_are_told_of_matrices():
 
 def test_inertia_is_not_known_without_every_place_or_a_mass_along_every_axis():
     some = Matrices.of(np.eye(2), np.eye(2), dofs=[(1, "x"), (2, "x")], points={1: (0.0, 0.0, 0.0)})
-    assert report_of(some, np.ones(2), 0, 2, 0.0, None, None).centre is None
+    assert report_of(some, np.ones(2), 0, 2, 0.0, None).centre is None
     along = Matrices.of(np.eye(1), np.eye(1), dofs=[(1, "x")], points={1: (0.0, 0.0, 0.0)})
-    assert report_of(along, np.ones(1), 0, 1, 0.0, None, None).inertia is None
+    assert report_of(along, np.ones(1), 0, 1, 0.0, None).inertia is None
 
 
 def test_outputs_are_truncated_with_the_modes():

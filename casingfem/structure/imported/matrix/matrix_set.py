@@ -1,4 +1,4 @@
-"""M, K and maybe C and K4 of a part with the meaning of their rows, in the units of the file they come from."""
+"""M, K and maybe C, K4 and G of a part with the meaning of their rows, in the units of the file they come from."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -13,22 +13,32 @@ from casingfem.io.arrays import FloatArray, IntArray
 from contact.io.brief import brief
 
 STIFFNESS_AND_MASS = {"K": re.compile("STIF"), "M": re.compile("MASS")}
-WORDS = STIFFNESS_AND_MASS | {"C": re.compile("DAMP|DMPV"), "K4": re.compile("DMPS")}  # DMPV, DMPS: Abaqus
+WORDS = STIFFNESS_AND_MASS | {
+    "C": re.compile("DAMP|DMPV"),
+    "K4": re.compile("DMPS"),
+    "G": re.compile("GYRO|CORIOLIS"),
+}  # DMPV, DMPS: Abaqus
 OF_A_SET = re.compile(r"(K4|[KMB])([A-Z])\2X?\d?")  # Nastran's names: KAA, MGGX, BXX1, K4AA
-LETTERS = {"K4": re.compile("K4"), "K": re.compile("K"), "M": re.compile("M"), "C": re.compile("[BC]")}
-ROLES = ("K", "M", "C", "K4")
+LETTERS = {
+    "K4": re.compile("K4"),
+    "K": re.compile("K"),
+    "M": re.compile("M"),
+    "C": re.compile("[BC]"),
+    "G": re.compile("G$"),
+}
+ROLES = ("K", "M", "C", "K4", "G")
 NEEDED = ("K", "M")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class MatrixSet:
-    """Matrices of one part, (n, n) each, symmetric where the file says so.
+    """Matrices of one part, (n, n) each; K, M, C and K4 symmetric where the file says so.
 
     Attributes
     ----------
-    K, M, C, K4
-        Stiffness, mass, viscous damping, structural damping (the imaginary part of the stiffness); C and K4 are None
-        where there is none.
+    K, M, C, K4, G
+        Stiffness, mass, viscous damping, structural damping (the imaginary part of the stiffness), gyroscopic matrix
+        per rad/s (skew); C, K4 and G are None where there is none.
     dofs
         Node and direction of each row, (n, 2): 1 to 3 along x, y, z, 4 to 6 about them, 0 a scalar.
     points
@@ -47,6 +57,7 @@ class MatrixSet:
     M: csc_array
     C: csc_array | None = None
     K4: csc_array | None = None
+    G: csc_array | None = None
     dofs: IntArray
     points: Mapping[int, FloatArray] = field(default_factory=dict)
     axes: Mapping[int, FloatArray] = field(default_factory=dict)
@@ -72,7 +83,7 @@ class MatrixSet:
     @property
     def named(self) -> dict[str, csc_array]:
         """The matrices there are, by their letters."""
-        named = {"K": self.K, "M": self.M, "C": self.C, "K4": self.K4}
+        named = {"K": self.K, "M": self.M, "C": self.C, "K4": self.K4, "G": self.G}
         return {name: A for name, A in named.items() if A is not None}
 
 
@@ -82,7 +93,7 @@ def fault(source: str, message: str) -> ModelError:
 
 
 def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
-    """Which of the names is K, which M, which C or K4: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
+    """Which of the names is K, which M, which C, K4 or G: KAAX, MAAX, BAAX, K4AAX; k.mtx, m.mtx; job_STIF1, job_MASS1.
 
     Where several fit, those that Nastran gives to its sets: KAA, KGG, KXX, not KASMX.
 
@@ -111,7 +122,7 @@ def roles_of(names: Sequence[str], source: str) -> dict[str, str]:
 
 
 def role_of(name: str) -> str:
-    """K, M, C or K4 by a word in a name, by how its last part begins, or its first; "" for none.
+    """K, M, C, K4 or G by a word in a name, by how its last part begins, or its first; "" for none.
 
     >>> role_of("job_STIF1"), role_of("kit_M"), role_of("KAAX"), role_of("K4XX1"), role_of("PAX")
     ('K', 'M', 'K', 'K4', '')
@@ -124,7 +135,7 @@ def role_of(name: str) -> str:
 
 
 def is_part(name: str) -> bool:
-    """Whether a name is sure to be that of a K, M, C or K4: one of Nastran's sets, or the letter alone."""
+    """Whether a name is sure to be that of a K, M, C, K4 or G: one of Nastran's sets, or the letter alone."""
     upper = name.upper()
     return OF_A_SET.fullmatch(upper) is not None or upper in ("B", *ROLES)
 

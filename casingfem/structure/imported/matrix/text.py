@@ -10,6 +10,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet, fault, from_triples, roles_of
 from contact.io.infiles import read_bytes, read_loose_text
 
+KINDS = {"coordinate": ("general", "symmetric", "skew-symmetric"), "array": ("general", "symmetric")}
 MOST = 10**8  # rows
 PLAIN = str.maketrans(",Dd", " Ee")  # blanks between numbers, exponents as Python has them
 MOST_NUMBER = 1e15  # of a node: beyond, a float does not tell them apart
@@ -56,9 +57,10 @@ def read_market(path: Path) -> csc_array:
     """
     head = read_loose_text(path).partition("\n")[0].lower().split()
     shaped = len(head) == 5 and head[1] == "matrix" and head[2] in ("coordinate", "array")
-    if not shaped or head[3] not in ("real", "integer") or head[4] not in ("general", "symmetric"):
+    if not shaped or head[3] not in ("real", "integer") or head[4] not in KINDS[head[2]]:
         found = " ".join(head[1:]) or "no kind"
-        raise fault(path.name, f"found {found}, expected matrix coordinate or array, real, general or symmetric")
+        kinds = "real, general or symmetric, or skew-symmetric by coordinates"
+        raise fault(path.name, f"found {found}, expected matrix coordinate or array, {kinds}")
     if head[2] == "array":
         return dense_market(path, symmetric=head[4] == "symmetric")
     table = numbers(path, 3)
@@ -75,6 +77,10 @@ def read_market(path: Path) -> csc_array:
     A = coo_array((entries[:, 2], (rows, columns)), shape=(size, size))
     if head[4] == "general":
         return csc_array(A)
+    if head[4] == "skew-symmetric":
+        if np.any(columns >= rows):
+            raise fault(path.name, "found entries on or above the diagonal of a skew-symmetric matrix")
+        return csc_array(A - A.T)
     if np.any(columns > rows):
         raise fault(path.name, "found entries above the diagonal of a symmetric matrix")
     return from_triples(rows, columns, entries[:, 2], size)
@@ -137,7 +143,8 @@ def read_mtx_pair(paths: list[Path], dofs: IntArray | None) -> MatrixSet:
         dofs = read_dof(beside)
     K, wanted = labelled(read["K"], dofs)
     others = {role: aligned(*labelled(read[role], dofs), wanted, source) for role in read if role != "K"}
-    return MatrixSet(K=K, M=others["M"], C=others.get("C"), K4=others.get("K4"), dofs=wanted, source=source)
+    return MatrixSet(K=K, M=others["M"], C=others.get("C"), K4=others.get("K4"), G=others.get("G"), dofs=wanted,
+                     source=source)  # fmt: skip
 
 
 def labelled(matrix: Labelled, dofs: IntArray | None) -> tuple[csc_array, IntArray]:

@@ -12,6 +12,7 @@ from casingfem.structure.imported.matrix.arrays import to_columns
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet
 from contact.io.npz import save_npz
 
+ROUND_OFF = 1e-13  # of the largest entry
 NAMES = ("q", "x", "y", "z", "rx", "ry", "rz")
 
 
@@ -38,28 +39,41 @@ def places(matrices: MatrixSet) -> list[tuple[int, list[float]]]:
     return [(node, np.asarray(matrices.points[node]).tolist()) for node in known if node in matrices.points]
 
 
+def symmetry(A: csc_array) -> str:
+    """Matrix Market's word: symmetric, skew-symmetric or general, to round-off."""
+    level = ROUND_OFF * float(np.abs(A.data).max(initial=0.0))
+    for name, sign in (("symmetric", -1.0), ("skew-symmetric", 1.0)):
+        if not A.nnz or np.abs((A + sign * A.T).data).max(initial=0.0) <= level:
+            return name
+    return "general"
+
+
 def market(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     """Matrix Market, one file a matrix."""
     files = tables(matrices, stem)
     for name, A in matrices.named.items():
         stream = BytesIO()
-        mmwrite(stream, A, symmetry="symmetric", precision=17)
+        mmwrite(stream, A, symmetry=symmetry(A), precision=17)
         files[f"{stem}_{name}.mtx"] = stream.getvalue()
     return files
 
 
 def dmig(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
-    """DMIG cards of large fields (ten digits), K2GG, M2GG, B2GG, lower triangles, with the grids before them."""
+    """DMIG cards of large fields (ten digits), K2GG, M2GG, B2GG, GYRO, with the grids before them.
+
+    Symmetric matrices (form 6) as lower triangles, others (form 1) with all entries.
+    """
     out = StringIO()
     for node, x in places(matrices):
         a, b, c = (f"{value:16.9E}" for value in x)
         out.write(f"GRID*   {node:16d}{'':16}{a}{b}*\n*       {c}\n")
-    titles = {"K": "K2GG", "M": "M2GG", "C": "B2GG"}
+    titles = {"K": "K2GG", "M": "M2GG", "C": "B2GG", "K4": "K42GG", "G": "GYRO"}
     dofs = matrices.dofs.tolist()
     for role, A in matrices.named.items():
         name = titles[role]
-        out.write(f"DMIG    {name:8}{0:8d}{6:8d}{2:8d}{0:8d}\n")
-        lower = csc_array(tril(A))
+        form = 6 if symmetry(A) == "symmetric" else 1
+        out.write(f"DMIG    {name:8}{0:8d}{form:8d}{2:8d}{0:8d}\n")
+        lower = csc_array(tril(A) if form == 6 else A)
         for column in range(len(dofs)):
             part = slice(*lower.indptr[column : column + 2])
             if part.start == part.stop:
@@ -76,7 +90,8 @@ def op4(matrices: MatrixSet, stem: str) -> dict[str, str | bytes]:
     out = StringIO()
     for name, A in matrices.named.items():
         n = A.shape[0]
-        out.write(f"{n:8d}{-n:8d}{6:8d}{2:8d}{name:8}1P,3E23.16\n")
+        form = 6 if symmetry(A) == "symmetric" else 1
+        out.write(f"{n:8d}{-n:8d}{form:8d}{2:8d}{name:8}1P,3E23.16\n")
         ordered = csc_array(A)
         ordered.sort_indices()
         for column in range(n):

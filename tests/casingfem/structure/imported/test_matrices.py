@@ -569,6 +569,35 @@ def test_import_and_export_on_the_command_line(tmp_path):
     assert document["channels"] == list(EXACT.channels)
 
 
+@pytest.mark.parametrize("form", ["mtx", "pch", "op4", "npz", "mat"])
+@pytest.mark.parametrize("residual", [True, False])
+def test_basis_that_turns_comes_back_with_its_matrices_in_every_format(residual, form, tmp_path):
+    """Receptances at a speed, with Coriolis forces, damping between modes and a nonsymmetric stiffness."""
+    rng = np.random.default_rng(5)
+    G, damping = rng.standard_normal((2, 3, 3))
+    basis = cf.ModalBasis(
+        omega=np.array([40.0, 70.0, 90.0]), zeta=np.array([0.01, 0.0, 0.02]), channels=("6.x", "6.y"),
+        rows=rng.standard_normal((2, 3)), S=1e-4 * np.array([[2.0, 1.0], [1.0, 3.0]]) * residual, kind="point",
+        gyroscopic=G - G.T, damping=damping @ damping.T, stiffness=300.0 * (G - G.T),
+    )  # fmt: skip
+    basis.save(tmp_path / "rotor.npz")
+    assert run("export", tmp_path / "rotor.npz", "--format", form, "--out", tmp_path).exit_code == 0
+    files = sorted(tmp_path.glob("rotor_?.mtx")) if form == "mtx" else [*tmp_path.glob(f"rotor*.{form}")]
+    files = [file for file in files if file.name != "rotor.npz"]
+    arguments = ["import", *files, "--contact", "6", "--modes", "5", "--out", tmp_path / "back.npz"]
+    arguments += ["--dofs", next(tmp_path.glob("*dofs.csv"))] if form in ("mtx", "op4") else []
+    assert run(*arguments).exit_code == 2  # nonsymmetric matrices have to be meant
+    ran = run(*arguments, "--nonsymmetric")
+    assert ran.exit_code == 0, ran.stderr
+    found = []
+    for path in ("rotor.npz", "back.npz"):
+        body = ct.ModalBody.load(tmp_path / path)
+        C, K = body.matrices(11.0)
+        dynamic = K + 55j * C - 55.0**2 * np.eye(len(K))
+        found.append(body.rows @ np.linalg.solve(dynamic, body.rows.T) + body.S)
+    np.testing.assert_allclose(found[1], found[0], atol=1e-6 * np.abs(found[0]).max())
+
+
 def test_import_takes_contact_and_positions_from_the_table_of_nodes(tmp_path):
     written(tmp_path, "mtx")
     tip = "node,x,y,z\n" + "".join(f"{n},{','.join(map(str, SET.points[n].tolist()))}\n" for n in NODES)

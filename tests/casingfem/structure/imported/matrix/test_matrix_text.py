@@ -75,6 +75,12 @@ def test_entries_of_a_symmetric_matrix_stand_on_both_sides(tmp_path):
     np.testing.assert_array_equal(read_market(file(tmp_path, text)).toarray(), wanted)
 
 
+def test_entries_of_a_skew_matrix_stand_on_the_other_side_with_the_other_sign(tmp_path):
+    text = SPARSE.format("real", "skew-symmetric") + "3 3 2\n2 1 5.\n3 1 -2.\n"
+    wanted = [[0.0, -5.0, 2.0], [5.0, 0.0, 0.0], [-2.0, 0.0, 0.0]]
+    np.testing.assert_array_equal(read_market(file(tmp_path, text)).toarray(), wanted)
+
+
 def test_all_entries_are_given_column_by_column(tmp_path):
     text = DENSE.format("general") + "% a comment\n2 2\n1.0\n2d0\n\n3.0 4.0\n"
     np.testing.assert_array_equal(read_market(file(tmp_path, text)).toarray(), [[1.0, 3.0], [2.0, 4.0]])
@@ -97,7 +103,11 @@ def test_a_matrix_without_entries_is_zero(tmp_path):
         ),
         ("%%MatrixMarket\n", "found no kind, expected matrix"),
         (SPARSE.format("pattern", "general"), "found matrix coordinate pattern general, expected"),
-        (SPARSE.format("real", "skew-symmetric"), "found matrix coordinate real skew-symmetric, expected"),
+        (DENSE.format("skew-symmetric"), "found matrix array real skew-symmetric, expected"),
+        (
+            SPARSE.format("real", "skew-symmetric") + "2 2 1\n2 2 1.\n",
+            "found entries on or above the diagonal of a skew-symmetric matrix",
+        ),
         ("%%MatrixMarket tensor array real general\n", "found tensor array real general, expected"),
         ("%%MatrixMarket matrix list real general\n", "found matrix list real general, expected"),
         ("%%MatrixMarket matrix array real general more\n", "found matrix array real general more, expected"),
