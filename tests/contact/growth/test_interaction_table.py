@@ -17,6 +17,7 @@ from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.growth.waves import waves_of
 from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact, rub_contact
 from contact.scene.stability import load_interactions
+from tests.contact.growth.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 
 B6 = HandPair(
@@ -166,7 +167,15 @@ def test_bands_that_open_begin_and_end_where_the_ratio_is_one():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "mu", "hz"),
-    [(B6, 0.0, 52.844), (rim(), 0.3, 60.0), (rim(ring(imperfect=1e-3)), 0.3, 20.0), (TWO_BLADES, 0.3, 20.0)],
+    [
+        (B6, 0.0, 52.844),
+        (rim(), 0.3, 60.0),
+        (rim(ring(imperfect=1e-3)), 0.3, 20.0),
+        (TWO_BLADES, 0.3, 20.0),
+        (rim(turning_ring()), 0.3, 60.0),
+        (rim(turning_ring(), turning="blades"), 0.3, 20.0),
+        (replace(TWO_BLADES, casing=turning_ring()), 0.3, 20.0),
+    ],
 )
 def test_a_run_at_one_speed_confirms_the_poles(what, mu, hz):
     run = confirming_run(what, hz, mu=mu)
