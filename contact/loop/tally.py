@@ -8,7 +8,7 @@ from typing import NamedTuple
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.record.record import Samples, Tally
-from contact.solver.yielding.yields import Yielding
+from contact.solver.yielding.yields import Yielding, passed
 
 INSIDE = 1e-9  # of the cone's radius: a force nearer to the edge slips
 RANK_ONE = 1e-12
@@ -59,7 +59,7 @@ def note_yielding(sums: Tally, out: Samples, y: Yielding, k: int, h: float, time
                   depth: float, before: float, predicted: float) -> None:  # fmt: skip
     """As `note_contact`, of a contact whose force is a function of its depth: what the law misses is gap + depth."""
     slack = abs(gap + depth) if force > 0.0 else max(-gap, 0.0)
-    y.depth[k] = depth
+    passed(y, k, -gap)
     note_step(sums, out, k, h, force, gap, slack, time, before, predicted, time - 0.5 * h)
 
 

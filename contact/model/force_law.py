@@ -23,8 +23,8 @@ def spring(depth: float, rate: float, values: Array) -> tuple[float, float]:
 
 def hertz(depth: float, rate: float, values: Array) -> tuple[float, float]:
     """Force = k depth^p (1 + a rate); `values` k, p, a [s/m]."""
-    force = values[0] * depth ** values[1] * (1.0 + values[2] * rate)
-    return force, values[1] * force / depth
+    stiff = values[0] * depth ** (values[1] - 1.0) * (1.0 + values[2] * rate)
+    return stiff * depth, values[1] * stiff
 
 
 def table(depth: float, rate: float, values: Array) -> tuple[float, float]:

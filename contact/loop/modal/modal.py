@@ -104,9 +104,8 @@ def advance_modal(
             if y is None:
                 force = scalar_force(scale, test)
             else:
-                paced(y, 0, h, averaged, scale, S, test, now, last, S * s.memory[2])
-                force = press(y, 0, scale, test)
-                depth = y.depth[0]
+                paced(y, 0, h)
+                depth, force = press(y, 0, scale, test)
             if not force >= 0.0:
                 return step
             add_force(s, Q, force, new)

@@ -10,14 +10,17 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
 from contact.loop.limits import outgrown, tip_motion
-from contact.loop.tally import Sticking, note_contact, note_sticking, store, store_state
+from contact.loop.tally import Sticking, note_contact, note_sticking, note_yielding, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.dense import assign, dot
+from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import friction_forces, solver_room
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.friction.room import Room
 from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, active_space, project
 from contact.solver.unilateral.springs import SpringSpace, spring_forces, spring_space
+from contact.solver.yielding.several import yielding_forces
+from contact.solver.yielding.yields import Yielding, note_slope, paced
 
 JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
 
@@ -59,25 +62,31 @@ class PatchWork(NamedTuple):
     after: Array  # (d k,)
     inside: Indices  # (k,)
     chosen: Indices  # (d k,)
+    numbers: Indices  # (k,) of the chosen contacts
+    depth: Array  # (k,) of the chosen contacts, where they give way
+    deep: Array  # (k,) the same of all contacts
     mu: Array  # (k,)
     W: Array  # (d k, d k), empty without friction
     short: Array  # (d k,)
     lam: Array  # (d k,)
     active: ActiveSpace  # empty with friction and with springs
     soft: SpringSpace  # empty without springs
+    all_sliding: AllSliding
     room: Room  # empty without
 
 
-def patch_work(s: PatchState, rough: bool) -> PatchWork:
-    """Work space of a run."""
+def patch_work(s: PatchState, rough: bool, slides: bool) -> PatchWork:
+    """Work space of a run; `rough` where Newton's method solves for the contacts, `slides` where they give way too."""
     k, n, m = s.mu.size, s.lam.size, s.q.size
     size = n if rough else 0
     columns, springs = s.roots.shape[1], s.springs.size
     return PatchWork(
         b=np.zeros(n), old=np.zeros(m), pushed=np.zeros(m), after=np.zeros(n), inside=np.zeros(k, dtype=np.int64),
-        chosen=np.zeros(n, dtype=np.int64), mu=np.zeros(k), W=np.zeros((size, size)), short=np.zeros(n),
+        chosen=np.zeros(n, dtype=np.int64), numbers=np.zeros(k, dtype=np.int64), depth=np.zeros(k), deep=np.zeros(k),
+        mu=np.zeros(k), W=np.zeros((size, size)), short=np.zeros(n),
         lam=np.zeros(n), active=active_space(k, 0 if springs else columns),
-        soft=spring_space(springs, columns if springs else 0), room=solver_room(size // (n // k), n // k),
+        soft=spring_space(springs, columns if springs else 0), all_sliding=AllSliding(used=slides),
+        room=solver_room(size // (n // k), n // k),
     )  # fmt: skip
 
 
@@ -106,20 +115,37 @@ def note_iterations(s: PatchState, iterations: int) -> None:
 
 
 @jit
-def frictional(s: PatchState, w: PatchWork, dim: int) -> bool:
-    """Forces with friction into `lam`: contacts that close alone or pressed before, and those they draw in."""
+def chosen_forces(s: PatchState, w: PatchWork, y: Yielding | None, dim: int, h: float) -> bool:
+    """Forces into `lam` with friction or a force-depth law: of contacts that close alone or pressed before, and others.
+
+    Others are those that the first draw in.
+    """
     k, b, inside = s.mu.size, w.b, w.inside
     for i in range(k):
         inside[i] = 1 if b[i * dim] < 0.0 or s.lam[i * dim] > 0.0 else 0
         if inside[i] == 0:
             for row in range(i * dim, (i + 1) * dim):
                 s.lam[row] = 0.0
+    if y is not None:
+        for i in range(k):
+            paced(y, i, h)
     spent = 0
     while True:
         count = gather(s, w, dim)
-        iterations, residual = friction_forces(w.W, w.short, w.mu, dim, count, w.lam, w.room)
+        if y is None:
+            iterations, residual = friction_forces(w.W, w.short, w.mu, dim, count, w.lam, w.room)
+            solved = residual <= TOLERANCE
+        else:
+            iterations = 1
+            solved = yielding_forces(
+                None, y, w.numbers, w.W, w.short, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
+            )
+            for i in range(k):
+                w.deep[i] = 0.0
+            for i in range(count):
+                w.deep[w.numbers[i]] = w.depth[i]
         spent += iterations
-        if not residual <= TOLERANCE:
+        if not solved:
             s.counts[3] = ROUGH
             note_iterations(s, spent)
             return False
@@ -140,7 +166,7 @@ def gather(s: PatchState, w: PatchWork, dim: int) -> int:
     count = 0
     for i in range(s.mu.size):
         if w.inside[i] == 1:
-            w.mu[count] = s.mu[i]
+            w.mu[count], w.numbers[count] = s.mu[i], i
             for j in range(dim):
                 w.chosen[count * dim + j] = i * dim + j
             count += 1
@@ -153,9 +179,10 @@ def gather(s: PatchState, w: PatchWork, dim: int) -> int:
 
 @jit_entry
 def advance_patch(
-    s: PatchState, w: PatchWork, rough: bool, sums: Tally, out: Samples, h: float, first: int, steps: int
+    s: PatchState, w: PatchWork, y: Yielding | None, rough: bool, averaged: bool, sums: Tally, out: Samples,
+    h: float, first: int, steps: int,
 ) -> int:  # fmt: skip
-    """Exact-modal steps, forward law in every contact."""
+    """Exact-modal steps; `averaged` law of contacts that give way, else the forward law. W is that of the law."""
     k = s.mu.size
     dim, soft = s.lam.size // k, s.S.size > 0
     for step in range(first, first + steps):
@@ -163,11 +190,14 @@ def advance_patch(
         for i in range(s.q.size):
             w.old[i] = s.d[i]
             s.d[i] = s.al[i] * s.d[i] - s.be[i] * s.q[i] + s.kick[i]
-        touches = look(s, w, rough, dim, soft)
+        touches = look(s, w, rough, averaged, dim, soft)
         if not math.isfinite(w.b[0]):
             return step
         if touches:
-            if not (frictional(s, w, dim) if rough else frictionless(s, w)):
+            if rough or y is not None:
+                if not chosen_forces(s, w, y, dim, h):
+                    return step
+            elif not frictionless(s, w):
                 return step
             push(s, w, rough, dim, sums)
         else:
@@ -187,7 +217,13 @@ def advance_patch(
             s.gap[i] = 0.0
             if s.force[i] == 0.0:
                 s.gap[i] = s.place[i] + (dot(s.S[row], s.lam, s.lam.size) if soft else 0.0)
-            note_contact(sums, out, i, h, step * h, s.force[i], s.gap[i], s.own[i], before, w.b[row])
+            if y is None:
+                note_contact(sums, out, i, h, step * h, s.force[i], s.gap[i], s.own[i], before, w.b[row])
+            else:
+                s.gap[i] = w.b[row] + (dot(s.W[row], s.lam, s.lam.size) if touches else 0.0)
+                depth = w.deep[i] if s.force[i] > 0.0 else 0.0
+                note_yielding(sums, out, y, i, h, step * h, s.force[i], s.gap[i], depth, before, w.b[row])
+                note_slope(y, i, depth)
             if rough:
                 note_sticking(s.past, sums, out, i, step * h, h, s.mu[i], s.W, s.lam, w.b)
             tip_motion(s.limits, s.place[i])
@@ -198,8 +234,8 @@ def advance_patch(
 
 
 @jit
-def look(s: PatchState, w: PatchWork, rough: bool, dim: int, soft: bool) -> bool:
-    """Fill `b` with the free gaps and slips; whether a gap is negative (or not a number)."""
+def look(s: PatchState, w: PatchWork, rough: bool, averaged: bool, dim: int, soft: bool) -> bool:
+    """Fill `b` with the free gaps, or their means of three steps, and slips; whether a gap is negative (or NaN)."""
     touches, n = False, s.lam.size
     for row in range(n):
         w.b[row] = dot(s.rows[row], s.d, s.q.size)
@@ -209,6 +245,8 @@ def look(s: PatchState, w: PatchWork, rough: bool, dim: int, soft: bool) -> bool
             if soft and not normal:  # the slip of a step is the change of T q + S lam, the gap its value
                 w.b[row] -= dot(s.S[row], s.lam, n)
     for i in range(s.mu.size):
+        if averaged:
+            w.b[i * dim] = 0.25 * (w.b[i * dim] - s.moved[i * dim])
         w.b[i * dim] += s.place[i]
         touches |= not w.b[i * dim] >= 0.0
     return touches

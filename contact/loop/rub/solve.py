@@ -10,10 +10,11 @@ from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
 from contact.loop.rub.state import TOGETHER, RubState, Work
-from contact.solver.abradable.tips import Coats, crush_tips
+from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
+from contact.solver.yielding.several import yielding_forces
 
 
 @jit
@@ -107,7 +108,9 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
         s.counts[1] += float(iterations)
         solved = miss <= TOLERANCE
     else:
-        solved = crush_tips(coats, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room)
+        solved = yielding_forces(
+            coats, None, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
+        )
     if not solved:
         s.counts[3] = ROUGH
         return False

@@ -79,7 +79,7 @@ class ExactModal:
         if law.updates > 0:
             expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response with ExactModal"
             raise InputError(f"law: found {law!r}, expected {expected}")
-        if law.response is not None and not isinstance(problem, PointGap | Chain):
+        if law.response is not None and not isinstance(problem, PointGap | Chain | Patch):
             raise InputError(
                 f"law: found {law.words} on {type(problem).__name__}, expected one contact at a fixed point"
             )
@@ -112,9 +112,10 @@ class ExactModal:
         label = f"exact modal, {chosen} law, {reached}"
         return modal_stepper(system, parts, averaged=averaged, law=law, label=label, skip=self.skip)
 
-    def patch(self, problem: Patch, mu: float, dt: float | None, courant: float | None) -> Stepper:
+    def patch(self, problem: Patch, law: Law, dt: float | None, courant: float | None) -> Stepper:
         """Stepper of several contacts of one body."""
-        if self.law in ("averaged", "energy"):
+        mu, gives_way = law.mu, law.response is not None
+        if self.law == "energy" or (self.law == "averaged" and not gives_way):
             raise InputError(f"law: found {self.law!r} with several contacts, expected 'forward' or 'auto'")
         if mu > 0.0 and problem.dimensions == 1:
             found = "Coulomb friction on a Patch without tangent"
@@ -124,7 +125,9 @@ class ExactModal:
         parts = propagator(omega, problem.body.zeta, np.asarray(problem.load), h)
         self._require_slow(parts.top, h)
         reached = f"dt omega_max = {h * parts.top:.3g} (limit {self.omega_h_limit:g})"
-        return patch_stepper(problem, parts, mu, f"exact modal, forward law in every contact, {reached}")
+        averaged = gives_way and self.law != "forward"
+        label = f"exact modal, {'averaged' if averaged else 'forward'} law in every contact, {reached}"
+        return patch_stepper(problem, parts, law, label, averaged=averaged)
 
     def rub(self, rub: Rub, law: Law, dt: float | None, courant: float | None) -> Stepper:
         """Stepper of tips before a turning rim."""
@@ -231,7 +234,7 @@ def _prepared(problem: Problem, scheme: ExactModal, law: Law, dt: float | None, 
 
 @_prepared.register
 def _(problem: Patch, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
-    return scheme.patch(problem, law.mu, dt, courant)
+    return scheme.patch(problem, law, dt, courant)
 
 
 @_prepared.register

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.trust import Flag
 from contact.model.force_law import Response
@@ -17,8 +18,11 @@ if TYPE_CHECKING:
 TRIED = 1e-6  # depth [m] and rate [m/s] at which a function is tried before the run
 
 
-def yielding_of(law: Law, contacts: int) -> Yielding | None:
-    """Work space of a law's response, None of a rigid one; raises InputError for a function that cannot be used."""
+def yielding_of(law: Law, now: Array, before: Array) -> Yielding | None:
+    """Work space of a law's response, None of a rigid one; gaps (K,) at t_0 and a step before.
+
+    Raises InputError for a function that cannot be used.
+    """
     if law.response is None:
         return None
     from contact.solver.yielding.yields import ByDepth, yielding
@@ -33,7 +37,7 @@ def yielding_of(law: Law, contacts: int) -> Yielding | None:
         raise InputError(
             f"response: found {law.words}, which does not compile ({reason}), expected {expected}"
         ) from error
-    return yielding(found, np.array(law.response.values), contacts)  # which loops may write
+    return yielding(found, np.array(law.response.values), now, before)  # which loops may write
 
 
 def require_usable(response: Response) -> None:
@@ -52,12 +56,12 @@ def stored_by(law: Law, y: Yielding | None) -> float:
     """Energy in the contacts now [J]."""
     if y is None or law.response is None:
         return 0.0
-    return sum(law.response.energy(float(depth)) for depth in y.depth)
+    return sum(law.response.energy(float(depth)) for depth in y.past[:, 0])
 
 
 def memory_of(y: Yielding | None) -> tuple[Any, ...]:
     """What a resumed run needs."""
-    return () if y is None else (y.depth, y.steepest)
+    return () if y is None else (y.past, y.steepest)
 
 
 def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:

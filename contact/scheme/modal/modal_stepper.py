@@ -45,7 +45,7 @@ def modal_stepper(
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())
     mu, tracks = law.mu, None if law.coating is None else Tracks.of(system, law.coating)
-    rim, y = None, yielding_of(law, 1)
+    rim, y = None, yielding_of(law, state.memory[:1], state.memory[1:2])
     if system.table is None:
         loop = _point_loop(system, parts, averaged, damped, y)
     else:

@@ -15,14 +15,17 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.io.trust import Flag
 from contact.model.bodies.patch import Patch
+from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
+from contact.scheme.modal.gives_way import memory_of, stored_by, too_long, yielding_of
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
     from contact.loop.modal.patch import PatchState, PatchWork
+    from contact.solver.yielding.yields import Yielding
 
 
 FAR_FETCHED = 1e6  # times what start and load could move a gap: a motion that feeds on itself
@@ -37,6 +40,9 @@ class PatchStepper(ExactRun):
     state: PatchState
     work: PatchWork
     rough: bool
+    law: Law
+    averaged: bool
+    y: Yielding | None
 
     @property
     def size(self) -> int:
@@ -52,14 +58,16 @@ class PatchStepper(ExactRun):
         """Advance by whole steps; -1, or the step that failed."""
         from contact.loop.modal.patch import advance_patch
 
-        failed = advance_patch(self.state, self.work, self.rough, self.sums, out, self.dt, first, steps)
+        failed = advance_patch(
+            self.state, self.work, self.y, self.rough, self.averaged, self.sums, out, self.dt, first, steps
+        )
         self.work.room.otherwise.pass_on()
         return failed
 
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
-        return self.state, self.work, self.sums
+        return self.state, self.work, self.sums, memory_of(self.y)
 
     @property
     def overlap(self) -> float:
@@ -91,12 +99,14 @@ class PatchStepper(ExactRun):
 
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
-        return Notes(flags=inexact(float(self.work.room.left[0])))
+        long = too_long(self.y, float(np.max(self.state.own)), self.dt)
+        return Notes(flags=(*inexact(float(self.work.room.left[0])), *long))
 
     def stored(self) -> Stored:
-        """Energy at t_n; what S stores counts as residual."""
+        """Energy at t_n; what S and contacts that give way store counts as residual."""
         s = self.state
         residual = 0.5 * float(s.lam @ s.S @ s.lam) if s.S.size else 0.0
+        residual += stored_by(self.law, self.y)
         return self.parts.stored(s.q, s.d, s.rows.T @ s.lam, residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
@@ -104,12 +114,13 @@ class PatchStepper(ExactRun):
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
 
-def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> PatchStepper:
-    """Stepper at t = 0; without friction only the normal rows take part."""
+def patch_stepper(problem: Patch, parts: Propagator, law: Law, label: str, *, averaged: bool) -> PatchStepper:
+    """Stepper at t = 0; without friction only the normal rows take part. `averaged`: for laws with a response."""
     from contact.loop.modal.patch import PatchState, patch_work
     from contact.loop.tally import Sticking
     from contact.solver.unilateral.springs import springs_of
 
+    mu, gives_way = law.mu, law.response is not None
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions
     rows = np.ascontiguousarray(problem.rows()[::step])
@@ -121,8 +132,9 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
     if not S.any():
         S = none
     scaled = rows * np.sqrt(parts.c)
-    springs = np.zeros(0) if rough else springs_of(scaled, S)
-    roots = scaled if springs.size else none if rough else _roots(rows, parts.c, S)
+    newton = rough or gives_way
+    springs = np.zeros(0) if newton else springs_of(scaled, S)
+    roots = scaled if springs.size else none if newton else _roots(rows, parts.c, S)
     clearance, slide = problem.opening, np.zeros((k, dim))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
@@ -131,15 +143,16 @@ def patch_stepper(problem: Patch, parts: Propagator, mu: float, label: str) -> P
     state = PatchState(
         q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.c * parts.load,
         weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
-        W=_delassus(rows, parts.c, S) if rough else none, roots=roots, springs=springs,
+        W=_delassus(rows, parts.c, S, dim if averaged else 0) if newton else none, roots=roots, springs=springs,
         mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
         past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
         limits=np.array([math.inf, FAR_FETCHED * _reach(problem, rows[::dim], parts), 0.0, 0.0]),
     )  # fmt: skip
     return PatchStepper(
-        problem=problem, parts=parts, state=state, work=patch_work(state, rough), rough=rough, sums=tally(k),
-        label=label,
+        problem=problem, parts=parts, state=state, sums=tally(k), rough=rough, averaged=averaged, law=law, label=label,
+        work=patch_work(state, newton, rough and gives_way and k > 1),
+        y=yielding_of(law, state.place, state.place - state.moved[::dim]),
     )  # fmt: skip
 
 
@@ -153,8 +166,11 @@ def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
     return float(reach.max()) or math.inf
 
 
-def _delassus(rows: Array, c: Array, S: Array) -> Array:
+def _delassus(rows: Array, c: Array, S: Array, mean: int = 0) -> Array:
+    """Rows c rows^T + S; a quarter of the first in every `mean`-th row, a normal, where the law is of three gaps."""
     H = (rows * c) @ rows.T
+    if mean:
+        H[::mean] *= 0.25
     return np.ascontiguousarray(H + S if S.size else H)
 
 

@@ -49,38 +49,33 @@ class ByDepth(ByAddress):
 
 
 class Yielding(NamedTuple):
-    """The law of K contacts, and for each what its rate is made of, and depth and slope found last."""
+    """The law of K contacts, and for each its depths [m] of the last two steps and what its rate is made of."""
 
     law: ByDepth
     values: Array
     rate: Array  # (K, 2): rate = rate[k, 0] + rate[k, 1] depth [1/s]
-    depth: Array  # (K,) [m], 0 of an open contact
+    past: Array  # (K, 2) the last depth and that before, below 0 of open contacts
     steepest: Array  # (1,) largest slope so far [N/m]
 
 
-def yielding(law: ByDepth, values: Array, contacts: int) -> Yielding:
-    """Work space for so many contacts."""
-    return Yielding(
-        law=law, values=values, rate=np.zeros((contacts, 2)), depth=np.zeros(contacts),
-        steepest=np.zeros(1),
-    )  # fmt: skip
+def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding:
+    """Work space for contacts that have these gaps at t_0 and a step before, (K,) each."""
+    past = -np.stack([now, before], axis=1)
+    return Yielding(law=law, values=values, rate=np.zeros((now.size, 2)), past=past, steepest=np.zeros(1))
 
 
 @jit
-def paced(y: Yielding, k: int, h: float, averaged: bool, scale: float, S: float, test: float, now: float, last: float,
-          before: float) -> None:  # fmt: skip
-    """How fast contact k gets deeper in this step, as a function of its depth.
+def paced(y: Yielding, k: int, h: float) -> None:
+    """How fast contact k gets deeper in this step, (3 depth - 4 depth_{n-1} + depth_{n-2})/(2 h) (Gear's, order 2)."""
+    y.rate[k, 0] = (0.5 * y.past[k, 1] - 2.0 * y.past[k, 0]) / h
+    y.rate[k, 1] = 1.5 / h
 
-    `scale` = D of the step, `S` its residual part; gaps of the modes alone: `test` of the step without force, `now` at
-    t_n, `last` at t_{n-1}; `before` what S gave way in the last step. At the mean of three gaps the rate is
-    -(g_{n+1} - g_{n-1})/(2 h), else -(g_{n+1} - g_n)/h, less what S gives way.
-    """
-    if averaged:
-        y.rate[k, 0] = (now + last + before - S * test / scale) / h
-        y.rate[k, 1] = (2.0 - S / scale) / h
-    else:
-        y.rate[k, 0] = (now + before) / h
-        y.rate[k, 1] = 1.0 / h
+
+@jit
+def passed(y: Yielding, k: int, depth: float) -> None:
+    """Keep the depth of contact k after a step, below 0 where it is open."""
+    y.past[k, 1] = y.past[k, 0]
+    y.past[k, 0] = depth
 
 
 @jit
@@ -98,7 +93,10 @@ def bears(y: Yielding, k: int, depth: float) -> tuple[float, float]:
 
 @jit
 def pressed(y: Yielding, k: int, D: float, gap: float) -> float:
-    """Depth of contact k alone, whose free `gap` is negative; 0 where it opens at once by its rate."""
+    """Depth of contact k alone, whose free `gap` is negative; 0 where its rate alone bears more than that asks for."""
+    at_once, _ = y.law(0.0, y.rate[k, 0], y.values)
+    if D * at_once >= -gap:
+        return 0.0
     low, high = 0.0, -gap
     depth = high
     for _ in range(MOST):
@@ -118,10 +116,16 @@ def pressed(y: Yielding, k: int, D: float, gap: float) -> float:
 
 
 @jit
-def press(y: Yielding, k: int, D: float, gap: float) -> float:
-    """Force of contact k alone whose free `gap` is negative, >= 0; keeps its depth and the law's slope."""
+def press(y: Yielding, k: int, D: float, gap: float) -> tuple[float, float]:
+    """Depth and force >= 0 of contact k alone, whose free `gap` is negative."""
     depth = pressed(y, k, D, gap)
-    _, slope = bears(y, k, depth)
-    y.depth[k] = depth
-    y.steepest[0] = max(y.steepest[0], slope)
-    return max(-(gap + depth) / D, 0.0)
+    note_slope(y, k, depth)
+    return depth, max(-(gap + depth) / D, 0.0)
+
+
+@jit
+def note_slope(y: Yielding, k: int, depth: float) -> None:
+    """Keep the steepest slope of the law at a depth at rest."""
+    if depth > 0.0:
+        _, slope = y.law(depth, 0.0, y.values)
+        y.steepest[0] = max(y.steepest[0], slope)

@@ -1,6 +1,7 @@
 """Contacts that give way: Hertz, dissipation, tables and a law of one's own against closed forms and each other."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -111,6 +112,66 @@ def test_a_table_is_the_law_that_its_points_are_of():
     first, second = (impact(law, 1e-6, 8e-3) for law in (own, table))
     np.testing.assert_allclose(first.force, second.force, rtol=1e-9, atol=1e-6)
     assert first.energy.end.residual == pytest.approx(0.0, abs=1e-9)
+
+
+def block(k, *, mu, height=0.0, speed=0.0, fall=0.0):
+    """A block of 2 kg on k contacts in a row, under its weight; it moves along x and z, and tilts."""
+    at = np.linspace(-0.5, 0.5, k) if k > 1 else np.zeros(1)
+    root, inertia = math.sqrt(MASS), math.sqrt(0.2 * MASS)
+    rows = np.zeros((2 * k, 3))
+    rows[::2, 0] = 1.0 / root
+    rows[1::2, 1] = 1.0 / root
+    rows[1::2, 2] = at / inertia
+    body = ct.ModalBody(
+        omega=np.zeros(3), zeta=np.zeros(3), channels=tuple(f"{i}.{axis}" for i in range(k) for axis in "xz"),
+        rows=rows, S=np.zeros((2 * k, 2 * k)),
+    )  # fmt: skip
+    return ct.Patch(
+        body=body, normal=tuple(f"{i}.z" for i in range(k)),
+        tangent=tuple((f"{i}.x",) for i in range(k)) if mu > 0.0 else (), clearance=height,
+        load=[0.0, -9.81 * root, 0.0], velocity=[speed * root, -fall * root, 0.0],
+    )  # fmt: skip
+
+
+def test_one_contact_of_a_patch_is_a_point_gap():
+    """The same equations in the loop of several contacts, with the rate in the law."""
+    law = ct.Hertz(k=1e9, dissipation=0.2)
+    _, _, time = closed_forms(1e9, 1.5)
+    dt = time / 300.0
+    alone = impact(law, dt, 1.5 * time)
+    mass = ct.Patch(body=body(), normal=("x",), clearance=1e-5, velocity=[-SPEED * math.sqrt(MASS)])
+    several = ct.run(mass, law=law, dt=dt, t_end=1.5 * time)
+    np.testing.assert_allclose(several.force, alone.force, rtol=0.0, atol=1e-9 * float(alone.force.max()))
+    assert several.energy.lost_in_contact == pytest.approx(alone.energy.lost_in_contact, rel=1e-9)
+
+
+def test_springs_in_the_law_are_springs_in_the_residual_compliance():
+    """Four contacts that the tilt couples: force by force the run with 1/k on the diagonal of S."""
+    k = 3e5
+    patch = block(4, mu=0.0, height=[1e-4, 2e-4, 0.0, 3e-4], fall=0.3)
+    rows = [patch.body.channels.index(name) for name in patch.normal]
+    S = np.zeros_like(patch.body.S)
+    S[rows, rows] = 1.0 / k
+    rigid = ct.run(replace(patch, body=replace(patch.body, S=S)), law=ct.Unilateral(), dt=1e-5, t_end=0.02)
+    soft = ct.run(patch, law=ct.Penalty(stiffness=k), scheme=ct.ExactModal(law="forward"), dt=1e-5, t_end=0.02)
+    assert int(np.count_nonzero(rigid.force.max(axis=0))) == 4
+    np.testing.assert_allclose(soft.force, rigid.force, rtol=0.0, atol=1e-9 * float(rigid.force.max()))
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_block_slides_on_hertz_contacts_as_coulomb_says(count):
+    """It rests where the contacts bear its weight, slows down by mu g, and what friction takes is in the ledger."""
+    k, mu, g = 1e8, 0.2, 9.81
+    sunk = (MASS * g / count / k) ** (2.0 / 3.0)
+    patch = block(count, mu=mu, speed=1.0)
+    law = ct.ForceLaw(ct.Hertz(k=k, dissipation=5.0).response, mu=mu)
+    result = ct.run(patch, law=law, dt=1e-5, t_end=0.4, record=ct.Record(every=100, state_every=100))
+    late = result.time > 0.3
+    np.testing.assert_allclose(result.force[late], MASS * g / count, rtol=2e-2)
+    np.testing.assert_allclose(result.gap[late], -sunk, rtol=2e-2)
+    t = float(result.state_time[-1])
+    assert result.state[-1, 0] / math.sqrt(MASS) == pytest.approx(t - 0.5 * mu * g * t**2, rel=1e-2)
+    assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.scale
 
 
 def test_a_step_that_is_long_for_the_stiffest_moment_is_flagged_with_one_that_fits():

@@ -7,7 +7,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("solver.abradable.tips", "solver.friction.all_sliding", "solver.friction.coulomb")
+N = names("solver.abradable.tips", "solver.friction.all_sliding", "solver.friction.coulomb", "solver.yielding.several")
 RIM = names("loop.modal.rim")
 RUB = names("loop.rub.predict")
 WORN = np.array([1e-5, 3e-5, 0.0, 2e-5, 9e-5, 5e-6, 4e-5])
@@ -143,7 +143,9 @@ def test_depths_and_forces_of_tips_obey_the_bars_and_friction(dim, tips):
         b[:, 0] -= 6e-5
         mu, c, force, depth = np.full(tips, 0.2), coats(tips), np.zeros(n), np.zeros(tips)
         chosen, room = np.arange(tips), N.solver_room(tips, dim)
-        assert N.crush_tips(c, chosen, W, b.ravel(), mu, dim, tips, force, depth, N.AllSliding(used=True), room)
+        assert N.yielding_forces(
+            c, None, chosen, W, b.ravel(), mu, dim, tips, force, depth, N.AllSliding(used=True), room
+        )
         motion = (W @ force + b.ravel()).reshape(tips, dim)
         for j in range(tips):
             own, first = force[j * dim : (j + 1) * dim], c.first[j]

@@ -6,9 +6,10 @@ import pytest
 import contact as ct
 from contact.model.gaps.rub_system import rub_system
 from contact.scheme.modal.wear_track import track_tips
-from contact.solver.abradable.tips import Coats, borne, coating_of, crush_tips
+from contact.solver.abradable.tips import Coats, borne, coating_of
 from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
+from contact.solver.yielding.several import yielding_forces
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -80,7 +81,7 @@ def test_forces_and_depths_of_coupled_tips_obey_both_laws():
         coats, W, b, mu, dim = coupled(rng)
         K, force = mu.size, np.zeros(b.size)
         depth = np.zeros(K)
-        assert crush_tips(coats, np.arange(K), W, b, mu, dim, K, force, depth, GLIDE, solver_room(K, dim))
+        assert yielding_forces(coats, None, np.arange(K), W, b, mu, dim, K, force, depth, GLIDE, solver_room(K, dim))
         u, lam = (W @ force + b).reshape(K, dim), force.reshape(K, dim)
         near = 1e-9 * np.abs(b[::dim]).max()
         for a in range(K):

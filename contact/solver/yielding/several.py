@@ -1,0 +1,100 @@
+"""The one-step problem of contacts that give way, in a coating or by a force-depth law: depths and forces together.
+
+    u = W force + b,   contact j gives way to d_j = -u_Nj where force_Nj = F_j(d_j) > 0,
+
+F_j what the coating's bars bear (`solver.abradable`) or the law's force; tangential forces obey Coulomb's law as on
+rigid contacts. Newton's method: each contact alone, with the other forces as they are, has one depth; the slope of F_j
+there is a spring of 1/F'_j in series with W, which leaves rigid contacts with friction (`friction_forces`). One contact
+is done after one step, several after a few; where these do not close in, they are halved.
+"""
+
+from __future__ import annotations
+
+import math
+
+from contact.base.arrays import Array, Indices
+from contact.jit.compiled import jit
+from contact.solver.abradable.tips import Coats, borne, coating_of, settled, surface
+from contact.solver.dense import affine, assign
+from contact.solver.friction.all_sliding import AllSliding
+from contact.solver.friction.coulomb import friction_forces
+from contact.solver.friction.newton import TOLERANCE
+from contact.solver.friction.room import BEHIND, GUESS, MOTION, SOFT, Room
+from contact.solver.yielding.yields import Yielding, bears, pressed
+
+MOST = 200  # Newton steps: a few do
+NEAR = 1e-11  # of the largest depth or gap: what the depths may miss
+FLAT = 1e-8  # of a bar's stiffness, or of 1/D: the least slope of F, where bars flow without hardening or a law is flat
+CLOSER, LONGER, SHORTEST = 0.9, 1.3, 1.0 / 32.0  # what a step should leave; how its part grows; its least part
+
+
+@jit
+def alone(c: Coats | None, y: Yielding | None, k: int, D: float, gap: float) -> tuple[float, float, float]:
+    """Depth of contact k alone, the force there and its slope > 0; of an open one the slope where it would touch."""
+    if c is not None:
+        tip, first, cut = coating_of(c, k), c.first[k], c.cut[k]
+        low = surface(tip, first, cut)
+        depth = settled(tip, first, cut, D, gap) if -gap > low else low
+        force, slope = borne(tip, first, cut, depth)
+        return depth, force, max(slope, FLAT * tip.stiffness) if force > 0.0 else tip.stiffness
+    if y is not None and gap < 0.0:
+        depth = pressed(y, k, D, gap)
+        if depth == 0.0:
+            return 0.0, -gap / D, 1.0 / (FLAT * D)
+        force, slope = bears(y, k, depth)
+        if force > 0.0:
+            return depth, force, max(slope, FLAT / D)
+    return 0.0, 0.0, 1.0 / D
+
+
+@jit
+def yielding_forces(c: Coats | None, y: Yielding | None, tips: Indices, W: Array, b: Array, mu: Array, dim: int,
+                    count: int, force: Array, depth: Array, start: AllSliding, room: Room) -> bool:  # fmt: skip
+    """Improve `force` (d n,) of n = `count` tips and find `depth` (n,) so that both laws hold; False where they do not.
+
+    Nothing flows yet.
+    """
+    size = count * dim
+    soft, short, trial, u = room.matrices[SOFT], room.vectors[BEHIND], room.vectors[GUESS], room.vectors[MOTION]
+    for i in range(size):
+        assign(soft[i], W[i], size)
+    assign(short, b, size)
+    assign(trial, force, size)
+    affine(W, force, b, u, size)
+    part, last = 1.0, math.inf
+    for step in range(MOST):
+        miss, scale = 0.0, 0.0
+        for a in range(count):
+            i = a * dim
+            D = own_compliance(W, i, dim, force)
+            depth[a], found, slope = alone(c, y, tips[a], D, u[i] - D * force[i])
+            soft[i, i] = W[i, i] + 1.0 / slope
+            short[i] = b[i] + depth[a] - found / slope
+            miss = max(miss, abs(found - force[i]) / (slope + 1.0 / D))
+            scale = max(scale, abs(b[i]), depth[a])
+        if step > 0 and part == 1.0 and miss <= NEAR * scale:
+            return True
+        if miss > CLOSER * last and miss > NEAR * scale:
+            part = max(0.5 * part, SHORTEST)
+        else:
+            part = min(LONGER * part, 1.0)
+        last = miss
+        if dim > 1 and count > 1:
+            start(soft, short, mu, dim, count, trial, room)
+        _, left = friction_forces(soft, short, mu, dim, count, trial, room)
+        if not left <= TOLERANCE:
+            return False
+        for i in range(size):
+            force[i] = trial[i] if part == 1.0 else force[i] + part * (trial[i] - force[i])
+        affine(W, force, b, u, size)
+    return False
+
+
+@jit
+def own_compliance(W: Array, i: int, dim: int, force: Array) -> float:
+    """Gap that a tip's own force opens, with the share of friction in it that there is now."""
+    D: float = W[i, i]
+    if force[i] > 0.0:
+        for j in range(i + 1, i + dim):
+            D += W[i, j] * force[j] / force[i]
+    return D if D > 0.0 else W[i, i]
