@@ -14,7 +14,7 @@ MARGIN = 1.6  # a bound over what is seen
 ROUNDING = 1e-6  # per cent
 STATISTICAL = ("Cramer-Rao bound", "Widrow & Kollar 2008")  # bounds of draws: a few standard errors
 BAD_VERDICTS = ("FAIL", "MISSED", "NOT", "expected")
-BAD_COUNTS = ("faults", "failed", "SILENT", "BAD MESSAGE", "SLOW")
+BAD_COUNTS = ("faults", "failed", "unnamed", "unjudged", "SILENT", "BAD MESSAGE", "SLOW")
 
 
 def text(value: object) -> str:

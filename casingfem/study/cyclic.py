@@ -116,7 +116,7 @@ def build_rotation(table: RotationTable | None, chart: Chart | None, problems: P
     point = table.centre or table.point
     on_hub = table.hub_radius is not None or table.stagger_deg != 0.0
     if on_hub and (table.axis is not None or point is not None):
-        problems.add("rotation", "a hub radius or a stagger beside an axis or a centre", "one way to place the axis")
+        problems.add("rotation", "hub_radius or stagger_deg beside axis, centre or point", "one way to place the axis")
         return None
     if not on_hub and table.axis is None and not chart.periodic:
         problems.add("rotation", "neither hub_radius nor axis on an open chart", "hub_radius, or axis and centre")

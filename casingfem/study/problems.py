@@ -145,6 +145,8 @@ def sentence(detail: Any, data: Mapping[str, Any]) -> str:
         .replace("a text", "text")
         .replace("a boolean", "true or false")
     )
+    if kind == "string_too_short":
+        expected = "a name that is not empty"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         expected = "a table of keys"
     if kind == "string_pattern_mismatch" and meaning:

@@ -18,7 +18,7 @@ from contact.io.toml import written
 
 CheckName = Literal[
     "E", "rho", "sound", "nu", "size", "thickness", "zeta", "speed", "lean", "clearance", "roundness", "friction",
-    "gravity",
+    "gravity", "frequency", "mass", "stiffness", "compliance", "velocity", "force", "stress", "time",
 ]  # fmt: skip
 Path = tuple[str | int, ...]
 
@@ -129,9 +129,42 @@ ALL = (
         name="gravity", quantity="acceleration", unit="m/s^2", lower=0.0, upper=1000.0, reason="100 times gravity",
         usual=(1.0, 1000.0), slips=(Slip("mm/s^2", 1e-3),),
     ),
+    Check(
+        name="frequency", quantity="frequency", unit="Hz", lower=0.0, upper=1e8, reason="ultrasound ends below 100 MHz",
+        usual=(1e-2, 1e6),
+    ),
+    Check(
+        name="mass", quantity="mass", unit="kg", lower=1e-12, upper=1e7, reason="dust to the largest machine",
+        usual=(1e-4, 1e5), slips=(Slip("g", 1e-3), Slip("t", 1e3)),
+    ),
+    Check(
+        name="stiffness", quantity="stiffness", unit="N/m", lower=1e-9, upper=1e15,
+        reason="a thread to a cube of steel a kilometre wide", usual=(1.0, 1e12),
+    ),
+    Check(
+        name="compliance", quantity="compliance", unit="m/N", lower=1e-15, upper=1e9,
+        reason="a cube of steel a kilometre wide to a thread", usual=(1e-12, 1.0),
+    ),
+    Check(
+        name="velocity", quantity="velocity", unit="m/s", lower=-1e4, upper=1e4, reason="the fastest projectiles",
+        usual=(1e-6, 1e3), slips=(Slip("mm/s", 1e-3),),
+    ),
+    Check(
+        name="force", quantity="force", unit="N", lower=-1e9, upper=1e9, reason="the strongest presses",
+        usual=(1e-6, 1e7),
+    ),
+    Check(
+        name="stress", quantity="stress", unit="Pa", lower=0.0, upper=1e12, reason="no solid is stronger than diamond",
+        usual=(1e3, 1e10),
+    ),
+    Check(
+        name="time", quantity="time", unit="s", lower=1e-12, upper=1e7, reason="a wave through an atom to a season",
+        usual=(1e-9, 1e4),
+    ),
 )  # fmt: skip
 CHECKS: dict[str, Check] = {check.name: check for check in ALL}
 REACH = replace(CHECKS["size"], lower=-CHECKS["size"].upper)  # of coordinates and of single sides, which may be small
+FROM_ZERO = {name: replace(CHECKS[name], lower=0.0) for name in ("mass", "stiffness", "compliance", "time")}
 ALLOW = "[checks] allow"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel
+from pydantic import AfterValidator, BaseModel
 from pydantic.fields import FieldInfo
 
 from contact.io.names import hint
@@ -16,6 +16,17 @@ Model = type[BaseModel]
 WORDS = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 BOUNDS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 ANY = 1e20  # a bound beyond says no more than that a number is finite
+
+
+def at_least(least: float, *, zero: bool = False) -> AfterValidator:
+    """Refuse positive numbers too small to be meant; 0 is none of them where the key may be 0."""
+
+    def check(value: float) -> float:
+        if value < least and not (zero and value == 0.0):
+            raise ValueError(f"found {value!r}, expected {'0 or ' if zero else ''}at least {least:g}")
+        return value
+
+    return AfterValidator(check)
 
 
 def keys(model: Model) -> dict[str, FieldInfo]:

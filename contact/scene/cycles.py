@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import numpy as np
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
 from contact.base.errors import InputError
 from contact.growth.cycles.basins import Basins, basins
@@ -23,7 +23,7 @@ from contact.scene.load import scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
 from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError, validated
-from contact.scene.scheme import CheckedFile, Positive, Table, Unit
+from contact.scene.scheme import Amplitude, CheckedFile, Coordinate, Frequency, Name, Stiffness, Table, Unit, Velocity
 from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
 
 if TYPE_CHECKING:
@@ -43,24 +43,24 @@ class CyclesHead(Table):
 class CyclesContact(Table):
     """[[contact]]: normal, tangent and its slide [m/s], clearance [m]; an obstacle's stiffness [N/m], or rebound."""
 
-    normal: str = Field(description="channel along the normal")
-    tangent: str | None = Field(default=None, description="channel along the tangent")
-    slide: FiniteFloat = Field(default=0.0, description="velocity of the ground along the tangent [m/s]")
-    clearance: FiniteFloat = Field(default=0.0, description="gap at rest [m]")
-    stiffness: Positive | None = Field(default=None, description="of an elastic obstacle [N/m]; rigid if left out")
+    normal: Name = Field(description="channel along the normal")
+    tangent: Name | None = Field(default=None, description="channel along the tangent")
+    slide: Velocity = Field(default=0.0, description="velocity of the ground along the tangent [m/s]")
+    clearance: Coordinate = Field(default=0.0, description="gap at rest [m]")
+    stiffness: Stiffness | None = Field(default=None, description="of an elastic obstacle [N/m]; rigid if left out")
     restitution: Unit = Field(default=0.0, description="speed after an impact over that before [-]")
 
 
 class DriveTable(Table):
     """[drive]: force amplitude [N] cos at a channel; over from_hz .. to_hz, or freq_hz and from_n .. to_n of force."""
 
-    channel: str = Field(description="where the harmonic force acts")
-    amplitude: Positive | None = Field(default=None, description="of the force [N]")
-    freq_hz: Positive | None = Field(default=None, description="of the force [Hz], where its amplitude is varied")
-    from_hz: Positive | None = Field(default=None, description="first frequency [Hz]")
-    to_hz: Positive | None = Field(default=None, description="last frequency [Hz]")
-    from_n: Positive | None = Field(default=None, description="first amplitude of the force [N]")
-    to_n: Positive | None = Field(default=None, description="last amplitude [N]")
+    channel: Name = Field(description="where the harmonic force acts")
+    amplitude: Amplitude | None = Field(default=None, description="of the force [N]")
+    freq_hz: Frequency | None = Field(default=None, description="of the force [Hz], where its amplitude is varied")
+    from_hz: Frequency | None = Field(default=None, description="first frequency [Hz]")
+    to_hz: Frequency | None = Field(default=None, description="last frequency [Hz]")
+    from_n: Amplitude | None = Field(default=None, description="first amplitude of the force [N]")
+    to_n: Amplitude | None = Field(default=None, description="last amplitude [N]")
 
     @model_validator(mode="after")
     def _one_range(self) -> DriveTable:

@@ -7,7 +7,18 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from contact.scene.parts import Lean
-from contact.scene.scheme import CheckedFile, Friction, Positive, Ratio, ScanTable, Table
+from contact.scene.scheme import (
+    WAVES,
+    CheckedFile,
+    Compliance,
+    Frequency,
+    Friction,
+    Mass,
+    Ratio,
+    ScanTable,
+    Stiffness,
+    Table,
+)
 
 
 class PairHead(Table):
@@ -19,22 +30,22 @@ class PairHead(Table):
 class BladeModeTable(Table):
     """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact's normal."""
 
-    freq_hz: Positive = Field(description="frequency [Hz]")
-    modal_mass: Positive = Field(description="for unit motion along the contact's normal [kg]")
+    freq_hz: Frequency = Field(description="frequency [Hz]")
+    modal_mass: Mass = Field(description="for unit motion along the contact's normal [kg]")
     zeta: Ratio = Field(default=0.0, description="damping ratio [-]")
 
 
 class CasingPairTable(BladeModeTable):
     """[casing] of a pair: n nodal diameters, and what a blade mode has."""
 
-    n: Annotated[int, Field(ge=1)] = Field(description="number of nodal diameters")
+    n: Annotated[int, Field(ge=1, le=WAVES)] = Field(description="number of nodal diameters")
 
 
 class PairContact(Table):
     """[contact] of a pair: stiffness [N/m] or compliance [m/N], friction, lean of the blade into the motion."""
 
-    stiffness: Positive | None = Field(default=None, description="of the contact [N/m]")
-    compliance: Positive | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
+    stiffness: Stiffness | None = Field(default=None, description="of the contact [N/m]")
+    compliance: Compliance | None = Field(default=None, description="of the contact [m/N], instead of its stiffness")
     friction: Friction = Field(default=0.0, description="coefficient of Coulomb friction [-]")
     lean_deg: Lean = Field(default=0.0, description="lean of the blade into the motion [degrees]")
 

@@ -12,14 +12,25 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.errors import InputError
 from contact.io.infiles import read_text
-from contact.io.plausible import CHECKS
+from contact.io.plausible import CHECKS, REACH
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.record.record import Record
 from contact.scene.problems import Problems
 from contact.scene.roundness import Whole
-from contact.scene.scheme import Built, ModalScheme, Modulus, NotNegative, Positive, Table, Thickness
+from contact.scene.scheme import (
+    Built,
+    Instant,
+    ModalScheme,
+    Modulus,
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Table,
+    Thickness,
+)
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
 
@@ -31,10 +42,10 @@ class RecordTable(Table):
 
     every: Annotated[int, Field(ge=1)] = Field(default=1, description="one of so many steps is stored as a sample")
     state_every: Whole = Field(default=0, description="one of so many steps stores the state; 0 for none")
-    at: Annotated[list[NotNegative], Field(min_length=1)] | None = Field(
+    at: Annotated[list[Instant], Field(min_length=1)] | None = Field(
         default=None, description="instants at which sample and state are stored [s], instead of every"
     )
-    channels: Annotated[list[list[FiniteFloat]], Field(min_length=1)] | str | None = Field(
+    channels: Annotated[list[list[Number]], Field(min_length=1)] | Name | None = Field(
         default=None,
         description="rows of channels, or a CSV file of them beside this file: stored instead of the state [-]",
     )
@@ -89,11 +100,11 @@ class CoatingTable(Table):
     """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
 
     E: Modulus = Field(description="Young's modulus [Pa]")
-    yield_stress: Positive = Field(description="stress at which it is worn [Pa]")
-    hardening: NotNegative = Field(description="slope of the stress beyond that [Pa]")
+    yield_stress: Annotated[Positive, CHECKS["stress"]] = Field(description="stress at which it is worn [Pa]")
+    hardening: Annotated[NotNegative, CHECKS["stress"]] = Field(description="slope of the stress beyond that [Pa]")
     thickness: Thickness = Field(description="thickness [m]")
-    width: Positive = Field(description="width of the strip along the axis [m]")
-    tip: Positive = Field(description="length of a tip's land around the rim [m]")
+    width: Annotated[Positive, REACH] = Field(description="width of the strip along the axis [m]")
+    tip: Annotated[Positive, REACH] = Field(description="length of a tip's land around the rim [m]")
     bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
     machined: Annotated[NotNegative, CHECKS["clearance"]] = Field(
         default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"

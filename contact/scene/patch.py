@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,12 +11,30 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
 from contact.scene.parts import RecordTable, contact_law, read_basis
 from contact.scene.problems import Problems
-from contact.scene.scheme import Built, Friction, NotNegative, Positive, RunHead, SceneFile, Table
+from contact.scene.scheme import (
+    Built,
+    Coordinate,
+    Force,
+    Friction,
+    Name,
+    NotNegative,
+    Number,
+    Ratio,
+    RunHead,
+    SceneFile,
+    Table,
+    Time,
+    Velocity,
+)
 from contact.scheme.modal.exact_modal import ExactModal
+
+OMEGA = replace(CHECKS["frequency"], unit="rad/s", upper=2.0 * np.pi * CHECKS["frequency"].upper)
+Seen = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]  # of a mode of 1e-12 kg, the least that [checks] knows
 
 
 class PatchHead(RunHead):
@@ -27,21 +46,21 @@ class PatchHead(RunHead):
 class PatchBodyTable(Table):
     """[body]: a modal basis file, or its modes here; modal displacement and velocity at t = 0; load [N] by channel."""
 
-    basis: str | None = Field(default=None, description="modal basis, npz, relative to this file")
-    omega: list[NotNegative] | None = Field(
+    basis: Name | None = Field(default=None, description="modal basis, npz, relative to this file")
+    omega: Annotated[list[Annotated[NotNegative, OMEGA]], Field(min_length=1)] | None = Field(
         default=None, description="angular frequencies of its modes [rad/s], instead of a basis"
     )
-    zeta: list[Annotated[FiniteFloat, Field(ge=0, lt=1)]] | None = Field(
-        default=None, description="their damping ratios [-]"
+    zeta: list[Ratio] | None = Field(default=None, description="their damping ratios [-]")
+    channels: Annotated[list[Name], Field(min_length=1)] | None = Field(
+        default=None, description="names of the displacements at the interface"
     )
-    channels: list[str] | None = Field(default=None, description="names of the displacements at the interface")
-    rows: list[list[FiniteFloat]] | None = Field(
+    rows: list[list[Seen]] | None = Field(
         default=None, description="displacement of each channel in each mode [kg^(-1/2)]"
     )
-    S: list[list[FiniteFloat]] | None = Field(default=None, description="residual compliance of the channels [m/N]")
-    displacement: list[FiniteFloat] | None = Field(default=None, description="modal coordinates at t = 0 [m kg^(1/2)]")
-    velocity: list[FiniteFloat] | None = Field(default=None, description="modal velocities at t = 0 [m kg^(1/2)/s]")
-    load: dict[str, FiniteFloat] = Field(default_factory=dict, description="channel -> constant force [N]")
+    S: list[list[Number]] | None = Field(default=None, description="residual compliance of the channels [m/N]")
+    displacement: list[Number] | None = Field(default=None, description="modal coordinates at t = 0 [m kg^(1/2)]")
+    velocity: list[Number] | None = Field(default=None, description="modal velocities at t = 0 [m kg^(1/2)/s]")
+    load: dict[str, Force] = Field(default_factory=dict, description="channel -> constant force [N]")
 
     @model_validator(mode="after")
     def _whole(self) -> PatchBodyTable:
@@ -77,14 +96,12 @@ class PatchBodyTable(Table):
 class PatchContact(Table):
     """[[contact]]: channels along normal and tangents, clearance [m], velocity of the ground along the tangents."""
 
-    normal: str = Field(description="channel along the normal")
-    tangent: Annotated[list[str], Field(max_length=2)] = Field(
+    normal: Name = Field(description="channel along the normal")
+    tangent: Annotated[list[Name], Field(max_length=2)] = Field(
         default_factory=list, description="channels along the tangents, at most two"
     )
-    clearance: FiniteFloat = Field(default=0.0, description="gap at rest [m]")
-    slide: list[FiniteFloat] = Field(
-        default_factory=list, description="velocity of the ground along the tangents [m/s]"
-    )
+    clearance: Coordinate = Field(default=0.0, description="gap at rest [m]")
+    slide: list[Velocity] = Field(default_factory=list, description="velocity of the ground along the tangents [m/s]")
 
     @model_validator(mode="after")
     def _fits(self) -> PatchContact:
@@ -103,7 +120,7 @@ class PatchScheme(Table):
     """[scheme] of a patch: exact-modal."""
 
     kind: Literal["exact-modal"] = Field(description="the method")
-    dt: Positive = Field(description="time step [s]")
+    dt: Time = Field(description="time step [s]")
 
 
 class PatchFile(SceneFile):

@@ -76,8 +76,10 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     if detail["type"] == "missing":
         return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
     message = detail["msg"].removeprefix("Value error, ")
-    if isinstance(detail["input"], dict):
+    if isinstance(detail["input"], dict) or detail["type"] == "value_error":
         return f"{file}: {key}: {message}"
     expected = message.removeprefix("Input should be ")
+    if detail["type"] == "string_too_short":
+        expected = "a name that is not empty"
     asked = question([keys(m)[str(path[-1])] for m in models if path and str(path[-1]) in keys(m)], detail["input"])
     return f"{file}: {key}: found {detail['input']!r}, expected {expected}{f' ({meaning})' if meaning else ''}{asked}"

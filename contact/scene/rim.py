@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import readonly
+from contact.io.plausible import FROM_ZERO
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -21,18 +22,26 @@ from contact.scene.parts import CoatingTable, Lean, RecordTable, contact_law, ra
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
+    Angle,
     Built,
+    Detuning,
+    Frequency,
+    Mass,
     ModalScheme,
+    Name,
     NotNegative,
-    Positive,
     Ratio,
     RunHead,
     SceneFile,
     Size,
     SpeedTable,
     Table,
-)  # fmt: skip
+    Velocity,
+)
 from contact.scheme.modal.exact_modal import ExactModal
+
+Soft = Annotated[NotNegative, FROM_ZERO["compliance"]]
+Coupling = Annotated[FiniteFloat, Field(ge=0, le=100)]
 
 
 class RimHead(RunHead):
@@ -44,7 +53,7 @@ class RimHead(RunHead):
 class CasingTable(Table):
     """[casing]: modal basis file of kind "rim", relative to the scene file; `scatter` detunes its modes at random."""
 
-    basis: str = Field(description="modal basis of kind rim, npz, relative to this file")
+    basis: Name = Field(description="modal basis of kind rim, npz, relative to this file")
     scatter: Annotated[FiniteFloat, Field(ge=0, le=0.2)] = Field(
         default=0.0, description="standard deviation of a random relative detuning of its modes [-]"
     )
@@ -59,8 +68,8 @@ class CasingTable(Table):
 class BladeTable(Table):
     """[blade]: modal basis file of kind "point" with channels span and flap; lean in degrees; `freq_hz` retunes it."""
 
-    basis: str = Field(description="modal basis of kind point, with channels span and flap, relative to this file")
-    freq_hz: Positive | None = Field(
+    basis: Name = Field(description="modal basis of kind point, with channels span and flap, relative to this file")
+    freq_hz: Frequency | None = Field(
         default=None, description="first frequency it is tuned to [Hz]; as it is if left out"
     )
     lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
@@ -74,7 +83,7 @@ class BladeTable(Table):
 class RimContact(GapTable):
     """[contact] of a rim: clearance [m], friction coefficient, out-of-roundness."""
 
-    angle_deg: FiniteFloat = Field(default=0.0, description="where the blade stands [degrees]")
+    angle_deg: Angle = Field(default=0.0, description="where the blade stands [degrees]")
 
 
 class RimFile(SceneFile):
@@ -126,13 +135,13 @@ class DiskPairTable(CasingPairTable):
     """[casing.pair]: a casing by its pair of n diameters alone; `kick` modal velocity of its cosine at t = 0."""
 
     radius: Size = Field(description="of the rim [m]")
-    kick: FiniteFloat = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
+    kick: Velocity = Field(default=0.0, description="velocity of its cosine at t = 0, modal [m kg^(1/2)/s]")
 
 
 class DiskCasingTable(Table):
     """[casing]: a modal basis file of kind "rim", or a pair."""
 
-    basis: str | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
+    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
     pair: DiskPairTable | None = Field(default=None, description="one pair of modes instead of a basis")
 
     @model_validator(mode="after")
@@ -157,14 +166,14 @@ class DiskTable(Table):
     """[disk]: the fields of `BladedDisk`."""
 
     blades: Annotated[int, Field(ge=2, le=1000)] = Field(description="number of blades")
-    freq_hz: Positive = Field(description="frequency of one blade alone [Hz]")
-    modal_mass: Positive = Field(description="of one blade for unit motion along the normal [kg]")
-    coupling: NotNegative = Field(default=0.0, description="of neighbours, over a blade's stiffness [-]")
-    mistuning: list[FiniteFloat] | None = Field(
+    freq_hz: Frequency = Field(description="frequency of one blade alone [Hz]")
+    modal_mass: Mass = Field(description="of one blade for unit motion along the normal [kg]")
+    coupling: Coupling = Field(default=0.0, description="of neighbours, over a blade's stiffness [-]")
+    mistuning: list[Detuning] | None = Field(
         default=None, description="relative deviation of each blade's frequency [-]"
     )
     zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
-    compliance: NotNegative = Field(default=0.0, description="residual compliance of a tip [m/N]")
+    compliance: Soft = Field(default=0.0, description="residual compliance of a tip [m/N]")
     lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -24,18 +25,25 @@ from contact.scene.parts import CoatingTable, Lean, RecordTable, radius_of, read
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
+    Angle,
     Built,
     Gap,
     ModalScheme,
+    Name,
     NotNegative,
-    Positive,
+    Number,
     RunHead,
     ScanTable,
     SceneFile,
     Table,
     Thickness,
+    Time,
     TurnsPerSecond,
-)  # fmt: skip
+)
+
+Whirling = Annotated[FiniteFloat, replace(CHECKS["frequency"], lower=-CHECKS["frequency"].upper)]
+Orders = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
+Along = Annotated[FiniteFloat, replace(CHECKS["gravity"], lower=-CHECKS["gravity"].upper)]
 
 
 class RubHead(RunHead):
@@ -47,7 +55,7 @@ class RubHead(RunHead):
 class RubCasing(Table):
     """[casing]: modal basis of a rim, and the thickness of its wall [m], beyond half of which a run is flagged."""
 
-    basis: str = Field(description="modal basis of kind rim, npz, relative to this file")
+    basis: Name = Field(description="modal basis of kind rim, npz, relative to this file")
     thickness: Thickness | None = Field(
         default=None,
         description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
@@ -61,10 +69,10 @@ class RubNode(Table):
     wears the k-th.
     """
 
-    span: str = Field(description="channel of the blade along its span")
-    flap: str = Field(description="channel along its flap")
-    axial: str | None = Field(default=None, description="channel along the axis, for sliding there")
-    angle_deg: FiniteFloat = Field(default=0.0, description="from the blade's angle [degrees]")
+    span: Name = Field(description="channel of the blade along its span")
+    flap: Name = Field(description="channel along its flap")
+    axial: Name | None = Field(default=None, description="channel along the axis, for sliding there")
+    angle_deg: Angle = Field(default=0.0, description="from the blade's angle [degrees]")
     line: Whole = Field(default=0, description="number of the rim line it meets, from 0")
     clearance: Gap = Field(default=0.0, description="of its own, added to that of the contact [m]")
     track: Whole | None = Field(default=None, description="number of the strip of a coating that it wears, from 0")
@@ -77,8 +85,8 @@ class RubBlade(Table):
     The basis of a wheel brings the places of all its sectors: nodes name those of one.
     """
 
-    basis: str = Field(description="modal basis of kind point, npz, relative to this file")
-    angle_deg: FiniteFloat = Field(default=0.0, description="where the first blade stands [degrees]")
+    basis: Name = Field(description="modal basis of kind point, npz, relative to this file")
+    angle_deg: Angle = Field(default=0.0, description="where the first blade stands [degrees]")
     count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="number of equal blades around")
     lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
     axial: bool = Field(default=False, description="whether its places slide along the axis too")
@@ -118,11 +126,11 @@ def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:
     """The nodes of one sector in sector j of a wheel; the k-th on a rim line wears its k-th strip in every sector."""
     tracks = [sum(other.line == node.line for other in nodes[:k]) for k, node in enumerate(nodes)]
     return [
-        RubNode(
-            span=f"sector{j}.{node.span}", flap=f"sector{j}.{node.flap}",
-            axial=node.axial and f"sector{j}.{node.axial}", angle_deg=node.angle_deg + 360.0 * j / sectors,
-            line=node.line, clearance=node.clearance, track=track if node.track is None else node.track,
-        )
+        node.model_copy(update={
+            "span": f"sector{j}.{node.span}", "flap": f"sector{j}.{node.flap}",
+            "axial": node.axial and f"sector{j}.{node.axial}", "angle_deg": node.angle_deg + 360.0 * j / sectors,
+            "track": track if node.track is None else node.track,
+        })
         for node, track in zip(nodes, tracks, strict=True)
     ]  # fmt: skip
 
@@ -130,7 +138,7 @@ def turned(nodes: list[RubNode], j: int, sectors: int) -> list[RubNode]:
 class RubContact(GapTable):
     """[contact]: clearance [m], friction, out-of-roundness as harmonics and as a CSV file theta_deg,depth_m."""
 
-    profile: str | None = Field(
+    profile: Name | None = Field(
         default=None, description="CSV file theta_deg,depth_m of the rim's radius, relative to this file"
     )
 
@@ -142,7 +150,7 @@ class RubSpeed(Table):
     """
 
     hz: TurnsPerSecond | list[TurnsPerSecond] = Field(description="speed, one number or one for each time [turns/s]")
-    time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of speeds [s]")
+    time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
     turning: Literal["casing", "blades"] = Field(default="casing", description="which side turns")
     scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
 
@@ -165,8 +173,8 @@ class RubClosing(Table):
     """[closing]: the gap's reduction [m], by (1 - exp(-t/time_constant)), or by straight lines over `time`."""
 
     by: Gap | list[Gap] = Field(description="how much the gap is reduced in the end, or at each time [m]")
-    time_constant: Positive | None = Field(default=None, description="of an exponential closing [s]")
-    time: list[FiniteFloat] | None = Field(default=None, description="instants of a list of closings [s]")
+    time_constant: Time | None = Field(default=None, description="of an exponential closing [s]")
+    time: list[Number] | None = Field(default=None, description="instants of a list of closings [s]")
 
     @model_validator(mode="after")
     def _one(self) -> RubClosing:
@@ -188,9 +196,9 @@ class RubWhirl(Table):
     amplitude: Annotated[NotNegative, CHECKS["clearance"]] = Field(
         description="radius of the circle that a centre runs on [m]"
     )
-    per_rev: FiniteFloat = Field(default=0.0, description="its rate in turns per turn of the casing [-]")
-    hz: FiniteFloat = Field(default=0.0, description="its rate besides [turns/s]")
-    phase_deg: FiniteFloat = Field(default=0.0, description="where it is at t = 0 [degrees]")
+    per_rev: Orders = Field(default=0.0, description="its rate in turns per turn of the casing [-]")
+    hz: Whirling = Field(default=0.0, description="its rate besides [turns/s]")
+    phase_deg: Angle = Field(default=0.0, description="where it is at t = 0 [degrees]")
     shakes: Literal["casing", "blades"] | None = Field(
         default=None, description="which side runs on it with its mass; neither if left out"
     )
@@ -207,8 +215,8 @@ class RubGravity(Table):
     """
 
     acceleration: Annotated[NotNegative, CHECKS["gravity"]] = Field(default=9.80665, description="gravity [m/s^2]")
-    down_deg: FiniteFloat = Field(default=-90.0, description="where down is at t = 0, in the casing's angles [degrees]")
-    axial: FiniteFloat = Field(default=0.0, description="part along the axis [m/s^2]")
+    down_deg: Angle = Field(default=-90.0, description="where down is at t = 0, in the casing's angles [degrees]")
+    axial: Along = Field(default=0.0, description="part along the axis [m/s^2]")
     settled: bool = Field(default=True, description="whether bodies start at rest under it")
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from contact.io.plausible import CHECKS, CheckName
+from contact.io.plausible import CHECKS, FROM_ZERO, REACH, CheckName
+from contact.io.tables import at_least
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
 from contact.resolved import MOST_STEPS
@@ -18,8 +20,9 @@ from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0)]
+Number = Annotated[FiniteFloat, Field(ge=-1e25, le=1e25)]
+Positive = Annotated[FiniteFloat, Field(gt=0, le=1e25), at_least(1e-25)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
 Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
 Friction = Annotated[NotNegative, CHECKS["friction"]]
@@ -31,6 +34,21 @@ Thickness = Annotated[Positive, CHECKS["thickness"]]
 Gap = Annotated[FiniteFloat, CHECKS["clearance"]]
 Deviation = Annotated[FiniteFloat, CHECKS["roundness"]]
 TurnsPerSecond = Annotated[FiniteFloat, CHECKS["speed"]]
+Frequency = Annotated[Positive, CHECKS["frequency"]]
+Mass = Annotated[Positive, CHECKS["mass"]]
+Stiffness = Annotated[Positive, CHECKS["stiffness"]]
+Compliance = Annotated[Positive, CHECKS["compliance"]]
+Velocity = Annotated[FiniteFloat, CHECKS["velocity"]]
+Force = Annotated[FiniteFloat, CHECKS["force"]]
+Time = Annotated[Positive, CHECKS["time"]]
+Instant = Annotated[NotNegative, FROM_ZERO["time"]]
+Distance = Annotated[NotNegative, REACH]
+Coordinate = Annotated[FiniteFloat, REACH]
+Amplitude = Annotated[Positive, CHECKS["force"]]
+Springs = Annotated[NotNegative, replace(FROM_ZERO["stiffness"], unit="N/m^2")]
+Detuning = Annotated[FiniteFloat, Field(gt=-1, lt=1)]
+Name = Annotated[str, Field(min_length=1)]  # of a file or a channel
+Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",
@@ -93,7 +111,7 @@ class SceneFile(CheckedFile):
 class RunHead(Table):
     """[scene] of what has limits: where a run ends, and whether one that passes a limit is an error or a flag."""
 
-    t_end: Positive = Field(description="time at which the run ends [s]")
+    t_end: Time = Field(description="time at which the run ends [s]")
     on_limit: Literal["stop", "flag"] = Field(
         default="stop",
         description="whether a run that passes a limit of its model ends as an error or goes on, flagged",
@@ -121,7 +139,7 @@ class ModalScheme(Table):
     law: Literal["auto", "forward", "averaged"] = Field(
         default="auto", description="how contact is enforced in a step; auto by the model's compliance"
     )
-    dt: Positive = Field(description="time step [s]")
+    dt: Time = Field(description="time step [s]")
     most_steps: Count = Field(default=MOST_STEPS, description="a run of more steps is refused")
 
 

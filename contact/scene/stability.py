@@ -89,6 +89,9 @@ def load_interactions(path: str | Path) -> InteractionScene:
     scene = load_scene(file)
     what, top = cast("RotatingRim | Rub", scene.what), float(np.max(np.abs(table.speed.hz)))
     if table.speed.scan is not None:
+        if not table.speed.scan.from_hz > 0.0:
+            found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
+            raise SceneError([f"{file}: speed.scan.from_hz: {found}"])
         speeds = _speeds(table.speed.scan)
     elif top > 0.0:
         speeds = np.linspace(top * AROUND / STEPS, top * AROUND, STEPS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, FiniteFloat, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from contact.io.plausible import CHECKS
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
@@ -21,18 +21,25 @@ from contact.scene.problems import Problems
 from contact.scene.rim import DiskFile, RimFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import (
+    Angle,
     Built,
     Density,
+    Distance,
+    Force,
     Modulus,
+    Name,
     NotNegative,
+    Number,
     Positive,
     Ratio,
     SceneFile,
     SchemeTable,
     Size,
+    Springs,
     Table,
     Thickness,
-)  # fmt: skip
+    Velocity,
+)
 
 
 class BeamHead(Table):
@@ -56,28 +63,28 @@ class BeamTable(SectionTable):
     """[beam]: the fields of `HingedBeam`."""
 
     elements: Annotated[int, Field(ge=1)] = Field(default=40, description="number of elements")
-    torque: FiniteFloat = Field(default=0.0, description="on the hinge [N m]")
-    angle_deg: FiniteFloat = Field(default=0.0, description="angle at t = 0 [degrees]")
-    spin: FiniteFloat = Field(default=0.0, description="rate of turning at t = 0 [rad/s]")
+    torque: Force = Field(default=0.0, description="on the hinge [N m]")
+    angle_deg: Angle = Field(default=0.0, description="angle at t = 0 [degrees]")
+    spin: Number = Field(default=0.0, description="rate of turning at t = 0 [rad/s]")
 
 
 class CircleTable(Table):
     """[circle]: radius and offset of its centre from the hinge [m]."""
 
     radius: Size = Field(description="radius [m]")
-    offset: NotNegative = Field(default=0.0, description="of its centre from the hinge [m]")
+    offset: Distance = Field(default=0.0, description="of its centre from the hinge [m]")
 
 
 class RingTable(Table):
     """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
 
-    basis: str | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
+    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
     width: Thickness | None = Field(default=None, description="width of the section along the axis [m]")
     height: Thickness | None = Field(default=None, description="height of the section along the radius [m]")
     E: Modulus | None = Field(default=None, description="Young's modulus [Pa]")
     rho: Density | None = Field(default=None, description="density [kg/m^3]")
-    k_r: NotNegative = Field(default=0.0, description="radial springs around [N/m^2]")
-    k_t: NotNegative = Field(default=0.0, description="tangential springs around [N/m^2]")
+    k_r: Springs = Field(default=0.0, description="radial springs around [N/m^2]")
+    k_t: Springs = Field(default=0.0, description="tangential springs around [N/m^2]")
     zeta: Annotated[NotNegative, CHECKS["zeta"]] = Field(default=0.0, description="damping ratio of all modes [-]")
     n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
 
@@ -137,14 +144,14 @@ class CantileverTable(SectionTable):
     """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
 
     zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
-    load: FiniteFloat = Field(default=0.0, description="line load towards the stop [N/m]")
-    velocity: FiniteFloat = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
+    load: Force = Field(default=0.0, description="line load towards the stop [N/m]")
+    velocity: Velocity = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
 
 
 class StopTable(Table):
     """[stop]: its distance from the tip of the straight beam [m]."""
 
-    clearance: NotNegative = Field(description="from the tip of the straight beam [m]")
+    clearance: Distance = Field(description="from the tip of the straight beam [m]")
 
 
 class CantileverFile(SceneFile):
@@ -184,8 +191,8 @@ class RodTable(Table):
     E: Positive = Field(description="Young's modulus [Pa]")
     rho: Positive = Field(description="density [kg/m^3]")
     elements: Annotated[int, Field(ge=1)] = Field(default=100, description="number of elements")
-    x: FiniteFloat = Field(default=0.0, description="left end at t = 0 [m]")
-    velocity: FiniteFloat = Field(default=0.0, description="at t = 0 [m/s]")
+    x: Number = Field(default=0.0, description="left end at t = 0 [m]")
+    velocity: Number = Field(default=0.0, description="at t = 0 [m/s]")
     fixed: Literal["none", "left", "right"] = Field(default="none", description="which end is held")
     end_mass: NotNegative = Field(default=0.0, description="at the end that faces its neighbour [kg]")
     damping: NotNegative = Field(default=0.0, description="of its mass [1/s]")
@@ -195,22 +202,20 @@ class MassTable(Table):
     """[[mass]]: the fields of `PointMass`."""
 
     mass: Positive = Field(description="mass [kg]")
-    x: FiniteFloat = Field(default=0.0, description="place at t = 0 [m]")
-    velocity: FiniteFloat = Field(default=0.0, description="at t = 0 [m/s]")
+    x: Number = Field(default=0.0, description="place at t = 0 [m]")
+    velocity: Number = Field(default=0.0, description="at t = 0 [m/s]")
     stiffness: NotNegative = Field(default=0.0, description="of a spring to the ground [N/m]")
-    anchor: FiniteFloat | None = Field(
-        default=None, description="where that spring is without force [m]; x if left out"
-    )
+    anchor: Number | None = Field(default=None, description="where that spring is without force [m]; x if left out")
     damping: NotNegative = Field(default=0.0, description="of a dashpot to the ground [N s/m]")
-    force: FiniteFloat = Field(default=0.0, description="amplitude of a harmonic force [N]")
+    force: Number = Field(default=0.0, description="amplitude of a harmonic force [N]")
     force_hz: NotNegative = Field(default=0.0, description="its frequency [Hz]")
-    force_deg: FiniteFloat = Field(default=0.0, description="its phase [degrees]")
+    force_deg: Angle = Field(default=0.0, description="its phase [degrees]")
 
 
 class WallTable(Table):
     """[wall] or [[wall]]."""
 
-    x: FiniteFloat = Field(default=0.0, description="where it stands [m]")
+    x: Number = Field(default=0.0, description="where it stands [m]")
 
 
 class RodsHead(Table):
@@ -218,7 +223,7 @@ class RodsHead(Table):
 
     kind: Literal["rods"] = Field(description="which kind of scene this is")
     t_end: Positive = Field(description="time at which the run ends [s]")
-    gravity: FiniteFloat = Field(default=0.0, description="towards -x [m/s^2]")
+    gravity: Number = Field(default=0.0, description="towards -x [m/s^2]")
 
 
 def _listed(value: object) -> object:

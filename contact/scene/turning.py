@@ -7,11 +7,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
+from contact.base.arrays import MANY
 from contact.scene.parts import CoatingTable, radius_of
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
-from contact.scene.scheme import CheckedFile, Friction, Gap, Positive, Table, TurnsPerSecond
+from contact.scene.scheme import CheckedFile, Friction, Gap, Number, Positive, Table, TurnsPerSecond
 
 TWO = Field(min_length=2, max_length=2)
 
@@ -19,10 +20,10 @@ TWO = Field(min_length=2, max_length=2)
 class ContinuationTable(Table):
     """[continuation]: longest step, most points, looks at gaps in a period, doublings followed, channels shown."""
 
-    longest_step: Annotated[FiniteFloat, Field(gt=0, le=1)] = Field(
+    longest_step: Annotated[FiniteFloat, Field(ge=1e-6, le=1)] = Field(
         default=0.02, description="of the parameter's range [-]"
     )
-    most_points: Annotated[int, Field(ge=2)] = Field(default=1000, description="points of a branch at most")
+    most_points: Annotated[int, Field(ge=2, le=MANY)] = Field(default=1000, description="points of a branch at most")
     looks: Annotated[int, Field(ge=8)] | None = Field(default=None, description="looks at the gaps in a period")
     doublings: Annotated[int, Field(ge=0)] = Field(default=0, description="period doublings that are followed")
     channels: list[str] = Field(
@@ -33,10 +34,10 @@ class ContinuationTable(Table):
 class BasinsTable(Table):
     """[basins]: runs from random starts at one value of the parameter, and the motions that they reach."""
 
-    at: FiniteFloat = Field(description="value of the parameter, within the range [unit of the parameter]")
+    at: Number = Field(description="value of the parameter, within the range [unit of the parameter]")
     starts: Annotated[int, Field(ge=1, le=100_000)] = Field(default=100, description="number of runs")
     seed: Annotated[int, Field(ge=0)] = Field(description="of the random starts")
-    spread: Positive = Field(
+    spread: Annotated[Positive, Field(le=1e3)] = Field(
         default=1.0, description="deviation of a start's states, over those of the orbits there [-]"
     )
     settle: Annotated[int, Field(ge=1)] = Field(default=300, description="periods of each run")
@@ -55,7 +56,7 @@ class SpeedRange(Table):
         if self.from_hz is not None and self.to_hz is not None and self.hz is None:
             if not self.from_hz * self.to_hz > 0.0 or self.from_hz == self.to_hz:
                 expected = "two different speeds of one sense"
-                raise ValueError(f"{self.from_hz:g} to {self.to_hz:g} found, expected {expected}")
+                raise ValueError(f"from_hz = {self.from_hz:g} and to_hz = {self.to_hz:g} found, expected {expected}")
         elif not self.hz or given[:2] != (None, None):
             found = ", ".join(name for name, one in zip(("from_hz", "to_hz", "hz"), given, strict=True) if one)
             raise ValueError(f"{found or 'nothing'} found, expected from_hz and to_hz, or hz beside [vary]")

@@ -84,6 +84,33 @@ first, 1, 3
 second, 2, 1., fourth, 2, -2., 9001, 3, .5
 *END ASSEMBLY
 """
+# two bricks, one on the other, that share no node
+UNTIED_INP = """*NODE
+1, 0., 0., 0.
+2, .1, 0., 0.
+3, .1, .1, 0.
+4, 0., .1, 0.
+5, 0., 0., .1
+6, .1, 0., .1
+7, .1, .1, .1
+8, 0., .1, .1
+11, 0., 0., .1
+12, .1, 0., .1
+13, .1, .1, .1
+14, 0., .1, .1
+15, 0., 0., .2
+16, .1, 0., .2
+17, .1, .1, .2
+18, 0., .1, .2
+*ELEMENT, TYPE=C3D8, ELSET=below
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=C3D8, ELSET=above
+2, 11, 12, 13, 14, 15, 16, 17, 18
+*SURFACE, NAME=roof
+below, S2
+*SURFACE, NAME=floor
+above, S1
+"""
 # six- and eight-noded shells, grids in a cylindrical system, one with its own axes, and every kind of attachment
 SHELLS_BDF = """SOL 103
 BEGIN BULK
@@ -221,7 +248,8 @@ def write_meshes(folder: Path) -> None:
     """All of them."""
     bricks = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.1, 0.05], groups={})
     texts = {
-        "mesh.inp": inp(bricks, "C3D8"), "tied.inp": TIED_INP, "cyclic.inp": cyclic_inp(), "mesh.bdf": bdf(),
+        "mesh.inp": inp(bricks, "C3D8"), "tied.inp": TIED_INP, "untied.inp": UNTIED_INP,
+        "cyclic.inp": cyclic_inp(), "mesh.bdf": bdf(),
         "shells.bdf": SHELLS_BDF, "mesh.msh": msh(), "mesh.cdb": tetra_cdb(), "shells.cdb": shells_cdb(),
         "sector.inp": inp(wedge("quad8", (1, 1)), "S8R"),
     }  # fmt: skip

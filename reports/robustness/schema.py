@@ -2,11 +2,12 @@
 
 `python -m reports.robustness.schema [--quick] [--out DIR]`. The keys come from the tables' models, as
 those of docs/keys.md. Each table is taken once for each command, from a small valid file (`schema_bases.py`). A case
-sets one key to a value of the wrong type, a negative, zero, huge, tiny or non-finite number, or an empty text or list.
+sets one key to a value of the wrong type, a negative, zero, huge, tiny or non-finite number, an empty text or list.
 The command of the file runs to its end in a fork of this process with 20 s of processor time and 4 GB. A case fails if
-it ends in a traceback, a stray warning, exit code 1, a number that is not finite, or not at all. "unnamed" counts
-refusals whose message does not name the key. `schema_accepted.csv` lists each accepted case and whether its answer
-equals that of the file. Needs fork (Linux, macOS).
+it ends in a traceback, a stray warning, exit code 1, a number that is not finite, null where the answer of the file has
+a number (labels of modes aside), or not at all. "unnamed" counts refusals whose message does not name the key, its unit
+aside. `schema_accepted.csv` lists each accepted case with the rule by which it is right (`schema_accepted.py`);
+"unjudged" counts those without one. Needs fork (Linux, macOS).
 """
 
 import json
@@ -33,6 +34,7 @@ from casingfem.structure.imported import read
 from contact.io.tables import Model, keys, models_at, type_words
 from contact.io.toml import entries, written
 from reports.robustness.file_mutations import forked, leaves, used
+from reports.robustness.schema_accepted import rule
 from reports.robustness.schema_bases import BASES, Base, write_companions
 from reports.tables import Row, command_line, show, write
 
@@ -40,7 +42,9 @@ SECONDS, WALL, BYTES = 20, 60, 4e9
 EVERY = 40  # of a quick run: one case in so many
 NUMBERS = {"negative": -1.0, "zero": 0.0, "huge": 1e30, "tiny": 1e-300, "nan": math.nan, "inf": math.inf}
 WHOLE = NUMBERS | {"negative": -1, "zero": 0, "huge": 10**18}
-OUTCOMES = ("refused", "unnamed", "numerics", "accepted", "failed")
+OUTCOMES = ("refused", "unnamed", "numerics", "accepted", "unjudged", "failed")
+LABELS = ("n", "n_purity", "m", "angle_deg", "doublet", "split_rel", "first_contact")  # null where a mode has none
+UNITS = ("_deg", "_hz", "_db", "_n")
 Place = tuple[str | int, ...]
 
 
@@ -52,6 +56,17 @@ class Case:
     path: Place
     damage: str
     value: object
+    usual: tuple[object, ...]
+
+    @property
+    def command(self) -> str:
+        """That of the file."""
+        return self.base.command
+
+    @property
+    def key(self) -> str:
+        """The key as the file writes it."""
+        return written(self.path)
 
     @property
     def text(self) -> str:
@@ -148,8 +163,9 @@ def cases() -> Iterator[Case]:
                 if (base.command, model, key) in seen:
                     continue
                 seen.add((base.command, model, key))
+                default = None if info.is_required() else info.get_default(call_default_factory=True)
                 for damage, value in damages(type_words(info), here.get(key)).items():
-                    yield Case(base, (*path, key), damage, value)
+                    yield Case(base, (*path, key), damage, value, (here.get(key, default), default))
 
 
 def ran(base: Base, file: Path, text: str) -> Ended:
@@ -200,8 +216,10 @@ def judged(case: Case, ended: Ended | None, same: Mapping[str, object]) -> tuple
         return "failed", f"stray warning: {stray[0]}"
     last = (ended.err.strip().splitlines() or [""])[-1]
     if ended.code == 2:
-        key = re.escape(str(case.path[-1]))
-        return ("refused" if re.search(rf"(?<![A-Za-z0-9]){key}(?![A-Za-z0-9])", ended.err) else "unnamed"), last
+        key = str(case.path[-1])
+        bare = next((key.removesuffix(unit) for unit in UNITS if key.endswith(unit)), key)
+        named = any(re.search(rf"(?<![A-Za-z0-9]){re.escape(k)}(?![A-Za-z0-9])", ended.err) for k in (key, bare))
+        return ("refused" if named else "unnamed"), last
     if ended.code == 3:
         return "numerics", last
     if ended.code != 0:
@@ -209,9 +227,13 @@ def judged(case: Case, ended: Ended | None, same: Mapping[str, object]) -> tuple
     if re.search(r"\b(NaN|-?Infinity)\b", ended.out):
         return "failed", "not finite: the answer"
     found = dict(leaves(json.loads(ended.out)))
-    gone = [name for name, value in same.items() if value != "None" and found.get(name) == "None"]
+    gone = [
+        name
+        for name, value in same.items()
+        if value != "None" and found.get(name) == "None" and name.rpartition(".")[2] not in LABELS
+    ]
     if gone:
-        return "accepted", f"unequal; no number at {', '.join(gone[:3])}"
+        return "failed", f"null where a number is expected: {', '.join(gone[:3])}"
     return "accepted", "equal" if all(found.get(name) == value for name, value in same.items()) else "unequal"
 
 
@@ -242,17 +264,25 @@ def main(out: Path, quick: bool = False, only: str = "") -> list[Row]:
         for base, chosen in todo.items():
             same = steady(base, file)
             counts: Counter[str] = Counter()
+            answers: dict[tuple[Place, str], dict[str, object]] = {}
             for case in chosen:
-                outcome, said = judged(case, in_child(case, file), same)
+                ended = in_child(case, file)
+                outcome, said = judged(case, ended, same)
+                why = ""
+                if outcome == "accepted" and ended is not None:
+                    answers[case.path, case.damage] = dict(leaves(json.loads(ended.out)))
+                    why = rule(case, said == "equal", answers, same)
+                    outcome = outcome if why else "unjudged"
                 counts[outcome] += 1
-                listed.append({"base": base.name, "command": base.command, "key": written(case.path),
-                               "value": case.damage, "outcome": outcome, "said": said.replace(place, "")})  # fmt: skip
+                listed.append({"base": base.name, "command": base.command, "key": case.key,
+                               "value": case.damage, "outcome": outcome, "said": said.replace(place, ""),
+                               "rule": why})  # fmt: skip
             named = len({case.path for case in chosen})
             rows.append({"base": base.name, "command": base.command, "keys": named, "cases": len(chosen),
                          **{outcome: counts[outcome] for outcome in OUTCOMES}})  # fmt: skip
             print(*rows[-1].values(), flush=True)
     show("Keys with values that they should not have", rows)
-    for name in ("failed", "unnamed", "accepted"):
+    for name in ("failed", "unnamed", "unjudged", "accepted"):
         if some := [row for row in listed if row["outcome"] == name]:
             write(out / f"schema_{name}.csv", some)
             if name != "accepted":

@@ -172,6 +172,8 @@ def studies() -> list[Base]:
         + '[chart]\nkind = "frustum"\nr_base = 0.5\nr_top = 0.46\nheight = 0.2\n'
         + HELD
         + '[[imperfection]]\nof = "radius"\nsurvey = "survey.csv"\nn_max = 4\ndegree = 1\n',
+        "tied bricks": HEAD
+        + '[solid]\nmesh = "untied.inp"\nscale = 1.0\n[[solid.tie]]\nfollower = "floor"\nmaster = "roof"\n',
         "bricks": BRICKS + '[support.root]\nkind = "fixed"\ndirections = ["x", "y", "z"]\n',
         "sector": HEAD + '[solid]\nmesh = "cyclic.inp"\n[cyclic]\nsectors = 12\nfaces = ["low", "high"]\n',
         "imported shell": HEAD + '[shell]\nmesh = "sector.inp"\nthickness = 2e-3\n',
@@ -208,7 +210,7 @@ def scenes() -> list[Base]:
     basins = "[basins]\nat = 5.2\nstarts = 2\nseed = 1\nsettle = 3\n"
     disk = '[scene]\nkind = "disk"\nt_end = 2e-3\n'
     return [
-        Base("rods", "contact", "rods", RODS),
+        Base("rods", "contact", "rods", RODS + "[checks]\nallow = []\n"),
         Base(
             "rim", "rub", "rim", "[scene]\n" + RIM_RUN + ONE_BLADE + GAP + ROUGH + SPEED + STEP + COATING + "[record]\n"
         ),
@@ -257,6 +259,17 @@ def scenes() -> list[Base]:
             + "[continuation]\nlongest_step = 0.5\nmost_points = 4\n",
         ),
         Base("cycles of a rim", "cycles", "cycles-rim", rim + ONE_BLADE + GAP + OVAL + TURNING),
+        Base(
+            "cycles over clearance",
+            "cycles",
+            "cycles-rim",
+            rim
+            + ONE_BLADE
+            + GAP
+            + OVAL
+            + TURNING.replace("from_hz = 18.0\nto_hz = 19.0", "hz = 18.0")
+            + "[vary]\nclearance = [1e-4, 1.1e-4]\n",
+        ),
         Base("cycles of a rub", "cycles", "cycles-rub", rim.replace('"rim"', '"rub"') + BLADES + GAP + OVAL + TURNING),
         Base("cycles of a disk", "cycles", "cycles-disk", rim.replace('"rim"', '"disk"') + DISK + GAP + OVAL + TURNING),
         Base("sweep", "sweep", "sweep", RODS + SWEEP),

@@ -57,7 +57,7 @@ def require_clear(tones: Sequence[float], n: IntArray, rate: float, seconds: flo
     """
     turns = abs(rate) * seconds
     if turns < TURNS:
-        need = f"{TURNS / abs(rate):.3g} s" if rate else "a spot that turns"
+        need = f"{TURNS / abs(rate):.3g} s, or a faster mirror or casing" if rate else "a mirror or a casing that turns"
         raise InputError(f"the record is too short: found {turns:.2f} turns of the spot, expected {TURNS} ({need})")
     freq = line_frequencies(tones, n, rate, runout)
     if freq.max() >= 0.5 * fs:

@@ -26,6 +26,7 @@ UNITS: dict[Quantity, str] = {"receptance": "m/N", "mobility": "(m/s)/N", "accel
 DERIVATIVES: dict[Quantity, int] = {"receptance": 0, "mobility": 1, "accelerance": 2}
 SYNTHETIC = "SYNTHETIC: made by casingfem's virtual test rig, not measured"
 BITS = (4, 32)
+LEAST_ZETA = 1e-9  # of a mode: the best quartz resonators have no less damping
 
 
 class Probe(NamedTuple):
@@ -85,9 +86,10 @@ class Rig:
                 raise InputError(f"{name}: found {found}, expected finite numbers of shape {shape}")
         if modes == 0 or self.omega.min() <= 0.0 or np.any(np.diff(self.omega) < 0.0):
             raise InputError("omega: expected at least one frequency, all above 0 (a body that is held), ascending")
-        if self.zeta.min() <= 0.0 or self.zeta.max() >= 1.0:
-            found = self.zeta[(self.zeta <= 0.0) | (self.zeta >= 1.0)][0]
-            raise InputError(f"zeta: found {found:g}, expected damping ratios between 0 and 1, not per cent")
+        if self.zeta.min() < LEAST_ZETA or self.zeta.max() >= 1.0:
+            found = self.zeta[(self.zeta < LEAST_ZETA) | (self.zeta >= 1.0)][0]
+            expected = f"damping ratios from {LEAST_ZETA:g} to below 1, not per cent"
+            raise InputError(f"zeta: found {found:g}, expected {expected}")
 
     @classmethod
     def of(

@@ -28,6 +28,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
 AVERAGES = 5  # hits of an average, for the coherence
 HANN = np.arange(-3.75, 3.8, 0.25)  # lines over which a Hann window leaks
 FIXTURE_ZETA, FIXTURE_SIZE = 0.008, 0.3  # damping of local modes, their peaks over the median of the others'
+SPOILT = ("dead", "noisy", "flipped", "swapped")
 NOISY = 10.0  # times the noise of other channels
 HIT_DELAY = 0.023  # s, from the first to the second hit
 
@@ -165,6 +166,10 @@ def troubled_frfs(
     residues = (pushed[:, None, :] * rows[None]).reshape(-1, len(rig))
     static = rig.S[np.ix_(seen, list(drives))].T.reshape(-1, 1)
     local, parts = _fixture(what, freq, residues, rig, len(drives), rng)
+    shortest = 1.0 / float(freq[-1])
+    if 0.0 < what.exponential < shortest:
+        expected = f"none, or at least {shortest:.3g} s, one period of the last line"
+        raise InputError("troubles.exponential", found=f"{what.exponential:g} s", expected=expected)
     power, decay = DERIVATIVES[quantity], 1.0 / what.exponential if what.exponential else 0.0
 
     end = _end(what, freq)
@@ -183,12 +188,18 @@ def troubled_frfs(
         clean = np.sum([weight * seen_at(freq + x * step) for weight, x in weights], axis=0)
     if what.dead >= len(clean):
         raise InputError("troubles.dead", found=str(what.dead), expected=f"less than the {len(clean)} channels")
+    spoilt = {name: getattr(what, name) * (2 if name == "swapped" else 1) for name in SPOILT}
+    if sum(spoilt.values()) > len(clean):
+        named = ", ".join(f"{name} {getattr(what, name)}" for name, count in spoilt.items() if count)
+        raise InputError(
+            "troubles", found=named, expected=f"at most the {len(clean)} channels in all, a swapped pair as two"
+        )
     order = rng.permutation(len(clean)).tolist()
     dead, noisy, flipped, rest = (
         sorted(order[low:high])
         for low, high in pairwise(np.cumsum([0, what.dead, what.noisy, what.flipped, len(order)]))
     )
-    swapped = tuple((rest[2 * k], rest[2 * k + 1]) for k in range(min(what.swapped, len(rest) // 2)))
+    swapped = tuple((rest[2 * k], rest[2 * k + 1]) for k in range(what.swapped))
     sigma = _noise_size(what, freq, clean, noisy)
     H = clean + sigma * _noise(what, clean.shape, len(drives), rng)
     H[dead] -= clean[dead]

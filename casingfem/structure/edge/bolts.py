@@ -96,7 +96,8 @@ class Bolts:
             raise ModelError("bolt-overlap", found)
         if width > min(pitch, last) * (1.0 + 1e-12):
             wide, apart = np.degrees(width), np.degrees(min(pitch, last))
-            raise ModelError("bolt-overlap", f"patches {wide:.4g} deg wide on bolts {apart:.4g} deg apart overlap")
+            found = f"patches of width {wide:.4g} deg on bolts at a spacing of {apart:.4g} deg overlap"
+            raise ModelError("bolt-overlap", found)
 
     @property
     def stiffness(self) -> Array:

@@ -136,7 +136,10 @@ class PiecewiseMeridian:
         object.__setattr__(self, "owners", tuple(owners))
         lowest = float(self.at(np.linspace(0.0, self.length, 721)).r.min())
         if lowest <= 1e-9 * self.length:
-            raise ModelError("meridian-axis", f"chart.piece: found a radius of {lowest:.3g} m on the meridian")
+            first = self.start[0] <= lowest
+            r, z = self.start if first else min(piece.to for piece in self.pieces)
+            found = f"a radius of {lowest:.3g} m on the meridian, near {'start' if first else 'to'} = [{r:g}, {z:g}]"
+            raise ModelError("meridian-axis", f"chart.piece: found {found}")
 
     @property
     def lines(self) -> FloatArray:

@@ -70,10 +70,13 @@ class Arc:
     def __post_init__(self) -> None:
         require_positive("chart.profile", radius=self.radius)
         if not 1e-6 < abs(np.real(self.end - self.start)) < 2.0 * np.pi:
-            raise ModelError("meridian-arc", f"chart.profile: found an arc from {self.start!r} to {self.end!r} rad")
+            raise ModelError(
+                "meridian-arc", f"chart.profile: found an arc from start = {self.start!r} to end = {self.end!r} rad"
+            )
         lowest = float(np.real(self.at(np.linspace(0.0, np.real(self.length), 721)).r).min())
         if lowest < 1e-9 * np.real(self.radius):
-            raise ModelError("meridian-axis", f"chart.profile: found a radius of {lowest:.3g} m on the meridian")
+            found = f"a radius of {lowest:.3g} m on the meridian, with r0 = {np.real(self.r0):g} m"
+            raise ModelError("meridian-axis", f"chart.profile: found {found}")
 
     @property
     def length(self) -> float:

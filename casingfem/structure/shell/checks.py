@@ -128,7 +128,8 @@ def check_springs(shell: ShellParts, edge: str, support: ElasticEdge) -> None:
     for spring in (name for name in support.patterns if getattr(support, name)):
         lowest = float(np.real(support.factor(spring, *ends)).min())
         if not lowest >= 0.0:
-            raise ModelError("springs-negative", f"support.{edge}.around makes {spring} negative (factor {lowest:.3g})")
+            named = f"support.{edge}.around, by its cos and sin, makes {spring} negative"
+            raise ModelError("springs-negative", f"{named} (factor {lowest:.3g})")
 
 
 def check_field(shell: ShellParts, name: str, defect: Field) -> None:

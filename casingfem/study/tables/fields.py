@@ -19,7 +19,7 @@ class Wave(Table):
     """One harmonic of a random field's spectrum, relative amplitudes."""
 
     p: int = Field(ge=1, le=1000, description="number of waves around")
-    median: Annotated[float, Field(gt=0, le=1)] = Field(description="median amplitude, relative [-]")
+    median: Annotated[float, Field(ge=1e-9, le=1)] = Field(description="median amplitude, relative [-]")
     high: Annotated[float, Field(gt=0, le=1)] | None = Field(
         default=None, description="90th percentile [-]; 1.82 medians if left out, as of a Rayleigh amplitude"
     )
@@ -90,7 +90,7 @@ class CyclicTable(Table):
         default=None, description="some of 0 .. sectors/2, for casingfem modes; all if left out"
     )
     coriolis: bool = Field(default=False, description="casingfem modes gives the waves with Coriolis forces too")
-    mistuning: str | list[float] | None = Field(
+    mistuning: Annotated[str, Field(min_length=1)] | list[float] | None = Field(
         default=None, description="relative deviation [-] of each blade's frequency: a list, or a CSV blade,deviation"
     )
     blade: Edge | None = Field(default=None, description="group of the cells that deviate; the sector if left out")

@@ -4,13 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from casingfem.study.tables.table import NotNegative, Pair, Positive, Table
+from casingfem.experiment.rig.rig import LEAST_ZETA
+from casingfem.study.tables.table import Angle, NotNegative, Pair, Positive, Table
 from contact.io.plausible import CHECKS, REACH
 
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
 Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
-Angle = Annotated[float, Field(ge=-360, le=360)]
 Ratio = Annotated[float, Field(ge=-60, le=300)]
+Damping = Annotated[float, Field(ge=LEAST_ZETA, lt=1), CHECKS["zeta"]]
 
 MOST_LINES = 1_000_000  # of a response: a day's record holds no more
 
@@ -123,7 +124,7 @@ class RigTable(Table):
     """[rig]."""
 
     seed: int = Field(ge=0, description="of all that is random")
-    zeta: Annotated[float, Field(gt=0, lt=1), CHECKS["zeta"]] = Field(description="damping ratio, the median [-]")
+    zeta: Damping = Field(description="damping ratio, the median [-]")
     zeta_spread: float = Field(default=0.0, ge=0, lt=2, description="standard deviation of its logarithm, by mode [-]")
     quantity: Literal["receptance", "mobility", "accelerance"] = Field(default="accelerance", description="measured")
     drive: list[PlaceTable] = Field(min_length=1, description="tables [[rig.drive]]: where it is excited")

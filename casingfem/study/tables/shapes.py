@@ -1,13 +1,15 @@
 """The tables of a structure's shape: material, chart, taper, wall, strips, masses, mesh, rotation, imported meshes."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from casingfem.study.tables.table import (
+    Angle,
     Axis,
     Density,
     Edge,
+    Length,
     Modulus,
     NotNegative,
     Pair,
@@ -18,7 +20,7 @@ from casingfem.study.tables.table import (
     Table,
     Thickness,
     Vector,
-)  # fmt: skip
+)
 from contact.io.plausible import REACH
 
 
@@ -73,6 +75,13 @@ class DomeTable(Table):
     end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
     r0: Place = Field(default=0.0, description="distance of the meridian's centre from the axis [m]")
 
+    @model_validator(mode="after")
+    def _arc(self) -> Self:
+        if not abs(self.end_deg - self.start_deg) > 1e-4:
+            found = f"start_deg = {self.start_deg:g} and end_deg = {self.end_deg:g}"
+            raise ValueError(f"found {found}, expected two different angles")
+        return self
+
 
 class PieceTable(Table):
     """[[chart.piece]]: a straight piece or an arc of a meridian, with a wall of its own if it has one."""
@@ -105,6 +114,10 @@ class TwistedPlateTable(Table):
 
 
 Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
+Angles = Angle | Annotated[list[Angle], Field(min_length=1, max_length=8)]
+Lengths = Length | Annotated[list[Length], Field(min_length=1, max_length=8)]
+Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
+Factors = Factor | Annotated[list[Factor], Field(min_length=1, max_length=8)]
 
 
 class BladeTable(Table):
@@ -112,9 +125,9 @@ class BladeTable(Table):
 
     kind: Literal["blade"] = Field(description="which surface it is")
     length: Size = Field(description="span from root to tip [m]")
-    chord: Annotated[Stations, REACH] = Field(description="chord [m], one number or [root, tip] or more stations")
-    camber_deg: Stations = Field(default=0.0, description="opening angle of the section's arc [degrees]")
-    twist_deg: Stations = Field(default=0.0, description="angle of the section about the span [degrees]")
+    chord: Annotated[Lengths, REACH] = Field(description="chord [m], one number or [root, tip] or more stations")
+    camber_deg: Angles = Field(default=0.0, description="opening angle of the section's arc [degrees]")
+    twist_deg: Angles = Field(default=0.0, description="angle of the section about the span [degrees]")
     sweep: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along y [m]")
     lean: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along z [m]")
 
@@ -128,8 +141,8 @@ ChartTable = Annotated[
 class TaperTable(Table):
     """[taper]: factors of the thickness at equally spaced stations."""
 
-    along: Stations = Field(default=1.0, description="factors from root to tip, or base to top [-]")
-    across: Stations = Field(default=1.0, description="factors from left to right [-]")
+    along: Factors = Field(default=1.0, description="factors from root to tip, or base to top [-]")
+    across: Factors = Field(default=1.0, description="factors from left to right [-]")
 
 
 class TieTable(Table):
@@ -173,7 +186,7 @@ class PlyTable(Table):
     """[[shell.plies]]: a layer, from the inside out; on a mesh along its cells' normals."""
 
     thickness: Thickness = Field(description="its thickness [m]; all add up to that of the shell")
-    angle_deg: float = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
+    angle_deg: Angle = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
     lamina: str | None = Field(default=None, description="name of its [shell.lamina.<name>]; [material] if left out")
 
 
@@ -219,6 +232,12 @@ class StripTable(Table):
     end: Place = Field(alias="to", description="where it ends [m]")
     thickness: Thickness = Field(description="its wall thickness [m]")
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if not self.start < self.end:
+            raise ValueError(f"found from = {self.start:g} and to = {self.end:g}, expected from < to")
+        return self
 
 
 class MassTable(Table):

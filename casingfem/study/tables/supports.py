@@ -82,10 +82,10 @@ class BoltsTable(Table):
     k_z: NotNegative | None = Field(default=None, description="axial stiffness of one bolt [N/m]")
     k_rot: NotNegative = Field(default=0.0, description="rotational stiffness of one bolt [N m/rad]")
     first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
-    width_deg: float | None = Field(default=None, gt=0, le=360, description="width of the patch of a bolt [degrees]")
+    width_deg: float | None = Field(default=None, ge=1e-3, le=360, description="width of the patch of a bolt [degrees]")
     width_m: Size | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
     spacing_deg: float | None = Field(
-        default=None, gt=0, le=360, description="angle between bolts [degrees]; else all around"
+        default=None, ge=1e-3, le=360, description="angle between bolts [degrees]; else all around"
     )
     loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
 

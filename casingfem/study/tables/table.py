@@ -2,24 +2,13 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from contact.io.plausible import CHECKS, REACH
-
-
-def at_least(least: float) -> AfterValidator:
-    """Refuse positive numbers too small to be meant."""
-
-    def check(value: float) -> float:
-        if value < least:
-            raise ValueError(f"found {value!r}, expected at least {least:g}")
-        return value
-
-    return AfterValidator(check)
-
+from contact.io.tables import at_least
 
 Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
-NotNegative = Annotated[float, Field(ge=0, le=1e25)]
+NotNegative = Annotated[float, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
 Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
 Size = Annotated[Length, REACH]
 Place = Annotated[float, Field(ge=-1e3, le=1e3), REACH]
@@ -28,6 +17,7 @@ Modulus = Annotated[Positive, CHECKS["E"]]
 Density = Annotated[Positive, CHECKS["rho"]]
 Poisson = Annotated[float, Field(gt=-1, lt=0.5), CHECKS["nu"]]
 Relative = Annotated[float, Field(ge=-1, le=1)]
+Angle = Annotated[float, Field(ge=-360, le=360)]
 Edge = str
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]

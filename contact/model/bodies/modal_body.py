@@ -24,6 +24,7 @@ OPTIONAL = (
     "gyroscopic", "stiffness_by_speed", "damping", "stiffness", "participation", "out_of_roundness",
 )  # fmt: skip
 SQUARES = ("gyroscopic", "stiffness_by_speed", "damping", "stiffness")  # (m, m), of the modes
+LEAST_OMEGA = 1e-50  # rad/s: the square of less has few digits or none
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that is round-off
 
@@ -393,5 +394,7 @@ def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, 
 def _require_modes(omega: Array, zeta: Array) -> None:
     if omega.size and float(omega.min()) < 0.0:
         raise InputError(f"omega: found {omega.min():g} rad/s, expected every frequency >= 0")
+    if np.any(tiny := (omega > 0.0) & (omega < LEAST_OMEGA)):
+        raise InputError(f"omega: found {omega[tiny][0]:g} rad/s, expected 0, a rigid motion, or >= {LEAST_OMEGA:g}")
     if zeta.size and not 0.0 <= float(zeta.min()) <= float(zeta.max()) < 1.0:
         raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")

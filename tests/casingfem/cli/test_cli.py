@@ -417,7 +417,7 @@ BROKEN = {
     "support unknown": ('kind = "elastic"', 'kind = "glue"', "clamped, shear-diaphragm, symmetry, elastic"),
     "spring negative": ("1e12", "-1e12", "support.base.k_face"),
     "spring zero": ("1e12", "0.0", "support.base: an elastic support with all of its springs zero"),
-    "spring pattern negative": ("1e12", "1e12\naround = [{p = 2, cos = 0.8}, {p = 3, cos = 1}]", "around makes k_face"),
+    "spring pattern negative": ("1e12", "1e12\naround = [{p = 2, cos = 0.8}, {p = 3, cos = 1}]", "sin, makes k_face"),
     "count zero": ("count = 6", "count = 0", "modes.count: found 0"),
     "mesh rows": ("rows = 1", "rows = [0.0, 0.7, 0.5, 1.0]", "mesh.rows"),
     "interface of no edge": ('interface = "top"', 'interface = "left"', "reduce.interface: found 'left'"),

@@ -361,7 +361,7 @@ def test_strips_are_read_and_written_with_their_keys(tmp_path):
     [
         ("from = 0.1\n", "", "strip[1].from: found nothing, expected its where it begins"),
         ("from = 0.1\n", "start = 0.1\n", "strip[1].start: found an unknown key, expected one of from, to, thickness"),
-        ("from = 0.1\n", "from = 0.2\n", "strip[1]: strip: found start 0.2, end 0.15"),
+        ("from = 0.1\n", "from = 0.2\n", "strip[1]: found from = 0.2 and to = 0.15, expected from < to"),
         ("to = 0.25\n", "to = 0.26\n", "strip: strip[2] from 0.24 to 0.26 m leaves the shell"),
         ("from = 0.24\n", "from = 0.14\n", "strip: strip[2] from 0.14 to 0.25 m overlaps strip[1]"),
         ("thickness = 12e-3", "thickness = -1.0", "strip[2].thickness: found -1.0, expected greater than 0"),
@@ -406,11 +406,15 @@ def test_a_blade_is_read_and_written_in_degrees(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("chord = [0.12, 0.10, 0.09]", "chord = [0.12, -0.1]", "chart: chart.chord falls to -0.1 m"),
+        ("chord = [0.12, 0.10, 0.09]", "chord = [0.12, -0.1]", "chart.chord[2]: found -0.1, expected greater than 0"),
         ("chord = [0.12, 0.10, 0.09]", "chord = []", "chart.chord: "),
         ("chord = [0.12, 0.10, 0.09]", "", "chart.chord: found nothing, expected its chord [m]"),
-        ("along = [1.0, 0.6]", "along = [1.0, 0.0]", "taper: taper.along falls to 0"),
-        ("camber_deg = [35.0, 12.0]", "camber_deg = 400", "chart: chart.camber reaches 6.98 rad"),
+        ("along = [1.0, 0.6]", "along = [1.0, 0.0]", "taper.along[2]: found 0.0, expected greater than or equal"),
+        (
+            "camber_deg = [35.0, 12.0]",
+            "camber_deg = 400",
+            "chart.camber_deg: found 400, expected less than or equal to 360",
+        ),
         ("camber_deg", "camber", "chart.camber: found an unknown key"),
         (
             "[taper]",

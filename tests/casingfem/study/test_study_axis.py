@@ -54,7 +54,7 @@ def test_a_blade_turns_on_its_hub(problems, keys, axis, centre):
     assert rotation.centre == pytest.approx(centre, abs=1e-15)
 
 
-BESIDE = "rotation: found a hub radius or a stagger beside an axis or a centre, expected one way to place the axis"
+BESIDE = "rotation: found hub_radius or stagger_deg beside axis, centre or point, expected one way to place the axis"
 
 
 @pytest.mark.parametrize(

@@ -44,12 +44,8 @@ def built(tables):
     ("more", "start"),
     [
         ({"cyclic": {"sectors": 3}}, "cyclic: found it beside [chart], expected an imported mesh: the sector"),
-        ({"strip": [{"from": 0.2, "to": 0.1, "thickness": 1e-3}]}, "strip[1]: strip: found start 0.2, end 0.1"),
-        ({"strip": [{"from": 0.0, "to": 0.1, "thickness": 1e-3}, {"from": 0.2, "to": 0.1, "thickness": 1e-3}]},
-         "strip[2]: strip: found start 0.2, end 0.1"),
         ({"strip": [{"from": 0.2, "to": 0.3, "thickness": 1e-3}]}, "strip: strip[1] from 0.2 to 0.3 m leaves"),
         ({"stiffener": [{"at": 0.3, "offset": [0.0, 0.0], "diameter": 0.01}]}, "stiffener: stiffener[1].at: found 0.3"),
-        ({"taper": {"along": [1.0, 0.0]}}, "taper: taper.along"),
         ({"support": {"bottom": {"kind": "clamped"}}},
          "support.bottom: found edge 'bottom', expected one of the chart's edges base, top"),
         ({"support": {"base": {"kind": "ring", "width": 0.1, "depth": 0.1, "material": STEEL, "support":

@@ -82,7 +82,7 @@ LEAST = {
     RigTable: {"seed": 0, "zeta": 0.01, "drive": [DRIVE]},
 }  # fmt: skip
 POSITIVE = [(1e-25, 0.999e-25), (1e25, 1.001e25)]
-NOT_NEGATIVE = [(0.0, -1e-30), (1e25, 1.001e25)]
+NOT_NEGATIVE = [(0.0, -1e-30), (1e-25, 1e-300), (1e25, 1.001e25)]
 LENGTH = [(1e-7, 0.999e-7), (1e3, 1000.001)]
 TURN = [(-360.0, -360.001), (360.0, 360.001)]
 RELATIVE = [(-1.0, -1.0001), (1.0, 1.0001)]
@@ -100,11 +100,16 @@ ENDS = {
     PieceTable: {"to": PAIR, "radius": [(-1e3, -1000.1), (1e3, 1000.1)], "thickness": LENGTH, "fillet": LENGTH},
     MeridianTable: {"start": PAIR, "piece": [([{"to": [1.0, 2.0]}], [])]},
     TwistedPlateTable: {"twist_deg": TURN},
-    BladeTable: {"chord": STATIONS},
+    BladeTable: {
+        "chord": [*STATIONS, *LENGTH, ([1e-7], [0.0])],
+        "twist_deg": [*TURN, *STATIONS], "camber_deg": [*TURN, *STATIONS],
+    },
+    TaperTable: {"along": [*STATIONS, (1e-3, 0.0), (1e3, 1001.0)], "across": STATIONS},
+    PlyTable: {"angle_deg": TURN},
     TieTable: {"follower": [("a", "")], "master": [("b", "")], "tolerance": POSITIVE},
     SolidTable: {"mesh": [("a", "")], "scale": POSITIVE, "join": NOT_NEGATIVE},
     ShellTable: {"mesh": [("a", "")], "thickness": LENGTH},
-    StripTable: {"from": [(-1e3, -1000.1), (1e3, 1000.1)], "to": [(-1e3, -1000.1), (1e3, 1000.1)]},
+    StripTable: {"from": [(-1e3, -1000.1), (0.0999, 0.1)], "to": [(0.0001, 0.0), (1e3, 1000.1)]},
     MassTable: {"edge": [("a", "")], "angle_deg": TURN, "mass": NOT_NEGATIVE},
     MeshTable: {"order": [(2, 1), (20, 21)], "rows": COUNT_1000, "around": [(1, 0), (10_000, 10_001)]},
     RotationTable: {
@@ -112,14 +117,14 @@ ENDS = {
         "stagger_deg": TURN, "axis": THREE, "centre": THREE,
     },
     Harmonic: {"p": [(0, -1), (1000, 1001)], "cos": RELATIVE, "sin": RELATIVE},
-    Wave: {"p": COUNT_1000, "median": [(1e-9, 0.0), (1.0, 1.0001)], "high": [(1e-9, 0.0), (1.0, 1.0001)]},
+    Wave: {"p": COUNT_1000, "median": [(1e-9, 0.9e-9), (1.0, 1.0001)], "high": [(1e-9, 0.0), (1.0, 1.0001)]},
     ImperfectionTable: {"survey": [("a", "")], "n_max": COUNT_1000, "degree": [(0, -1), (20, 21)]},
     ElasticTable: {"k_r": NOT_NEGATIVE},
     FixedTable: {"directions": [(["z"], [])]},
     LooseTable: {"bolt": COUNT_1000, "factor": [(0.0, -1e-9), (1e6, 1.001e6)]},
     BoltsTable: {
-        "count": COUNT_1000, "first_angle_deg": TURN, "width_deg": [(1e-9, 0.0), (360.0, 360.001)],
-        "spacing_deg": [(1e-9, 0.0), (360.0, 360.001)],
+        "count": COUNT_1000, "first_angle_deg": TURN, "width_deg": [(1e-3, 0.9e-3), (360.0, 360.001)],
+        "spacing_deg": [(1e-3, 0.9e-3), (360.0, 360.001)],
     },
     RingTable: {"offset": PAIR, "foot": PAIR},
     StiffenerTable: {"at": [(-1e3, -1000.1), (1e3, 1000.1)], "offset": PAIR},
@@ -159,7 +164,7 @@ ENDS = {
         "runout": [([[1.0, 2.0]], [[1.0]])],
     },
     RigTable: {
-        "seed": [(0, -1)], "zeta": [(1e-9, 0.0), (0.999, 1.0)], "zeta_spread": [(0.0, -1e-9), (1.999, 2.0)],
+        "seed": [(0, -1)], "zeta": [(1e-9, 0.9e-9), (0.999, 1.0)], "zeta_spread": [(0.0, -1e-9), (1.999, 2.0)],
         "drive": [([DRIVE], [])],
     },
 }  # fmt: skip

@@ -36,7 +36,7 @@ PAIR = {"n": 2, **MODE}
 SCAN = {"from_hz": 0.0, "to_hz": 1.0}
 HAND = {"omega": [1.0], "channels": ["x"], "rows": [[1.0]]}
 NODE = {"span": "span", "flap": "flap"}
-TINY, UNDER = 1e-300, -1e-300
+TINY, UNDER = 1e-25, -1e-300
 BELOW_ONE, BELOW_90 = math.nextafter(1.0, 0.0), math.nextafter(90.0, 0.0)
 LINE = {"p": 2, "median": 1.0, "high": 2.0}
 
@@ -78,7 +78,8 @@ BOUNDS = [
     (RecordTable, {"state_every": 1}, "channels", [[[1.0]]], [[], [[1.0], [1.0, 2.0]]]),
     (CasingTable, {"basis": "b"}, "scatter", [0.0, 0.2], [UNDER, 0.2000001]),
     (CasingTable, {"basis": "b"}, "seed", [0], [-1]),
-    (BladeTable, {"basis": "b"}, "freq_hz", [TINY], [0.0]),
+    (BladeTable, {"basis": "b"}, "freq_hz", [TINY], [0.0, 0.9 * TINY]),
+    (BladeTable, {}, "basis", ["b"], [""]),
     (BladeTable, {"basis": "b"}, "lean_deg", [BELOW_90, -BELOW_90], [90.0, -90.0]),
     (SpectrumLine, LINE, "p", [1, 1000], [0, 1001]),
     (SpectrumLine, LINE, "median", [TINY, 2.0], [0.0, 2.0000001]),
@@ -95,6 +96,8 @@ BOUNDS = [
     (RubBlade, {"basis": "b"}, "count", [1, 1000], [0, 1001]),
     (RubBlade, {"basis": "b"}, "lean_deg", [BELOW_90, -BELOW_90], [90.0, -90.0]),
     (RubGravity, {}, "acceleration", [0.0], [UNDER]),
+    (RubGravity, {}, "down_deg", [-360.0, 360.0], [-360.1, 360.1, 1e30]),
+    (RimContact, {"clearance": 0.0}, "angle_deg", [-360.0, 360.0], [-360.1, 360.1, 1e30]),
     (RubWhirl, {}, "amplitude", [0.0], [UNDER]),
     (RubSpeed, {"time": [0.0, 1.0]}, "hz", [[1.0, 2.0]], [1.0, [1.0], [1.0, 2.0, 3.0]]),
     (RubSpeed, {}, "hz", [1.0], [[1.0], []]),
@@ -111,19 +114,19 @@ BOUNDS = [
     (SchemeTable, {"kind": "hht", "dt": 1.0, "law": "augmented-lagrangian", "stiffness": 1.0}, "updates", [1], [0]),
     (SchemeTable, {"kind": "moreau-jean", "dt": 1.0}, "theta", [0.0, 1.0], [UNDER, 1.0000001]),
     (SchemeTable, {"kind": "nonsmooth-alpha", "dt": 1.0}, "rho_inf", [0.0, 1.0], [UNDER, 1.0000001]),
-    *((RodTable, ROD, key, [TINY], [0.0]) for key in ROD),
+    *((RodTable, ROD, key, [TINY, 1e25], [0.0, 1.1e25]) for key in ROD),
     (RodTable, ROD, "elements", [1], [0]),
     *((RodTable, ROD, key, [0.0], [UNDER]) for key in ("end_mass", "damping")),
     (MassTable, {}, "mass", [TINY], [0.0]),
     *((MassTable, {"mass": 1.0}, key, [0.0], [UNDER]) for key in ("stiffness", "damping", "force_hz")),
     (RodsHead, {"kind": "rods"}, "t_end", [TINY], [0.0]),
-    (ContinuationTable, {}, "longest_step", [TINY, 1.0], [0.0, 1.0000001]),
-    (ContinuationTable, {}, "most_points", [2], [1]),
+    (ContinuationTable, {}, "longest_step", [1e-6, 1.0], [0.0, 0.9e-6, 1.0000001]),
+    (ContinuationTable, {}, "most_points", [2, 10_000_000], [1, 10_000_001]),
     (ContinuationTable, {}, "looks", [8], [7]),
     (ContinuationTable, {}, "doublings", [0], [-1]),
     (BasinsTable, {"at": 1.0, "seed": 0}, "starts", [1, 100_000], [0, 100_001]),
     (BasinsTable, {"at": 1.0, "seed": 0}, "settle", [1], [0]),
-    (BasinsTable, {"at": 1.0, "seed": 0}, "spread", [TINY], [0.0]),
+    (BasinsTable, {"at": 1.0, "seed": 0}, "spread", [TINY, 1e3], [0.0, 1001.0]),
     (BasinsTable, {"at": 1.0}, "seed", [0], [-1]),
     (VaryTable, {}, "clearance", [[-1.0, 1.0], [1.0, -1.0]], [[], [1.0], [1.0, 1.0], [1.0, 2.0, 3.0]]),
     (VaryTable, {}, "friction", [[0.0, 1.0]], [[UNDER, 1.0], [0.5, 0.5], [0.5]]),
@@ -196,9 +199,9 @@ REFUSED = [
     (SpeedRange, {"hz": 5.0, "from_hz": 2.0}, "from_hz, hz found"),
     (SpeedRange, {"from_hz": 2.0}, "from_hz found"),
     (SpeedRange, {"to_hz": 2.0}, "to_hz found"),
-    (SpeedRange, sweep(-1.0, 2.0), "-1 to 2 found, expected two different speeds of one sense"),
-    (SpeedRange, sweep(0.0, 2.0), "0 to 2 found"),
-    (SpeedRange, sweep(2.0, 2.0), "2 to 2 found"),
+    (SpeedRange, sweep(-1.0, 2.0), "from_hz = -1 and to_hz = 2 found, expected two different speeds of one sense"),
+    (SpeedRange, sweep(0.0, 2.0), "from_hz = 0 and to_hz = 2 found"),
+    (SpeedRange, sweep(2.0, 2.0), "from_hz = 2 and to_hz = 2 found"),
     (VaryTable, {}, "expected one of clearance and friction"),
     (VaryTable, {"clearance": [1.0, 2.0], "friction": [1.0, 2.0]}, "expected one of clearance and friction"),
     (DriveTable, {"channel": "x"}, f"nothing {DRIVES}"),

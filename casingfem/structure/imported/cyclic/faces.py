@@ -129,7 +129,7 @@ def named(mesh: MeshData, turn: Turn, names: tuple[str, str], reach: float) -> P
         low, high, apart = high, low, -apart
     if not abs(apart - turn.angle) <= ALIKE * turn.angle and turn.angle < np.pi:
         would = round(2.0 * np.pi / abs(apart)) if apart else 0
-        found = f"faces {abs(np.degrees(apart)):.6g} degrees apart, as {would} sectors have"
+        found = f"faces {abs(np.degrees(apart)):.6g} degrees apart about the axis and point, as {would} sectors have"
         wanted = f"{round(2.0 * np.pi / turn.angle)} sectors, {np.degrees(turn.angle):.6g} degrees each"
         raise ModelError("cyclic-sectors", f"{mesh.source}: found {found}, beside {wanted}")
     distance, partner = cKDTree(mesh.points[high]).query(turn.places(mesh.points[low]))

@@ -166,7 +166,7 @@ def test_a_circle_has_at_least_one_place():
         ({"omega": [-1.0]}, "above 0"),
         ({"omega": [], "rows": [[]]}, "at least one frequency"),
         ({"omega": [np.inf]}, "omega: found nan or infinity"),
-        ({"zeta": [2.0]}, "zeta: found 2, expected damping ratios between 0 and 1, not per cent"),
+        ({"zeta": [2.0]}, "zeta: found 2, expected damping ratios from 1e-09 to below 1, not per cent"),
         ({"zeta": [1.0]}, "zeta: found 1, expected damping ratios"),
         ({"zeta": [0.0]}, "zeta: found 0, expected damping ratios"),
         ({"omega": [9.0, 9.5], "zeta": [0.5, -0.1], "rows": [[1.0, 1.0]]}, "zeta: found -0.1, expected damping ratios"),

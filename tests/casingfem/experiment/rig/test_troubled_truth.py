@@ -198,12 +198,19 @@ def test_phases_have_their_rms_and_leave_sizes():
     assert abs(np.mean(phase)) < 3.0
 
 
-def test_spoilt_channels_are_different_ones_and_pairs_as_many_as_are_left():
-    for asked, pairs in ((2, 1), (1, 1), (0, 0)):
-        truth = made(dead=3, noisy=2, flipped=2, swapped=asked).truth
+def test_spoilt_channels_are_different_ones_and_no_more_than_there_are():
+    for pairs in (1, 0):
+        truth = made(dead=3, noisy=2, flipped=2, swapped=pairs).truth
         spoilt = [*truth.dead, *truth.noisy, *truth.flipped, *np.ravel(truth.swapped).astype(int).tolist()]
         assert (len(truth.dead), len(truth.noisy), len(truth.flipped), len(truth.swapped)) == (3, 2, 2, pairs)
         assert len(set(spoilt)) == len(spoilt)
+    with pytest.raises(InputError, match="troubles: found dead 3, noisy 2, flipped 2, swapped 2; expected at most the"):
+        made(dead=3, noisy=2, flipped=2, swapped=2)
+
+
+def test_a_window_shorter_than_a_period_is_refused():
+    with pytest.raises(InputError, match=r"troubles.exponential: found 1e-300 s; expected none, or at least"):
+        made(exponential=1e-300)
 
 
 def test_pairs_are_exchanged_with_their_coherence_and_dead_channels_have_noise_alone():
