@@ -83,7 +83,7 @@ def jet_elements(grid: Grid, H: Array) -> FloatArray:
 
 
 def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> None:
-    """Express the rows and columns of the element matrices in the nodal frames, in place."""
+    """Express the rows and columns of symmetric element matrices in the nodal frames, in place."""
     shift = np.zeros_like(frames)
     shift[:, :3, 3:] = frames[:, :3, 3:]
     plain = np.all(frames == np.eye(DOFS) + shift, axis=(1, 2))  # rotations that take displacements with them
@@ -98,20 +98,17 @@ def rotate_elements(matrices: FloatArray, grid: Grid, frames: FloatArray) -> Non
 
 
 def shift_elements(matrices: FloatArray, shift: FloatArray) -> None:
-    """Express element matrices in rotations that take displacements with them, in place.
+    """Express symmetric element matrices in rotations that take displacements with them, in place.
 
-    `shift` (elements, functions, 5, 5) holds what a node's rotation adds to its displacements. R^T K R one dof at a
-    time: blocks of five are too small for products of matrices.
+    `shift` (elements, functions, 5, 5) holds what a node's rotation adds to its displacements. K R is (R^T K)^T: both
+    products are of rows, which are contiguous.
     """
-    for K, node in zip(matrices, shift, strict=True):
-        columns = K.reshape(len(K), len(node), DOFS)
+    nodal = np.ascontiguousarray(shift[:, :, :3, 3:].swapaxes(2, 3))
+    for K, node in zip(matrices, nodal, strict=True):
         rows = K.reshape(len(node), DOFS, len(K))
-        for w in range(3, DOFS):
-            for u in range(3):
-                columns[:, :, w] += columns[:, :, u] * node[:, u, w]
-        for w in range(3, DOFS):
-            for u in range(3):
-                rows[:, w] += rows[:, u] * node[:, u, w, None]
+        rows[:, 3:] += np.matmul(node, rows[:, :3])
+        K[:] = K.T.copy()
+        rows[:, 3:] += np.matmul(node, rows[:, :3])
 
 
 def element_sum(
