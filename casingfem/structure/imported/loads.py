@@ -19,6 +19,7 @@ from casingfem.structure.imported.cells.mapped import Mapped, mapped, mapped_par
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.shell.loads import EdgeLoad, Gravity, Pressure, SurfaceLoad, Vector
 from casingfem.structure.shell.static import NODAL, deflected
 from contact.io.reported import Reported
@@ -84,7 +85,7 @@ class FacetPressure:
 
 
 def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
-    """Nodal forces of a load, (nodes, 3).
+    """Nodal forces of a load, (nodes, 3), or with the moments on directors, (nodes, 5).
 
     Raises
     ------
@@ -96,14 +97,12 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
         case OnMesh():
             return load.on_mesh(structure)
         case Gravity():
-            loads, density = np.zeros_like(mesh.points), structure.density()
-            for rows, nodes, on in mapped_parts(mesh):
-                loads += spread(mesh, on, nodes, density[rows, None, None] * np.asarray(load.acceleration))
+            loads = weight(structure, load.acceleration)
             for mass in mesh.attachments.masses:
                 if any(mass.offset):
                     found = f"{mesh.source}: Gravity on the {mass.where}, which stands off its node"
                     raise ModelError("load-edge", found)
-                loads[mass.node] += mass.mass * np.asarray(load.acceleration)
+                loads[mass.node, :3] += mass.mass * np.asarray(load.acceleration)
             return loads
         case EdgeLoad():
             force = np.asarray(load.force)
@@ -118,6 +117,16 @@ def nodal_loads(structure: MeshStructure, load: object) -> FloatArray:
                 loads += spread(mesh, on, nodes, force)
             return loads
     raise ModelError("load-edge", f"{mesh.source}: a {type(load).__name__} on an imported mesh of {mesh.kind} cells")
+
+
+def weight(structure: MeshStructure, acceleration: Vector) -> FloatArray:
+    """Nodal forces of the cells' mass, (nodes, 3), of a shell with moments on its directors, (nodes, 5)."""
+    if isinstance(structure, MeshShell):
+        return structure.weight(acceleration)
+    loads, density = np.zeros_like(structure.mesh.points), structure.density()
+    for rows, nodes, on in mapped_parts(structure.mesh):
+        loads += spread(structure.mesh, on, nodes, density[rows, None, None] * np.asarray(acceleration))
+    return loads
 
 
 def group_facets(mesh: MeshData, name: str) -> list[tuple[Mapped, IntArray]]:
@@ -181,7 +190,9 @@ def solve_mesh_static(
         raise ModelError("load-none", "solve_static: found no loads, expected at least one")
     system = system or structure.assembled()
     nodal = np.zeros((len(system.points), system.dofs, 1))
-    nodal[:, :3, 0] = np.sum([nodal_loads(structure, load) for load in loads], axis=0)
+    for load in loads:
+        felt = nodal_loads(structure, load)
+        nodal[:, : felt.shape[1], 0] += felt
     u = solve_held(system.K, system.restrict(nodal)[:, 0])
     energy = 0.5 * float(u @ (system.K @ u))
     return MeshDeflection(structure=structure, fields=frozen(system.expand(u[:, None])[:, :, 0]), energy=energy)

@@ -21,15 +21,16 @@ from scipy.sparse import csc_array
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray, read_only
 from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.geometry.rotation import Rotation
+from casingfem.structure.geometry.rotation import Rotation, Vector
 from casingfem.structure.imported.assembly import MeshSystem, assembled
-from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, scatter
+from casingfem.structure.imported.cells.mapped import cell_dofs, facet_shape_products, scatter, shape_products
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
     consistent_mass,
     directors,
     five_dofs,
+    mass_moments,
     stiffness,
     tangent_frames,
 )
@@ -38,7 +39,7 @@ from casingfem.structure.imported.checks import check_groups, check_mesh, check_
 from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.joints import joints_of
-from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
 from casingfem.structure.imported.mesh.walls import FOLDED, cell_normals, walls_apart
 from casingfem.structure.imported.spin import MeshSpin, MeshTurning, mesh_spin, spun
 from casingfem.structure.shell.checks import WALLS
@@ -69,7 +70,7 @@ class MeshShell(ShellCells):
     shear_correction
         Factor of the transverse shear stiffness; 5/(6 - nu), or 5/6 on a linear wall, if left out.
     wall
-        "curved" or "linear", as of a `Shell`; the inertia is the linear one's.
+        "curved" or "linear", as of a `Shell`, in stiffness and inertia; its curvature is that of the nodes' normals.
     plies
         Layers along the normals of the cells that fill the wall in proportion to their thicknesses; the wall must be
         linear, and groups have no materials of their own. Of the shell's material are those without a lamina.
@@ -118,7 +119,20 @@ class MeshShell(ShellCells):
 
     def density(self) -> FloatArray:
         """Mass per area of each cell [kg/m^2], (cells,)."""
-        return np.asarray(self.inertia()[0])
+        if self.wall == "linear":
+            return self.inertia(np.arange(len(self.mesh.cells)), np.zeros((3, 1, 1)))[0, :, 0]
+        _, size = shape_products(self.mesh.points, self.mesh.cells, natives(self.mesh))
+        return np.asarray(mass_moments(self, directors(self.apart.mesh))[0].sum(axis=(1, 2)) / size)
+
+    def weight(self, acceleration: Vector) -> FloatArray:
+        """Forces of gravity and their moments on all dofs of nodes: mass times the fall of all nodes, (nodes, dofs)."""
+        mesh = self.apart.mesh
+        normals = directors(mesh)
+        frames = tangent_frames(normals)
+        mass = consistent_mass(self, normals, frames).reshape(*mesh.cells.shape, DOFS, -1, DOFS)
+        loads = np.zeros((len(mesh.points), DOFS))
+        np.add.at(loads, mesh.cells, mass[..., :3].sum(axis=3) @ np.asarray(acceleration))
+        return joints_of(self.apart, normals, frames).onto_nodes(loads.ravel()).reshape(len(self.mesh.points), -1)
 
     def assembled(self) -> MeshSystem:
         """Its matrices on the free dofs, at its speed if it rotates."""
@@ -192,7 +206,7 @@ def assemble_mesh_shell(shell: MeshShell) -> MeshSystem:
     frames = tangent_frames(normals)
     dofs = cell_dofs(mesh.cells, DOFS)
     K = scatter(stiffness(shell, normals, frames), dofs, size)
-    M = scatter(consistent_mass(shell, frames), dofs, size)
+    M = scatter(consistent_mass(shell, normals, frames), dofs, size)
     t, E, _, rho = shell.walls()
     joints = joints_of(shell.apart, normals, frames)
     return assembled(
@@ -211,6 +225,6 @@ def edge_springs(shell: MeshShell, frames: FloatArray) -> list[csc_array]:
             facets = shell.mesh.group_facets(name)
             products, nodes, _ = facet_shape_products(mesh, facets)
             k, t = support.k_face, shell.walls()[0, facets[:, 0], None, None]
-            matrices = five_dofs(k * t * products, k * t**3 / 12.0 * products, frames[nodes])
+            matrices = five_dofs(k * products * np.stack([t, 0.0 * t, t**3 / 12.0]), frames[nodes])
             springs.append(scatter(matrices, cell_dofs(nodes, DOFS), size))
     return springs

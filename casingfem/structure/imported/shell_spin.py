@@ -13,41 +13,43 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cells.mapped import put, shape_products
+from casingfem.structure.imported.cells.mapped import put
 from casingfem.structure.imported.cells.shell import (
     DOFS,
     ShellCells,
-    blocks,
     chunks,
-    consistent_mass,
     directors,
+    five_dofs,
+    mass_moments,
     tangent_frames,
     wall_stiffness,
 )
 from casingfem.structure.imported.cells.tying import local_frame, tied_covariant, tied_strains, to_local, tying
 from casingfem.structure.imported.mesh.cell_kind import rule, shape_functions
-from casingfem.structure.imported.mesh.mesh_data import natives
 from casingfem.structure.imported.spin import Inertia, Stiffening
 
 PAIRS = ((0, 0), (1, 1), (0, 1))  # directions r, s of e_rr, e_ss, 2 e_rs
 
 
 def shell_inertia(shell: ShellCells, rotation: Rotation) -> Inertia:
-    """Inertia of the cells about an axis, the rotary one of the directors included."""
+    """Inertia of the cells about an axis, that of the directors included.
+
+    The motion u + z d with directors d = w - |w|^2 n/2 and the moments m_p of the wall's mass: the centrifugal force at
+    1 rad/s on d is g = m1 P(x - c) + m2 P n, and the softening has -(n.g) |w|^2 of each node.
+    """
     mesh = shell.apart.mesh
     normals = directors(mesh)
-    frames = tangent_frames(normals)
-    P, a = rotation.plane, rotation.direction
-    turn = np.cross(a, np.eye(3)).T
-    scalar, _ = shape_products(mesh.points, mesh.cells, natives(mesh))
-    n, e = normals[mesh.cells], frames[mesh.cells]
-    up, along = n @ a, e @ a
-    lean = np.einsum("ei,ej,eiac,ejbc->eiajb", up, up, e, e, optimize=True) - np.einsum("eia,ejb->eiajb", along, along)
-    around = np.einsum("eiac,cd,ejbd->eiajb", e, turn, e, optimize=True)
-    moved, turned = shell.inertia()[:, :, None, None] * scalar
-    x, lag = (mesh.points - np.asarray(rotation.centre)) @ P, np.einsum("nac,cd,nd->na", frames, P, normals)
-    soft, coriolis = blocks(moved, P, turned, lean), blocks(2.0 * moved, turn, 2.0 * turned, around)
-    return Inertia(consistent_mass(shell, frames), soft, coriolis, away=np.concatenate([x, lag], axis=1))
+    moments = mass_moments(shell, normals)
+    n, e = normals[mesh.cells], tangent_frames(normals)[mesh.cells]
+    P = rotation.plane
+    x = (mesh.points - np.asarray(rotation.centre))[mesh.cells] @ P
+    on_u, on_d = moments[0] @ x + moments[1] @ (n @ P), moments[1] @ x + moments[2] @ (n @ P)
+    force = np.concatenate([on_u, np.einsum("ekac,ekc->eka", e, on_d)], axis=2)
+    soft = five_dofs(moments, e, P)
+    held = np.arange(soft.shape[1]).reshape(-1, DOFS)[:, 3:]
+    soft[:, held, held] -= np.einsum("ekc,ekc->ek", n, on_d)[:, :, None]
+    coriolis = five_dofs(2.0 * moments, e, np.cross(rotation.direction, np.eye(3)).T)
+    return Inertia(soft, coriolis, force.reshape(len(force), -1))
 
 
 def shell_stiffening(shell: ShellCells, fields: FloatArray) -> Stiffening:

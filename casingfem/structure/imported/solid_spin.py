@@ -20,7 +20,16 @@ from casingfem.linalg.factor import factorise
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.turning import attached_spin
-from casingfem.structure.imported.cells.mapped import CHUNK, Mapped, cell_dofs, mapped, on_free, put, scatter
+from casingfem.structure.imported.cells.mapped import (
+    CHUNK,
+    Mapped,
+    cell_dofs,
+    mapped,
+    on_free,
+    put,
+    scatter,
+    scatter_forces,
+)
 from casingfem.structure.imported.cells.solid import (
     VOIGT,
     SolidCells,
@@ -68,8 +77,8 @@ def solid_inertia(solid: SolidCells, rotation: Rotation) -> Inertia:
         return lambda on, rows: consistent_mass(on, rho[rows], block)
 
     mass, softening, coriolis = cell_matrices(mesh.kind, mesh.points, mesh.cells, of(None), of(P), of(turn))
-    away = (mesh.points - np.asarray(rotation.centre)) @ P
-    return Inertia(mass=mass, softening=softening, gyroscopic=2.0 * coriolis, away=away)
+    away = ((mesh.points - np.asarray(rotation.centre)) @ P)[mesh.cells].reshape(len(mesh.cells), -1, 1)
+    return Inertia(softening=softening, gyroscopic=2.0 * coriolis, force=(mass @ away)[:, :, 0])
 
 
 class Batch(NamedTuple):
@@ -157,7 +166,7 @@ def steady_stiffness(system: MeshSystem, solid: SolidCells, rotation: Rotation, 
     mesh, omega = solid.mesh, rotation.omega
     rows, size = cell_dofs(mesh.cells, 3), 3 * len(mesh.points)
     of = solid_inertia(solid, rotation)
-    soft, pull = scatter(of.softening, rows, size), scatter(of.mass, rows, size) @ of.away.ravel()
+    soft, pull = scatter(of.softening, rows, size), scatter_forces(of.force, rows, size)
     if system.connected is not None:
         extra = attached_spin(system.connected.rows.motions, rotation)
         soft, pull = soft + extra.softening, pull + extra.force

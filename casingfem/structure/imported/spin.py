@@ -25,7 +25,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import AttachedSpin, attached_spin, carried
-from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, symmetric
+from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, scatter_forces, symmetric
 from casingfem.structure.imported.mesh.joints import WALL
 from casingfem.structure.shell.prestress import Spin
 
@@ -33,12 +33,11 @@ LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape 
 
 
 class Inertia(NamedTuple):
-    """Inertia of the cells (cells, m, m): mass, spin softening at 1 rad/s, gyroscopic; and P(x - c) at the nodes."""
+    """Spin softening and centrifugal force at 1 rad/s, and the gyroscopic matrix, of each cell."""
 
-    mass: FloatArray
-    softening: FloatArray
-    gyroscopic: FloatArray
-    away: FloatArray  # (nodes, dofs)
+    softening: FloatArray  # (cells, m, m)
+    gyroscopic: FloatArray  # (cells, m, m)
+    force: FloatArray  # (cells, m)
 
 
 class Stiffening(NamedTuple):
@@ -106,7 +105,7 @@ class MeshTurning:
     @cached_property
     def on_cells(self) -> FloatArray:
         """Centrifugal force of the cells at 1 rad/s, on the dofs of nodes, or of walls' nodes where walls meet."""
-        return np.asarray(sums(self.system, self.inertia.mass) @ self.inertia.away.ravel())
+        return summed(self.system, self.inertia.force)
 
     @cached_property
     def force(self) -> FloatArray:
@@ -166,10 +165,20 @@ def mesh_spin(turning: MeshTurning) -> MeshSpin:
 
 def sums(system: MeshSystem, matrices: FloatArray) -> csc_array:
     """Matrices of the cells on the dofs of nodes, or of walls' nodes where walls meet."""
+    return scatter(matrices, *numbered(system))
+
+
+def summed(system: MeshSystem, forces: FloatArray) -> FloatArray:
+    """Forces of the cells on the dofs of nodes, or of walls' nodes where walls meet."""
+    return scatter_forces(forces, *numbered(system))
+
+
+def numbered(system: MeshSystem) -> tuple[IntArray, int]:
+    """Dofs of the cells, of nodes or of walls' nodes where walls meet, (cells, m), and how many there are."""
     cells, dofs, count = system.structure.mesh.cells, system.dofs, len(system.points)
     if system.walls is not None:
         cells, dofs, count = system.walls.joints.cells, WALL, len(system.walls.joints.nodes)
-    return scatter(matrices, cell_dofs(cells, dofs), dofs * count)
+    return cell_dofs(cells, dofs), dofs * count
 
 
 def reduced(system: MeshSystem, A: csc_array) -> csc_array:

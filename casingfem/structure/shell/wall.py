@@ -148,7 +148,11 @@ def inertia(shell: ShellParts, geometry: ShellGeometry) -> Array:
         return layered_inertia(shell.layers, shell.material, rho, t)
     if shell.wall == "linear":
         return np.stack([rho * t, 0.0 * rho * t, rho * t**3 / 12.0])
-    H, K = mean_and_gauss(geometry.surface)
+    return curved_inertia(rho, t, *mean_and_gauss(geometry.surface))
+
+
+def curved_inertia(rho: Array, t: Array, H: Array, K: Array) -> Array:
+    """Moments of the mass of a curved wall, (3, ...), by its mean and Gaussian curvature H, K (`inertia`)."""
     return np.stack([
         rho * t * (1.0 + K * t**2 / 12.0), -rho * H * t**3 / 6.0, rho * t**3 * (1.0 / 12.0 + K * t**2 / 80.0)
     ])  # fmt: skip

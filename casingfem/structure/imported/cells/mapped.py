@@ -98,6 +98,11 @@ def scatter(matrices: Array, rows: IntArray, size: int) -> csc_array:
     return sums[0]
 
 
+def scatter_forces(forces: FloatArray, rows: IntArray, size: int) -> FloatArray:
+    """Sum forces of cells (cells, m) at the dofs rows (cells, m), (size,)."""
+    return np.asarray(np.bincount(rows.ravel(), forces.ravel(), size), dtype=float)
+
+
 def on_free(A: csc_array, free: IntArray) -> csc_array:
     """Rows and columns of the free dofs, without stored zeros, exactly symmetric."""
     return symmetric(csc_array(A[:, free][free]))

@@ -13,14 +13,15 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.geometry.rotation import Rotation, Vector
-from casingfem.structure.imported.cells.mapped import CHUNK, put, shape_products
+from casingfem.structure.imported.cells.mapped import CHUNK, put
 from casingfem.structure.imported.cells.support import MeshSupport, by_group, constants_of
-from casingfem.structure.imported.cells.tying import tied_strains
+from casingfem.structure.imported.cells.tying import surface, tied_strains
+from casingfem.structure.imported.mesh.cell_kind import rule
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
 from casingfem.structure.imported.mesh.walls import Apart, mean_normals, walls_apart
 from casingfem.structure.material import Material, plane_stress
 from casingfem.structure.shell.plies import Ply, layered_inertia, layered_wall
-from casingfem.structure.shell.wall import curved_wall, linear_wall
+from casingfem.structure.shell.wall import curved_inertia, curved_wall, linear_wall
 
 DOFS = 5
 NEAR = 0.7  # least cosine between tied walls of which one takes the other's director
@@ -57,12 +58,18 @@ class ShellCells:
         """Direction from which the plies' angles count, (3,); None without plies."""
         return np.asarray(self.angle_from, dtype=float) if self.plies else None
 
-    def inertia(self) -> FloatArray:
-        """Mass per area of each cell [kg/m^2], and its rotary inertia [kg], (2, cells)."""
-        t, _, _, rho = self.walls()
+    def inertia(self, part: IntArray, b: FloatArray) -> FloatArray:
+        """Moments of the wall's mass per area, (3, cells, q or 1) [kg/m^2, kg/m, kg], of some cells.
+
+        b (3, cells, q) is their curvature; a linear wall is the same at all points of a cell.
+        """
+        t, _, _, rho = self.walls()[:, part, None]
         if self.plies:
-            return np.asarray(layered_inertia(self.plies, self.material, rho, t)[[0, 2]])
-        return np.stack([rho * t, rho * t**3 / 12.0])
+            return np.asarray(layered_inertia(self.plies, self.material, rho, t))
+        if self.wall == "linear":
+            return np.stack([rho * t, 0.0 * rho * t, rho * t**3 / 12.0])
+        b = no_sharper(b, t)
+        return np.asarray(curved_inertia(rho, t, 0.5 * (b[0] + b[1]), b[0] * b[1] - b[2] ** 2))
 
 
 def directors(mesh: MeshData) -> FloatArray:
@@ -129,28 +136,45 @@ def wall_stiffness(shell: ShellCells, part: IntArray, b: FloatArray) -> FloatArr
         D = linear_wall(plane_stress(E, nu), shear, t)
     else:
         E, nu, shear, t = (np.broadcast_to(value, b.shape[1:]) for value in (E, nu, shear, t))
-        sharpest = t * (0.5 * np.abs(b[0] + b[1]) + np.hypot(0.5 * (b[0] - b[1]), b[2]))
-        D = curved_wall(E, nu, shear, t, b / np.maximum(sharpest, 1.0))
+        D = curved_wall(E, nu, shear, t, no_sharper(b, t))
     return np.asarray(np.moveaxis(D, (0, 1), (-2, -1)))
 
 
-def consistent_mass(shell: ShellCells, frames: FloatArray) -> FloatArray:
-    """Mass of each cell, (cells, 5 nodes, 5 nodes): u.v and w.w by `ShellCells.inertia`."""
+def no_sharper(b: FloatArray, t: FloatArray) -> FloatArray:
+    """Curvature b (3, ...) of which no radius is less than the thickness t."""
+    sharpest = t * (0.5 * np.abs(b[0] + b[1]) + np.hypot(0.5 * (b[0] - b[1]), b[2]))
+    return np.asarray(b / np.maximum(sharpest, 1.0))
+
+
+def mass_moments(shell: ShellCells, normals: FloatArray) -> FloatArray:
+    """Integrals of m_p N_i N_j over each cell, p = 0, 1, 2 (`ShellCells.inertia`), (3, cells, k, k)."""
     mesh = shell.apart.mesh
-    products, _ = shape_products(mesh.points, mesh.cells, natives(mesh))
-    moved, turned = shell.inertia()[:, :, None, None] * products
-    return five_dofs(moved, turned, frames[mesh.cells])
+    whole = np.zeros((3, *mesh.cells.shape, mesh.cells.shape[1]))
+    for kind, rows, slots in natives(mesh):
+        cells, N = mesh.cells[rows][:, slots], rule(kind)[2]
+        _, measure, b = surface(kind, mesh.points[cells], normals[cells])
+        own = np.einsum("iq,jq,pmq->pmij", N, N, shell.inertia(rows, b) * measure, optimize=True)
+        whole[:, rows[:, None, None], slots[:, None], slots] = own
+    return whole
 
 
-def five_dofs(moved: FloatArray, turned: FloatArray, frames: FloatArray) -> FloatArray:
-    """Matrices (cells, 5 k, 5 k) from scalar ones (cells, k, k) on u.v and on w.w, tangents (cells, k, 2, 3)."""
-    return blocks(moved, np.eye(3), turned, np.einsum("eiac,ejbc->eiajb", frames, frames))
+def consistent_mass(shell: ShellCells, normals: FloatArray, frames: FloatArray) -> FloatArray:
+    """Mass of each cell, (cells, 5 nodes, 5 nodes): m0 u.v + m1 (u.y + v.w) + m2 w.y."""
+    return five_dofs(mass_moments(shell, normals), frames[shell.apart.mesh.cells])
 
 
-def blocks(moved: FloatArray, B: FloatArray, turned: FloatArray, along: FloatArray) -> FloatArray:
-    """Matrices (cells, 5 k, 5 k) of u.B u from `moved` (cells, k, k), of w_a along w_b from `turned`."""
-    cells, k = moved.shape[:2]
-    matrices = np.zeros((cells, k, DOFS, k, DOFS))
-    matrices[:, :, :3, :, :3] = moved[:, :, None, :, None] * B[:, None, :]
-    matrices[:, :, 3:, :, 3:] = turned[:, :, None, :, None] * along
-    return matrices.reshape(cells, DOFS * k, DOFS * k)
+def five_dofs(moments: FloatArray, frames: FloatArray, B: FloatArray | None = None) -> FloatArray:
+    """Matrices (cells, 5 k, 5 k) of forms v.B v that act on u, on u and w, and on w by `moments` (3, cells, k, k).
+
+    w is along the tangents (cells, k, 2, 3) of the nodes; B (3, 3) is the identity where it is left out.
+    """
+    _, cells, k, _ = moments.shape
+    B = np.eye(3) if B is None else B
+    motions = np.zeros((cells, k, DOFS, 3))  # what a dof moves: u, then w
+    motions[:, :, :3], motions[:, :, 3:] = np.eye(3), frames
+    pulled = motions @ B.T
+    matrices = np.einsum("eiac,ejbc->eiajb", motions, pulled, optimize=True)
+    u, w = slice(0, 3), slice(3, DOFS)
+    for p, (a, b) in ((0, (u, u)), (1, (u, w)), (1, (w, u)), (2, (w, w))):
+        matrices[:, :, a, :, b] *= moments[p][:, :, None, :, None]
+    return np.asarray(matrices.reshape(cells, DOFS * k, DOFS * k))

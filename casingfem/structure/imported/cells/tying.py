@@ -152,14 +152,21 @@ def tied_strains(
     The frame's first direction is `along` as the surface sees it, or that of r. The curvature b_11, b_22, b_12 there,
     b_ij = -sym(e_i . D_j n), (3, cells, q), is that of the directors.
     """
+    D, measure, curvature = surface(kind, x, n, along)
+    return to_local(D) @ tied_covariant(kind, x, n, e), measure, curvature
+
+
+def surface(
+    kind: str, x: FloatArray, n: FloatArray, along: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """At the quadrature points D of `local_frame`, the measure and the curvature as of `tied_strains`."""
     _, weights, _, slopes = rule(kind)
-    covariant = tied_covariant(kind, x, n, e)
     x_r, x_s = np.einsum("dkq,ekc->deqc", slopes, x, optimize=True)
     frame, D = local_frame(x_r, x_s, along)
     turn = D @ np.moveaxis(np.einsum("dkq,ekc->deqc", slopes, n, optimize=True), 0, -2)
     b = -frame @ turn.swapaxes(-1, -2)
     curvature = np.stack([b[..., 0, 0], b[..., 1, 1], 0.5 * (b[..., 0, 1] + b[..., 1, 0])])
-    return to_local(D) @ covariant, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights, curvature
+    return D, np.linalg.norm(np.cross(x_r, x_s), axis=-1) * weights, curvature
 
 
 def tied_covariant(kind: str, x: FloatArray, n: FloatArray, e: FloatArray) -> FloatArray:

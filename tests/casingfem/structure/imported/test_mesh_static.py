@@ -59,7 +59,7 @@ def test_the_weight_of_a_mass_hangs_on_its_node():
 
 def test_loads_on_a_shells_wall():
     weight = nodal_loads(shell(), cf.loads.Gravity(acceleration=(0.0, 0.0, 1.0))).sum(axis=0)
-    np.testing.assert_allclose(weight, [0, 0, 7800 * 0.01 * np.pi], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(weight[:3], [0, 0, 7800 * 0.01 * np.pi], rtol=1e-5, atol=1e-9)
     line = nodal_loads(shell(), cf.loads.EdgeLoad(edge="end", force=(0.0, 0.0, 2.0))).sum(axis=0)
     np.testing.assert_allclose(line, [0, 0, 2.0 * np.pi], rtol=1e-5, atol=1e-9)
     pushed = nodal_loads(shell(), cf.loads.SurfaceLoad(force=(3.0, 0.0, 0.0))).sum(axis=0)

@@ -143,7 +143,7 @@ def test_triangles_turn_as_squares_do():
 def test_mass_and_loads_of_a_mixed_plate_are_those_of_its_area():
     shell = plate(3)
     weight = nodal_loads(shell, Gravity(acceleration=(0.0, 0.0, -9.81))).sum(axis=0)
-    np.testing.assert_allclose(weight, [0.0, 0.0, -9.81 * 7800.0 * 4e-3 * 0.16], atol=1e-12)
+    np.testing.assert_allclose(weight, [0.0, 0.0, -9.81 * 7800.0 * 4e-3 * 0.16, 0.0, 0.0], atol=1e-12)
     pressed = nodal_loads(shell, Pressure(pressure=1e3)).sum(axis=0)
     np.testing.assert_allclose(pressed, [0.0, 0.0, 160.0], atol=1e-10)
     M = assemble_mesh_shell(cf.MeshShell(mesh=shell.mesh, thickness=4e-3, material=STEEL)).M

@@ -1,6 +1,7 @@
 """Cells of imported shells: directors, frames, walls, and what rotation adds, against integrals of uniform fields."""
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,8 @@ import casingfem as cf
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.mapped import shape_products
 from casingfem.structure.imported.cells.shell import (
+    ShellCells,
+    consistent_mass,
     directors,
     five_dofs,
     tangent_frames,
@@ -21,7 +24,7 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.attachments import Attachments, Tie
 from casingfem.structure.imported.mesh.mesh_data import Group, natives
 from casingfem.structure.imported.mesh.walls import cell_normals
-from casingfem.structure.imported.shell_spin import blocks, placed, shell_inertia, sym
+from casingfem.structure.imported.shell_spin import placed, shell_inertia, sym
 from casingfem.structure.shell.wall import curved_wall
 from tests.casingfem.structure.imported.parts import STEEL, flat, squares
 
@@ -36,10 +39,10 @@ def wall(**given):
     """What the cells of a shell ask of it; two cells of different walls."""
     walls = np.array([[0.2, 0.1], [3.0, 11.0], [0.2, 0.35], [5.0, 7.0]])
     shell = {"mesh": PLATE, "shear_correction": None, "wall": "curved", "plies": (), "material": STEEL, "fibres": None}
-    inertia = np.stack([walls[3] * walls[0], walls[3] * walls[0] ** 3 / 12.0])
-    shell |= {"walls": lambda: walls, "inertia": lambda: inertia}
-    whole = shell | given
-    return SimpleNamespace(apart=SimpleNamespace(mesh=whole["mesh"]), **whole)
+    whole = shell | {"walls": lambda: walls} | given
+    made = SimpleNamespace(apart=SimpleNamespace(mesh=whole["mesh"]), **whole)
+    made.inertia = partial(ShellCells.inertia, made)
+    return made
 
 
 def test_normals_of_a_turned_plate_and_of_a_triangle():
@@ -76,13 +79,14 @@ def test_tangents_are_right_handed_about_the_normal():
 
 
 def test_scalar_matrices_on_five_dofs():
-    """u.v from the first, w.w along the tangents from the second."""
+    """u.B v from the first, u.B w and w.B u from the second, w.B w along the tangents from the third."""
     frames = tangent_frames(np.linalg.qr(RNG.standard_normal((3, 3)))[0])[None]
-    moved, turned = RNG.standard_normal((2, 1, 3, 3))
+    moments, B = RNG.standard_normal((3, 1, 3, 3)), RNG.standard_normal((3, 3))
     x, y = RNG.standard_normal((2, 3, 5))
-    lean = [np.einsum("na,nac->nc", one[:, 3:], frames[0]) for one in (x, y)]
-    expected = np.einsum("ij,ic,jc->", moved[0], x[:, :3], y[:, :3]) + np.einsum("ij,ic,jc->", turned[0], *lean)
-    assert x.ravel() @ five_dofs(moved, turned, frames)[0] @ y.ravel() == pytest.approx(expected, rel=1e-12)
+    (u, p), (v, q) = ((one[:, :3], np.einsum("na,nac->nc", one[:, 3:], frames[0])) for one in (x, y))
+    forms = ((0, u, v), (1, u, q), (1, p, v), (2, p, q))
+    expected = sum(np.einsum("ij,ic,cd,jd->", moments[k, 0], one, B, other) for k, one, other in forms)
+    assert x.ravel() @ five_dofs(moments, frames, B)[0] @ y.ravel() == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(("given", "factor"), [({}, None), ({"shear_correction": 0.4}, 0.4)])
@@ -167,28 +171,20 @@ def test_inertia_of_a_turning_plate():
     still = np.zeros((9, 2))
     vw = [np.hstack([np.tile(x, (9, 1)), still]).ravel() for x in (v, w)]
     pq = [np.hstack([np.zeros((9, 3)), np.einsum("nac,c->na", frames, x)]).ravel() for x in (p, q)]
-    mass, rotary = wall().inertia() * 3.0
+    t, _, _, rho = wall().walls()
+    mass, rotary = 3.0 * rho * t, 3.0 * rho * t**3 / 12.0
+    normals = np.tile(n, (len(PLATE.points), 1))
     for found, moved, leaning in (
-        (of.mass, v @ w, p @ q),
+        (consistent_mass(wall(), normals, tangent_frames(normals)), v @ w, p @ q),
         (of.softening, v @ w - (v @ a) * (w @ a), (n @ a) ** 2 * (p @ q) - (p @ a) * (q @ a)),
         (of.gyroscopic, 2.0 * v @ np.cross(a, w), 2.0 * p @ np.cross(a, q)),
     ):
         np.testing.assert_allclose(vw[0] @ found @ vw[1], mass * moved, rtol=1e-11, atol=1e-12)
         np.testing.assert_allclose(pq[0] @ found @ pq[1], rotary * leaning, rtol=1e-10, atol=1e-13)
         np.testing.assert_allclose(vw[0] @ found @ pq[1], 0.0, atol=1e-13)
-    arms = PLATE.points - rotation.centre
-    np.testing.assert_allclose(of.away[:, :3], arms - np.outer(arms @ a, a), atol=1e-13)
-    whole = tangent_frames(np.tile(n, (len(PLATE.points), 1)))
-    np.testing.assert_allclose(of.away[:, 3:], whole @ (n - (n @ a) * a), atol=1e-12)
-
-
-def test_blocks_of_displacements_and_leanings():
-    moved, turned = RNG.standard_normal((2, 1, 2, 2))
-    B, along = RNG.standard_normal((3, 3)), RNG.standard_normal((1, 2, 2, 2, 2))
-    x, y = RNG.standard_normal((2, 2, 5))
-    expected = np.einsum("ij,ic,cd,jd->", moved[0], x[:, :3], B, y[:, :3])
-    expected += np.einsum("ij,iajb,ia,jb->", turned[0], along[0], x[:, 3:], y[:, 3:])
-    assert x.ravel() @ blocks(moved, B, turned, along)[0] @ y.ravel() == pytest.approx(expected, rel=1e-12)
+    middle = np.array([PLATE.points[cell].mean(axis=0) for cell in PLATE.cells]) - rotation.centre
+    np.testing.assert_allclose(of.force @ vw[0], mass * ((middle - np.outer(middle @ a, a)) @ v), rtol=1e-11)
+    np.testing.assert_allclose(of.force @ pq[0], -rotary * (n @ a) * (a @ p), rtol=1e-10)
 
 
 def test_scalar_forms_on_motions_and_directors():
