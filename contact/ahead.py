@@ -24,6 +24,7 @@ from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Rod, Wall
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
+from contact.model.force_law import Hertz
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import PointGap, RotatingRim, Side
 from contact.model.gaps.permanent import ModalPair
@@ -63,10 +64,10 @@ def _body(*omega: float, channels: tuple[str, ...], S: float = 0.0, zeta: float 
     )  # fmt: skip
 
 
-def _point(scheme: Scheme) -> None:
+def _point(scheme: Scheme, law: Law | None = None) -> None:
     mass = _body(10.0, channels=("x",), S=1e-3)
     gap = PointGap(sides=(Side(body=mass, channel="x", sign=1, velocity=np.array([-1.0])),), clearance=1e-9)
-    run(gap, scheme=scheme, dt=1e-3, t_end=FEW * 1e-3)
+    run(gap, scheme=scheme, law=law, dt=1e-3, t_end=FEW * 1e-3)
 
 
 def _bodies() -> tuple[ModalBody, ModalBody]:
@@ -118,6 +119,7 @@ def _floquet() -> None:
 KINDS: Mapping[str, Callable[[], None]] = {
     "rub": partial(_rub, Coulomb(mu=0.1)),
     "rub-coating": partial(_rub, COATING),
+    "rub-law": partial(_rub, Hertz(k=1e9, mu=0.1)),
     "rim": partial(_rim, Coulomb(mu=0.1)),
     "rim-coating": partial(_rim, COATING),
     "sweep": _batch,
@@ -125,7 +127,9 @@ KINDS: Mapping[str, Callable[[], None]] = {
     "patch-springs": partial(_patch, Unilateral(), 1e-3),
     "patch-friction": partial(_patch, Coulomb(mu=0.1), 0.0),
     "point": partial(_point, ExactModal(law="averaged")),
+    "point-law": partial(_point, ExactModal(), Hertz(k=1e6)),
     "point-energy": partial(_point, ExactModal(law="energy")),
+    "patch-law": partial(_patch, Hertz(k=1e6), 0.0),
     "beam": partial(_beam, None),
     "beam-newmark": partial(_beam, Newmark()),
     "cycles": _cycles,

@@ -1,6 +1,7 @@
 """Compiled step loop of a rub: exact-modal coefficients, K turning tips, stick and slip by semi-smooth Newton.
 
-Two loops come of it: with `coats` None tips meet a rigid surface, else they press into bars of a coating, which flow.
+Three loops come of it: tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a
+surface with a force-depth law (`y`).
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from contact.loop.rub.predict import alone, find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import RubState, Work
-from contact.loop.tally import INSIDE, due, note_contact, note_stick, state_due, store, store_state
+from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
+from contact.solver.yielding.yields import Yielding, note_slope, paced
 
 
 @jit
@@ -74,7 +76,18 @@ def advance_modes(s: RubState, sums: Tally) -> None:
 
 
 @jit
-def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Samples, h: float, time: float) -> None:
+def pace(s: RubState, y: Yielding, h: float) -> None:
+    """How fast near tips get deeper in this step; of those that were far, by their gaps of the last two steps."""
+    for j in range(s.mu.size):
+        if s.inside[j] > 0:
+            if s.known[j] == 0:
+                y.past[j, 0], y.past[j, 1] = -s.last[j], s.now[j] - 2.0 * s.last[j]
+            paced(y, j, h)
+
+
+@jit
+def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, sums: Tally, out: Samples, h: float,
+         time: float) -> None:  # fmt: skip
     """Forces, gaps and events of this step; the gaps of q move on."""
     for j in range(s.mu.size):
         R = j * dim
@@ -88,7 +101,13 @@ def note(s: RubState, rows: RubRows, w: Work, dim: int, sums: Tally, out: Sample
             if dim > 1:
                 s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, R + 1, j, s.q)))
             tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
-        note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
+        if y is None:
+            note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
+        else:
+            depth = y.depth[j] if s.force[j] > 0.0 else 0.0
+            s.gap[j] -= depth
+            note_yielding(sums, out, y, j, h, time, s.force[j], s.gap[j], depth, before, predicted)
+            note_slope(y, j, depth)
         if dim > 1:
             note_stick(sums, out, j, int(sticks(s, R, dim, j)), time)
 
@@ -103,8 +122,8 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit_vectors
-def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, w: Work, dim: int, averaged: bool,
-                sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None, w: Work, dim: int,
+                averaged: bool, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
@@ -122,17 +141,20 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         closing = find_near(s, laws, rows, w, dim, share, every, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
+        if y is not None:
+            pace(s, y, h)
         count = 0
         while closing > 0:
             count = 0
-            if coats is None:  # a branch that is left out of the loop with a coating, and not compiled there
-                if closing == 1 and alone(s, rows, w, dim, share, omega * h, step):
-                    count = 1
+            if coats is None:  # branches that are left out of loops of another kind, and not compiled there
+                if y is None:
+                    if closing == 1 and alone(s, rows, w, dim, share, omega * h, step):
+                        count = 1
             if count == 0:
                 count = gather(s, rows, w, dim, share)
                 if rows.turns and rows.few:
                     fill_few(rows, w, count, step)
-                if not solve(s, rows, w, coats, count, dim, share, omega * h):
+                if not solve(s, rows, w, coats, y, count, dim, share, omega * h):
                     return step
             if not others_close(s, rows, w, count, dim, share):
                 break
@@ -162,7 +184,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if s.blocks.used:
             works_of_coupling(s, w, sums)
         advance_modes(s, sums)
-        note(s, rows, w, dim, sums, out, h, t)
+        note(s, rows, w, y, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         angle, omega = ahead, omega_ahead
         for i in range(3):

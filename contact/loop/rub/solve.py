@@ -15,6 +15,7 @@ from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.yielding.several import yielding_forces
+from contact.solver.yielding.yields import Yielding
 
 
 @jit
@@ -95,18 +96,18 @@ def add_part(row: Array, share: float, out: Array) -> None:
 
 
 @jit
-def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, dim: int, share: float,
-          slid: float) -> bool:  # fmt: skip
+def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, count: int, dim: int,
+          share: float, slid: float) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
     assemble(s, rows, w, count, dim, share, slid)
     if coats is None:
-        if dim > 1 and count > 1:
-            w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-        iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-        s.counts[0] = max(s.counts[0], float(iterations))
-        s.counts[1] += float(iterations)
-        solved = miss <= TOLERANCE
+        if y is None:
+            solved = rigid(s, w, count, dim)
+        else:
+            solved = yielding_forces(
+                None, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
+            )
     else:
         solved = yielding_forces(
             coats, None, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
@@ -119,8 +120,23 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, count: int, 
         for a in range(count):
             coats.memory[w.chosen[a], 2] = w.depth[a]
             w.motion[a * dim] += w.depth[a]
+    if y is not None:
+        for a in range(count):
+            y.depth[w.chosen[a]] = w.depth[a]
+            w.motion[a * dim] += w.depth[a]
     hand_over(s, w, size, dim)
     return True
+
+
+@jit
+def rigid(s: RubState, w: Work, count: int, dim: int) -> bool:
+    """Forces of the chosen tips on a rigid surface."""
+    if dim > 1 and count > 1:
+        w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+    iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+    s.counts[0] = max(s.counts[0], float(iterations))
+    s.counts[1] += float(iterations)
+    return bool(miss <= TOLERANCE)
 
 
 @jit

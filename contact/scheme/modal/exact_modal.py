@@ -79,10 +79,6 @@ class ExactModal:
         if law.updates > 0:
             expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response with ExactModal"
             raise InputError(f"law: found {law!r}, expected {expected}")
-        if law.response is not None and not isinstance(problem, PointGap | Chain | Patch):
-            raise InputError(
-                f"law: found {law.words} on {type(problem).__name__}, expected one contact at a fixed point"
-            )
         if law.coating is not None and not hasattr(problem, "casing"):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         return _prepared(problem, self, law, dt, courant)
@@ -147,7 +143,7 @@ class ExactModal:
         n_max = max([system.rim.n_max, *(p for p, _, _ in rub.profile.terms)])
         _require_slow_turn(n_max, rub.speed.fastest, h)
         H, S, rho = max((rub_delassus(rub, system, part, mu) for part in speeds.parts), key=itemgetter(2))
-        averaged = self._averaged(H, S, rho)
+        averaged = self._averaged(H, S, rho) if law.response is None else self.law != "forward"
         top = h * speeds.top
         label = (
             f"exact modal, {'averaged' if averaged else 'forward'} law at {system.contacts} tips, dt omega_max = "
@@ -155,7 +151,7 @@ class ExactModal:
             f"(limit 0.3), rho = {rho:.3g}"
         )
         return rub_stepper(
-            rub, system, speeds, mu=mu, dimensions=dimensions, averaged=averaged, label=label, law=law.coating
+            rub, system, speeds, law=law, dimensions=dimensions, averaged=averaged, label=label, stiffest=H
         )
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
@@ -245,7 +241,7 @@ def _(problem: Rub, scheme: ExactModal, law: Law, dt: float | None, courant: flo
 @_prepared.register
 def _(problem: RotatingRim, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
     rub = rub_of(problem)
-    if matrices_of(rub).coupled:
+    if matrices_of(rub).coupled or law.response is not None:
         return scheme.rub(rub, law, dt, courant)
     return scheme.one_contact(rim_system(problem), law, dt, courant)
 

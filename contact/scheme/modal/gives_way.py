@@ -61,7 +61,7 @@ def stored_by(law: Law, y: Yielding | None) -> float:
 
 def memory_of(y: Yielding | None) -> tuple[Any, ...]:
     """What a resumed run needs."""
-    return () if y is None else (y.past, y.steepest)
+    return () if y is None else (y.past, y.depth, y.steepest)
 
 
 def too_long(y: Yielding | None, H: float, dt: float) -> tuple[Flag, ...]:

@@ -15,13 +15,14 @@ from contact.model.gaps.limits import REACHED, RIM, motion_limits, wall_flags
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import RubSystem, force_at_start, plane_participation, waves_of_tips
-from contact.model.law import Abradable
+from contact.model.law import Law
 from contact.model.trig import PRUNE, fourier, harmonics, turned_back
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
 from contact.record.wear import Wear
 from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
+from contact.scheme.modal.gives_way import memory_of, stored_by, too_long, yielding_of
 from contact.scheme.modal.modal_blocks import fill_blocks, modal_blocks
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.modal.wear_track import Tracks, rub_tracks
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.rows import RubLaws, RubRows
     from contact.loop.rub.state import ModalBlocks, RubState, Work
     from contact.solver.abradable.tips import Coats
+    from contact.solver.yielding.yields import Yielding
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
@@ -55,6 +57,9 @@ class RubStepper(ExactRun):
     averaged: bool
     steps: Indices  # taken so far, one entry
     stretch: Indices  # number of the stretch whose coefficients the loop has, one entry
+    law: Law
+    stiffest: float  # Delassus number [m/N] of a normal with itself, the largest around
+    y: Yielding | None = None
     worn: tuple[Tracks, Coats] | None = None
     given: list[Any] = field(default_factory=list)  # what the loop takes, bundled once: a coating's runs are short
 
@@ -84,8 +89,8 @@ class RubStepper(ExactRun):
         from contact.loop.rub.rub import advance_rub
 
         if not self.given:
-            self.given.extend(map(bundled, (self.wide, self.laws, self.rows, coats, self.work, self.sums)))
-        state, laws, rows, coating, work, sums = self.given
+            self.given.extend(map(bundled, (self.wide, self.laws, self.rows, coats, self.y, self.work, self.sums)))
+        state, laws, rows, coating, y, work, sums = self.given
         failed, at, end = -1, first, first + steps
         while failed < 0 and (at < end or at == first):
             count = end - at
@@ -93,7 +98,7 @@ class RubStepper(ExactRun):
                 self._turn(at // self.speeds.stretch)
                 count = min(count, self.speeds.stretch - at % self.speeds.stretch)
             failed = advance_rub(
-                state, laws, rows, coating, work, self.dimensions, self.averaged, sums, out, self.dt, at, count
+                state, laws, rows, coating, y, work, self.dimensions, self.averaged, sums, out, self.dt, at, count
             )  # fmt: skip
             at += max(count, 1)
         self.work.room.otherwise.pass_on()
@@ -126,7 +131,7 @@ class RubStepper(ExactRun):
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays, sums and the coating."""
         coating = () if self.worn is None else (self.worn[0].memory, self.worn[1])
-        return self.wide, self.work, self.rows, self.sums, self.steps, self.stretch, coating
+        return self.wide, self.work, self.rows, self.sums, self.steps, self.stretch, coating, memory_of(self.y)
 
     @property
     def limits(self) -> Array:
@@ -153,11 +158,11 @@ class RubStepper(ExactRun):
         return Flag(words, "unconverged", failed=True)
 
     def stored(self) -> Stored:
-        """Energy now; what S stores counts as residual, and what bends a coating."""
+        """Energy now; what S stores counts as residual, and what bends a coating or a surface with a law."""
         s = self.state
         turned = self.rub.speed.angle((int(self.steps[0]) - 1) * self.dt)
         residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
-        residual += 0.0 if self.worn is None else self.worn[0].elastic
+        residual += stored_by(self.law, self.y) + (0.0 if self.worn is None else self.worn[0].elastic)
         return self.now().stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
@@ -170,13 +175,13 @@ class RubStepper(ExactRun):
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
         deflection, tangential = float(self.limits[REACHED + RIM]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
-        flags += inexact(float(self.work.room.left[0]))
+        flags += (*inexact(float(self.work.room.left[0])), *too_long(self.y, self.stiffest, self.dt))
         return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
 
 
-def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, mu: float, dimensions: int, averaged: bool,
-                label: str, law: Abradable | None = None) -> RubStepper:  # fmt: skip
-    """Stepper at t = 0; without friction only the normal rows take part; `law` a coating. Raises as `rub_tracks`."""
+def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dimensions: int, averaged: bool,
+                label: str, stiffest: float = 0.0) -> RubStepper:  # fmt: skip
+    """Stepper at t = 0; without friction only the normal rows take part. Raises as `rub_tracks` and `yielding_of`."""
     from contact.loop.rub.state import work_space
 
     parts = speeds.at(rub.speed.omega(speeds.middle(0)))
@@ -184,14 +189,15 @@ def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, mu: float, dim
     blocks, values = modal_blocks(speeds, m, int(system.first[1]))
     if speeds.vary:
         fill_blocks(blocks, speeds.weights(rub.speed.omega(speeds.middle(0))), values)
-    wide = widened(_state(rub, system, parts, blocks, mu, dimensions), whole(m), NAMES)
+    wide = widened(_state(rub, system, parts, blocks, law.mu, dimensions), whole(m), NAMES)
     return RubStepper(
         rub=rub, system=system, parts=parts, speeds=speeds, values=values if speeds.vary else (),
         state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
         rows=rows, work=work_space(wide, rows), dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
         stretch=np.zeros(1, dtype=np.int64),
-        worn=None if law is None else rub_tracks(rub, law),
+        worn=None if law.coating is None else rub_tracks(rub, law.coating), law=law, stiffest=stiffest,
+        y=yielding_of(law, system.clearance, system.clearance),
     )  # fmt: skip
 
 

@@ -55,13 +55,16 @@ class Yielding(NamedTuple):
     values: Array
     rate: Array  # (K, 2): rate = rate[k, 0] + rate[k, 1] depth [1/s]
     past: Array  # (K, 2) the last depth and that before, below 0 of open contacts
+    depth: Array  # (K,) found in this step, for loops to keep
     steepest: Array  # (1,) largest slope so far [N/m]
 
 
 def yielding(law: ByDepth, values: Array, now: Array, before: Array) -> Yielding:
     """Work space for contacts that have these gaps at t_0 and a step before, (K,) each."""
     past = -np.stack([now, before], axis=1)
-    return Yielding(law=law, values=values, rate=np.zeros((now.size, 2)), past=past, steepest=np.zeros(1))
+    return Yielding(
+        law=law, values=values, rate=np.zeros((now.size, 2)), past=past, depth=np.zeros(now.size), steepest=np.zeros(1)
+    )
 
 
 @jit

@@ -580,7 +580,9 @@ def at_start(rub, *, mu=0.0):
     system = rub_system(rub, dimensions)
     parts = propagator(system.omega, system.zeta, system.load, 1e-5)
     speeds = AtSpeeds(nodes=np.zeros(1), parts=(parts,))
-    return rub_stepper.rub_stepper(rub, system, speeds, mu=mu, dimensions=dimensions, averaged=False, label="")
+    return rub_stepper.rub_stepper(
+        rub, system, speeds, law=ct.Coulomb(mu=mu), dimensions=dimensions, averaged=False, label=""
+    )
 
 
 def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import gamma
 
 import contact as ct
+from tests.contact.synthetic_rim import blade, ring
 
 MASS, SPEED = 2.0, 1.5
 
@@ -172,6 +173,51 @@ def test_a_block_slides_on_hertz_contacts_as_coulomb_says(count):
     t = float(result.state_time[-1])
     assert result.state[-1, 0] / math.sqrt(MASS) == pytest.approx(t - 0.5 * mu * g * t**2, rel=1e-2)
     assert abs(result.energy.unaccounted) <= 1e-10 * result.energy.scale
+
+
+def rub_with(law, S, *, count, scheme="averaged", **how):
+    """Blades that stand radially before a turning ring and vibrate into it; S of the tips along the radius."""
+    tip = ct.ModalBody(
+        omega=2.0 * np.pi * np.array([300.0, 900.0]), zeta=np.full(2, 0.002), channels=("span", "flap"),
+        rows=np.array([[0.8, 0.3], [1.0, -0.5]]), S=np.diag([S, 2e-8]),
+    )  # fmt: skip
+    places = tuple(ct.ContactPoint(blade=j, angle_deg=100.0 * j) for j in range(count))
+    starts = tuple(ct.gaps.Start(velocity=np.array([0.3 + 0.1 * j, 0.0])) for j in range(count))
+    rub = ct.Rub(
+        ring(S=2e-8), (tip,) * count, places, clearance=5e-6, speed=ct.Speed.constant(20.0), blade_starts=starts
+    )  # fmt: skip
+    return ct.run(rub, law=law, scheme=ct.ExactModal(law=scheme), dt=2e-6, t_end=0.02, **how)
+
+
+@pytest.mark.parametrize(("count", "mu"), [(1, 0.0), (1, 0.2), (3, 0.0), (3, 0.2)])
+def test_a_spring_at_the_tips_of_a_rub_is_the_residual_compliance_of_the_blades(count, mu):
+    """Force by force the rub on a rigid rim whose blades have 1/k more compliance along the contact normal."""
+    k = 2e7
+    law = ct.ForceLaw(ct.Penalty(stiffness=k).response, mu=mu)
+    soft = rub_with(law, 1e-8, count=count)
+    rigid = rub_with(ct.Coulomb(mu=mu), 1e-8 + 1.0 / k, count=count)
+    assert rigid.force.max(axis=0).min() > 0.0
+    np.testing.assert_allclose(soft.force, rigid.force, rtol=0.0, atol=1e-8 * float(rigid.force.max()))
+    assert soft.energy.lost_in_contact == pytest.approx(rigid.energy.lost_in_contact, rel=1e-6, abs=1e-12)
+    assert abs(soft.energy.unaccounted) <= 1e-11 * soft.energy.scale
+    if mu > 0.0:
+        np.testing.assert_allclose(soft.tip_force, rigid.tip_force)
+        assert soft.energy.friction == pytest.approx(rigid.energy.friction, rel=1e-6)
+
+
+def test_hertz_at_the_tip_before_a_rim_converges_and_gives_back_its_energy():
+    """The impulse so far, whose last step counts whole, closes in with the step; over many impacts nothing is lost."""
+    casing, tip = ring(S=1e-8), blade(S=1e-8)
+    rim = ct.RotatingRim(
+        casing, tip, clearance=1e-5, speed_hz=0.0, lean_deg=20.0, blade_velocity=[0.4, 0.0]
+    )  # fmt: skip
+    runs = [ct.run(rim, law=ct.Hertz(k=1e10), dt=dt, t_end=0.01) for dt in (4e-6, 2e-6, 1e-6)]
+    a, b, c = (float(run.impulse[0]) for run in runs)
+    assert abs(b - c) < abs(a - b) / 1.9
+    assert abs(b - c) < 3e-4 * c
+    energy = runs[-1].energy
+    assert abs(energy.lost_in_contact) < 1e-4 * energy.scale
+    assert abs(energy.unaccounted) < 1e-11 * energy.scale
 
 
 def test_a_step_that_is_long_for_the_stiffest_moment_is_flagged_with_one_that_fits():
