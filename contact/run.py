@@ -18,6 +18,7 @@ from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
 from contact.io.brief import brief
 from contact.io.notebook import notebook_progress
+from contact.io.progress import tell
 from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import RIM, TIP, passed
@@ -211,13 +212,12 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
         restored(stepper, at)
     began, parts, taken, failed = time.perf_counter() - at.seconds, list(at.samples), at.taken, -1
     calm = at.calm  # of the first call, which may begin with bodies that overlap
-    if progress is not None:
-        progress(taken / ready.count)
+    progress = progress or partial(tell, "a run")
+    progress(taken / ready.count)
     for chunk in steps(stepper, ready.count, record=record, first=taken):
         parts.append(chunk.samples)
         taken, failed = taken + chunk.steps, chunk.failed
-        if progress is not None:
-            progress(chunk.done)
+        progress(chunk.done)
         if failed < 0 and taken % LEDGER == 0:
             now = _budget(ready)
             if _runs_away(ready, now, calm or now):

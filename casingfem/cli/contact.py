@@ -90,7 +90,7 @@ def interactions(file: Path, as_json: bool, out: Path | None) -> None:
     from contact.scene.stability import load_interactions
 
     scene = load_interactions(file)
-    with ProgressMessage(f"interactions {file.name}: poles, then a run at the worst speed"):
+    with ProgressMessage(f"interactions {file.name}"):
         found = scene.solve()
     document = found.to_dict()
     files: dict[str, Content] = {"interactions.json": json_text(document)}
@@ -133,10 +133,15 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
     with ProgressMessage(f"cycles {file.name}") as working:
 
         def progress(branch: int, at: float, points: int) -> None:
-            working.say(f"cycles {file.name}: branch {branch}, {points} orbits, at {at:.6g}")
+            first, last = scene.between
+            share = min(max((at - first) / (last - first), 0.0), 1.0)
+            working.tell(f"branch {branch}, {points} orbits, at {at:.6g} of {first:g} to {last:g}", share)
 
         found = scene.solve(progress, part)
-        reached = scene.reached(found, lambda k: working.say(f"cycles {file.name}: {k} random starts"))
+        starts = 0 if scene.ask is None else scene.ask.starts
+        reached = scene.reached(
+            found, lambda k: working.say(f"cycles {file.name}: {k} of {starts} random starts", k / starts)
+        )
     document, words = found.to_dict(), repr(found)
     if reached is not None:
         document["basins"] = {"at": reached.value, "starts": len(reached.reached), "motions": reached.records()}

@@ -1,18 +1,22 @@
 """Progress of a long command on stderr: what is done, for how long, and about how long it will still take.
 
-A terminal gets one line that changes. A file or a pipe gets whole lines, the first after three seconds, then fewer and
-fewer. `CASINGFEM_PROGRESS=off` turns both off.
+A terminal gets one line that changes. A file or a pipe gets whole lines, the first after two seconds, then fewer and
+fewer. `CASINGFEM_PROGRESS=off` turns both off. A command says its steps; what a step tells of itself
+(`contact.io.progress`) is shown behind them, with the time left of that step.
 """
 
 import os
 import sys
 import threading
 import time
+from contextlib import ExitStack
 from types import TracebackType
 from typing import Any
 
+from contact.io.progress import listening
+
 PATIENCE = 1.0  # seconds until a terminal shows what takes so long
-FIRST, LONGEST = 2.5, 60.0  # seconds until the first line in a file, and between two lines at most
+FIRST, LONGEST = 2.0, 60.0  # seconds until the first line in a file, and between two lines at most
 SWITCH = "CASINGFEM_PROGRESS"
 
 
@@ -31,7 +35,8 @@ def duration(seconds: float) -> str:
 class ProgressMessage:
     """Shows what a command does while it takes long; `say` changes the text and the share that is done.
 
-    The remaining time is the time since the first share divided by what was done since, times what is left.
+    The remaining time is the time since the first share divided by what was done since, times what is left. Where
+    `say` gave no share, that of the step counts, which the computation tells (`tell`).
 
     >>> with ProgressMessage("modes") as working:
     ...     working.say("modes: assembling")
@@ -41,8 +46,11 @@ class ProgressMessage:
     def __init__(self, what: str) -> None:
         self.what = what
         self.started = time.perf_counter()
+        self._whole = False  # whether the share is that of the command, not of a step
+        self._detail, self._most = "", False
         self._done: float | None = None
         self._since: tuple[float, float] | None = None  # time of the first share, and that share
+        self._stack = ExitStack()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -51,11 +59,13 @@ class ProgressMessage:
             self._thread = threading.Thread(target=self._on_terminal if sys.stderr.isatty() else self._in_lines)
             self._thread.daemon = True
             self._thread.start()
+            self._stack.enter_context(listening(self.tell))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._stack.close()
         self._ended.set()
         if self._thread is not None:
             self._thread.join()
@@ -67,21 +77,38 @@ class ProgressMessage:
 
     def say(self, what: str, done: float | None = None) -> None:
         """Change what is said; `done` is the share of the work that is done, 0 to 1, None where it is not known."""
+        self.what, self._detail, self._most, self._whole = what, "", False, done is not None
+        self._reach(done)
+
+    def tell(self, words: str, done: float | None = None, most: bool = False) -> None:
+        """Show what the step at hand tells of itself; its share counts where that of the command is not known.
+
+        `most`: the share is that of the most there can be, so that less time may be left.
+        """
+        self._detail, self._most = words, most
+        if not self._whole:
+            self._reach(done)
+
+    def _reach(self, done: float | None) -> None:
+        """Keep the share; one that falls is that of another step, timed from now on."""
         if done is None:
             self._since = None
-        elif self._since is None or done < self._since[1]:
+        elif self._since is None or self._done is None or done < self._done:
             self._since = self.seconds, done
-        self.what, self._done = what, done
+        self._done = done
 
     @property
     def text(self) -> str:
         """What is said now, with the time so far and the estimate of what is left."""
         words, done, since, now = self.what, self._done, self._since, self.seconds
+        words += f", {self._detail}" if self._detail else ""
         share = "" if done is None else f": {done:.0%}"
         if done is None or since is None or done <= since[1]:
             return f"{words}{share}, {duration(now)} so far"
         left = (now - since[0]) * (1.0 - done) / (done - since[1])
-        return f"{words}{share}, {duration(now)} so far, about {duration(left)} left"
+        about = "at most" if self._most and not self._whole else "about"
+        part = "" if self._whole else " of this part"
+        return f"{words}{share}, {duration(now)} so far, {about} {duration(left)} left{part}"
 
     def _on_terminal(self) -> None:
         if self._ended.wait(PATIENCE):

@@ -146,7 +146,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
 
     study = any_study(file)
     with ProgressMessage(f"update of {file.name}") as working:
-        fit = run_update(study, lambda k, rms: working.say(f"evaluation {k}: rms {rms:.3g} sigma"))
+        fit = run_update(study)
         fit_seconds = working.seconds
         further = judge_update(study, fit, left_out=left_out, posterior=posterior, say=working.say)
     compared = shape_fit(fit)

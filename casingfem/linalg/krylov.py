@@ -17,6 +17,7 @@ from casingfem.errors import NumericsError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.pencil import Pencil
 from casingfem.linalg.substitution import kernels
+from contact.io.progress import tell
 
 NOISE = 1e-13  # of a block's size: what is left after orthogonalisation below this is round-off
 BLOCKS = (8, 32, 128)  # vectors multiplied together: clusters up to this size are met whole; larger on a miss
@@ -142,9 +143,10 @@ def nearest(
     basis = Basis(pencil=pencil, solve=solve, Q=Q, T=T)
     basis.begin(solve(pencil.weigh(rng.standard_normal((size, min(block, size))))))
     for _ in range(RESTARTS):
-        look, fall, before = 2 * wanted, np.log(FALL), (0, np.inf)
+        look, fall, before, ready = 2 * wanted, np.log(FALL), (0, np.inf), 0
         while basis.count + basis.fresh.shape[1] <= room:
             basis.grow()
+            tell(f"{ready} of {wanted} modes converged", min(basis.count / look, 0.99))
             closed = not basis.fresh.shape[1]  # what the block can reach is found
             if closed and basis.count < wanted:
                 basis.begin(rng.standard_normal((size, min(block, size - basis.count))))
@@ -153,6 +155,7 @@ def nearest(
             elif closed or basis.count >= min(look, room - 2 * block):
                 theta, S, left = basis.ritz()
                 left[max(wanted - spare, 0) :] /= SPARE
+                ready = int(np.count_nonzero(left[:wanted] <= 1.0))
                 if basis.count >= wanted and np.all(left[:wanted] <= 1.0):
                     vectors = basis.Q[:, : basis.count] @ S[:, :wanted]
                     if pencil.massless:  # B does not see what round-off leaves on these unknowns

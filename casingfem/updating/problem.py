@@ -23,6 +23,7 @@ from casingfem.updating.parameters import Parameter
 from casingfem.updating.shapes import SensorShapes, shape_jacobian, shape_values
 from casingfem.updating.targets import Rates, jacobian, rates, values
 from contact.io.brief import brief
+from contact.io.progress import quietly
 
 Progress = Callable[[int, float], None]  # (evaluation, RMS of the weighted residuals)
 
@@ -131,7 +132,8 @@ class Problem:
         """
         key = np.asarray(x, dtype=float).tobytes()
         if self._state is None or key != self._key:
-            state = self._evaluated(self.structure(x))
+            with quietly():
+                state = self._evaluated(self.structure(x))
             self.adopt(x, state)
             self.history.append(float(np.sqrt(np.mean(state.values**2))))
             if self.progress is not None:

@@ -10,6 +10,7 @@ bounded linear problem, so that a bound is met in one step. A point that cannot 
 ends where the best step promises nothing more: no evaluation is spent on seeing that nothing changes.
 """
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -21,6 +22,7 @@ from casingfem.updating.following import paired_rows
 from casingfem.updating.problem import Problem, State
 from casingfem.updating.regularisation import Regularisation, Regularised, chosen_weight, trade_off
 from casingfem.updating.result import POOR
+from contact.io.progress import tell
 
 WAYS = (0.1, 1.0, 0.01)  # dampings to begin with: long first steps and short ones end in different valleys
 SHORTER = (1.0, 0.5, 0.25, 0.125)  # of a step whose end cannot be evaluated
@@ -71,8 +73,10 @@ def levenberg_marquardt(
     r, J = fun(x), jac(x)
     scale = np.linalg.norm(J, axis=0)
     growth = 2.0
-    for _ in range(max_evaluations):
+    for k in range(max_evaluations):
         squares = float(r @ r)
+        rms = math.sqrt(squares / len(r))
+        tell(f"step {k + 1} of at most {max_evaluations}, rms {rms:.3g} sigma", k / max_evaluations, most=True)
         if squares < enough:
             return x, f"converged: chi^2 is below {enough:g}"
         scale = np.maximum(scale, np.linalg.norm(J, axis=0))

@@ -18,6 +18,7 @@ from contact.base.errors import InputError
 from contact.growth.coincidence import close_speeds, coincidences, in_words
 from contact.growth.growth_map import StabilityMap, ascending, scan
 from contact.growth.waves import Waves, waves_of
+from contact.io.progress import each
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
 
@@ -121,7 +122,7 @@ def poles(contact: ClosedContact, speed_hz: Array) -> Complex:
     m = contact.omega.size
     found = np.empty((speed.size, 2 * m), dtype=complex)
     size = max(1, BATCH // (4 * m * m))
-    for first in range(0, speed.size, size):
+    for first in each(range(0, speed.size, size), "lot of speeds"):
         part = speed[first : first + size]
         closed = [first_order(contact, 2.0 * math.pi * hz).closed() for hz in part.tolist()]
         found[first : first + size] = np.linalg.eigvals(np.array(closed))
@@ -140,7 +141,7 @@ def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
         return list(poles(contact, speed))
     seen = waves_of(contact)
     S = {sense: float(contact.compliance(sense)[0, 0]) for sense in np.unique(np.sign(speed))}
-    found = (closed_poles(seen, S[np.sign(hz)], 2.0 * math.pi * hz) for hz in speed.tolist())
+    found = (closed_poles(seen, S[np.sign(hz)], 2.0 * math.pi * hz) for hz in each(speed.tolist(), "speed"))
     return [poles(contact, speed[k : k + 1])[0] if every is None else every for k, every in enumerate(found)]
 
 

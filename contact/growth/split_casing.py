@@ -19,6 +19,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
 from contact.growth.waves import COUPLED, joined_groups
+from contact.io.progress import each
 from contact.model.bodies.modal_body import SQUARES, ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import motion_limits
@@ -164,7 +165,12 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
     fourth power. Raises InputError at rest (there is no turn to follow), LimitError beyond 5,000,000 steps a turn.
     """
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
-    return np.array([_growth(replace(rim, speed_hz=float(speed)), mu, phase) for speed in speeds])
+    return np.array(
+        [
+            _growth(replace(rim, speed_hz=float(speed)), mu, phase)
+            for speed in each(np.atleast_1d(speeds).tolist(), "speed")
+        ]
+    )
 
 
 def _growth(rim: RotatingRim, mu: float, phase: float) -> float:

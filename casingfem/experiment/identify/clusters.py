@@ -14,6 +14,7 @@ from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles
 from casingfem.experiment.identify.spectra import Peaks, visible_peaks
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
+from contact.io.progress import each
 
 PASSES = 2
 EMPTY_LINES = 1500  # of a band without visible peaks
@@ -109,8 +110,8 @@ def first_poles(
     """Candidates of all bands [rad/s], and their diagram."""
     parts: list[Candidates] = []
     cut = bands(data, rules)
-    for k, (core, window, count) in enumerate(cut):
-        say(f"poles: band {k + 1} of {len(cut)}")
+    say("poles")
+    for core, window, count in each(cut, "band"):
         Y = data.along[window, None] * data.Y[window]
         found = candidates(data.freq[window], Y, count, data.end, most, rules)
         low = data.freq[core.start] if core.start else -np.inf
@@ -188,7 +189,7 @@ def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thres
     Poles may go, with `more` they come; with None they stay.
     """
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
-    return [fitted_group(data, modes, group, more, rules) for group in groups(modes.poles, step, rules)]
+    return [fitted_group(data, modes, group, more, rules) for group in each(groups(modes.poles, step, rules), "group")]
 
 
 def fitted_group(

@@ -13,6 +13,7 @@ from casingfem.modal.mesh_modes import SHIFT, MeshModes, require_stable
 from casingfem.modal.mode_set import RIGID, ranks
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_structure
+from contact.io.progress import each
 
 ACROSS = 9  # frequencies on a line of the table
 
@@ -119,7 +120,7 @@ def cyclic_modes(
     chosen = checked_diameters(sector, diameters)
     system = assemble_cyclic(sector)
     assembled = time.perf_counter()
-    found = {n: solved(system, n, wanted) for n in chosen}
+    found = {n: solved(system, n, wanted) for n in each(chosen, "nodal diameter")}
     count = wanted if isinstance(wanted, int) else None
     freq = [found[n].freq[:count] for n in chosen]
     fields = [wheel_shapes(system, n, found[n].vectors[:, :count]) for n in chosen]

@@ -38,7 +38,7 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
     structure: Shell | MeshStructure = study.structure
     fit: UpdateResult | None = None
     if study.table is not None:
-        found_fit = clock("update", lambda: run_update(study, lambda k, rms: say(f"evaluation {k}: rms {rms:.3g}")))
+        found_fit = clock("update", lambda: run_update(study))
         fit, structure = found_fit, found_fit.structure
         sections += clock("update's comparison", lambda: fit_sections(found_fit))
     if study.file.reduce is not None:

@@ -2,10 +2,12 @@
 
 import io
 import time
+from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
-from casingfem.cli import progress
+from casingfem.cli import main, progress
 from casingfem.cli.progress import ProgressMessage
 
 
@@ -44,6 +46,74 @@ def test_the_estimate_leaves_out_the_time_before_the_first_share(clock: list[flo
     message.say("again", 0.5)
     assert message.text == "again: 50%, 40 s so far"
     assert message.seconds == 40.0
+
+
+def test_what_a_step_tells_counts_where_the_command_knows_no_share(clock: list[float]) -> None:
+    message = ProgressMessage("modes of a.toml")
+    message.tell("0 of 40 modes converged", 0.2)
+    clock[0] = 104.0
+    message.tell("10 of 40 modes converged", 0.4)
+    assert message.text == "modes of a.toml, 10 of 40 modes converged: 40%, 4 s so far, about 12 s left of this part"
+    message.tell("step 1 of at most 30", 0.0, most=True)  # a smaller share is that of another part
+    clock[0] = 106.0
+    message.tell("step 4 of at most 30", 0.1, most=True)
+    assert message.text == "modes of a.toml, step 4 of at most 30: 10%, 6 s so far, at most 18 s left of this part"
+    message.say("sweep, 1 of 4 runs", 0.25)
+    message.tell("a run", 0.9)
+    clock[0] = 108.0
+    message.say("sweep, 2 of 4 runs", 0.5)
+    assert message.text == "sweep, 2 of 4 runs: 50%, 8 s so far, about 4 s left"
+
+
+STUDY = """[chart]
+kind = "frustum"
+r_base = 0.2
+r_top = 0.18
+height = 0.2
+[shell]
+thickness = 2e-3
+[material]
+E = 2e11
+nu = 0.3
+rho = 7800.0
+[support.base]
+kind = "clamped"
+[modes]
+count = 12
+[mesh]
+order = 4
+rows = 1
+around = 9
+[[imperfection]]
+of = "radius"
+harmonics = [{p = 4, cos = 1e-3}]
+[update]
+table = "modes.csv"
+[[update.parameter]]
+name = "material.E"
+lower = 1e11
+upper = 3e11
+"""
+
+
+@pytest.mark.slow
+def test_modes_and_updates_tell_their_shares(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[str, float | None]] = []
+    monkeypatch.setenv(progress.SWITCH, "on")
+    monkeypatch.setattr(ProgressMessage, "tell", lambda _, words, done=None, most=False: told.append((words, done)))
+    table = "# MEASURED: made for a test\nmode,n,freq_hz,sigma_hz\n1,4,700.0,5.0\n"
+    (tmp_path / "modes.csv").write_text(table, encoding="utf-8")
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY, encoding="utf-8")
+    assert CliRunner().invoke(main, ["modes", str(study)]).exit_code == 0
+    assert all("modes converged" in words and done is not None and 0.0 < done < 1.0 for words, done in told)
+    assert told
+    told.clear()
+    CliRunner().invoke(main, ["update", str(study)])
+    assert [words.split(",")[0] for words, _ in told if "step" in words][:2] == [
+        "step 1 of at most 30", "step 2 of at most 30"
+    ]  # fmt: skip
+    assert [done for words, done in told if "step" in words][:2] == [0.0, 1.0 / 30.0]
 
 
 def test_a_file_gets_whole_lines_with_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,61 @@
+"""How far a long computation is: it tells whoever listens, and does not know who that is.
+
+A computation says `tell("3 of 12 groups", 0.25)`, or runs over its parts by `each`; what it repeats inside is not heard
+where it does so `quietly`. A command listens with `listening`; without a listener nothing happens.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
+from typing import TypeVar
+
+T = TypeVar("T")
+Listener = Callable[[str, float | None, bool], None]
+_LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def listening(listener: Listener | None) -> Iterator[None]:
+    """Pass on what computations inside tell: words, the share that is done, and whether less may be enough.
+
+    >>> heard = []
+    >>> with listening(lambda *told: heard.append(told)):
+    ...     tell("1 of 4 bands", 0.25)
+    >>> heard
+    [('1 of 4 bands', 0.25, False)]
+    """
+    token = _LISTENER.set(listener)
+    try:
+        yield
+    finally:
+        _LISTENER.reset(token)
+
+
+def quietly() -> AbstractContextManager[None]:
+    """Computations inside tell nobody."""
+    return listening(None)
+
+
+def tell(words: str, done: float | None = None, *, most: bool = False) -> None:
+    """Tell the listener words and the share that is done, None where it is not known; `most`: of all there can be."""
+    listener = _LISTENER.get()
+    if listener is not None:
+        listener(words, done, most)
+
+
+def each(parts: Sequence[T], what: str) -> Iterator[T]:
+    """The parts one after another, each told by its number; one alone is not.
+
+    >>> heard = []
+    >>> with listening(lambda *told: heard.append(told)):
+    ...     list(each("ab", "band"))
+    ['a', 'b']
+    >>> heard
+    [('band 1 of 2', 0.0, False), ('band 2 of 2', 0.5, False)]
+    """
+    for k, part in enumerate(parts):
+        if len(parts) > 1:
+            tell(f"{what} {k + 1} of {len(parts)}", k / len(parts))
+        yield part
