@@ -6,6 +6,10 @@ f_b = |f_c -+ n f|, a resonance that something must force, unless friction drive
 mu > tan(lean). For a bladed disk f_b is that of n diameters, folded at half the number of blades (Legrand, Pierre,
 Cartraud, Lombard, J. Sound Vib. 319, 2009, 366). The contact shifts all of it: `casingfem stability` computes by how
 much.
+
+Where the casing turns, Coriolis forces and centrifugal stress change f_c. Ring theory (G. F. Carrier, Quart. Appl.
+Math. 3, 1945, 235) gives sqrt(f_c^2 + a^2 f^2) -+ b f in the casing's frame, b = 2 n/(n^2 + 1), a = n - b, and at the
+blade sqrt(f_c^2 + a^2 f^2) +- a f: never below 0, so that f_c + f_b = n f is not met.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,11 +27,12 @@ from contact.io.reported import Reported
 Turning = Literal["casing", "blade"]
 Branch = Literal["sum", "backward", "forward"]
 BRANCHES: tuple[Branch, ...] = ("sum", "backward", "forward")
+SPEEDS = 2001  # at which a turning casing's frequencies are compared with the blade's
 CONDITION = {"sum": "f_c + f_b = n f", "backward": "f_b = f_c - n f", "forward": "f_b = f_c + n f"}
 RESONANCE = "resonance; flutter if mu > tan(lean)"
 EFFECT = {"sum": "flutter, even without friction", "backward": RESONANCE, "forward": RESONANCE}
 WAVES = {
-    "casing": {"sum": "backward, carried along", "backward": "backward", "forward": "forward"},
+    "casing": {"backward": "backward", "forward": "forward"},
     "blade": {"sum": "forward, overtaken", "backward": "forward", "forward": "backward"},
 }  # sense of the casing's wave, with the rotation or against it, by what turns
 
@@ -107,8 +112,12 @@ class Interactions(Reported):
             for c in self.meetings
         ]
         low, high = self.speed_hz
+        if self.turning == "casing":
+            lines.append(
+                "f_c by ring theory; the blade overtakes no wave of a casing that turns: f_c + f_b = n f is not met"
+            )
         lines.append(f"{len(self.meetings)} coincidences from {low:g} to {high:g} Hz, the {self.turning} turns")
-        if self.pairs and all(n * high < freq for n, _, freq in self.pairs):
+        if self.turning == "blade" and self.pairs and all(n * high < freq for n, _, freq in self.pairs):
             n, _, freq = max(self.pairs, key=lambda pair: pair[0] * high / pair[2])
             below = f"n f = {n * high:.4g} Hz < f_c = {freq:.4g} Hz"
             lines.append(f"{below}, and so for every n here: f_c + f_b = n f cannot be met")
@@ -122,7 +131,7 @@ def interactions(
     speed_hz: tuple[float, float],
     turning: Turning = "blade",
 ) -> Interactions:
-    """Every speed in a range at which a casing's pair meets a blade: f_c + f_b = n f and f_b = f_c -+ n f.
+    """Every speed in a range at which a casing's pair meets a blade: f_b = f_c -+ n f, and f_c + f_b = n f of blades.
 
     Parameters
     ----------
@@ -134,8 +143,8 @@ def interactions(
     speed_hz
         First and last speed f [Hz], 0 <= first < last; with a `Campbell` cut to its speeds.
     turning
-        What turns: "blade" in a fixed "casing", or the reverse. The speeds are the same; the waves change sides.
-        A turning casing's frequencies are taken as they are at rest.
+        What turns: "blade" in a fixed "casing", or the reverse. A casing that turns has the frequencies of ring theory,
+        from those at rest; `contact.growth.interactions` takes the matrices of its reduced basis.
 
     Raises
     ------
@@ -155,7 +164,7 @@ def interactions(
     if turning not in WAVES:
         raise ModelError("interaction-speed", f"interactions: found turning = {turning!r}")
     pairs = casing_pairs(casing)
-    met = [meeting for pair in pairs for meeting in _meetings(pair, blade, low, high, WAVES[turning])]
+    met = [meeting for pair in pairs for meeting in _meetings(pair, blade, low, high, turning)]
     met.sort(key=lambda c: (c.speed_hz, c.n, c.blade))
     return Interactions(meetings=tuple(met), pairs=pairs, speed_hz=(low, high), turning=turning)
 
@@ -193,16 +202,36 @@ def blade_over_speed(blade: Blade, n: int, low: float, high: float) -> tuple[Flo
     return speed, freq
 
 
+def wave_hz(n: int, still_hz: float, speed_hz: FloatArray, turning: Turning, sense: int) -> FloatArray:
+    """Frequency [Hz] in the casing's frame of a wave with (1) or against (-1) the casing's rotation, by speed [Hz].
+
+    `still_hz` is that of the pair at rest, which a casing keeps before blades that turn.
+
+    >>> wave_hz(10, 422.0, np.array([0.0, 5.0]), "casing", -1).round(2).tolist()
+    [422.0, 425.83]
+    """
+    if turning == "blade":
+        return np.full(speed_hz.shape, still_hz)
+    b = 2.0 * n / (n * n + 1.0)
+    return np.asarray(np.hypot(still_hz, (n - b) * speed_hz) - sense * b * speed_hz)
+
+
 def _meetings(
-    pair: tuple[int, int, float], blade: Blade, low: float, high: float, waves: Mapping[str, str]
+    pair: tuple[int, int, float], blade: Blade, low: float, high: float, turning: Turning
 ) -> Iterator[Meeting]:
     """Coincidences of one casing pair: zeros of n f - (f_c + f_b), n f - (f_c - f_b) and n f - (f_b - f_c)."""
-    n, m, f_c = pair
+    n, m, still = pair
     speed, f_b = blade_over_speed(blade, n, low, high)
+    if turning == "casing":
+        every = np.union1d(speed, np.linspace(speed[0], speed[-1], SPEEDS))
+        speed, f_b = every, np.stack([np.interp(every, speed, column) for column in f_b.T], axis=1)
     for branch, (sign_c, sign_b) in zip(BRANCHES, ((1, 1), (1, -1), (-1, 1)), strict=True):
-        gap = n * speed[:, None] - sign_c * f_c - sign_b * f_b
+        if branch not in WAVES[turning]:
+            continue
+        f_c = wave_hz(n, still, speed, turning, 1 if branch == "forward" else -1)
+        gap = n * speed[:, None] - sign_c * f_c[:, None] - sign_b * f_b
         for mode, at in zero_crossings(speed, gap):
             yield Meeting(
-                n=n, m=m, blade=mode + 1, branch=branch, wave=waves[branch], speed_hz=at, casing_hz=f_c,
-                blade_hz=float(np.interp(at, speed, f_b[:, mode])),
+                n=n, m=m, blade=mode + 1, branch=branch, wave=WAVES[turning][branch], speed_hz=at,
+                casing_hz=float(np.interp(at, speed, f_c)), blade_hz=float(np.interp(at, speed, f_b[:, mode])),
             )  # fmt: skip

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
-from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed
+from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
 from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, SKY, new_figure, styled
 
 Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
@@ -26,8 +26,9 @@ def figure_campbell(found: Interactions, blade: Blade, *, orders: int = 8) -> Fi
     met = {(c.n, c.m) for c in found.meetings}
     for n, m, freq in found.pairs:
         if (n, m) in met:
-            axes.plot(speed, np.abs(freq - n * speed), color=SKY, linewidth=0.9, zorder=2)
-            axes.plot(speed, freq + n * speed, color=SKY, linewidth=0.9, linestyle="--", zorder=2)
+            slow, fast = (wave_hz(n, freq, speed, found.turning, sense) for sense in (-1, 1))
+            axes.plot(speed, np.abs(slow - n * speed), color=SKY, linewidth=0.9, zorder=2)
+            axes.plot(speed, fast + n * speed, color=SKY, linewidth=0.9, linestyle="--", zorder=2)
     for n in dict.fromkeys(n for n, _, _ in found.pairs):
         at, freq_b = blade_over_speed(blade, n, *found.speed_hz)
         axes.plot(at, freq_b, color=BEFORE, zorder=3)
@@ -76,7 +77,8 @@ def _mark(axes: Any, found: Interactions) -> None:
 def _safe(axes: Any, found: Interactions, blade: Blade, speed_hz: float) -> None:
     """Casing and what the blade would have to be, over n."""
     n = np.array([n for n, _, _ in found.pairs])
-    f_c = np.array([freq for _, _, freq in found.pairs])
+    at = np.array([speed_hz])
+    f_c = np.array([float(wave_hz(n, freq, at, found.turning, -1)[0]) for n, _, freq in found.pairs])
     axes.plot(n, f_c, "o", color=MEASURED, markersize=4, label="casing f_c")
     axes.plot([0, n.max()], [0.0, n.max() * speed_hz], color=PERFECT, linestyle=":", label="n f")
     fast = n * speed_hz > f_c
@@ -155,9 +157,9 @@ def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figu
     met = [float(row.blade_hz) for row in found.rows if np.isfinite(row.blade_hz)]
     speed, top = found.pole_speed_hz, 1.35 * max([*met, float(min(found.blade_hz, default=1.0))])
     _engine_orders(upper, speed, top, orders)
-    for n, freq, _ in found.waves:
-        if np.min(np.abs(freq - n * speed)) < top:
-            upper.plot(speed, np.abs(freq - n * speed), color=SKY, linewidth=0.6, zorder=2)
+    for wave in found.seen_hz.T:
+        if wave.min() < top:
+            upper.plot(speed, wave, color=SKY, linewidth=0.6, zorder=2)
     for freq in found.blade_hz:
         if freq < top:
             upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)

@@ -21,6 +21,7 @@ from contact.growth.closed_contact import FirstOrder, first_order, floor_of, pol
 from contact.growth.coincidence import Coincidence, coincidences, standing_speeds
 from contact.growth.growth_map import StabilityMap, between
 from contact.growth.split_casing import mean_contact
+from contact.growth.waves import waves_of
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
@@ -83,7 +84,8 @@ class Interactions(Reported):
 
     `map` growth over speed with its bands; `waves` (n, f_c, f_c/n) of the casing; `opens_hz` bands in which an
     out-of-round rim opens the contact; `averaged` whether split pairs were; `pole_hz`, `pole_growth` (speeds, poles)
-    at `pole_speed_hz` what the blade sees, for a picture.
+    at `pole_speed_hz` what the blade sees, and `seen_hz` (speeds, waves) what it sees of the casing's waves without
+    contact, for a picture.
     """
 
     rows: tuple[Interaction, ...]
@@ -95,6 +97,7 @@ class Interactions(Reported):
     pole_speed_hz: Array
     pole_hz: Array
     pole_growth: Array
+    seen_hz: Array
 
     @property
     def worst_hz(self) -> float:
@@ -170,12 +173,23 @@ def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu:
         rows=tuple(sorted(rows, key=lambda row: -row.growth)), map=found, waves=standing_speeds(contact, speed),
         opens_hz=_above(at, ratio), averaged=averaged, blade_hz=tuple(float(f) for f in standing),
         pole_speed_hz=readonly(drawn), pole_hz=readonly(poles.imag / (2.0 * np.pi)), pole_growth=readonly(poles.real),
+        seen_hz=_waves_seen(contact, drawn),
     )  # fmt: skip
 
 
 def _seen(poles: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Half of the poles, those of positive frequency, by frequency."""
     return np.asarray(poles[np.argsort(-poles.imag, kind="stable")][: poles.size // 2][::-1])
+
+
+def _waves_seen(contact: ClosedContact, speed_hz: Array) -> Array:
+    """|f_c - n f| [Hz] of the waves that the blade runs after, at speeds above 0 [turns/s], (speeds, waves)."""
+    omega = 2.0 * math.pi * speed_hz
+    free = waves_of(contact).poles(omega, 1.0)
+    if free is None:
+        return readonly(np.zeros((speed_hz.size, 0)))
+    after = free.casing & (free.sign > 0.0) & (free.order > 0.0)
+    return readonly(np.abs(free.met(omega)[:, after]) / (2.0 * math.pi))
 
 
 def _row(c: Coincidence, found: StabilityMap, contact: ClosedContact, pulses: float) -> Interaction:

@@ -97,7 +97,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     words = [str(row["signs"]) for row in rows]
     print(f"{len(rows)} pairs: " + ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys(words)))
     casing = {n: [300.0 * (0.55 + 0.02 * (n - 5) ** 2)] for n in range(2, 11)}
-    found = interactions(casing, [120.0], speed_hz=(0.0, 90.0), turning="casing")
+    found = interactions(casing, [120.0], speed_hz=(0.0, 90.0))
     print(f"\n{found!r}")
     write(out / "interaction.csv", rows)
     for name, figure in (("campbell", figure_campbell(found, [120.0])), ("safe", figure_zzenf(found, [120.0], 60.0))):

@@ -122,7 +122,7 @@ def test_blade_frequencies_are_positive(freq):
 
 def test_meetings_of_one_pair_have_all_three_conditions():
     """n = 4 at 100 Hz, blade at 60 and 260 Hz: 4 f = 160, 360, 40, 160; the blade's modes are counted from 1."""
-    found = cf.interactions({4: [100.0], 2: [30.0]}, [60.0, 260.0], speed_hz=(0.0, 90.0), turning="casing")
+    found = cf.interactions({4: [100.0], 2: [30.0]}, [60.0, 260.0], speed_hz=(0.0, 90.0))
     told = [(c.speed_hz, c.n, c.m, c.blade, c.branch, c.casing_hz, c.blade_hz) for c in found.meetings]
     expected = [
         (10.0, 4, 1, 1, "backward", 100.0, 60.0), (15.0, 2, 1, 1, "forward", 30.0, 60.0),
@@ -135,7 +135,7 @@ def test_meetings_of_one_pair_have_all_three_conditions():
     assert [row["effect"] for row in found.records()][:3] == [
         "resonance; flutter if mu > tan(lean)", "resonance; flutter if mu > tan(lean)", "flutter, even without friction"
     ]  # fmt: skip
-    assert [c.wave for c in found.meetings][:3] == ["backward", "forward", "backward, carried along"]
+    assert [c.wave for c in found.meetings][:3] == ["forward", "backward", "forward, overtaken"]
     assert "6 coincidences from 0 to 90 Hz, the casing turns" in repr(found)
 
 

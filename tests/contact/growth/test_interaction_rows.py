@@ -107,7 +107,8 @@ def table(**changes):
     none = np.zeros((0, 0))
     # fmt: off
     given = {"rows": (ROW,), "map": mapped(np.zeros(6)), "waves": ((8, 300.0, 37.5),), "opens_hz": (),
-             "averaged": False, "blade_hz": (120.0,), "pole_speed_hz": none, "pole_hz": none, "pole_growth": none}
+             "averaged": False, "blade_hz": (120.0,), "pole_speed_hz": none, "pole_hz": none, "pole_growth": none,
+                 "seen_hz": none}
     # fmt: on
     return Interactions(**given | changes)
 
