@@ -136,7 +136,7 @@ def test_meetings_of_one_pair_have_all_three_conditions():
         "resonance; flutter if mu > tan(lean)", "resonance; flutter if mu > tan(lean)", "flutter, even without friction"
     ]  # fmt: skip
     assert [c.wave for c in found.meetings][:3] == ["forward", "backward", "forward, overtaken"]
-    assert "6 coincidences from 0 to 90 Hz, the casing turns" in repr(found)
+    assert "6 coincidences from 0 to 90 Hz, the blade turns" in repr(found)
 
 
 @pytest.mark.parametrize(("high", "said"), [(24.9, True), (25.1, False)])
