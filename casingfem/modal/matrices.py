@@ -18,8 +18,8 @@ SOUND = 1e-9  # least over largest eigenvalue of S, and of rows, below which the
 def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     """K and M of a structure on its free dofs [SI], nodes by their numbers.
 
-    Shells have two rotations about tangents of their own at each node; they are labelled 4 and 5 and mean nothing to
-    another program beyond the matrices. Nodes of a chart are counted from 1.
+    Shells have two rotations about tangents of their own at each node, labelled 4 and 5, and where walls meet a third,
+    labelled 6; they mean nothing to another program beyond the matrices. Nodes of a chart are counted from 1.
 
     Raises
     ------

@@ -52,6 +52,7 @@ CAMPAIGNS = (
     Campaign("modes.ties", "blocks of meshes that do not match, tied, against one mesh", STRUCTURE),
     Campaign("modes.meridians", "meridians of several pieces against quadrilaterals and 3-D", STRUCTURE),
     Campaign("modes.corner", "a cylinder and a cone: chart, imported shell and solid, CalculiX", STRUCTURE),
+    Campaign("modes.branching", "shells that branch: a published box, a T against bricks", STRUCTURE),
     Campaign("modes.cutouts", "a casing with a hole and a window: imported shell, CalculiX", STRUCTURE),
     Campaign("modes.stiffeners", "ring stiffeners against bricks of wall and rings", STRUCTURE),
     Campaign("speed.modal", "error against time over meshes and solvers", STRUCTURE),

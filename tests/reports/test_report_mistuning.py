@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.modes import corner, cutouts, cyclic, loose_bolts, meridians, mistuning, stiffeners, ties
+from reports.modes import branching, corner, cutouts, cyclic, loose_bolts, meridians, mistuning, stiffeners, ties
 
 
 @pytest.mark.campaign
@@ -86,3 +86,13 @@ def test_tied_blocks_come_near_one_mesh(tmp_path):
     assert 1e-3 < row["stress_error"] < 0.05
     assert row["end_error"] < 4e-4
     assert (tmp_path / "ties.csv").exists()
+
+
+@pytest.mark.slow
+def test_branching_shells_settle_to_published_values_and_to_bricks(tmp_path):
+    """Eight-noded cells lie within 0.5 % of the published box; one brick a cell is 4 % stiff on the T of 1 mm."""
+    rows = branching.main(tmp_path, quick=True)
+    worst = {(row["case"][:3], row["mesh"].split(",")[0]): row["worst %"] for row in rows}
+    assert worst["box", "quad8"] < 0.5 < worst["box", "quad"] < 4.0
+    assert worst["T o", "quad8"] < 5.0
+    assert (tmp_path / "branching.csv").exists()

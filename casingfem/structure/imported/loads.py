@@ -154,7 +154,7 @@ class MeshDeflection(Reported):
     Attributes
     ----------
     fields
-        u_x, u_y, u_z [m], and w_1, w_2 [rad] of shells, (nodes, 3 or 5).
+        u_x, u_y, u_z [m], of shells w_1, w_2 [rad] too, and a third rotation where walls meet, (nodes, 3, 5 or 6).
     energy
         Strain energy u^T K u/2 [J].
     """

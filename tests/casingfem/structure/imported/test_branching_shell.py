@@ -4,13 +4,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 import casingfem as cf
+from casingfem.cli import main
 from casingfem.errors import ModelError
+from casingfem.modal.interface.kinds import AtNodes, Tip
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.sector import CyclicSector
+from casingfem.structure.imported.loads import NodeLoad, solve_mesh_static
+from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.collapsed import mirror
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
@@ -18,7 +24,7 @@ from casingfem.structure.imported.read import read_mesh
 
 FILES = Path(__file__).parent / "branching"
 STEEL = cf.Material(E=207e9, nu=0.3, rho=7850.0)
-FAN_LUAH = [20.28, 25.43, 28.79, 30.62]  # Hz: Fan & Luah, Comput. Struct. 56, 1995, 1065, of a double-cell box
+FAN_LUAH = [20.28, 25.43, 28.79, 30.62]  # Hz: Fan & Luah, J. Sound Vib. 179, 1995, 763, of a double-cell box
 
 
 def part(name):
@@ -143,3 +149,130 @@ def test_a_branched_shell_that_spins_is_stiffer():
 def test_a_sector_of_a_wheel_may_not_branch():
     with pytest.raises(ModelError, match=r"tee\.inp: a sector of a wheel with walls that meet.*7 nodes.*mesh-branch"):
         CyclicSector(structure=shell(part("tee")), sectors=12)
+
+
+def cut(mesh):
+    """Nodes of the squares and of the triangles (m, 3) of a mesh with every third square of `mesh` cut in two."""
+    third = np.arange(len(mesh.cells)) % 3 == 0
+    halves = mesh.cells[third]
+    return mesh.cells[~third], np.concatenate([halves[:, [0, 1, 2]], halves[:, [0, 2, 3]]])
+
+
+def as_inp(mesh, quads, triangles):
+    rows = [f"{k}, {x:.17g}, {y:.17g}, {z:.17g}" for k, (x, y, z) in enumerate(mesh.points, 1)]
+    cells = [f"{k}, {', '.join(map(str, cell + 1))}" for k, cell in enumerate([*quads, *triangles], 1)]
+    held = [f"{node + 1}," for node in mesh.groups["BASE"].nodes]
+    squares, halves = cells[: len(quads)], cells[len(quads) :]
+    elements = ["*ELEMENT, TYPE=S4", *squares, "*ELEMENT, TYPE=S3", *halves]
+    return "\n".join(["*NODE", *rows, *elements, "*NSET, NSET=BASE", *held]) + "\n"
+
+
+def as_bdf(mesh, quads, triangles):
+    rows = [f"GRID,{k},,{x:.14f},{y:.14f},{z:.14f}" for k, (x, y, z) in enumerate(mesh.points, 1)]
+    cells = [f"CQUAD4,{k},1,{','.join(map(str, cell + 1))}" for k, cell in enumerate(quads, 1)]
+    cells += [f"CTRIA3,{k},1,{','.join(map(str, cell + 1))}" for k, cell in enumerate(triangles, len(quads) + 1)]
+    held = [f"SPC1,1,123456,{node + 1}" for node in mesh.groups["BASE"].nodes]
+    return "\n".join(["BEGIN BULK", *rows, *cells, *held, "ENDDATA"]) + "\n"
+
+
+def as_msh(mesh, quads, triangles):
+    rows = [f"{k} {x:.17g} {y:.17g} {z:.17g}" for k, (x, y, z) in enumerate(mesh.points, 1)]
+    held = mesh.groups["BASE"].nodes
+    edges = mesh.facets.reshape(-1, 2)
+    ends = edges[np.isin(edges, held).all(axis=1)]
+    kinds = [(1, 2, ends), (3, 1, quads), (2, 1, triangles)]  # Gmsh's number of the kind, physical group, cells
+    cells = [f"{kind} 2 {tag} {tag} {' '.join(map(str, cell + 1))}" for kind, tag, part in kinds for cell in part]
+    return "\n".join([
+        "$MeshFormat", "2.2 0 8", "$EndMeshFormat",
+        "$PhysicalNames", "2", '2 1 "WALL"', '1 2 "BASE"', "$EndPhysicalNames",
+        "$Nodes", str(len(rows)), *rows, "$EndNodes",
+        "$Elements", str(len(cells)), *(f"{k} {cell}" for k, cell in enumerate(cells, 1)), "$EndElements", "",
+    ])  # fmt: skip
+
+
+@pytest.mark.slow
+def test_triangles_among_squares_branch_in_every_format_alike(tmp_path):
+    tee = part("tee")
+    found = []
+    for name, write in (("tee.inp", as_inp), ("tee.bdf", as_bdf), ("tee.msh", as_msh)):
+        (tmp_path / name).write_text(write(tee, *cut(tee)))
+        mesh = read_mesh(tmp_path / name)
+        base = next(iter(set(mesh.groups) - {"WALL"}))
+        structure = cf.MeshShell(mesh=mesh, thickness=1e-3, material=STEEL, supports={base: cf.Clamped()})
+        assert len(structure.apart.meeting) == 7
+        found.append(cf.modes(structure, 6).freq)
+    np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-9)
+    np.testing.assert_allclose(found[0], frequencies(tee, 1e-3, 6), rtol=0.2)
+
+
+def test_the_compliance_of_a_basis_at_a_joint_is_the_static_answer_there():
+    """Node 32 lies on the line where plate and web meet, 84 on the web's far corner."""
+    structure = shell(part("tee"))
+    basis = cf.reduce(structure, AtNodes((32, 84)), modes=6)
+    np.testing.assert_allclose(basis.freq, cf.modes(structure, 6).freq, rtol=1e-10)
+    for column, (node, force) in enumerate((node, force) for node in (32, 84) for force in np.eye(3).tolist()):
+        bent = solve_mesh_static(structure, [NodeLoad(node=node, force=tuple(force))])
+        answer = np.concatenate([bent.at(32), bent.at(84)])
+        np.testing.assert_allclose(basis.compliance[:, column], answer, rtol=1e-6, atol=1e-9 * np.abs(answer).max())
+
+
+def test_the_frame_of_a_webs_tip_is_that_of_the_web_however_cells_are_numbered():
+    """The web's upper edge: span along z, chord along y, flap along the web's normal."""
+    for mesh in (part("tee"), permuted(part("tee"))):
+        rim = Group(nodes=np.flatnonzero(mesh.points[:, 2] > 0.15 - 1e-9))
+        basis = cf.reduce(shell(replace(mesh, groups={**mesh.groups, "rim": rim})), Tip("rim"), modes=4)
+        found = np.abs(list(basis.provenance["directions"].values()))
+        np.testing.assert_allclose(found, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-9)
+
+
+@pytest.mark.slow
+def test_what_hangs_on_a_joint_feels_its_whole_rotation():
+    """A mass on an arm as such, behind a joint as the reference of a rigid connection, in front of one: all alike."""
+    tee = part("tee")
+    points = np.vstack([tee.points, [0.2, 0.15, -0.03]])
+    mesh, far, joint = replace(tee, points=points, node_numbers=np.zeros(0, dtype=int)), len(tee.points), 31
+    J = np.diag([1e-4, 2e-4, 3e-4])
+    masses = (PointMass(node=far, mass=0.2, inertia=J),)
+    own = PointMass(node=joint, mass=0.2, inertia=J, offset=(0.0, 0.0, -0.03))
+    spin = Rotation(omega=60.0, axis=(0.0, 0.0, 1.0), centre=(0.2, -0.3, 0.0))
+    for rotation in (None, spin):
+        found = []
+        for on, given in (
+            (tee, {"masses": (own,)}),
+            (mesh, {"masses": masses, "rigids": (Rigid(reference=joint, nodes=np.array([far])),)}),
+            (mesh, {"masses": masses, "rigids": (Rigid(reference=far, nodes=np.array([joint])),)}),
+        ):
+            root = Group(nodes=np.flatnonzero(on.points[:, 1] < 1e-9))
+            whole = replace(on, groups={"BASE": root}, attachments=Attachments(**given))
+            found.append(cf.modes(shell(whole, 2e-3, rotation=rotation), 6).freq)
+        np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-8)
+
+
+@pytest.mark.slow
+def test_the_command_line_takes_a_branching_shell(tmp_path):
+    (tmp_path / "tee.inp").write_bytes((FILES / "tee.inp").read_bytes())
+    study = tmp_path / "tee.toml"
+    study.write_text("""
+[material]
+E = 207e9
+nu = 0.3
+rho = 7850.0
+[shell]
+mesh = "tee.inp"
+thickness = 1e-3
+[support.BASE]
+kind = "clamped"
+[modes]
+count = 4
+[reduce]
+at = [32, 84]
+modes = 4
+""")
+    result = CliRunner().invoke(main, ["modes", str(study), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert "warning" not in result.output
+    freq = pd.read_csv(tmp_path / "out" / "modes.csv", comment="#")["freq_hz"]
+    np.testing.assert_allclose(freq, frequencies(part("tee"), 1e-3, 4), rtol=1e-6)
+    result = CliRunner().invoke(main, ["reduce", str(study), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "out" / "tee.npz").exists()
