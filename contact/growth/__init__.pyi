@@ -2,6 +2,7 @@ from . import cycles
 from .closed_contact import poles, rim_stability, stability
 from .growth_map import StabilityMap
 from .interaction_table import Interactions, interactions
+from .on_springs import on_springs, slope_of
 from .split_casing import perfect_mean
 
 __all__ = [
@@ -9,8 +10,10 @@ __all__ = [
     "StabilityMap",
     "cycles",
     "interactions",
+    "on_springs",
     "perfect_mean",
     "poles",
     "rim_stability",
+    "slope_of",
     "stability",
 ]

@@ -1,4 +1,4 @@
-"""What scene files of several kinds share: basis files, [record], [coating], the contact law, how a rub is built."""
+"""What scene files of several kinds share: basis files, [record], how a rub is built."""
 
 from __future__ import annotations
 
@@ -12,24 +12,20 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.errors import InputError
 from contact.io.infiles import read_text
-from contact.io.plausible import CHECKS, REACH
+from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
-from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.record.record import Record
+from contact.scene.laws import AnyLaw, CoatingTable, contact_law
 from contact.scene.problems import Problems
 from contact.scene.roundness import Whole
 from contact.scene.scheme import (
     Built,
     Instant,
     ModalScheme,
-    Modulus,
     Name,
-    NotNegative,
     Number,
-    Positive,
     Table,
-    Thickness,
 )
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
@@ -96,38 +92,17 @@ def radius_of(path: Path) -> float:
     return max(body.radius, *(body.line_radius(k) for k in range(body.rim_lines))) if body.kind == "rim" else 0.0
 
 
-class CoatingTable(Table):
-    """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
-
-    E: Modulus = Field(description="Young's modulus [Pa]")
-    yield_stress: Annotated[Positive, CHECKS["stress"]] = Field(description="stress at which it is worn [Pa]")
-    hardening: Annotated[NotNegative, CHECKS["stress"]] = Field(description="slope of the stress beyond that [Pa]")
-    thickness: Thickness = Field(description="thickness [m]")
-    width: Annotated[Positive, REACH] = Field(description="width of the strip along the axis [m]")
-    tip: Annotated[Positive, REACH] = Field(description="length of a tip's land around the rim [m]")
-    bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
-    machined: Annotated[NotNegative, CHECKS["clearance"]] = Field(
-        default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"
-    )
-
-
-def contact_law(coating: CoatingTable | None, mu: float) -> Law:
-    """Coated, sliding, or neither; raises InputError."""
-    if coating is not None:
-        return Abradable(mu=mu, **coating.model_dump())
-    return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
-
-
 def rub_built(
-    rub: Callable[[], Rub], coating: CoatingTable | None, mu: float, scheme: ModalScheme, problems: Problems
-) -> Built:
+    rub: Callable[[], Rub], law: AnyLaw | None, coating: CoatingTable | None, mu: float, scheme: ModalScheme,
+    problems: Problems,
+) -> Built:  # fmt: skip
     """A rub with its law, tracks of a coating checked; raises SceneError."""
     with problems.at():
         what = rub()
     with problems.at("coating"):
-        law = contact_law(coating, mu)
+        stated = contact_law(mu, law, coating)
     problems.check()
     if coating is not None:
         with problems.at():
             track_tips(what, coating.tip)
-    return what, law, ExactModal(law=scheme.law)
+    return what, stated, ExactModal(law=scheme.law)

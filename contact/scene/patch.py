@@ -14,7 +14,8 @@ from contact.base.errors import InputError
 from contact.io.plausible import CHECKS
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
-from contact.scene.parts import RecordTable, contact_law, read_basis
+from contact.scene.laws import LawTable, contact_law
+from contact.scene.parts import RecordTable, read_basis
 from contact.scene.problems import Problems
 from contact.scene.scheme import (
     Built,
@@ -129,7 +130,8 @@ class PatchFile(SceneFile):
     scene: PatchHead = Field(description="what this scene is")
     body: PatchBodyTable = Field(description="the body")
     contact: Annotated[list[PatchContact], Field(min_length=1)] = Field(description="tables [[contact]]")
-    ground: GroundTable = Field(default_factory=GroundTable, description="the rigid ground")
+    ground: GroundTable = Field(default_factory=GroundTable, description="the ground")
+    law: LawTable | None = Field(default=None, description="how the contacts give way; rigid if left out")
     scheme: PatchScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
@@ -150,7 +152,7 @@ class PatchFile(SceneFile):
         with problems.at("body"):
             patch = self.patch(folder)
         problems.check()
-        return patch, contact_law(None, self.ground.friction), ExactModal()
+        return patch, contact_law(self.ground.friction, self.law), ExactModal()
 
     def patch(self, folder: Path) -> Patch:
         """The scene; a basis file is found in `folder`. Raises InputError."""

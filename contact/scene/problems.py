@@ -75,6 +75,11 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
         return f"{file}: {key}: unknown key, {unknown(str(path[-1]), models)}"
     if detail["type"] == "missing":
         return f"{file}: {key}: missing{f', expected {meaning}' if meaning else ''}"
+    if detail["type"] == "union_tag_not_found":
+        return f"{file}: {key}.kind: missing, expected which kind of {key} it is"
+    if detail["type"] == "union_tag_invalid":
+        found, tags = detail["ctx"]["tag"], detail["ctx"]["expected_tags"].replace("'", "")
+        return f"{file}: {key}.kind: found {found!r}, expected one of {tags}"
     message = detail["msg"].removeprefix("Value error, ")
     if isinstance(detail["input"], dict) or detail["type"] == "value_error":
         return f"{file}: {key}: {message}"

@@ -17,8 +17,9 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import Rub, Start
 from contact.model.gaps.rub_laws import RimProfile, Speed
+from contact.scene.laws import CoatingTable, LawTable, contact_law, require_one
 from contact.scene.pair import CasingPairTable
-from contact.scene.parts import CoatingTable, Lean, RecordTable, contact_law, radius_of, read_basis, rub_built
+from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
@@ -94,9 +95,15 @@ class RimFile(SceneFile):
     blade: BladeTable = Field(description="the blade")
     contact: RimContact = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
     speed: SpeedTable = Field(description="how fast the casing turns")
     scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
+
+    @model_validator(mode="after")
+    def _one_law(self) -> RimFile:
+        require_one(self.law, self.coating)
+        return self
 
     def files(self) -> list[str]:
         """Files the scene is made of, beside its own."""
@@ -120,7 +127,7 @@ class RimFile(SceneFile):
                 out_of_roundness=contact.terms(casing), angle_deg=contact.angle_deg,
             )  # fmt: skip
         with problems.at("coating"):
-            law = contact_law(self.coating, contact.friction)
+            law = contact_law(contact.friction, self.law, self.coating)
         problems.check()
         return rim, law, ExactModal(law=self.scheme.law)
 
@@ -185,9 +192,15 @@ class DiskFile(SceneFile):
     disk: DiskTable = Field(description="the blades")
     contact: GapTable = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
     speed: SpeedTable = Field(description="how fast the casing turns")
     scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
+
+    @model_validator(mode="after")
+    def _one_law(self) -> DiskFile:
+        require_one(self.law, self.coating)
+        return self
 
     def files(self) -> list[str]:
         """The basis file, if the casing has one."""
@@ -200,7 +213,7 @@ class DiskFile(SceneFile):
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""
         rub = partial(self.rub, folder)
-        return rub_built(rub, self.coating, self.contact.friction, self.scheme, problems)
+        return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
         """The scene; a basis file is found in `folder`. Raises InputError."""

@@ -21,7 +21,8 @@ from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.model.gaps.rub_system import settled
-from contact.scene.parts import CoatingTable, Lean, RecordTable, radius_of, read_basis, rub_built
+from contact.scene.laws import CoatingTable, LawTable, require_one
+from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
@@ -228,12 +229,18 @@ class RubFile(SceneFile):
     blade: Annotated[list[RubBlade], Field(min_length=1)] = Field(description="tables [[blade]]")
     contact: RubContact = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
     speed: RubSpeed = Field(description="how fast it turns")
     closing: RubClosing | None = Field(default=None, description="how the gap closes")
     whirl: list[RubWhirl] = Field(default_factory=list, description="tables [[whirl]]: circles that a centre runs on")
     gravity: RubGravity | None = Field(default=None, description="weight of all bodies")
     scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
+
+    @model_validator(mode="after")
+    def _one_law(self) -> RubFile:
+        require_one(self.law, self.coating)
+        return self
 
     def files(self) -> list[str]:
         """Files the scene is made of, beside its own."""
@@ -247,7 +254,7 @@ class RubFile(SceneFile):
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""
         rub = partial(self.rub, folder)
-        return rub_built(rub, self.coating, self.contact.friction, self.scheme, problems)
+        return rub_built(rub, self.law, self.coating, self.contact.friction, self.scheme, problems)
 
     def rub(self, folder: Path) -> Rub:
         """The rub; basis and profile files are found in `folder`. Raises InputError."""

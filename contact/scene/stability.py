@@ -13,6 +13,7 @@ from contact.base.errors import InputError
 from contact.confirmed import Confirmed, interactions
 from contact.growth.closed_contact import rim_stability, stability
 from contact.growth.growth_map import StabilityMap
+from contact.growth.on_springs import Turning, on_springs
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
@@ -22,6 +23,7 @@ from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError
 
 if TYPE_CHECKING:
+    from contact.scene.laws import AnyLaw
     from contact.scene.pair import PairFile
     from contact.scene.scheme import ScanTable
 
@@ -59,7 +61,8 @@ def load_stability(path: str | Path) -> StabilityScene:
         raise SceneError([f"{file}: speed.scan: missing, expected {{from_hz = ..., to_hz = ..., steps = ...}}"])
     scene = load_scene(file)
     mu = (scene.law or Unilateral()).mu
-    return StabilityScene(what=cast(RotatingRim, scene.what), speed_hz=_speeds(scan), mu=mu)
+    what = _on_law(cast(RotatingRim, scene.what), table.law, file)
+    return StabilityScene(what=what, speed_hz=_speeds(scan), mu=mu)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -87,7 +90,8 @@ def load_interactions(path: str | Path) -> InteractionScene:
     if table.scene.kind not in ("rim", "rub", "disk"):
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
     scene = load_scene(file)
-    what, top = cast("RotatingRim | Rub", scene.what), float(np.max(np.abs(table.speed.hz)))
+    what = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
+    top = float(np.max(np.abs(table.speed.hz)))
     if table.speed.scan is not None:
         if not table.speed.scan.from_hz > 0.0:
             found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
@@ -99,6 +103,16 @@ def load_interactions(path: str | Path) -> InteractionScene:
         expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
     return InteractionScene(what=what, speed_hz=speeds, mu=(scene.law or Unilateral()).mu)
+
+
+def _on_law(what: Turning, law: AnyLaw | None, file: Path) -> Turning:
+    """The scene with the slope of its force-depth law as springs at the tips."""
+    if law is None:
+        return what
+    try:
+        return on_springs(what, law.closed_slope())
+    except InputError as error:
+        raise SceneError([f"{file}: law.closed_depth: {str(error).removeprefix('depth: ')}"]) from error
 
 
 def _pair(table: PairFile, file: Path) -> HandPair:

@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import MANY
-from contact.scene.parts import CoatingTable, radius_of
+from contact.scene.laws import CoatingTable
+from contact.scene.parts import radius_of
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.scene.parts import CoatingTable, RecordTable, contact_law
+from contact.scene.laws import CoatingTable, contact_law
+from contact.scene.parts import RecordTable
 from contact.scene.patch import PatchBodyTable, PatchFile
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskFile
 from contact.scene.roundness import GapTable, RandomRoundness
@@ -136,10 +137,10 @@ def test_speeds_and_closings_are_numbers_or_tables_over_time():
 
 
 def test_laws_of_a_contact_are_coated_sliding_or_neither():
-    assert contact_law(None, 0.0) == ct.Unilateral()
-    assert contact_law(None, 1e-9) == ct.Coulomb(mu=1e-9)
-    assert contact_law(CoatingTable(**COAT), 0.2) == ct.Abradable(**COAT, mu=0.2)
-    assert contact_law(CoatingTable(**COAT, bars=2, machined=1e-4), 0.0) == ct.Abradable(
+    assert contact_law(0.0, None) == ct.Unilateral()
+    assert contact_law(1e-9, None) == ct.Coulomb(mu=1e-9)
+    assert contact_law(0.2, None, CoatingTable(**COAT)) == ct.Abradable(**COAT, mu=0.2)
+    assert contact_law(0.0, None, CoatingTable(**COAT, bars=2, machined=1e-4)) == ct.Abradable(
         **COAT, bars=2, machined=1e-4, mu=0.0
     )
 

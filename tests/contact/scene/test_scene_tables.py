@@ -6,8 +6,9 @@ import pytest
 from pydantic import ValidationError
 
 from contact.scene.cycles import CyclesContact, DriveTable
+from contact.scene.laws import CoatingTable
 from contact.scene.pair import BladeModeTable, CasingPairTable, PairContact
-from contact.scene.parts import CoatingTable, RecordTable
+from contact.scene.parts import RecordTable
 from contact.scene.patch import GroundTable, PatchBodyTable, PatchContact
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskPairTable, DiskTable, RimContact, RimHead
 from contact.scene.roundness import GapTable, RandomRoundness, SpectrumLine

@@ -1,0 +1,111 @@
+"""[law] and [coating] of a scene: how its contacts give way; rigid without either."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from contact.growth.on_springs import slope_of
+from contact.io.plausible import CHECKS, REACH
+from contact.model.force_law import ForceLaw, ForceTable, Hertz, Response, spring
+from contact.model.law import Abradable, Coulomb, Law, Unilateral
+from contact.scene.scheme import Modulus, NotNegative, Positive, Table, Thickness
+
+
+class CoatingTable(Table):
+    """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
+
+    E: Modulus = Field(description="Young's modulus [Pa]")
+    yield_stress: Annotated[Positive, CHECKS["stress"]] = Field(description="stress at which it is worn [Pa]")
+    hardening: Annotated[NotNegative, CHECKS["stress"]] = Field(description="slope of the stress beyond that [Pa]")
+    thickness: Thickness = Field(description="thickness [m]")
+    width: Annotated[Positive, REACH] = Field(description="width of the strip along the axis [m]")
+    tip: Annotated[Positive, REACH] = Field(description="length of a tip's land around the rim [m]")
+    bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
+    machined: Annotated[NotNegative, CHECKS["clearance"]] = Field(
+        default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"
+    )
+
+
+class SpringLaw(Table):
+    """[law] of kind "spring": force = stiffness depth + damping rate in every contact."""
+
+    kind: Literal["spring"] = Field(description="a linear spring in the contact")
+    stiffness: Positive = Field(description="of the spring [N/m]")
+    damping: NotNegative = Field(default=0.0, description="of a dashpot beside it [N s/m]")
+
+    def law(self, mu: float) -> Law:
+        """The law with friction `mu`."""
+        words = f"spring {self.stiffness:.3g} N/m"
+        return ForceLaw(Response(spring, (self.stiffness, self.damping)), mu=mu, words=words)
+
+    def closed_slope(self) -> float:
+        """Slope of a closed contact [N/m]."""
+        return self.stiffness
+
+
+class HertzLaw(Table):
+    """[law] of kind "hertz": force = k depth^exponent (1 + dissipation rate)."""
+
+    kind: Literal["hertz"] = Field(description="two round bodies")
+    k: Positive = Field(description="4/3 E* sqrt(R) for a sphere [N/m^exponent]")
+    exponent: Annotated[FiniteFloat, Field(ge=1, le=10)] = Field(
+        default=1.5, description="3/2 for an elastic point contact [-]"
+    )
+    dissipation: NotNegative = Field(default=0.0, description="of Hunt and Crossley [s/m]")
+    closed_depth: Positive | None = Field(
+        default=None, description="mean depth at which stability and interactions take its slope [m]"
+    )
+
+    def law(self, mu: float) -> Law:
+        """The law with friction `mu`."""
+        return Hertz(k=self.k, exponent=self.exponent, dissipation=self.dissipation, mu=mu)
+
+    def closed_slope(self) -> float:
+        """Slope of a closed contact [N/m]; raises InputError."""
+        return slope_of(self.law(0.0), self.closed_depth)
+
+
+class TableLaw(Table):
+    """[law] of kind "table": a bumper's force over its depth, straight lines between points, the last goes on."""
+
+    kind: Literal["table"] = Field(description="a measured curve")
+    depth: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="depths that rise from 0 [m]")
+    force: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="forces that never fall, from 0 [N]")
+    damping: NotNegative = Field(default=0.0, description="of a dashpot beside it [N s/m]")
+    closed_depth: Positive | None = Field(
+        default=None, description="mean depth at which stability and interactions take its slope [m]"
+    )
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> TableLaw:
+        ForceTable(depth=self.depth, force=self.force)
+        return self
+
+    def law(self, mu: float) -> Law:
+        """The law with friction `mu`."""
+        return ForceTable(depth=self.depth, force=self.force, damping=self.damping, mu=mu)
+
+    def closed_slope(self) -> float:
+        """Slope of a closed contact [N/m]; raises InputError."""
+        return slope_of(self.law(0.0), self.closed_depth)
+
+
+AnyLaw = SpringLaw | HertzLaw | TableLaw
+LawTable = Annotated[AnyLaw, Field(discriminator="kind")]
+
+
+def contact_law(mu: float, law: AnyLaw | None, coating: CoatingTable | None = None) -> Law:
+    """Coated, with a force-depth law, sliding, or rigid without friction; raises InputError."""
+    if coating is not None:
+        return Abradable(mu=mu, **coating.model_dump())
+    if law is not None:
+        return law.law(mu)
+    return Coulomb(mu=mu) if mu > 0.0 else Unilateral()
+
+
+def require_one(law: object, coating: object) -> None:
+    """Raise ValueError where a scene has both."""
+    if law is not None and coating is not None:
+        raise ValueError("law and coating found, expected one of them: a coating is a law of its own")
