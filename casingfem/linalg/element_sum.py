@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array
 
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
 CHUNK = 200_000  # entries of elements' matrices taken together: what stays in a core's cache
 
@@ -77,6 +77,32 @@ class ElementSum:
         """A + diag(d); the elements' matrices are shared."""
         return replace(self, diagonal=self.diagonal + diagonal)
 
+    def changed(self, T: csc_array) -> "ElementSum":
+        """T^T A T of a plain sum, T (size, size) the identity but for groups of few unknowns.
+
+        An element that has some of a group gets all of it; the matrices of the others are shared.
+
+        >>> two = Elements(np.array([[0, 1], [1, 2]]), np.full((2, 2, 2), 3.0))
+        >>> T = csc_array(np.array([[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+        >>> (ElementSum.of([two], 3).changed(T) @ np.eye(3))[2].tolist()
+        [6.0, 9.0, 15.0]
+        """
+        rows = T.tocsr()
+        other = csr_array(rows - diags_array(np.ones(self.size)))
+        other.eliminate_zeros()
+        moved = np.append(np.diff(other.indptr) > 0, False)
+        groups = []
+        for group in self.groups:
+            touched = np.flatnonzero(moved[group.dofs].any(axis=1))
+            if len(touched):
+                dofs = group.dofs.copy()
+                dofs[touched] = self.size
+                groups.append(replace(group, dofs=dofs))
+                groups.extend(within(group, touched, moved, rows))
+            else:
+                groups.append(group)
+        return replace(self, groups=tuple(groups))
+
     def __matmul__(self, x: FloatArray) -> FloatArray:
         """A x, for one vector (size,) or several columns (size, k)."""
         return summed(self, x, np.matmul)
@@ -107,6 +133,30 @@ class AbsoluteSum:
     def __matmul__(self, x: FloatArray) -> FloatArray:
         """|A| x, for one vector (size,) or several columns (size, k)."""
         return summed(replace(self.of, scale=np.abs(self.of.scale), diagonal=np.abs(self.of.diagonal)), x, absolute)
+
+
+def within(group: Elements, numbers: IntArray, moved: BoolArray, T: csr_array) -> list[Elements]:
+    """T^T A T of some elements of a group, those of one size together; rows of T at `moved` are not those of 1."""
+    found: dict[int, list[tuple[IntArray, FloatArray]]] = {}
+    for e in numbers.tolist():
+        dofs, A = group.dofs[e], group.matrices[e]
+        at = np.flatnonzero(moved[dofs])
+        part = T[dofs[at]]
+        into = np.unique(part.indices)
+        more = np.setdiff1d(into, dofs)
+        whole = np.append(dofs, more)
+        order = np.argsort(whole, kind="stable")
+        to = order[np.searchsorted(whole, into, sorter=order)]
+        change = part[:, into].toarray()
+        B = np.zeros((len(whole), len(whole)))
+        B[: len(dofs), : len(dofs)] = A
+        B[at] = 0.0
+        B[to] += change.T @ np.pad(A[at], ((0, 0), (0, len(more))))
+        columns = B[:, at].copy()
+        B[:, at] = 0.0
+        B[:, to] += columns @ change
+        found.setdefault(len(whole), []).append((whole, B))
+    return [Elements(*(np.stack(part) for part in zip(*same, strict=True))) for same in found.values()]
 
 
 def absolute(matrices: FloatArray, x: FloatArray) -> FloatArray:

@@ -183,20 +183,30 @@ def diagonalised(M: csc_array) -> tuple[FloatArray, csc_array]:
     coupled = csc_array(M - diags_array(mass))
     coupled.eliminate_zeros()
     _, group = connected_components(coupled, directed=False)
+    count = np.bincount(group)
     order = np.argsort(group, kind="stable")
-    ends = np.flatnonzero(np.diff(group[order])) + 1
-    members = [part for part in np.split(order, ends) if len(part) > 1]
-    alone = np.setdiff1d(np.arange(len(mass)), np.concatenate([np.zeros(0, dtype=int), *members]))
+    place = np.empty(len(mass), dtype=np.int64)  # of a dof in its group
+    place[order] = np.arange(len(mass)) - np.repeat(np.cumsum(count) - count, count)
+    entries = M.tocoo()
+    alone = np.flatnonzero(count[group] == 1)
     rows, columns, values = [alone], [alone], [np.ones(len(alone))]
-    for part in members:
-        root = np.sqrt(mass[part])
-        squares, turn = np.linalg.eigh(M[part][:, part].toarray() / np.outer(root, root))
-        if squares[0] <= 0.0:
+    for size in np.unique(count[count > 1]).tolist():  # groups of one size together
+        parts = order[count[group[order]] == size].reshape(-1, size)
+        number = np.full(len(count), -1)
+        number[group[parts[:, 0]]] = np.arange(len(parts))
+        own = number[group[entries.row]] >= 0
+        i, j = entries.row[own], entries.col[own]
+        root = np.sqrt(mass[parts])
+        S = np.zeros((len(parts), size, size))
+        S[number[group[i]], place[i], place[j]] = entries.data[own] / np.sqrt(mass[i] * mass[j])
+        squares, turn = np.linalg.eigh(S)
+        if squares.min() <= 0.0:
             raise ValueError("the mass matrix is not positive")
-        i, j = np.broadcast_arrays(part[:, None], part[None, :])
+        T = (turn / np.sqrt(squares)[:, None]) @ turn.swapaxes(1, 2) / root[:, :, None] * root[:, None]
+        i, j = np.broadcast_arrays(parts[:, :, None], parts[:, None, :])
         rows.append(i.ravel())
         columns.append(j.ravel())
-        values.append(((turn / np.sqrt(squares)) @ turn.T / root[:, None] * root).ravel())
+        values.append(T.ravel())
     places = (np.concatenate(rows), np.concatenate(columns))
     return mass, coo_array((np.concatenate(values), places), shape=M.shape).tocsc()
 

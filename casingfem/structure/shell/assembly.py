@@ -18,7 +18,6 @@ from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_arra
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
-from casingfem.linalg.entries import Symmetric
 from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.edge_form import EdgeForm
@@ -164,12 +163,12 @@ def assemble(shell: Shell) -> System:
     mass = diagonal.ravel()[free]
     forms = edge_forms(shell, grid)
     free = np.append(free, len(frames) * DOFS + np.arange(forms.own))
-    K: Symmetric = element_sum(element_matrices(shell, grid), grid, frames, free, forms.stiffness)
+    K = element_sum(element_matrices(shell, grid), grid, frames, free, forms.stiffness)
     change = None
     if forms.mass:
         lumped = diags_array(np.append(mass, np.zeros(forms.own)))
         mass, change = diagonalised(csc_array(lumped + on_free(forms.mass, frames, free, forms.own)))
-        K = csc_array(change.T @ K.tocsc() @ change)
+        K = K.changed(change)
     system = System(shell, grid, K, mass, free, frames, change, own=forms.own)
     if shell.rotation is None:
         return system

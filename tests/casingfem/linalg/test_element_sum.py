@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
 
 from casingfem.errors import NumericsError
 from casingfem.linalg.element_sum import Elements, ElementSum
@@ -67,3 +68,18 @@ def test_refuses_what_is_no_number():
     A.groups[0].matrices[3, 2, 1] = np.nan
     with pytest.raises(NumericsError, match="not finite"):
         factorise(A)
+
+
+def test_a_change_of_groups_of_unknowns_is_made_within_the_elements():
+    """T^T A T where some groups lie within an element, some in two, and some bring unknowns of elsewhere."""
+    A, rng = strips(2), np.random.default_rng(8)
+    T = np.eye(A.size)
+    for group in ([3, 4, 5], [ORDER * 9 + 8, ORDER * 9 + 9, A.size - 1], [60, 200]):
+        T[np.ix_(group, group)] = rng.standard_normal((len(group), len(group)))
+    changed = A.changed(csc_array(T))
+    expected = T.T @ A.tocsc().toarray() @ T
+    np.testing.assert_allclose(changed @ np.eye(A.size), expected, atol=1e-11 * np.abs(expected).max())
+    np.testing.assert_allclose(changed.tocsc().toarray(), expected, atol=1e-11 * np.abs(expected).max())
+    b = rng.standard_normal(A.size)
+    np.testing.assert_allclose(expected @ factorise(changed).solve(b), b, atol=1e-6 * np.abs(b).max())
+    assert changed.groups[0].matrices is A.groups[0].matrices
