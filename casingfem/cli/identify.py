@@ -50,6 +50,15 @@ if TYPE_CHECKING:
     help="Coherence of the responses, .uff or as `casingfem rig` writes it (.npz): where it is low, lines weigh less."
     " From the universal file itself if left out.",
 )  # fmt: skip
+@click.option(
+    "--output-only", "output_only", is_flag=True,
+    help="FRFS is one long record of responses to random loads (.uff, .wav, .mat, .npz, .csv), without their forces.",
+)  # fmt: skip
+@click.option(
+    "--channels", "channels_file", type=click.Path(path_type=Path), metavar="CSV", default=None,
+    help="Of --output-only, what each channel is: channel,kind,point,direction,unit,factor.",
+)  # fmt: skip
+@click.option("--seconds", type=float, default=None, help="Of --output-only, the longest lag of the correlations [s].")
 @options
 def identify(
     file: Path,
@@ -62,6 +71,9 @@ def identify(
     pick_file: Path | None,
     exponential: float | None,
     coherence_file: Path | None,
+    output_only: bool,
+    channels_file: Path | None,
+    seconds: float | None,
     as_json: bool,
     out: Path | None,
 ) -> None:
@@ -70,27 +82,38 @@ def identify(
     The poles are chosen without a hand, or with --pick by one; each mode is sure or doubtful, and pairs that cannot be
     told apart are said to be so. DIR gets the frequency table and the shapes (identified.csv, identified.npz) for
     `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, fit.png: mode
-    indicator, fit, residual and coherence over all lines, and all of it on the page identified.html.
+    indicator, fit, residual and coherence over all lines, and all of it on the page identified.html. With --output-only
+    FRFS is a record of responses to random loads, and the pictures show half spectra of their correlations.
     """
     from casingfem.experiment.frf import files as given
     from casingfem.experiment.frf.sensor_grid import angles_of
-    from casingfem.experiment.identify.identification import identify as find
 
     if open_part and angles_file is not None:
         raise click.UsageError("--open is for parts without a circle of sensors: leave out --angles")
-    frfs = given.read_frfs(file)
+    not_measured = {"--form": form, "--pick": pick_file, "--exponential": exponential, "--coherence": coherence_file}
+    _check_options(output_only, not_measured, {"--channels": channels_file, "--seconds": seconds})
     if angles_file is None:
         places = given.file_places(file)
         angles = None if places is None or open_part else angles_of(places)
     else:
         angles, places = given.read_places(angles_file)
-    pick = None if pick_file is None else given.read_picks(pick_file)
-    coherence = given.file_coherence(file) if coherence_file is None else given.read_coherence(coherence_file)
+    shared: dict[str, Any] = {"angles": angles, "places": places, "band": band, "order": order, "n_max": n_max}
+    coherence = None
     with ProgressMessage(f"modes in {file.name}") as working:
-        found = find(
-            frfs, angles=angles, places=places, band=band, form=form, order=order, n_max=n_max, pick=pick,
-            exponential=exponential, coherence=coherence, say=lambda what: working.say(f"modes in {file.name}: {what}"),
-        )  # fmt: skip
+        shared["say"] = lambda what: working.say(f"modes in {file.name}: {what}")
+        if output_only:
+            from casingfem.experiment.frf.records.read import read_responses
+            from casingfem.experiment.identify.output_only.output_only import identify_output_only
+
+            frfs = read_responses(file, channels=channels_file)
+            found = identify_output_only(frfs, seconds=seconds, **shared)
+        else:
+            from casingfem.experiment.identify.identification import identify as find
+
+            frfs = given.read_frfs(file)
+            pick = None if pick_file is None else given.read_picks(pick_file)
+            coherence = given.file_coherence(file) if coherence_file is None else given.read_coherence(coherence_file)
+            found = find(frfs, form=form, pick=pick, exponential=exponential, coherence=coherence, **shared)
     document = {
         "modes": found.records(),
         "sure": int(found.sure.sum()),
@@ -105,6 +128,14 @@ def identify(
     }
     files: dict[str, Content] = {} if out is None else result_files(found, document, coherence)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
+
+
+def _check_options(output_only: bool, not_measured: dict[str, Any], only: dict[str, Any]) -> None:
+    """Refuse options that belong to the other kind of input."""
+    wrong = [name for name, value in (not_measured if output_only else only).items() if value is not None]
+    if wrong:
+        where = "are of frequency responses: leave them" if output_only else "belong to --output-only: leave them"
+        raise click.UsageError(f"{', '.join(wrong)} {where} out")
 
 
 def result_files(

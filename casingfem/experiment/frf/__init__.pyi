@@ -1,7 +1,7 @@
 from .frf_set import FrfSet
 from .records.estimate import estimate
 from .records.estimated import Estimate
-from .records.read import read_records
+from .records.read import read_records, read_responses
 from .records.take import Take
 
 __all__ = [
@@ -10,4 +10,5 @@ __all__ = [
     "Take",
     "estimate",
     "read_records",
+    "read_responses",
 ]

@@ -12,7 +12,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +19,8 @@ from numpy.typing import ArrayLike
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.frf_set import FrfSet
-from casingfem.experiment.frf.sensor_grid import SensorGrid, radial_signs, sensor_grid
+from casingfem.experiment.frf.sensor_grid import sensor_grid
+from casingfem.experiment.identify.assembled import circle_notes, columns_of, labelled, sensor_notes
 from casingfem.experiment.identify.clusters import (
     Modal,
     Responses,
@@ -39,14 +39,12 @@ from casingfem.experiment.identify.mode import Mode, Sensors, found_in, merged, 
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.setups import SetUp, setups_of, simpler
 from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, visible_peaks
-from casingfem.experiment.identify.suspects import suspect_sensors, suspected
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
 from casingfem.experiment.identify.usable import usable
 from casingfem.experiment.identify.verdict import doubts
-from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.io.arrays import Array, FloatArray
 
-MOST_OFF = 0.5  # share of the sensors that labels may do without
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
 PASSES: tuple[bool | None, ...] = (False, True, True, None)  # poles may go; go and come; twice; none
 
@@ -67,10 +65,12 @@ def identify(
 ) -> Identified:
     """Frequencies, damping, shapes, nodal diameters and orientations of the modes in frequency responses.
 
+    Time records of responses to random loads that were not measured are taken too (`identify_output_only`).
+
     Parameters
     ----------
     frfs
-        Responses of every sensor to one or more references, over evenly spaced lines.
+        Responses of every sensor to one or more references, over evenly spaced lines; or a set of kind "time".
     angles
         Angle [deg] of each response point on the sensors' circle; without them modes have no n and no orientation.
     places
@@ -109,6 +109,8 @@ def identify(
     >>> found.freq.round(4).tolist(), found.zeta.round(6).tolist(), found.n.tolist()
     ([100.0], [0.004], [2])
     """
+    if frfs.kind == "time":
+        return _of_records(frfs, angles, places, band, order, n_max, say, form, pick, exponential, coherence)
     started = time.perf_counter()
     rules = USUAL
     tau = window_time(frfs, exponential)
@@ -131,22 +133,19 @@ def identify(
     elif alone:
         data = data._replace(leak=alone[0].data.leak)
     alone, tracks = tracked(alone, noise, grid, circle, rules) if alone else ([], [])
-    sensors = Sensors.of(grid, power, circle)
-    modes = _modes(fits, tracks, noise, sensors, picked is not None, rules)
-    kept = _belonging(modes, grid, circle)
-    if circle is not None and len(kept) < len(grid):  # sensors at a wrong place would spoil the labels
-        sensors = Sensors.of(grid, power, Circle(theta=grid.theta[kept], orders=circle.orders), kept)
-        modes = _modes(fits, tracks, noise, sensors, picked is not None, rules)
+    modes = labelled(
+        lambda at: _modes(fits, tracks, noise, at, picked is not None, rules), Sensors.of(grid, power, circle)
+    )
     doublets = paired(modes)
     modes = settled(modes, doublets)
     notes = (
         *said, *_test_notes(data, left, rules), *setup_notes(tracks),
-        *_circle_notes(modes, grid, circle), *_sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),
+        *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle), *pair_notes(modes, doublets),
     )  # fmt: skip
     if tau is not None:
         modes, notes = without_window(modes, tau), (window_note(tau), *notes)
     return Identified(
-        **_columns(modes, doublets, grid),
+        **columns_of(modes, doublets, grid),
         sensors=grid,
         lines=freq,
         measured=H,
@@ -160,6 +159,23 @@ def identify(
         seconds=time.perf_counter() - started,
         shift=shift_of(tracks),
     )
+
+
+def _of_records(
+    records: FrfSet, angles: Mapping[int, float] | None, places: Mapping[int, ArrayLike] | None,
+    band: tuple[float, float] | None, order: int | None, n_max: int | None, say: Callable[[str], None], *others: object,
+) -> Identified:  # fmt: skip
+    """Modes of responses alone; `others` are options that belong to frequency responses."""
+    from casingfem.experiment.identify.output_only.output_only import identify_output_only
+
+    names = ("form", "pick", "exponential", "coherence")
+    given = [name for name, value in zip(names, others, strict=True) if value is not None]
+    if given:
+        found = f"{', '.join(given)} with time records"
+        raise InputError(records.path, found=found, expected="frequency responses for these options")
+    return identify_output_only(
+        records, angles=angles, places=places, band=band, order=order, n_max=n_max, say=say
+    )  # fmt: skip
 
 
 def _responses(
@@ -280,42 +296,6 @@ def _test_notes(data: Responses, left: float, rules: Thresholds) -> tuple[str, .
     return (*([ended] if left > rules.ended else []), *([leaked] if data.leak else []))
 
 
-def _circle_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Where the sensors do not resolve n, or a mode has the largest that they resolve."""
-    if circle is None or not modes:
-        return ()
-    if not circle.orders:
-        low, high = np.degrees([grid.theta.min(), grid.theta.max()]).tolist()
-        where = f"{len(np.unique(grid.theta))} angles from {low:.4g} to {high:.4g} deg"
-        return (f"no n is given: the {len(grid)} sensors have {where}, too few or too near (angles in radians?)",)
-    if not any(mode.n == circle.n_max for mode in modes):
-        return ()
-    return (
-        f"n = {circle.n_max} is the largest that {len(grid)} sensors resolve, or that was asked for: modes of a larger"
-        " n would be given a smaller one",
-    )
-
-
-def _sure_shapes(modes: list[Mode], grid: SensorGrid) -> FloatArray:
-    """Radial shapes of the modes that are sure, (sensors, modes)."""
-    return np.array([mode.shape for mode in modes if not mode.doubt]).T * radial_signs(grid)[:, None]
-
-
-def _sensor_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> tuple[str, ...]:
-    """Sensors of a circle that are off in the sure modes."""
-    shapes = _sure_shapes(modes, grid)
-    return () if circle is None or not shapes.size else suspected(shapes, circle.n_max, grid.theta, grid.points)
-
-
-def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> IntArray:
-    """Sensors by which modes are labelled: those that are not suspected; all where too few would be left."""
-    every, shapes = np.arange(len(grid)), _sure_shapes(modes, grid)
-    if circle is None or not shapes.size:
-        return every
-    off = suspect_sensors(shapes, circle.n_max, grid.theta, grid.points)
-    return np.delete(every, off) if len(off) <= MOST_OFF * len(every) else every
-
-
 def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list[SetUp]) -> Array:
     """The fits in the units of the responses (channels, lines); nan where nothing was fitted."""
     whole = np.full(data.Y.T.shape, complex(np.nan, np.nan))
@@ -329,25 +309,3 @@ def _fitted(data: Responses, fits: list[PoleFit], noise: FloatArray, alone: list
             whole[np.ix_(channels, first + there)] = values.T
     whole[:, np.isnan(whole).any(axis=0)] = np.nan
     return whole
-
-
-def _columns(modes: list[Mode], doublets: tuple[tuple[int, int], ...], grid: SensorGrid) -> dict[str, Any]:
-    """Fields of `Identified` that have one entry for each mode."""
-
-    def column(name: str) -> FloatArray:
-        return np.array([getattr(mode, name) for mode in modes], float)
-
-    count = len(grid), len(grid.references)
-    names = ("freq", "sigma_freq", "zeta", "sigma_zeta", "purity", "collinearity", "signal", "residue_scale")
-    members = {k for pair in doublets for k in pair}
-    bound = np.array([np.nan if k in members or mode.n == 0 else mode.split_bound for k, mode in enumerate(modes)])
-    return {
-        **{name: column(name) for name in names},
-        "n": np.array([mode.n for mode in modes], np.int64),
-        "angle_deg": np.degrees(column("angle")),
-        "sigma_angle": np.degrees(column("sigma_angle")),
-        "shapes": np.array([mode.shape for mode in modes]).reshape(-1, count[0]).T,
-        "sigma_shapes": np.array([mode.sigma_shape for mode in modes]).reshape(-1, count[0]).T,
-        "residues": np.array([mode.residues for mode in modes], complex).reshape(-1, *count).transpose(1, 2, 0),
-        "split_bound": bound.reshape(-1),
-    }

@@ -20,7 +20,7 @@ from contact.io.reported import Reported
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Identified(Reported):
-    """Modes found in frequency responses, ascending; arrays are read-only.
+    """Modes found in frequency responses, or in responses alone, ascending; arrays are read-only.
 
     Attributes
     ----------
@@ -132,14 +132,15 @@ class Identified(Reported):
         """
         if not len(self):
             raise ValueError("no mode was identified: there is no table")
-        made = "identified from frequency responses: p-LSCF poles, refined by maximum likelihood"
+        stated = any(line.startswith("identified from") for line in self.card)
+        made = () if stated else ("identified from frequency responses: p-LSCF poles, refined by maximum likelihood",)
         return FrequencyTable.from_arrays(
             freq_hz=self.freq,
             sigma_hz=self.sigma_setup,
             n=self.n,
             angle_deg=self.angle_deg,
             zeta=self.zeta,
-            card=(*self.card, *card, made, *self.doubtful(), *self.notes),
+            card=(*self.card, *card, *made, *self.doubtful(), *self.notes),
             path="identified",
         )
 

@@ -1,8 +1,9 @@
 """Time records in plain arrays of .mat and .npz files.
 
-The layout: `fs` [Hz] or `time` [s] (samples,); `force` (samples,) or (hits, samples); `response` (channels, samples),
-(samples,) or (hits, channels, samples); optional `points`, `directions` (channels,), `force_point`,
-`force_direction` (a number, or one for each hit), `unit`, `force_unit`. Samples may be the first axis of a matrix too.
+The layout: `fs` [Hz] or `time` [s] (samples,); `force` (samples,) or (hits, samples), none of responses alone;
+`response` (channels, samples), (samples,) or (hits, channels, samples); optional `points`, `directions` (channels,),
+`force_point`, `force_direction` (a number, or one for each hit), `unit`, `force_unit`. Samples may be the first axis of
+a matrix too.
 """
 
 from __future__ import annotations
@@ -39,13 +40,12 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
         Missing arrays, with the names found; two arrays of one meaning; shapes that do not fit.
     """
     arrays = _by_meaning(stored, path)
-    if not {"force", "response"} <= arrays.keys() or not {"fs", "time"} & arrays.keys():
+    if "response" not in arrays or not {"fs", "time"} & arrays.keys():
         raise InputError(path, found="arrays " + (", ".join(sorted(stored)) or "none"), expected=EXPECTED)
-    force = np.atleast_2d(np.squeeze(_numbers(arrays["force"], "force", path)))
-    if "time" in arrays and force.shape[1] != np.size(arrays["time"]) == force.shape[0]:
-        force = force.T
+    response = _numbers(arrays["response"], "response", path)
+    force = _force(arrays, response, path)
     hits, samples = force.shape
-    response = _arranged(_numbers(arrays["response"], "response", path), hits, samples, path)
+    response = _arranged(response, hits, samples, path)
     fs = _rate(arrays, samples, path)
     channels = response.shape[1]
     points = _whole(arrays, "points", channels, np.arange(1, channels + 1), path)
@@ -60,6 +60,8 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
         RecordChannel(f"response {k + 1}", "response", p, d, unit)
         for k, (p, d) in enumerate(zip(points.tolist(), directions.tolist(), strict=True))
     )
+    if "force" not in arrays:
+        return [RecordBlock(path, fs, response[0], own)]
     return [
         RecordBlock(
             f"{path}, hit {k + 1}" if hits > 1 else path, fs, np.vstack([force[k], response[k]]),
@@ -67,6 +69,16 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
         )
         for k in range(hits)
     ]  # fmt: skip
+
+
+def _force(arrays: Mapping[str, Array], response: FloatArray, path: str) -> FloatArray:
+    """Forces (hits, samples); zeros where there is none, for the longest axis of the responses."""
+    if "force" not in arrays:
+        return np.zeros((1, max(response.shape, default=0)))
+    force = np.atleast_2d(np.squeeze(_numbers(arrays["force"], "force", path)))
+    if "time" in arrays and force.shape[1] != np.size(arrays["time"]) == force.shape[0]:
+        force = force.T
+    return force
 
 
 def _arranged(values: FloatArray, hits: int, samples: int, path: str) -> FloatArray:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.files import UNIVERSAL
+from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.loose_arrays import read_mat
 from casingfem.experiment.frf.records.channels import ChannelTable, described, read_channels
 from casingfem.experiment.frf.records.loose import blocks_of_arrays
 from casingfem.experiment.frf.records.table import read_table
-from casingfem.experiment.frf.records.take import RecordBlock, Take, take_of, with_card
+from casingfem.experiment.frf.records.take import RecordBlock, Take, responses_of, take_of, with_card
 from casingfem.experiment.frf.records.universal import read_universal
 from casingfem.experiment.frf.records.wav import read_wav
 from casingfem.experiment.uff.nodes import Nodes, TraceLine
@@ -56,16 +58,46 @@ def read_records(
     return tuple(take for each in paths for take in read_record_file(each, table).takes)
 
 
-def read_record_file(path: str | os.PathLike[str], table: ChannelTable | None) -> RecordFile:
-    """One file, with the geometry of a universal one."""
-    name, ending = str(path), Path(path).suffix.lower()
-    _bounded(Path(path))
+def read_responses(path: str | os.PathLike[str], *, channels: str | os.PathLike[str] | None = None) -> FrfSet:
+    """The responses of one long record, without forces: what `identify` takes for modes of responses alone.
+
+    Raises
+    ------
+    InputError
+        As `read_records`; several records in the file, responses in several units, no response.
+    """
+    table = None if channels is None else read_channels(channels)
+    blocks, beside = _blocks(path, table)
+    if len(blocks) > 1:
+        expected = "one record: join them, or give the longest"
+        raise InputError(str(path), found=f"{len(blocks)} records", expected=expected)
+    responses = responses_of(blocks[0])
+    return replace(responses, card=beside.card, path=str(path))
+
+
+class _Beside(NamedTuple):
+    """Geometry and card of a file."""
+
     nodes: Nodes | None = None
     lines: tuple[TraceLine, ...] = ()
     card: tuple[str, ...] = ()
+
+
+def read_record_file(path: str | os.PathLike[str], table: ChannelTable | None) -> RecordFile:
+    """One file, with the geometry of a universal one."""
+    blocks, beside = _blocks(path, table)
+    takes = tuple(with_card(take_of(block), beside.card) for block in blocks)
+    return RecordFile(takes, beside.nodes, beside.lines)
+
+
+def _blocks(path: str | os.PathLike[str], table: ChannelTable | None) -> tuple[list[RecordBlock], _Beside]:
+    """Blocks of a file as the table describes them."""
+    name, ending = str(path), Path(path).suffix.lower()
+    _bounded(Path(path))
+    beside = _Beside()
     if ending in UNIVERSAL:
         blocks, file = read_universal(path)
-        nodes, lines, card = file.nodes, file.lines, tuple(line for line in file.header if line)
+        beside = _Beside(file.nodes, file.lines, tuple(line for line in file.header if line))
     elif ending == ".wav":
         blocks = read_wav(path, MOST)
         if table is None:
@@ -77,8 +109,7 @@ def read_record_file(path: str | os.PathLike[str], table: ChannelTable | None) -
         blocks = read_table(path)
     else:
         raise InputError(name, found=f"ending {ending!r}", expected=f"one of {KINDS}")
-    takes = tuple(with_card(take_of(_sampled(described(block, table))), card) for block in blocks)
-    return RecordFile(takes, nodes, lines)
+    return [_sampled(described(block, table)) for block in blocks], beside
 
 
 def _bounded(path: Path) -> None:

@@ -105,6 +105,27 @@ def is_force(unit: str) -> bool:
     return unit.strip().lower() in FORCES
 
 
+def responses_of(block: RecordBlock) -> FrfSet:
+    """The responses of a block, with or without forces beside them."""
+    force = np.array([_as_force(c) for c in block.channels], bool)
+    if force.all():
+        raise InputError(block.name, found="no response", expected="channels of responses")
+    return _set(_finite(block), np.flatnonzero(~force).tolist())
+
+
+def _as_force(channel: RecordChannel) -> bool:
+    return channel.kind == "force" or (not channel.kind and is_force(channel.unit))
+
+
+def _finite(block: RecordBlock) -> RecordBlock:
+    """The block, refused where a number is not finite."""
+    spoilt = [c.name for c, row in zip(block.channels, block.values, strict=True) if not np.isfinite(row).all()]
+    if spoilt:
+        found = f"nan or infinity in {', '.join(spoilt)}"
+        raise InputError(block.name, found=found, expected="finite numbers: leave the channel out, or export it again")
+    return block
+
+
 def take_of(block: RecordBlock) -> Take:
     """The forces and the responses of a block.
 
@@ -115,16 +136,13 @@ def take_of(block: RecordBlock) -> Take:
     InputError
         No force, no response, numbers that are not finite, responses in several units.
     """
-    force = np.array([c.kind == "force" or (not c.kind and is_force(c.unit)) for c in block.channels], bool)
+    force = np.array([_as_force(c) for c in block.channels], bool)
     named = ", ".join(f"{c.name} [{c.unit or 'no unit'}]" for c in block.channels)
     if not force.any() or force.all():
         what = "no channel of a force" if not force.any() else "no response"
         expected = "a force and a response: state them with --channels (channel,kind,point,direction,unit,factor)"
         raise InputError(block.name, found=f"{what} among {named}", expected=expected)
-    spoilt = [c.name for c, row in zip(block.channels, block.values, strict=True) if not np.isfinite(row).all()]
-    if spoilt:
-        found = f"nan or infinity in {', '.join(spoilt)}"
-        raise InputError(block.name, found=found, expected="finite numbers: leave the channel out, or export it again")
+    _finite(block)
     return Take(
         response=_set(block, np.flatnonzero(~force).tolist()),
         force=_set(block, np.flatnonzero(force).tolist()),

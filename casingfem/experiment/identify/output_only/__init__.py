@@ -1,0 +1,1 @@
+"""Modes from responses alone, under loads that nobody measured."""
