@@ -70,9 +70,11 @@ def _point(scheme: Scheme, law: Law | None = None) -> None:
     run(gap, scheme=scheme, law=law, dt=1e-3, t_end=FEW * 1e-3)
 
 
-def _bodies() -> tuple[ModalBody, ModalBody]:
+def _bodies(gyroscopic: float = 0.0) -> tuple[ModalBody, ModalBody]:
     casing = pair_rim(ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
-    return replace(casing, S=1e-7 * np.eye(len(casing.channels))), _body(900.0, channels=("flap", "span"))
+    skew = None if gyroscopic == 0.0 else gyroscopic * np.array([[0.0, -1.0], [1.0, 0.0]])
+    casing = replace(casing, S=1e-7 * np.eye(len(casing.channels)), gyroscopic=skew)
+    return casing, _body(900.0, channels=("flap", "span"))
 
 
 def _rim(law: Law) -> None:
@@ -80,8 +82,8 @@ def _rim(law: Law) -> None:
     run(rim, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
 
 
-def _rub(law: Law) -> None:
-    casing, blade = _bodies()
+def _rub(law: Law, gyroscopic: float = 0.0) -> None:
+    casing, blade = _bodies(gyroscopic)
     tips = (ContactPoint(), ContactPoint(angle_deg=90.0))
     rub = Rub(casing, (blade,), tips, clearance=-1e-6, speed=Speed.constant(1.0))
     run(rub, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
@@ -120,6 +122,8 @@ KINDS: Mapping[str, Callable[[], None]] = {
     "rub": partial(_rub, Coulomb(mu=0.1)),
     "rub-coating": partial(_rub, COATING),
     "rub-law": partial(_rub, Hertz(k=1e9, mu=0.1)),
+    "rub-turning": partial(_rub, Coulomb(mu=0.1), 1.6),
+    "rub-turning-coating": partial(_rub, COATING, 1.6),
     "rim": partial(_rim, Coulomb(mu=0.1)),
     "rim-coating": partial(_rim, COATING),
     "sweep": _batch,

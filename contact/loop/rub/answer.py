@@ -6,18 +6,18 @@ from contact.base.arrays import Array
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.modal.rows import fill_some, product_of_sum
-from contact.loop.rub.state import RubState, Work
+from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.record.record import Tally
 
 
 @jit
-def fly_coupled(s: RubState, w: Work) -> None:
+def fly_coupled(s: RubState, blocks: ModalBlocks, w: Work) -> None:
     """Add to the increments what coupled modes do, the last ones in `old`, also under `push` and `body`."""
     n = s.q.size
     for i in range(0, n, WIDTH):
         put(w.both, i, load(s.old, i))
         put(w.both, n + i, load(s.q, i))
-    fill_some(s.blocks.free, w.both, 0, w.moved_by)
+    fill_some(blocks.free, w.both, 0, w.moved_by)
     for i in range(0, n, WIDTH):
         put(s.d, i, load(s.d, i) + load(w.moved_by, i))
     if s.stiff.shape[0] > 0 or s.body.size > 0:
@@ -25,26 +25,26 @@ def fly_coupled(s: RubState, w: Work) -> None:
             w.both[i] = s.push[i]
         for i in range(s.body.size):
             w.both[i] += s.body[i]
-        answer(s, w, w.both)
+        answer(s, blocks, w, w.both)
 
 
 @jit
-def answer(s: RubState, w: Work, forces: Array) -> None:
+def answer(s: RubState, blocks: ModalBlocks, w: Work, forces: Array) -> None:
     """Add what coupled modes do under forces on all modes to the increments."""
-    fill_some(s.blocks.yields, forces, 0, w.moved_by)
+    fill_some(blocks.yields, forces, 0, w.moved_by)
     for i in range(0, s.d.size, WIDTH):
         put(s.d, i, load(s.d, i) + load(w.moved_by, i))
 
 
 @jit
-def works_of_coupling(s: RubState, w: Work, sums: Tally) -> None:
+def works_of_coupling(s: RubState, blocks: ModalBlocks, w: Work, sums: Tally) -> None:
     """Work of damping and of a skew stiffness on coupled modes, and what their discrete energy errs by.
 
     To be called while q is that of t_n.
     """
-    fill_some(s.blocks.lost, s.old, 0, w.moved_by)
+    fill_some(blocks.lost, s.old, 0, w.moved_by)
     sums.damping[0] -= 0.5 * product_of_sum(w.moved_by, s.old, s.d)
-    fill_some(s.blocks.false, s.old, 0, w.moved_by)
+    fill_some(blocks.false, s.old, 0, w.moved_by)
     sums.algorithmic[0] -= 0.5 * product_of_sum(w.moved_by, s.old, s.d)
-    fill_some(s.blocks.odd, s.q, 0, w.moved_by)
+    fill_some(blocks.odd, s.q, 0, w.moved_by)
     sums.external[0] -= 0.5 * product_of_sum(w.moved_by, s.old, s.d)

@@ -27,7 +27,7 @@ from contact.loop.rub.rows import (
     straight,
 )
 from contact.loop.rub.solve import place_now
-from contact.loop.rub.state import RubState, Work
+from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
 from contact.solver.friction.one_contact import one_contact
 
@@ -117,7 +117,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
 
 
 @jit
-def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: float, step: int) -> bool:  # fmt: skip
+def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float, slid: float,
+          step: int) -> bool:  # fmt: skip
     """Force of the one tip marked, gap and slip; False where the general way is to be taken. `slid` = Omega h.
 
     Without friction or with one slip direction, in one pass over the modes: what `gather` and `solve` do for many tips;
@@ -144,11 +145,11 @@ def alone(s: RubState, rows: RubRows, w: Work, dim: int, share: float, slid: flo
         slip = slid_by + blade_dot(rows, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
     else:
         nn += share * weighted(ahead, s.c, normal)
-    if s.blocks.used:
-        fill_some(s.blocks.casing, normal, 0, w.normal_moves)
+    if blocks is not None:
+        fill_some(blocks.casing, normal, 0, w.normal_moves)
         nn += share * product(ahead, w.normal_moves)
         if rubs:
-            fill_some(s.blocks.casing, tangent, 0, w.tangent_moves)
+            fill_some(blocks.casing, tangent, 0, w.tangent_moves)
             nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
             tt += product(tangent, w.tangent_moves)
     w.chosen[0] = j

@@ -1,7 +1,7 @@
 """Compiled step loop of a rub: exact-modal coefficients, K turning tips, stick and slip by semi-smooth Newton.
 
-Three loops come of it: tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a
-surface with a force-depth law (`y`).
+Tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a surface with a force-depth
+law (`y`); with `blocks` None each mode moves by itself, else some are coupled. Each is a loop of its own.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.predict import alone, find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
-from contact.loop.rub.state import RubState, Work
+from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
@@ -122,8 +122,9 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit_vectors
-def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None, w: Work, dim: int,
-                averaged: bool, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
+                blocks: ModalBlocks | None, w: Work, dim: int, averaged: bool, sums: Tally, out: Samples, h: float,
+                first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
@@ -135,8 +136,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
         look_at(w.angles, AHEAD, ahead)
         propagate(s, laws, t, angle, omega)
-        if s.blocks.used:
-            fly_coupled(s, w)
+        if blocks is not None:
+            fly_coupled(s, blocks, w)
         every = due(step, out.every, out.at, sums.filled[0])
         closing = find_near(s, laws, rows, w, dim, share, every, t, h)
         if coats is not None:
@@ -148,15 +149,15 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             count = 0
             if coats is None:  # branches that are left out of loops of another kind, and not compiled there
                 if y is None:
-                    if closing == 1 and alone(s, rows, w, dim, share, omega * h, step):
+                    if closing == 1 and alone(s, rows, blocks, w, dim, share, omega * h, step):
                         count = 1
             if count == 0:
-                count = gather(s, rows, w, dim, share)
+                count = gather(s, rows, blocks, w, dim, share)
                 if rows.turns and rows.few:
                     fill_few(rows, w, count, step)
                 if not solve(s, rows, w, coats, y, count, dim, share, omega * h):
                     return step
-            if not others_close(s, rows, w, count, dim, share):
+            if not others_close(s, rows, blocks, w, count, dim, share):
                 break
             closing = count + 1  # at least
         if closing > 0 or pressed:
@@ -165,8 +166,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             if coats is not None:
                 flow(s, w, coats, count, dim)
             push(s, rows, w, count, dim)
-            if s.blocks.used:
-                answer(s, w, s.contact)
+            if blocks is not None:
+                answer(s, blocks, w, s.contact)
             update_gaps(s, w, count, dim, share)
             add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
@@ -181,8 +182,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             for i in range(s.lam.size):
                 s.seen[modes + i] = s.lam[i]
             store_state(sums, out, step, t, s.seen)
-        if s.blocks.used:
-            works_of_coupling(s, w, sums)
+        if blocks is not None:
+            works_of_coupling(s, blocks, w, sums)
         advance_modes(s, sums)
         note(s, rows, w, y, dim, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)

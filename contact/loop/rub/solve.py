@@ -9,7 +9,7 @@ from contact.loop.modal.patch import ROUGH
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
-from contact.loop.rub.state import TOGETHER, RubState, Work
+from contact.loop.rub.state import TOGETHER, ModalBlocks, RubState, Work
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
@@ -19,7 +19,7 @@ from contact.solver.yielding.yields import Yielding
 
 
 @jit
-def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> int:
+def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float) -> int:
     """Rows at t_n where tips are to be solved, and the rows of the law times c; returns how many tips."""
     count, w.slots[0] = 0, 0
     for p in range(w.slot.size):
@@ -30,7 +30,7 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> int:
                 s.lam[i] = 0.0
             continue
         if w.slot[rows.place[j]] < 0:
-            fill_slot(s, rows, w, j, dim, share)
+            fill_slot(s, rows, blocks, w, j, dim, share)
         slot = w.slot[rows.place[j]]
         for i in range(dim):
             a = count * dim + i
@@ -41,7 +41,8 @@ def gather(s: RubState, rows: RubRows, w: Work, dim: int, share: float) -> int:
 
 
 @jit
-def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: float) -> None:
+def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, dim: int,
+              share: float) -> None:  # fmt: skip
     """The next slot becomes the place of tip j."""
     p, slot, now = rows.place[j], w.slots[0], w.side[0]
     w.slot[p], w.slots[0] = slot, slot + 1
@@ -54,8 +55,8 @@ def fill_slot(s: RubState, rows: RubRows, w: Work, j: int, dim: int, share: floa
         else:
             copy(w.normal[now, p], row)
             law(s.c, w.normal[1 - now, p], share, test)
-        if s.blocks.used:
-            fill_some(s.blocks.turned, row if i > 0 else w.normal[1 - now, p], 0, w.spare)
+        if blocks is not None:
+            fill_some(blocks.turned, row if i > 0 else w.normal[1 - now, p], 0, w.spare)
             add_part(w.spare, 1.0 if i > 0 else share, test)
         w.along[slot * dim + i] = product(row, s.d)
         for k in range(rows.width):
@@ -222,17 +223,18 @@ def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
 
 
 @jit
-def others_close(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> bool:
+def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+                 share: float) -> bool:  # fmt: skip
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
-    if s.blocks.used:
-        fill_some(s.blocks.casing, w.pushed, 0, w.normal_moves)
+    if blocks is not None:
+        fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
     for j in range(s.mu.size):
         if s.inside[j] != 1:
             continue
         R = j * dim
         casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
-        if s.blocks.used:
+        if blocks is not None:
             casing += product(w.normal[1 - w.side[0], rows.place[j]], w.normal_moves)
         gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
         for n in range(count):

@@ -23,7 +23,6 @@ class ModalBlocks(NamedTuple):
     Where modes are coupled, `al`, `be`, `c` and `weight` of the state are zero.
     """
 
-    used: bool
     free: RowBlocks  # (w, 2 w): D and q to the increment without forces
     yields: RowBlocks  # (w, w): c
     casing: RowBlocks  # (width, width): c of the casing's modes alone
@@ -47,7 +46,6 @@ class RubState(NamedTuple):
     c: Array
     kick: Array
     weight: Array
-    blocks: ModalBlocks
     stiff: Array  # (b, b) of all blades' modes, empty without stiffening
     stiff_at: Array  # the same times Omega^2 of each basis
     push: Array  # (m,) force of the stiffening

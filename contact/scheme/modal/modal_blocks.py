@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import ModalBlocks
 
 
-def modal_blocks(speeds: AtSpeeds, modes: int, casing: int) -> tuple[ModalBlocks, tuple[Array, ...]]:
+def modal_blocks(speeds: AtSpeeds, modes: int, casing: int) -> tuple[ModalBlocks | None, tuple[Array, ...]]:
     """Blocks with the values at the first node, of a pattern that serves all, and the values at each node.
 
-    `modes` in all, the first `casing` of them the casing's; values are (nodes, entries, 8) for each part of the blocks.
+    None where no modes are coupled. `modes` in all, the first `casing` of them the casing's; values are
+    (nodes, entries, 8) for each part of the blocks.
     """
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.state import ModalBlocks
 
     found = [part.coupled for part in speeds.parts if part.coupled is not None]
     if not found:
-        none = RowBlocks(*matrix_blocks(np.zeros((1, 0, 8)))[0])
-        return ModalBlocks(False, *[none] * (len(ModalBlocks._fields) - 1)), ()
+        return None, ()
     parts = [matrix_blocks(np.array(same)) for same in zip(*[_matrices(p, modes, casing) for p in found], strict=True)]
-    return ModalBlocks(True, *[RowBlocks(*blocks) for blocks, _ in parts]), tuple(values for _, values in parts)
+    return ModalBlocks(*[RowBlocks(*blocks) for blocks, _ in parts]), tuple(values for _, values in parts)
 
 
 def _matrices(part: Coupled, modes: int, casing: int) -> tuple[Array, ...]:
@@ -53,5 +53,5 @@ def _matrices(part: Coupled, modes: int, casing: int) -> tuple[Array, ...]:
 
 def fill_blocks(blocks: ModalBlocks, weights: Array, values: tuple[Array, ...]) -> None:
     """Put in the values between the nodes, by their weights."""
-    for part, at_nodes in zip(blocks[1:], values, strict=True):
+    for part, at_nodes in zip(blocks, values, strict=True):
         part.value[...] = np.tensordot(weights, at_nodes, axes=1)

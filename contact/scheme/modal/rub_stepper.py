@@ -47,6 +47,7 @@ class RubStepper(ExactRun):
     rub: Rub
     system: RubSystem
     speeds: AtSpeeds
+    coupled: ModalBlocks | None
     values: tuple[Array, ...]  # of the blocks at the nodes of the speeds; none where they do not vary
     state: RubState  # views of `wide`
     wide: RubState  # in whole blocks of eight
@@ -89,8 +90,9 @@ class RubStepper(ExactRun):
         from contact.loop.rub.rub import advance_rub
 
         if not self.given:
-            self.given.extend(map(bundled, (self.wide, self.laws, self.rows, coats, self.y, self.work, self.sums)))
-        state, laws, rows, coating, y, work, sums = self.given
+            parts = (self.wide, self.laws, self.rows, coats, self.y, self.coupled, self.work, self.sums)
+            self.given.extend(map(bundled, parts))
+        state, laws, rows, coating, y, coupled, work, sums = self.given
         failed, at, end = -1, first, first + steps
         while failed < 0 and (at < end or at == first):
             count = end - at
@@ -98,7 +100,8 @@ class RubStepper(ExactRun):
                 self._turn(at // self.speeds.stretch)
                 count = min(count, self.speeds.stretch - at % self.speeds.stretch)
             failed = advance_rub(
-                state, laws, rows, coating, y, work, self.dimensions, self.averaged, sums, out, self.dt, at, count
+                state, laws, rows, coating, y, coupled, work, self.dimensions, self.averaged, sums, out, self.dt, at,
+                count,
             )  # fmt: skip
             at += max(count, 1)
         self.work.room.otherwise.pass_on()
@@ -106,12 +109,13 @@ class RubStepper(ExactRun):
 
     def _turn(self, stretch: int) -> None:
         """Give the loop the coefficients of a stretch of steps; the change of the modes' energy is the drive's work."""
+        assert self.coupled is not None
         if stretch == self.stretch[0]:
             return
         before, after, s = self.now(), self.speeds.at(self.omega(stretch)), self.state
         self.sums.external[0] += _discrete(after, s.q, s.d) - _discrete(before, s.q, s.d)
         self.stretch[0] = stretch
-        fill_blocks(self.wide.blocks, self.speeds.weights(self.omega(stretch)), self.values)
+        fill_blocks(self.coupled, self.speeds.weights(self.omega(stretch)), self.values)
         s.kick[:] = after.push(after.load)
         self.rows.fixed[:] = blade_delassus(self.system, after)
 
@@ -131,7 +135,10 @@ class RubStepper(ExactRun):
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays, sums and the coating."""
         coating = () if self.worn is None else (self.worn[0].memory, self.worn[1])
-        return self.wide, self.work, self.rows, self.sums, self.steps, self.stretch, coating, memory_of(self.y)
+        coupled = () if self.coupled is None else self.coupled
+        return (
+            self.wide, self.work, self.rows, self.sums, self.steps, self.stretch, coupled, coating, memory_of(self.y)
+        )  # fmt: skip
 
     @property
     def limits(self) -> Array:
@@ -187,11 +194,11 @@ def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dime
     parts = speeds.at(rub.speed.omega(speeds.middle(0)))
     m, rows = system.omega.size, _rows(rub, system, parts)
     blocks, values = modal_blocks(speeds, m, int(system.first[1]))
-    if speeds.vary:
+    if blocks is not None and speeds.vary:
         fill_blocks(blocks, speeds.weights(rub.speed.omega(speeds.middle(0))), values)
-    wide = widened(_state(rub, system, parts, blocks, law.mu, dimensions), whole(m), NAMES)
+    wide = widened(_state(rub, system, parts, law.mu, dimensions), whole(m), NAMES)
     return RubStepper(
-        rub=rub, system=system, parts=parts, speeds=speeds, values=values if speeds.vary else (),
+        rub=rub, system=system, parts=parts, speeds=speeds, coupled=blocks, values=values if speeds.vary else (),
         state=narrowed(wide, m, NAMES), wide=wide, laws=_laws(rub, system),
         rows=rows, work=work_space(wide, rows), dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
@@ -207,7 +214,7 @@ def _discrete(parts: Propagator, q: Array, d: Array) -> float:
     return parts.coupled.discrete(q[parts.coupled.modes], d[parts.coupled.modes])
 
 
-def _state(rub: Rub, system: RubSystem, parts: Propagator, blocks: ModalBlocks, mu: float, dimensions: int) -> RubState:
+def _state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
     from contact.loop.rub.state import RubState
 
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
@@ -221,7 +228,7 @@ def _state(rub: Rub, system: RubSystem, parts: Propagator, blocks: ModalBlocks, 
 
     return RubState(
         q=q, d=loaded.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
-        kick=parts.push(parts.load), weight=parts.weight, blocks=blocks, stiff=stiff, stiff_at=stiff_at,
+        kick=parts.push(parts.load), weight=parts.weight, stiff=stiff, stiff_at=stiff_at,
         push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
         scale=none(K), now=none(K),
         last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
