@@ -15,11 +15,13 @@ with s = D_n + D_(n+1),
  E_(n+1) - E_n = s^T f/2 - s^T P D_n/2 - s^T K_a q_n/2,  P = c^-T - c^-1 alpha.
 
 A gyroscopic force does no work: the P_0 of the skew part of C and the symmetric part of K alone, zero for a perfect
-pair and of the order of h^2 else, is what E errs by, and its part counts as the scheme's own. P - P_0 is damping's.
+pair and of the order of h^2 else, is what E errs by, and its part counts as the scheme's own. P - P_0 is damping's. A
+P_0 below 1e-8 of N is left with damping.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -31,6 +33,7 @@ from scipy.sparse.csgraph import connected_components
 from contact.base.arrays import Array, Indices, readonly
 from contact.model.gaps.modal_system import NOISE
 
+FALSE = 1e-8
 ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 PARTS = ("alpha", "beta", "c", "lost", "false", "odd", "inertia", "stiff", "mean", "fly", "lift")
 
@@ -171,8 +174,16 @@ def _coefficients(C: Array, K: Array, h: float) -> dict[str, Array]:
     found, even, skew = _one(C, K, h), 0.5 * (K + K.T), 0.5 * (C - C.T)
     alone = np.array_equal(C, skew) and np.array_equal(K, even)
     false = found["lost"] if alone else _one(skew, even, h)["lost"]
-    false = np.asarray(np.where(np.abs(false) > ROUND_OFF * len(C) * np.abs(found["inertia"]).max(), false, 0.0))
-    return {**found, "false": false, "lost": 0.0 * false if alone else found["lost"] - false}
+    largest = float(np.abs(found["inertia"]).max())
+    noise = ROUND_OFF * len(C) * largest
+    false = _without(false, noise if float(np.abs(false).max()) > FALSE * largest else math.inf)
+    lost = 0.0 * false if alone and false.any() else found["lost"] - false
+    return {**found, "false": false, "lost": _without(lost, noise)}
+
+
+def _without(matrix: Array, noise: float) -> Array:
+    """The matrix without entries of this size."""
+    return np.asarray(np.where(np.abs(matrix) > noise, matrix, 0.0))
 
 
 def _one(C: Array, K: Array, h: float) -> dict[str, Array]:
