@@ -7,15 +7,19 @@ order rather than by frequency, and the residual compliance S comes from the sam
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
+from casingfem.linalg.factor import solve_held
 from casingfem.modal.basis import ModalBasis
-from casingfem.modal.fourier import SHIFT, lowest
+from casingfem.modal.fourier import SHIFT, lowest, resolving, revolve_shape
 from casingfem.modal.interface.chart_rows import rim_thickness
 from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.mode_set import frequency_scale
+from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.kinematics import DOFS
+from casingfem.structure.shell.assembly import assemble, turning
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.shell.shell import Shell
 from contact.io.names import hint
@@ -26,7 +30,8 @@ def harmonic_basis(
 ) -> ModalBasis:
     """Free modes of a perfect casing by n = 0 to rim.n_max and meridional order, with residual compliance.
 
-    S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P), as in `reduce`, but for each harmonic on its own.
+    S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P), as in `reduce`, but for each harmonic on its own. The matrices of
+    rotation about the casing's axis couple modes of one n alone.
 
     Parameters
     ----------
@@ -63,15 +68,17 @@ def harmonic_basis(
     if rim.lines:
         raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected none here: the edge itself")
     size = len(rim.channels)
+    turned = Turned(shell, rim.n_max)
     S = np.zeros((size, size))
     omega: list[FloatArray] = []
     rows: list[FloatArray] = []
     shares: list[FloatArray] = []
+    spun: list[tuple[FloatArray, FloatArray]] = []
     for n in range(rim.n_max + 1):
         meridian = harmonic_matrices(shell, n)
-        keep = orders if isinstance(orders, int) else orders(n)
+        squares, vectors = kept_modes(shell, meridian, orders if isinstance(orders, int) else orders(n))
+        spun.append(turned.matrices(meridian, vectors))
         for family, (channels, loads) in enumerate(families(shell, rim, meridian)):
-            squares, vectors = kept_modes(shell, meridian, keep)
             at_rim = loads.T @ vectors
             shares.append(participation(meridian, family, vectors))
             omega.append(np.sqrt(squares))
@@ -81,12 +88,15 @@ def harmonic_basis(
             S[np.ix_(channels, channels)] += loads.T @ np.linalg.solve(meridian.K, loads)
             S[np.ix_(channels, channels)] -= (at_rim / squares) @ at_rim.T
     order = np.argsort(np.concatenate(omega), kind="stable")
+    gyroscopic, added = (block_diag(*blocks)[np.ix_(order, order)] for blocks in zip(*spun, strict=True))
     return ModalBasis(
         omega=np.concatenate(omega)[order],
         zeta=np.full(len(order), zeta),
         channels=rim.channels,
         rows=np.concatenate(rows, axis=1)[:, order],
         S=0.5 * (S + S.T) * residual,
+        gyroscopic=gyroscopic,
+        stiffness_by_speed=added,
         participation=np.concatenate(shares, axis=1)[:, order],
         kind="rim",
         n_max=rim.n_max,
@@ -94,6 +104,29 @@ def harmonic_basis(
         thickness=float(rim_thickness(shell, rim).min()),
         provenance={"method": "harmonic", "residual": residual},
     )
+
+
+class Turned:
+    """What rotation about its axis adds to the modes of a casing at rest, from its mesh around."""
+
+    def __init__(self, shell: Shell, n_max: int) -> None:
+        system = assemble(resolving(shell, n_max))
+        self.system, self.part = system, turning(system, Rotation(omega=0.0))
+        self.at_rest = solve_held(system.stiffness, self.part.load)
+
+    def matrices(self, meridian: Meridian, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gyroscopic matrix and stiffness by speed of the cosines and then the sines of one n, (modes, modes) each."""
+        grid, shapes = self.system.grid, meridian.expand(vectors)
+        fields = [
+            revolve_shape(grid, shapes[:, :, k], meridian.n, sine=sine)
+            for sine in ((False, True) if meridian.n else (False,))
+            for k in range(vectors.shape[1])
+        ]
+        if not fields:
+            return np.zeros((0, 0)), np.zeros((0, 0))
+        free = self.system.collect(np.stack(fields, axis=-1), np.zeros((0, len(fields))))
+        G, added = self.part.modal(self.at_rest, free)
+        return 0.5 * (G - G.T), 0.5 * (added + added.T)
 
 
 def families(shell: Shell, rim: Rim, meridian: Meridian) -> Iterator[tuple[list[int], FloatArray]]:

@@ -56,6 +56,21 @@ def test_agrees_with_the_two_dimensional_reduction():
     np.testing.assert_allclose(own, other, atol=1e-4 * np.abs(other).max())
 
 
+@pytest.mark.slow
+def test_rotation_splits_pairs_as_in_the_two_dimensional_reduction():
+    """Frequencies of q'' + Omega G q' + (omega^2 + Omega^2 K1) q = 0 at 20 turns/s."""
+    shell, rim, omega = casing(), cf.Rim("top", n_max=14), 40.0 * np.pi
+    found = []
+    for basis in (harmonic_basis(shell, rim, orders=2), cf.reduce(shell, rim, modes=58)):
+        m = len(basis.omega)
+        K = np.diag(basis.omega**2) + omega**2 * basis.stiffness_by_speed
+        A = np.block([[np.zeros((m, m)), np.eye(m)], [-K, -omega * basis.gyroscopic]])
+        w = np.linalg.eigvals(A).imag
+        found.append(np.sort(w[w > 0.0])[:12])
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-5)
+    assert np.diff(found[0])[0] > 1e-3 * found[0][0]
+
+
 def test_without_residual_the_rim_is_too_stiff():
     stiff = harmonic_basis(casing(), RIM, orders=1, residual=False)
     full = harmonic_basis(casing(), RIM, orders=1)
