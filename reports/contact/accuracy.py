@@ -22,9 +22,9 @@ from contact.reference.exact import (
     rod_on_wall,
     two_rods,
 )
+from reports.contact.cases import CARPENTER, GAP, SPEED
 from reports.tables import Row, command_line, show, write
 
-CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 PERIOD = 16.0 / 3.0
 DROPS = 8
@@ -62,7 +62,7 @@ def _rows(quick: bool) -> Iterator[Row]:
         for courant in (0.9, 0.5, 0.1):
             yield _two_rods(elements, courant)
     for elements in meshes:
-        yield _two_rods(elements, 0.5, law=ct.Penalty(stiffness=2e6))
+        yield _two_rods(elements, 0.5, law=ct.Penalty(stiffness=3.5e8))
     for elements in meshes:
         for courant in (0.9, 0.5, 0.1):
             yield _bar_shot(f"{elements} elements", courant, elements=elements, courant=courant)
@@ -152,14 +152,14 @@ def _single(row: Row, result: ct.Result, exact: ExactContact) -> Row:
 
 
 def _two_rods(elements: int, courant: float, law: ct.Unilateral | ct.Penalty | None = None) -> Row:
-    left = ct.Rod(**CARPENTER, elements=elements, x=-10.01, velocity=202.2)
+    left = ct.Rod(**CARPENTER, elements=elements, x=-CARPENTER["length"] - GAP, velocity=SPEED)
     right = ct.Rod(**CARPENTER, elements=elements)
-    exact = two_rods(right, gap=0.01, velocity=202.2)
+    exact = two_rods(right, gap=GAP, velocity=SPEED)
     row, result = _measured(
         "B1 two rods", f"{elements} elements", courant,
         lambda: ct.run([left, right], law=law, t_end=2.5e-4, courant=courant), exact,
     )  # fmt: skip
-    row["momentum drift"] = abs(sum(m.momentum for m in result.motions) / (left.mass * 202.2) - 1.0)
+    row["momentum drift"] = abs(sum(m.momentum for m in result.motions) / (left.mass * SPEED) - 1.0)
     return _single(row, result, exact)
 
 

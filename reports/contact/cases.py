@@ -18,7 +18,10 @@ from contact.scheme.protocol import Scheme
 from reports.tables import Row
 
 Array = NDArray[np.float64]
-CARPENTER = {"length": 10.0, "area": 1.0, "E": 30e6, "rho": 7.34e-4}
+# Carpenter, Taylor, Katona 1991, published in inch, pound and second: length 10 in, area 1 in^2, E = 30e6 psi, density
+# 7.34e-4 lbf s^2/in^4, speed 202.2 in/s, gap 0.01 in
+CARPENTER = {"length": 0.254, "area": 6.4516e-4, "E": 206.8427e9, "rho": 7844.181}
+SPEED, GAP = 5.13588, 2.54e-4  # m/s, m
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 UNIT = {"length": 1.0, "area": 1.0, "E": 1.0, "rho": 1.0}
 PERIOD = 16.0 / 3.0
@@ -80,16 +83,21 @@ def methods(stiffness: float) -> list[Method]:
 def two_rods_case() -> Case:
     """B1: two identical rods, one thrown at the other."""
     rod = ct.Rod(**CARPENTER)
-    start, exact = 0.01 / 202.2, two_rods(rod, gap=0.01, velocity=202.2)
+    start, exact = GAP / SPEED, two_rods(rod, gap=GAP, velocity=SPEED)
     impact = impact_by_characteristics(
-        ct.Rod(**CARPENTER, x=-10.0, velocity=202.2), rod, dt=rod.length / rod.wave_speed / 100, t_end=2.5e-4 - start
+        ct.Rod(**CARPENTER, x=-rod.length, velocity=SPEED),
+        rod,
+        dt=rod.length / rod.wave_speed / 100,
+        t_end=2.5e-4 - start,
     )
-    gap = (np.concatenate(([0.0], impact.time + start)), np.concatenate(([0.01], impact.gap)))
+    gap = (np.concatenate(([0.0], impact.time + start)), np.concatenate(([GAP], impact.gap)))
     return Case(
-        name="two rods", t_end=2.5e-4, force=exact, impulse=exact.impulse, gap=gap, height=0.01,
-        energy=0.5 * rod.mass * 202.2**2,
+        name="two rods", t_end=2.5e-4, force=exact, impulse=exact.impulse, gap=gap, height=GAP,
+        energy=0.5 * rod.mass * SPEED**2,
         plateau=float(exact.force[0, 0]),
-        bodies=lambda n: [ct.Rod(**CARPENTER, elements=n, x=-10.01, velocity=202.2), ct.Rod(**CARPENTER, elements=n)],
+        bodies=lambda n: [
+            ct.Rod(**CARPENTER, elements=n, x=-rod.length - GAP, velocity=SPEED), ct.Rod(**CARPENTER, elements=n)
+        ],
     )  # fmt: skip
 
 

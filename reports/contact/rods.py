@@ -17,8 +17,8 @@ from contact.io.outfiles import write_atomic
 from reports.contact.cases import Case, Method, errors, run, two_rods_case
 from reports.tables import Row, command_line, show, write
 
-PENALTIES = (1e5, 1e6, 1e7, 1e8)
-PICTURED = ("forward Lagrange", "massless boundary", "penalty 1e+06", "penalty 1e+07")
+PENALTIES = (2e7, 2e8, 2e9, 2e10)  # N/m
+PICTURED = ("forward Lagrange", "massless boundary", "penalty 2e+08", "penalty 2e+09")
 
 
 def lagrange() -> list[Method]:
@@ -69,7 +69,7 @@ def picture(case: Case, drawn: dict[str, ct.Result], path: Path) -> None:
         axes[1].plot(1e6 * result.state_time, result.state[:, last], lw=0.9, label=name)
     axes[0].plot(1e6 * exact, case.force(exact) / case.plateau, "k--", lw=1.2, label="exact")
     axes[0].set(ylabel="force / exact force", ylim=(-0.1, 2.2))
-    axes[1].set(ylabel="end of the first rod [in]", xlabel="time [µs]")
+    axes[1].set(ylabel="end of the first rod [m]", xlabel="time [µs]")
     axes[0].legend(fontsize=8)
     write_atomic(path, png(figure))
     plt.close(figure)

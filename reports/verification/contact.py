@@ -26,8 +26,20 @@ def _two_rods() -> list[Row]:
     return [
         check("B1 two rods, closing [us]", source, 49.456, 1e6 * begin, 5e-5),
         check("B1 two rods, duration [us]", source, 98.928, 1e6 * (end - begin), 0.5),
-        check("B1 two rods, force [lbf]", source, 15002.0, float(result.force[middle, 0].mean()), 0.0038),
-        check("B1 two rods, speed handed on [in/s]", source, 202.2, result.motions[1].mean_velocity, 0.25),
+        check(
+            "B1 two rods, force [N], 15 002 lbf published",
+            source,
+            66732.0,
+            float(result.force[middle, 0].mean()),
+            0.0038,
+        ),
+        check(
+            "B1 two rods, speed handed on [m/s], 202.2 in/s published",
+            source,
+            5.13588,
+            result.motions[1].mean_velocity,
+            0.25,
+        ),
     ]
 
 

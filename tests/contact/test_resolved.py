@@ -14,7 +14,8 @@ from contact.run import prepared
 from tests.contact.synthetic_rim import blade, ring
 
 WALL = ct.Wall(x=0.05)
-ROD = ct.Rod(length=10.0, area=1.0, E=30e6, rho=7.34e-4, elements=100, x=-10.01, velocity=202.2)
+CARPENTER = {"length": 0.254, "area": 6.4516e-4, "E": 206.8427e9, "rho": 7844.181}
+ROD = ct.Rod(**CARPENTER, elements=100, x=-0.254254, velocity=5.13588)
 
 
 def driven(hz, dt=1e-3, **more):

@@ -12,6 +12,8 @@ from contact.reference.exact import force_error, two_rods
 from reports.contact import stability
 from reports.contact.cases import (
     CARPENTER,
+    GAP,
+    SPEED,
     Case,
     Method,
     bouncing_case,
@@ -23,6 +25,7 @@ from reports.contact.cases import (
 )
 from reports.tables import Row
 
+LENGTHS = {"two rods": CARPENTER["length"], "rod on wall": 10.0}
 COURANTS = (0.9, 0.5, 0.1)
 FORWARD, MASSLESS = methods(1.0)[:2]
 A_TIME = "slow: a time, which needs a machine to itself"
@@ -67,10 +70,11 @@ def _line(case: Case, result: ct.Result) -> dict[str, float]:
     exact = errors(case, result)
     begin, end = result.intervals[0][0][0], result.intervals[0][-1][1]
     asked = np.ptp(np.asarray(case.force.intervals)[0])
-    total, start = sum(motion.momentum for motion in result.motions), ct.Rod(**CARPENTER).mass * 202.2
+    total, start = sum(motion.momentum for motion in result.motions), ct.Rod(**CARPENTER).mass * SPEED
     return {
         "force L1": float(str(exact["force L1"])), "impulse": abs(float(str(exact["impulse"]))),
-        "penetration / L": float(result.max_penetration[0]) / 10.0, "duration": abs((end - begin) / asked - 1.0),
+        "penetration / L": float(result.max_penetration[0]) / LENGTHS[case.name],
+        "duration": abs((end - begin) / asked - 1.0),
         "momentum drift": abs(total / start - 1.0) if case.name == "two rods" else 0.0,
     }  # fmt: skip
 
@@ -118,9 +122,9 @@ def _closing_phases(courant: float) -> tuple[list[float], list[float]]:
     dt = courant * rod.length / 100 / rod.wave_speed
     inside = (np.arange(200) + 0.5) / 200 - 0.5
     for part in np.arange(16) / 16:
-        gap = 0.01 + 202.2 * dt * part
-        exact = two_rods(rod, gap=gap, velocity=202.2)
-        left = ct.Rod(**CARPENTER, elements=100, x=-10.0 - gap, velocity=202.2)
+        gap = GAP + SPEED * dt * part
+        exact = two_rods(rod, gap=gap, velocity=SPEED)
+        left = ct.Rod(**CARPENTER, elements=100, x=-rod.length - gap, velocity=SPEED)
         result = ct.run([left, ct.Rod(**CARPENTER, elements=100)], t_end=2.5e-4, courant=courant)
         reached.append(force_error(result.time, result.force[:, 0], result.dt, exact, norm=2))
         force = exact((result.time[:, None] + result.dt * inside).ravel()).reshape(-1, inside.size)
