@@ -39,7 +39,7 @@ def closed_contacts() -> dict[str, ClosedContact]:
         rim = cf.reduce(casing, cf.Rim("top", n_max=N), modes=12, zeta=5e-4).save(Path(folder, "casing.npz"))
         tip = cf.reduce(blade, cf.Tip(), modes=2, zeta=5e-4).save(Path(folder, "blade.npz"))
         bodies = ct.ModalBody.load(rim), ct.ModalBody.load(tip)
-    turning = ct.RotatingRim(*bodies, clearance=-5e-5, speed_hz=100.0, lean_deg=20.0)
+    turning = ct.RotatingRim(*bodies, clearance=-5e-5, speed_hz=100.0, lean_deg=20.0, turning="casing")
     inside = replace(turning, turning="blades")
     return {"the casing turns": rim_contact(turning, mu=MU), "the blade turns": rim_contact(inside, mu=MU)}
 

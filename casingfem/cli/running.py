@@ -13,12 +13,14 @@ import click
 from casingfem.errors import ModelWarning
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.outfiles import Content, in_the_way, json_text, write_files
+from contact.io.trust import SceneWarning
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {  # where commands keep what is finished
     "sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz", "contact": "contact.part.npz",
     "rub": "rub.part.npz", "report": "report.part.npz",
 }  # fmt: skip
+CODED = (ModelWarning, SceneWarning)
 MOST = 3  # warnings of one code: an update meets the same again and again in slightly other words
 _collected: list[dict[str, str]] = []
 
@@ -131,11 +133,12 @@ def collecting() -> Iterator[None]:
     """Print and keep warnings about the model while a command runs; others go the usual way."""
     _collected.clear()
     with warnings.catch_warnings():
-        warnings.simplefilter("always", ModelWarning)
+        for category in CODED:
+            warnings.simplefilter("always", category)
         usual = warnings.showwarning
 
         def show(message: Warning | str, category: type[Warning], *more: Any, **named: Any) -> None:
-            if isinstance(message, ModelWarning):
+            if isinstance(message, CODED):
                 collect(message)
             else:
                 usual(message, category, *more, **named)
@@ -144,7 +147,7 @@ def collecting() -> Iterator[None]:
         yield
 
 
-def collect(warning: ModelWarning) -> None:
+def collect(warning: ModelWarning | SceneWarning) -> None:
     """Keep and print a warning that was not there before."""
     entry = {"code": warning.code, "message": str(warning)}
     if entry not in _collected and sum(other["code"] == warning.code for other in _collected) < MOST:

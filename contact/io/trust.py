@@ -76,6 +76,16 @@ TROUBLES = MappingProxyType({
         "a tip moved so far along the rim that its curvature changes the gap", "warning above 0.1 of the clearance",
         "read the gap with care: the gap law leaves curvature out",
     ),
+    "turning-unmodelled": Trouble(
+        "a casing turns whose basis has no matrices of rotation",
+        "warning where turning = \"casing\" and the basis has no gyroscopic matrix",
+        "reduce the casing again; a basis of your own needs gyroscopic and stiffness_by_speed",
+    ),
+    "turning-unstated": Trouble(
+        "the scene does not say which side turns", "warning where a basis has matrices of rotation, or gravity or a "
+        "whirl acts, and the speed is not 0",
+        "give [speed] turning = \"casing\" for a rig whose casing turns, \"blades\" for a rotor in a casing at rest",
+    ),
     "unconverged": Trouble(
         "contact forces were not found, or not to the accuracy of the law",
         f"failure where a step has no solution, where updates end with a gap above {UNSETTLED:g} of the largest, or "
@@ -92,6 +102,27 @@ OF_LIMITS = MappingProxyType({
     "wall": "wall-deflection", "radius": "motion-radius", "gap": "motion-unbounded", "energy": "energy-grows",
     "overflow": "motion-overflow",
 })  # fmt: skip
+
+
+class SceneWarning(UserWarning):
+    """A scene that is run although its result may mislead; the message ends with remedy and code.
+
+    >>> str(SceneWarning("never-begins", "rub.toml: closing: found 3 s"))[:48]
+    'rub.toml: closing: found 3 s: lengthen t_end, or'
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(f"{message}: {TROUBLES[code].remedy} [{code}]")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _warned, (self.code, str(self))
+
+
+def _warned(code: str, words: str) -> SceneWarning:
+    found = SceneWarning(code, "")
+    found.args = (words,)
+    return found
 
 
 class Flag(str):

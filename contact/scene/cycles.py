@@ -180,8 +180,9 @@ def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> Cycl
     require_plausible(table, file)
     speed, vary = table.speed, table.vary
     bodies = {key: part for key, part in data.items() if key not in ("vary", "continuation", "basins")}
+    turns = {"hz": speed.hz or speed.from_hz} | ({} if speed.turning is None else {"turning": speed.turning})
     run = scene_of(
-        {**bodies, "scene": {**data["scene"], "t_end": 1.0}, "speed": {"hz": speed.hz or speed.from_hz},
+        {**bodies, "scene": {**data["scene"], "t_end": 1.0}, "speed": turns,
          "scheme": {"kind": "exact-modal", "dt": 1.0}}, file,
     )  # fmt: skip
     assert run.law is not None  # those of a rim and a rub

@@ -14,6 +14,7 @@ from contact.scene.problems import Problems, SceneError, validated
 if TYPE_CHECKING:
     from contact.scene.tables import File
 
+SIDES = ("rim", "rub", "disk")  # kinds of scenes of which one side turns
 GIVEN = (
     "t_end",
     "gravity",
@@ -56,6 +57,8 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     with problems.at("record"):
         record = None if table.record is None else table.record.record(file.parent)
     problems.check()
+    if table.scene.kind in SIDES:
+        _warn_of_turning(table, what, file)
     source = {"scene": file.name}
     if text is not None:
         contents = [text, *(read_bytes(file.parent / name) for name in table.files())]
@@ -63,6 +66,13 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     heads = table.scene, table.scheme
     given = {name: getattr(part, name) for part in heads for name in GIVEN if name in type(part).model_fields}
     return Scene(what=what, law=law, scheme=scheme, record=record, source=source, **given)
+
+
+def _warn_of_turning(table: Any, what: object, file: Path) -> None:
+    from contact.model.gaps.rub import rub_of
+    from contact.scene.turns import warn_of_turning
+
+    warn_of_turning(table.speed.turning, rub_of(what), file)
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from contact.base.errors import InputError
 from contact.io.toml import written
+from contact.io.trust import SceneWarning as SceneWarning
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

@@ -96,7 +96,7 @@ class RimFile(SceneFile):
     contact: RimContact = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
     law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    speed: SpeedTable = Field(description="how fast the casing turns")
+    speed: SpeedTable = Field(description="how fast it turns, and which side")
     scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
@@ -125,6 +125,7 @@ class RimFile(SceneFile):
             rim = RotatingRim(
                 casing, blade, clearance=contact.clearance, speed_hz=self.speed.hz, lean_deg=self.blade.lean_deg,
                 out_of_roundness=contact.terms(casing), angle_deg=contact.angle_deg,
+                turning=self.speed.turning or "blades",
             )  # fmt: skip
         with problems.at("coating"):
             law = contact_law(contact.friction, self.law, self.coating)
@@ -193,7 +194,7 @@ class DiskFile(SceneFile):
     contact: GapTable = Field(description="the gap")
     coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
     law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
-    speed: SpeedTable = Field(description="how fast the casing turns")
+    speed: SpeedTable = Field(description="how fast it turns, and which side")
     scheme: ModalScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
@@ -223,5 +224,5 @@ class DiskFile(SceneFile):
         return Rub(
             casing, (disk.body(),), disk.tips(), clearance=self.contact.clearance,
             speed=Speed.constant(self.speed.hz), profile=RimProfile.fourier(self.contact.terms(casing)),
-            casing_start=Start(velocity=readonly(kick)),
+            casing_start=Start(velocity=readonly(kick)), turning=self.speed.turning or "blades",
         )  # fmt: skip

@@ -40,7 +40,8 @@ from contact.scene.scheme import (
     Thickness,
     Time,
     TurnsPerSecond,
-)
+)  # fmt: skip
+from contact.scene.turns import MEANING, Side
 
 Whirling = Annotated[FiniteFloat, replace(CHECKS["frequency"], lower=-CHECKS["frequency"].upper)]
 Orders = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
@@ -147,12 +148,12 @@ class RubContact(GapTable):
 class RubSpeed(Table):
     """[speed]: turns per second, one number, or as many as there are times [s], straight between them.
 
-    `turning` says which side turns, which gravity and whirl can tell; `scan` the speeds of interactions.
+    `turning` says which side turns; `scan` the speeds of interactions.
     """
 
     hz: TurnsPerSecond | list[TurnsPerSecond] = Field(description="speed, one number or one for each time [turns/s]")
     time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
-    turning: Literal["casing", "blades"] = Field(default="casing", description="which side turns")
+    turning: Side | None = Field(default=None, description=MEANING)
     scan: ScanTable | None = Field(default=None, description="speeds that interactions look at")
 
     @model_validator(mode="after")
@@ -162,6 +163,11 @@ class RubSpeed(Table):
             many = found[0] if found else "one"
             raise ValueError(f"{many} hz and {len(self.time or [])} time found, expected as many or one hz")
         return self
+
+    @property
+    def side(self) -> Side:
+        """The side that turns."""
+        return self.turning or "blades"
 
     def law(self) -> Speed:
         """The speed over time."""
@@ -278,7 +284,7 @@ class RubFile(SceneFile):
         casing = read_basis(folder / self.casing.basis)
         rub = Rub(
             casing, tuple(blades), tuple(tips), clearance=self.contact.clearance,
-            speed=self.speed.law(), turning=self.speed.turning, profile=self._profile(folder, casing),
+            speed=self.speed.law(), turning=self.speed.side, profile=self._profile(folder, casing),
             stiffening=tuple(stiff),
             closing=Closing.none() if self.closing is None else self.closing.law(),
             whirl=tuple(whirl.law() for whirl in self.whirl), forces=self._forces(),
@@ -287,7 +293,7 @@ class RubFile(SceneFile):
         return settled(rub) if self.gravity is not None and self.gravity.settled else rub
 
     def _forces(self) -> tuple[BodyForce, ...]:
-        turning = self.speed.turning
+        turning = self.speed.side
         forces = [
             BodyForce.of_whirl(whirl.law(), whirl.shakes, turning=turning) for whirl in self.whirl if whirl.shakes
         ]

@@ -13,6 +13,7 @@ from contact.io.tables import at_least
 from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
 from contact.problem import What
 from contact.resolved import MOST_STEPS
+from contact.scene.turns import MEANING, Side
 from contact.scheme.linear import leapfrog
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
@@ -144,9 +145,10 @@ class ModalScheme(Table):
 
 
 class SpeedTable(Table):
-    """[speed]: turns per second; `scan` the speeds that are looked at."""
+    """[speed]: turns per second; `turning` which side turns; `scan` the speeds that are looked at."""
 
-    hz: TurnsPerSecond = Field(description="speed of the casing [turns/s]")
+    hz: TurnsPerSecond = Field(description="speed [turns/s]")
+    turning: Side | None = Field(default=None, description=MEANING)
     scan: ScanTable | None = Field(default=None, description="speeds that stability and interactions look at")
 
 

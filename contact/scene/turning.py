@@ -14,6 +14,7 @@ from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTabl
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
 from contact.scene.scheme import CheckedFile, Friction, Gap, Number, Positive, Table, TurnsPerSecond
+from contact.scene.turns import MEANING, Side
 
 TWO = Field(min_length=2, max_length=2)
 
@@ -50,6 +51,7 @@ class SpeedRange(Table):
     from_hz: TurnsPerSecond | None = Field(default=None, description="first speed [turns/s]")
     to_hz: TurnsPerSecond | None = Field(default=None, description="last speed [turns/s]")
     hz: TurnsPerSecond | None = Field(default=None, description="speed, where [vary] names what is varied [turns/s]")
+    turning: Side | None = Field(default=None, description=MEANING)
 
     @model_validator(mode="after")
     def _one_sense(self) -> SpeedRange:

@@ -156,9 +156,7 @@ def test_how_a_split_casing_starts_and_what_pulls_at_it_does_not_keep_it_from_it
         split, omega=split.omega[:9], zeta=split.zeta[:9], rows=split.rows[:, :9], participation=np.ones((3, 9))
     )
     bare = ct.Rub(odd, [replace(blade(), participation=np.ones((3, 2)))])
-    started = replace(
-        bare, casing_start=ct.gaps.Start(velocity=np.ones(9)), forces=(ct.gaps.BodyForce.gravity(turning="casing"),)
-    )
+    started = replace(bare, casing_start=ct.gaps.Start(velocity=np.ones(9)), forces=(ct.gaps.BodyForce.gravity(),))
     (contact, mean), (other, again) = (mean_contact(rub, mu=0.2) for rub in (bare, started))
     assert mean
     assert again

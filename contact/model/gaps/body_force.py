@@ -25,7 +25,7 @@ class BodyForce:
 
     Raises InputError for an unknown bearer or numbers that are not finite.
 
-    >>> weight = BodyForce.gravity(turning="blades")
+    >>> weight = BodyForce.gravity()
     >>> weight.per_rev, round(weight.acceleration, 2)
     (0.0, 9.81)
     """
@@ -37,7 +37,7 @@ class BodyForce:
     per_rev: float = 0.0
     hz: float = 0.0
     phase_deg: float = 0.0
-    casing_turns: bool = True
+    casing_turns: bool = False
 
     def __post_init__(self) -> None:
         if self.on not in BEARERS:
@@ -49,7 +49,7 @@ class BodyForce:
 
     @staticmethod
     def gravity(
-        *, turning: str = "casing", acceleration: float = 9.80665, down_deg: float = -90.0, axial: float = 0.0
+        *, turning: str = "blades", acceleration: float = 9.80665, down_deg: float = -90.0, axial: float = 0.0
     ) -> BodyForce:
         """Gravity on all bodies: towards `down_deg` at t = 0 in the casing's angles, and `axial` along its axis."""
         turns = casing_turns(turning)
@@ -59,7 +59,7 @@ class BodyForce:
         )  # fmt: skip
 
     @staticmethod
-    def of_whirl(whirl: Whirl, on: Literal["casing", "blades"], *, turning: str = "casing") -> BodyForce:
+    def of_whirl(whirl: Whirl, on: Literal["casing", "blades"], *, turning: str = "blades") -> BodyForce:
         """What a body feels that runs on the circle of this whirl: the casing outwards, the blades on its other side.
 
         >>> BodyForce.of_whirl(Whirl(amplitude=1e-3, hz=10.0), "blades").radius

@@ -74,7 +74,7 @@ class PointGap:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class RotatingRim:
-    """Casing rim turning at `speed_hz` in front of one fixed blade; contact at phi = phi_0 - Omega t.
+    """Casing rim and one blade that turn past each other at `speed_hz`; contact at phi = phi_0 - Omega t.
 
     g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness
     in the casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of
@@ -95,7 +95,7 @@ class RotatingRim:
     angle_deg: float = 0.0
     casing_velocity: Array | None = None
     blade_velocity: Array | None = None
-    turning: Literal["casing", "blades"] = "casing"
+    turning: Literal["casing", "blades"] = "blades"
 
     __repr__ = brief
 

@@ -100,7 +100,7 @@ class Stiffening:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Rub:
-    """K tips before one casing that turns at speed(t): tip j stands at phi_j = its angle - angle(t) in the casing.
+    """K tips and one casing that turn past each other: tip j stands at phi_j = its angle - angle(t) in the casing.
 
     g_j = clearance + clearance_j + d(phi_j) - closing(t) + whirl + u_r(phi_j) - n_j.u_blade, the laws of
     `rub_laws`; slip R Omega + v_theta - t_j.v_blade around, v_z - v_blade,z along the axis. All contacts are solved
@@ -129,7 +129,7 @@ class Rub:
     blade_starts: tuple[Start, ...] = ()
     thickness: float = math.inf
     forces: tuple[BodyForce, ...] = ()
-    turning: Literal["casing", "blades"] = "casing"
+    turning: Literal["casing", "blades"] = "blades"
 
     __repr__ = brief
 
@@ -156,7 +156,11 @@ class Rub:
                 raise InputError(f"stiffening: found blade {stiff.blade}, expected 0 .. {len(self.blades) - 1}")
             m = self.blades[stiff.blade].omega.size
             require_shape("stiffness_by_speed", stiff.stiffness_by_speed, (m, m))
-        casing_turns(self.turning)
+        turns = casing_turns(self.turning)
+        for one in self.forces:
+            if one.casing_turns != turns:
+                found = f"a force of bodies of which the {'casing' if one.casing_turns else 'blades'} turn"
+                raise InputError(f"forces: found {found}, expected turning = {self.turning!r} as in the rub")
         for force in self.forces:
             self._require_participation(force)
         radius = min(self.casing.line_radius(tip.line) for tip in self.tips)

@@ -37,7 +37,7 @@ def turning_ring(**given):
 
 
 def rim(casing, hz=5.0):
-    return ct.RotatingRim(casing, blade(), clearance=-1e-5, speed_hz=hz, lean_deg=10.0)
+    return ct.RotatingRim(casing, blade(), clearance=-1e-5, speed_hz=hz, lean_deg=10.0, turning="casing")
 
 
 @pytest.mark.parametrize("hz", [3.0, 40.0, -40.0])

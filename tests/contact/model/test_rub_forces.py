@@ -36,7 +36,8 @@ def blade(zeta=0.02):
 def rub(forces, *, zeta=0.02, hz=7.0, speed=None, lean=20.0, angle=35.0, clearance=0.03, **more):
     return ct.Rub(
         casing(zeta), [blade(zeta)], [ct.ContactPoint(angle_deg=angle, lean_deg=lean)], clearance=clearance,
-        speed=speed or ct.Speed.constant(hz), forces=forces, **more,
+        speed=speed or ct.Speed.constant(hz), forces=forces,
+        turning="casing" if any(force.casing_turns for force in forces) else "blades", **more,
     )  # fmt: skip
 
 
@@ -133,7 +134,10 @@ def test_an_unbalance_that_runs_up_is_the_acceleration_of_its_frame(on, turning)
 def test_energy_of_gravity_has_its_own_entry_and_the_ledger_closes_with_contact():
     """In a rub too; a settled undamped body that nothing touches gets as much as it stores, half of it at rest."""
     pressed = rub(
-        [ct.gaps.BodyForce.gravity(), ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-4, hz=30.0), "blades")],
+        [
+            ct.gaps.BodyForce.gravity(turning="casing"),
+            ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-4, hz=30.0), "blades", turning="casing"),
+        ],
         clearance=-2e-5, whirl=[ct.gaps.Whirl(amplitude=1e-4, hz=30.0)],
     )  # fmt: skip
     energy = ct.run(pressed, law=ct.Coulomb(mu=0.1), t_end=0.1, dt=2e-5).energy

@@ -145,22 +145,24 @@ def test_lengths_are_at_most_a_tenth_of_the_radius():
 
 
 def test_forces_on_bodies_as_numbers_of_the_loop():
-    plain = BodyForce(acceleration=3.0, radius=2e-3, axial=0.5, per_rev=0.25, hz=4.0, phase_deg=90.0)
+    plain = BodyForce(
+        acceleration=3.0, radius=2e-3, axial=0.5, per_rev=0.25, hz=4.0, phase_deg=90.0, casing_turns=True
+    )  # fmt: skip
     assert plain.row == pytest.approx((3.0, 2e-3, 0.25, 1.25, 8.0 * math.pi, math.pi / 2.0, 1.0, 1.0))
-    assert BodyForce(on="casing", casing_turns=False).row == (0.0,) * 6 + (1.0, 0.0)
-    assert BodyForce(on="blades").row == (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-    weight = BodyForce.gravity()
+    assert BodyForce(on="casing").row == (0.0,) * 6 + (1.0, 0.0)
+    assert BodyForce(on="blades", casing_turns=True).row == (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    weight = BodyForce.gravity(turning="casing")
     assert (weight.acceleration, weight.phase_deg, weight.axial, weight.per_rev) == (9.80665, -90.0, 0.0, -1.0)
     assert weight.on == "both"
     assert weight.casing_turns
-    still = BodyForce.gravity(turning="blades", acceleration=2.0, down_deg=5.0, axial=-1.0)
+    still = BodyForce.gravity(acceleration=2.0, down_deg=5.0, axial=-1.0)
     assert (still.acceleration, still.phase_deg, still.axial, still.per_rev) == (2.0, 5.0, -1.0, 0.0)
     assert not still.casing_turns
     whirl = Whirl(amplitude=2e-3, per_rev=0.5, hz=3.0, phase_deg=20.0)
-    felt = BodyForce.of_whirl(whirl, "casing", turning="blades")
+    felt = BodyForce.of_whirl(whirl, "casing")
     assert (felt.on, felt.radius, felt.per_rev, felt.hz, felt.phase_deg) == ("casing", 2e-3, 0.5, 3.0, 20.0)
     assert (felt.acceleration, felt.axial, felt.casing_turns) == (0.0, 0.0, False)
-    assert BodyForce.of_whirl(whirl, "blades").casing_turns
+    assert BodyForce.of_whirl(whirl, "blades", turning="casing").casing_turns
 
 
 @pytest.mark.parametrize("name", ["acceleration", "radius", "axial", "per_rev", "hz", "phase_deg"])

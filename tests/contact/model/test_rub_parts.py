@@ -217,7 +217,9 @@ def test_the_place_of_a_blade_is_the_mean_of_its_tips():
 
 def test_force_per_mass_in_the_plane_of_casing_and_blades():
     """a(t) = (a + r w^2) e(beta) - r w' e'(beta); blades' axes lag by the angle turned."""
-    force = ct.gaps.BodyForce(acceleration=3.0, radius=0.02, per_rev=0.5, hz=2.0, phase_deg=20.0)
+    force = ct.gaps.BodyForce(
+        acceleration=3.0, radius=0.02, per_rev=0.5, hz=2.0, phase_deg=20.0, casing_turns=True
+    )  # fmt: skip
     angle, omega, slope, t = 0.7, 11.0, 40.0, 0.3
     w = 1.5 * omega + 4.0 * math.pi
     beta = math.radians(20.0) + 0.5 * angle + 4.0 * math.pi * t
@@ -232,9 +234,11 @@ def test_force_per_mass_in_the_plane_of_casing_and_blades():
 
 
 def test_a_rub_at_rest_under_what_pulls_at_the_start():
-    whirl = ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=2e-3, per_rev=0.3, phase_deg=20.0), "blades")
+    whirl = ct.gaps.BodyForce.of_whirl(
+        ct.gaps.Whirl(amplitude=2e-3, per_rev=0.3, phase_deg=20.0), "blades", turning="casing"
+    )
     stiff = Stiffening(blade=0, stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), at_hz=3.0)
-    scene = pulled(ct.gaps.BodyForce.gravity(axial=0.5), whirl, stiffening=[stiff],
+    scene = pulled(ct.gaps.BodyForce.gravity(turning="casing", axial=0.5), whirl, turning="casing", stiffening=[stiff],
                    speed=ct.Speed(time=[-1.0, 1.0], hz=[4.0, 8.0]))  # fmt: skip
     omega, slope = 12.0 * math.pi, 4.0 * math.pi
     w = 1.3 * omega

@@ -8,6 +8,7 @@ import pytest
 
 import contact as ct
 from contact.scheme.modal.wear_track import track_tips
+from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes" / "rub"
@@ -54,6 +55,23 @@ per_rev = -1.0
 [scheme]
 kind = "exact-modal"
 law = "forward"
+dt = 2e-5
+"""
+
+RIM = """
+[scene]
+kind = "rim"
+t_end = 0.01
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+[contact]
+clearance = 1e-3
+[speed]
+hz = 5.0
+[scheme]
+kind = "exact-modal"
 dt = 2e-5
 """
 
@@ -108,7 +126,43 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
     assert rub.blade_starts[2].displacement.any()
     undeformed = ct.load_scene(write(text + "settled = false\n")).what
     assert undeformed.casing_start.displacement is None
-    assert ct.load_scene(write(text.replace('turning = "blades"', ""))).what.forces[1].per_rev == -1.0
+    with pytest.warns(ct.scene.SceneWarning, match="turning-unmodelled"):
+        turned = ct.load_scene(write(text.replace('turning = "blades"', 'turning = "casing"'))).what
+    assert turned.forces[1].per_rev == -1.0
+    with pytest.warns(
+        ct.scene.SceneWarning, match=r"speed\.turning: found nothing beside gravity or whirl, taken as 'blades'"
+    ):
+        rub = ct.load_scene(write(text.replace('turning = "blades"', ""))).what
+    assert (rub.turning, rub.forces[1].per_rev) == ("blades", 0.0)
+
+
+@pytest.mark.parametrize("kind", ["rim", "rub"])
+def test_side_that_turns_is_said_where_a_basis_has_matrices_of_rotation(kind, write, tmp_path):
+    """Left out: taken as the blades, with a warning; a casing that turns needs its own matrices."""
+    skew = np.triu(np.ones((10, 10)), 1)
+    casing = replace(rim3(), gyroscopic=skew - skew.T, stiffness_by_speed=np.eye(10))
+    if kind == "rim":
+        casing = replace(ring(), gyroscopic=skew - skew.T)
+        blade().save(tmp_path / "blade.npz")
+    else:
+        nodes(2).save(tmp_path / "blade.npz")
+    casing.save(tmp_path / "casing.npz")
+    text = RUB if kind == "rub" else RIM
+    speed = "hz = [3.0, 5.0]" if kind == "rub" else "hz = 5.0"
+    assert speed in text
+    with pytest.warns(
+        ct.scene.SceneWarning, match=r"beside Coriolis forces and stiffening of casing, .*turning-unstated\]$"
+    ):
+        scene = ct.load_scene(write(text))
+    assert scene.what.turning == "blades"
+    for side in ("casing", "blades"):
+        assert ct.load_scene(write(text.replace(speed, f'{speed}\nturning = "{side}"'))).what.turning == side
+    replace(casing, gyroscopic=None, stiffness_by_speed=None).save(tmp_path / "casing.npz")
+    assert ct.load_scene(write(text)).what.turning == "blades"
+    with pytest.warns(ct.scene.SceneWarning, match=r"casing: found no gyroscopic matrix .*turning-unmodelled\]$"):
+        ct.load_scene(write(text.replace(speed, f'{speed}\nturning = "casing"')))
+    with pytest.raises(ct.InputError, match=r"speed\.turning: found 'rim', expected 'casing' or 'blades'"):
+        ct.load_scene(write(text.replace(speed, f'{speed}\nturning = "rim"')))
 
 
 def wheel(blade, sectors):
