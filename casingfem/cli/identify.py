@@ -126,7 +126,7 @@ def identify(
         "seconds": working.seconds,
         "source": str(file),
     }
-    files: dict[str, Content] = {} if out is None else result_files(found, document, coherence)
+    files: dict[str, Content] = {} if out is None else result_files(found, document, coherence, not output_only)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
@@ -139,7 +139,7 @@ def _check_options(output_only: bool, not_measured: dict[str, Any], only: dict[s
 
 
 def result_files(
-    found: "Identified", document: dict[str, Any], coherence: "FrfSet | None" = None
+    found: "Identified", document: dict[str, Any], coherence: "FrfSet | None" = None, pick: bool = True
 ) -> dict[str, Content]:
     """The table, the pictures and the document."""
     from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
@@ -153,7 +153,7 @@ def result_files(
         "responses": Drawn(figure_responses(found)),
         "fit": Drawn(figure_fit(found, coherence)),
     }
-    files["identified.html"] = identification_page(source["file"], found, source, drawn, coherence is not None)
+    files["identified.html"] = identification_page(source["file"], found, source, drawn, coherence is not None, pick)
     if len(found):
         table = found.table([f"source: {source['file']}, sha256 {source['sha256']}"])
         files["identified.csv"] = table.to_csv

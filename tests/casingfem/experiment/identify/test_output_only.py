@@ -96,7 +96,7 @@ def test_a_tone_is_no_sure_mode():
 
 @pytest.mark.campaign
 def test_intervals_hold_what_they_say_over_a_hundred_records():
-    """95 % intervals of frequency and damping hold 92 to 98 %; every mode is found, none besides is sure."""
+    """95 % intervals of frequency and damping hold 92 to 97 %; every mode is found, none besides is sure."""
     off, held, others = [], [], 0
     for seed in range(100):
         found = identify_output_only(records(driven(1000 + seed, 400.0)), angles=ANGLES, band=(100.0, 230.0))
@@ -108,8 +108,8 @@ def test_intervals_hold_what_they_say_over_a_hundred_records():
                  np.abs(found.zeta[at] - ZETA) < 1.96 * found.sigma_zeta[at]]  # fmt: skip
     assert others <= 2
     assert np.mean(np.abs(off) < 1e-3) > 0.99
-    assert 0.92 <= np.mean(held[::2]) <= 0.98
-    assert 0.92 <= np.mean(held[1::2]) <= 0.98
+    assert 0.92 <= np.mean(held[::2]) <= 0.97
+    assert 0.92 <= np.mean(held[1::2]) <= 0.97
 
 
 def test_what_has_no_modes_is_refused():
