@@ -94,8 +94,10 @@ def _batch() -> None:
     run_many([Scene(what=rim, law=Coulomb(mu=0.1), dt=1e-5, t_end=FEW * 1e-5, on_limit="flag") for rim in rims])
 
 
-def _patch(law: Law, S: float) -> None:
+def _patch(law: Law, S: float, damping: float = 0.0) -> None:
     block = _body(1.0, 0.0, channels=("x", "y"), S=S)
+    if damping:
+        block = replace(block, damping=damping * np.ones((2, 2)))
     tangent = (("x",),) if law.mu > 0.0 else ()
     patch = Patch(body=block, normal=("y",), tangent=tangent, load=[0.0, -1.0], velocity=[0.0, -1e-3])
     run(patch, law=law, dt=1e-3, t_end=FEW * 1e-3)
@@ -130,6 +132,7 @@ KINDS: Mapping[str, Callable[[], None]] = {
     "patch": partial(_patch, Unilateral(), 0.0),
     "patch-springs": partial(_patch, Unilateral(), 1e-3),
     "patch-friction": partial(_patch, Coulomb(mu=0.1), 0.0),
+    "patch-coupled": partial(_patch, Coulomb(mu=0.1), 0.0, 0.1),
     "point": partial(_point, ExactModal(law="averaged")),
     "point-law": partial(_point, ExactModal(), Hertz(k=1e6)),
     "point-energy": partial(_point, ExactModal(law="energy")),

@@ -37,8 +37,8 @@ class PatchState(NamedTuple):
     weight: Array
     rows: Array  # (d k, m)
     S: Array  # (d k, d k), empty when zero
-    W: Array  # rows c rows^T + S, empty without friction
-    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty with friction
+    W: Array  # rows c rows^T + S where Newton's method solves for the contacts, else empty
+    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty where W is not
     springs: Array  # diagonal of S (k,) where the contacts are solved as springs, else empty
     own: Array  # W of each normal with itself (k,)
     mu: Array  # (k,)
@@ -51,6 +51,20 @@ class PatchState(NamedTuple):
     past: Sticking
     counts: Array  # most iterations of one step, sum of iterations, steps with contact, fault
     limits: Array  # as `motion_limits`: of gaps, without a rim
+
+
+class PatchBlocks(NamedTuple):
+    """Coefficients of the coupled modes (b, b), as in `scheme.modal.coupled`, and work space (b,)."""
+
+    modes: Indices  # (b,)
+    alpha: Array
+    beta: Array
+    c: Array
+    lost: Array
+    false: Array
+    odd: Array
+    old: Array
+    now: Array
 
 
 class PatchWork(NamedTuple):
@@ -88,6 +102,37 @@ def patch_work(s: PatchState, rough: bool, slides: bool) -> PatchWork:
         soft=spring_space(springs, columns if springs else 0), all_sliding=AllSliding(used=slides),
         room=solver_room(size // (n // k), n // k),
     )  # fmt: skip
+
+
+@jit
+def fly_coupled(s: PatchState, blocks: PatchBlocks) -> None:
+    """Add alpha D - beta q to the increments of coupled modes, which have none yet but the loads'."""
+    for i in range(blocks.modes.size):
+        blocks.now[i] = s.q[blocks.modes[i]]
+    for i in range(blocks.modes.size):
+        moved = dot(blocks.alpha[i], blocks.old, blocks.old.size) - dot(blocks.beta[i], blocks.now, blocks.now.size)
+        s.d[blocks.modes[i]] += moved
+
+
+@jit
+def push_coupled(s: PatchState, blocks: PatchBlocks, pushed: Array) -> None:
+    """Add c f to the increments of coupled modes."""
+    for i in range(blocks.modes.size):
+        blocks.now[i] = pushed[blocks.modes[i]]
+    for i in range(blocks.modes.size):
+        s.d[blocks.modes[i]] += dot(blocks.c[i], blocks.now, blocks.now.size)
+
+
+@jit
+def works_of_coupling(s: PatchState, blocks: PatchBlocks, sums: Tally) -> None:
+    """Work of damping and of a skew stiffness on coupled modes, and what the discrete energy errs by; q is at t_n."""
+    for i in range(blocks.modes.size):
+        blocks.now[i] = s.q[blocks.modes[i]]
+    for i in range(blocks.modes.size):
+        both = 0.5 * (blocks.old[i] + s.d[blocks.modes[i]])
+        sums.damping[0] -= both * dot(blocks.lost[i], blocks.old, blocks.old.size)
+        sums.algorithmic[0] -= both * dot(blocks.false[i], blocks.old, blocks.old.size)
+        sums.external[0] -= both * dot(blocks.odd[i], blocks.now, blocks.now.size)
 
 
 @jit
@@ -179,8 +224,8 @@ def gather(s: PatchState, w: PatchWork, dim: int) -> int:
 
 @jit_entry
 def advance_patch(
-    s: PatchState, w: PatchWork, y: Yielding | None, rough: bool, averaged: bool, sums: Tally, out: Samples,
-    h: float, first: int, steps: int,
+    s: PatchState, w: PatchWork, y: Yielding | None, blocks: PatchBlocks | None, rough: bool, averaged: bool,
+    sums: Tally, out: Samples, h: float, first: int, steps: int,
 ) -> int:  # fmt: skip
     """Exact-modal steps; `averaged` law of contacts that give way, else the forward law. W is that of the law."""
     k = s.mu.size
@@ -190,20 +235,26 @@ def advance_patch(
         for i in range(s.q.size):
             w.old[i] = s.d[i]
             s.d[i] = s.al[i] * s.d[i] - s.be[i] * s.q[i] + s.kick[i]
+        if blocks is not None:
+            for i in range(blocks.modes.size):
+                blocks.old[i] = w.old[blocks.modes[i]]
+            fly_coupled(s, blocks)
         touches = look(s, w, rough, averaged, dim, soft)
         if not math.isfinite(w.b[0]):
             return step
         if touches:
-            if rough or y is not None:
+            if s.W.size > 0:
                 if not chosen_forces(s, w, y, dim, h):
                     return step
             elif not frictionless(s, w):
                 return step
-            push(s, w, rough, dim, sums)
+            push(s, w, blocks, rough, dim, sums)
         else:
             for row in range(s.lam.size):
                 s.lam[row] = 0.0
                 s.moved[row] = dot(s.rows[row], s.d, s.q.size)
+        if blocks is not None:
+            works_of_coupling(s, blocks, sums)
         total = 0.0
         for i in range(s.q.size):
             total -= s.weight[i] * w.old[i] * (w.old[i] + s.d[i])
@@ -253,7 +304,7 @@ def look(s: PatchState, w: PatchWork, rough: bool, averaged: bool, dim: int, sof
 
 
 @jit
-def push(s: PatchState, w: PatchWork, rough: bool, dim: int, sums: Tally) -> None:
+def push(s: PatchState, w: PatchWork, blocks: PatchBlocks | None, rough: bool, dim: int, sums: Tally) -> None:
     """Add the contact forces to the increments, and their work along (D_n + D_{n+1})/2 to the sums."""
     for i in range(s.q.size):
         w.pushed[i] = 0.0
@@ -263,6 +314,8 @@ def push(s: PatchState, w: PatchWork, rough: bool, dim: int, sums: Tally) -> Non
                 w.pushed[i] += s.lam[row] * s.rows[row, i]
     for i in range(s.q.size):
         s.d[i] += s.c[i] * w.pushed[i]
+    if blocks is not None:
+        push_coupled(s, blocks, w.pushed)
     for row in range(s.lam.size):
         w.after[row] = dot(s.rows[row], s.d, s.q.size)
     for i in range(s.mu.size):

@@ -24,6 +24,7 @@ import numpy as np
 from contact.base.arrays import Array, require_positive
 from contact.base.errors import InputError, LimitError, rounded_down
 from contact.base.remembered import remembered
+from contact.model.bodies.body_matrices import BodyMatrices
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
@@ -116,9 +117,12 @@ class ExactModal:
         if mu > 0.0 and problem.dimensions == 1:
             found = "Coulomb friction on a Patch without tangent"
             raise InputError(f"law: found {found}, expected channels along the ground")
-        omega = problem.body.omega
-        h = _step(float(omega.max(initial=0.0)), dt, courant)
-        parts = propagator(omega, problem.body.zeta, np.asarray(problem.load), h)
+        body, load = problem.body, np.asarray(problem.load)
+        still = BodyMatrices(bodies=(body,), senses=(0,))
+        parts = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant)).parts[
+            0
+        ]
+        h = parts.h
         self._require_slow(parts.top, h)
         reached = f"dt omega_max = {h * parts.top:.3g} (limit {self.omega_h_limit:g})"
         averaged = gives_way and self.law != "forward"
@@ -256,6 +260,10 @@ def _system(problem: Problem, modes: int) -> ModalSystem:
 
 @_system.register
 def _(problem: PointGap, modes: int) -> ModalSystem:
+    for side in problem.sides:
+        if BodyMatrices(bodies=(side.body,), senses=(0,)).coupled:
+            found = f"modes of {side.name} that are coupled (damping, stiffness or a basis made at a speed)"
+            raise InputError(f"sides: found {found}, expected single modes at a PointGap: take a Patch of that body")
     return point_system(problem)
 
 

@@ -24,7 +24,7 @@ from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
-    from contact.loop.modal.patch import PatchState, PatchWork
+    from contact.loop.modal.patch import PatchBlocks, PatchState, PatchWork
     from contact.solver.yielding.yields import Yielding
 
 
@@ -43,6 +43,7 @@ class PatchStepper(ExactRun):
     law: Law
     averaged: bool
     y: Yielding | None
+    coupled: PatchBlocks | None
 
     @property
     def size(self) -> int:
@@ -59,8 +60,9 @@ class PatchStepper(ExactRun):
         from contact.loop.modal.patch import advance_patch
 
         failed = advance_patch(
-            self.state, self.work, self.y, self.rough, self.averaged, self.sums, out, self.dt, first, steps
-        )
+            self.state, self.work, self.y, self.coupled, self.rough, self.averaged, self.sums, out, self.dt, first,
+            steps,
+        )  # fmt: skip
         self.work.room.otherwise.pass_on()
         return failed
 
@@ -127,23 +129,25 @@ def patch_stepper(problem: Patch, parts: Propagator, law: Law, label: str, *, av
     S = np.ascontiguousarray(problem.compliance()[::step, ::step])
     k = problem.contacts
     dim = len(rows) // k
-    own = np.sum(rows**2 * parts.c, axis=1)[::dim] + np.diag(S)[::dim]
+    own = np.sum(parts.yields(rows) * rows, axis=1)[::dim] + np.diag(S)[::dim]
     none = np.zeros((0, 0))
     if not S.any():
         S = none
-    scaled = rows * np.sqrt(parts.c)
-    newton = rough or gives_way
-    springs = np.zeros(0) if newton else springs_of(scaled, S)
-    roots = scaled if springs.size else none if newton else _roots(rows, parts.c, S)
+    scaled = parts.roots(rows)
+    newton = rough or gives_way or scaled is None
+    springs, roots = np.zeros(0), none
+    if scaled is not None and not newton:
+        springs = springs_of(scaled, S)
+        roots = scaled if springs.size else _roots(scaled, S)
     clearance, slide = problem.opening, np.zeros((k, dim))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
     q = np.array(problem.displacement, dtype=float)
     d = parts.backward(q, np.asarray(problem.velocity))
     state = PatchState(
-        q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.c * parts.load,
-        weight=(1.0 - parts.al) / (2.0 * parts.c), rows=rows, S=S, own=own,
-        W=_delassus(rows, parts.c, S, dim if averaged else 0) if newton else none, roots=roots, springs=springs,
+        q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.push(parts.load), weight=parts.weight, rows=rows,
+        S=S, own=own, W=_delassus(rows, parts, S, dim if averaged else 0) if newton else none, roots=roots,
+        springs=springs,
         mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
         place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
         past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
@@ -152,7 +156,7 @@ def patch_stepper(problem: Patch, parts: Propagator, law: Law, label: str, *, av
     return PatchStepper(
         problem=problem, parts=parts, state=state, sums=tally(k), rough=rough, averaged=averaged, law=law, label=label,
         work=patch_work(state, newton, rough and gives_way and k > 1),
-        y=yielding_of(law, state.place, state.place - state.moved[::dim]),
+        y=yielding_of(law, state.place, state.place - state.moved[::dim]), coupled=_blocks(parts),
     )  # fmt: skip
 
 
@@ -166,21 +170,31 @@ def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
     return float(reach.max()) or math.inf
 
 
-def _delassus(rows: Array, c: Array, S: Array, mean: int = 0) -> Array:
+def _blocks(parts: Propagator) -> PatchBlocks | None:
+    """What the loop needs of coupled modes."""
+    from contact.loop.modal.patch import PatchBlocks
+
+    part = parts.coupled
+    if part is None:
+        return None
+    squares = (part.alpha, part.beta, part.c, part.lost, part.false, part.odd)
+    return PatchBlocks(part.modes, *squares, old=np.zeros(part.modes.size), now=np.zeros(part.modes.size))
+
+
+def _delassus(rows: Array, parts: Propagator, S: Array, mean: int = 0) -> Array:
     """Rows c rows^T + S; a quarter of the first in every `mean`-th row, a normal, where the law is of three gaps."""
-    H = (rows * c) @ rows.T
+    H = parts.yields(rows) @ rows.T
     if mean:
         H[::mean] *= 0.25
     return np.ascontiguousarray(H + S if S.size else H)
 
 
-def _roots(rows: Array, c: Array, S: Array) -> Array:
-    """Rows A with A A^T = H + S, for the active set, of no more columns than contacts."""
+def _roots(scaled: Array, S: Array) -> Array:
+    """Rows A with A A^T = scaled scaled^T + S, for the active set, of no more columns than contacts."""
     from contact.solver.unilateral.active_set import delassus_rows
 
     if S.size:
-        return np.ascontiguousarray(delassus_rows(_delassus(rows, c, S)))
-    scaled = rows * np.sqrt(c)
-    if rows.shape[0] < rows.shape[1]:
+        return np.ascontiguousarray(delassus_rows(scaled @ scaled.T + S))
+    if scaled.shape[0] < scaled.shape[1]:
         scaled = np.asarray(np.linalg.qr(scaled.T, mode="r")).T
     return np.ascontiguousarray(scaled)

@@ -18,6 +18,8 @@ from contact.record.energy import Stored
 from contact.record.record import Tally
 from contact.scheme.modal.coupled import Coupled
 
+SYMMETRIC = 1e-12  # relative
+
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Propagator:
@@ -59,6 +61,16 @@ class Propagator:
         if self.coupled is not None:
             found[:, self.coupled.modes] = rows[:, self.coupled.modes] @ self.coupled.c
         return found
+
+    def roots(self, rows: Array) -> Array | None:
+        """Rows (R, m) times a root L of c = L L^T; None where c is not symmetric."""
+        found = rows * np.sqrt(self.c)
+        if self.coupled is not None:
+            c, own = self.coupled.c, self.coupled.modes
+            if np.abs(c - c.T).max() > SYMMETRIC * np.abs(c).max():
+                return None
+            found[:, own] = rows[:, own] @ np.linalg.cholesky(0.5 * (c + c.T))
+        return np.asarray(found)
 
     def push(self, force: Array) -> Array:
         """Return c f: what a step answers to forces on the modes."""

@@ -61,10 +61,12 @@ def test_a_patch_starts_with_its_rows_compliance_and_motion(mu, S):
 
 def test_roots_of_fewer_contacts_than_modes_have_as_many_columns_as_contacts():
     rows, c = np.arange(1.0, 9.0).reshape(2, 4) ** 1.5, np.array([0.1, 0.2, 0.3, 0.4])
-    few = _roots(rows, c, np.zeros((0, 0)))
+    few = _roots(rows * np.sqrt(c), np.zeros((0, 0)))
     assert few.shape == (2, 2)
     np.testing.assert_allclose(few @ few.T, rows * c @ rows.T, rtol=1e-12)
-    np.testing.assert_allclose(_roots(rows[:, :2], c[:2], np.zeros((0, 0))), rows[:, :2] * np.sqrt(c[:2]), rtol=1e-14)
+    np.testing.assert_allclose(
+        _roots(rows[:, :2] * np.sqrt(c[:2]), np.zeros((0, 0))), rows[:, :2] * np.sqrt(c[:2]), rtol=1e-14
+    )
 
 
 def test_how_far_a_gap_could_move_counts_start_load_and_a_million_steps_of_rigid_modes():

@@ -187,3 +187,51 @@ def test_a_casing_that_speeds_up_follows_its_matrices_at_each_speed():
     np.testing.assert_allclose(found.state[:, :m], wanted, rtol=0.0, atol=1e-5 * np.abs(wanted).max())
     assert abs(found.energy.unaccounted) <= 1e-10 * found.energy.scale
     assert found.energy.external > 0.0
+
+
+def coupled_block(*, skew=0.0, seed=6):
+    """A body of four modes seen at two points along x and y, with full damping and, by `skew`, a nonsymmetric K."""
+    rng = np.random.default_rng(seed)
+    mixed, odd = rng.standard_normal((2, 4, 4))
+    return ct.ModalBody(
+        omega=[200.0, 350.0, 500.0, 900.0], zeta=[0.001] * 4, channels=("a.x", "a.y", "b.x", "b.y"),
+        rows=rng.standard_normal((4, 4)), S=1e-7 * np.eye(4), damping=4.0 * mixed @ mixed.T,
+        stiffness=1e3 * (mixed + mixed.T) + skew * (odd - odd.T),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("skew", [0.0, 2e4])
+def test_a_patch_of_coupled_modes_obeys_its_equation_of_motion(mu, skew):
+    body, h, steps = coupled_block(skew=skew), 1e-5, 3000
+    C, K = body.matrices()
+    load = 40.0 * np.random.default_rng(8).standard_normal(4)
+    patch = ct.Patch(
+        body=body, normal=("a.y", "b.y"), tangent=(("a.x",), ("b.x",)), clearance=1e-4, slide=0.5, load=load
+    )  # fmt: skip
+    law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    found = ct.run(patch, law=law, dt=h, t_end=(steps - 0.5) * h, record=ct.Record(state_every=1))
+    q, n = found.state, body.channels.index
+    assert min(found.contact_steps) > 50
+    smooth = np.flatnonzero((found.force[:-2] == 0.0).all(axis=1) & (found.force[1:-1] == 0.0).all(axis=1)) + 1
+    smooth = smooth[(smooth > 1) & (smooth < steps - 2)]
+    acceleration = (q[smooth + 1] - 2.0 * q[smooth] + q[smooth - 1]) / h**2
+    velocity = (q[smooth + 1] - q[smooth - 1]) / (2.0 * h)
+    left = acceleration + velocity @ C.T + q[smooth] @ K.T - load
+    assert np.abs(left).max() <= 1e-3 * np.abs(acceleration).max()
+    pushed = np.flatnonzero(found.force[:, 0] > 0.0)
+    pushed = pushed[(pushed > 1) & (pushed < steps - 2)]
+    change = (q[pushed + 1] - 2.0 * q[pushed] + q[pushed - 1]) / h**2 + q[pushed] @ K.T - load
+    change += (q[pushed + 1] - q[pushed - 1]) / (2.0 * h) @ C.T
+    along = [n(name) for name in (("a.x", "a.y", "b.x", "b.y") if mu else ("a.y", "b.y"))]
+    outside = change - change @ np.linalg.pinv(body.rows[along]) @ body.rows[along]
+    assert np.abs(outside).max() <= 1e-3 * np.abs(change).max()
+    assert abs(found.energy.unaccounted) <= 1e-11 * found.energy.scale
+    assert found.residual.max() <= 1e-12
+
+
+def test_coupled_modes_at_a_point_gap_are_refused():
+    side = ct.gaps.Side(body=coupled_block(), channel="a.y", sign=1)
+    with pytest.raises(ct.InputError, match="sides: found modes of body that are coupled"):
+        ct.run(ct.PointGap(sides=(side,), clearance=1.0), dt=1e-5, t_end=1e-4)
