@@ -76,7 +76,7 @@ MESHES = {
     ),
     "mesh-format": (
         "the ending of a mesh file is not one of those known",
-        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran) or .cdb (Ansys)",
+        "give .msh (Gmsh), .vtu, .inp (Abaqus, CalculiX), .bdf, .nas, .dat (Nastran), .cdb (Ansys) or .unv (universal)",
     ),
     "mesh-group-empty": (
         "a group holds no node of a cell",

@@ -244,6 +244,40 @@ def shells_cdb() -> str:
     return cdb(grid.points, elements, {1: 281, 2: 21}, more)
 
 
+UNV = """    -1
+   164
+         1SI: METER (NEWTON)           2
+  1.0000000000000000D+00  1.0000000000000000D+00  1.0000000000000000D+00
+  2.7314999999999998D+02
+    -1
+    -1
+  2411
+         1         0         0        11
+   0.0000000000000000D+00   0.0000000000000000D+00   0.0000000000000000D+00
+         2         0         0        11
+   1.0000000000000000D-01   0.0000000000000000D+00   0.0000000000000000D+00
+         3         0         0        11
+   1.0000000000000000D-01   1.0000000000000000D-01   0.0000000000000000D+00
+         4         0         0        11
+   0.0000000000000000D+00   1.0000000000000000D-01   0.0000000000000000D+00
+    -1
+    -1
+  2412
+         1        11         1         1         7         2
+         0         1         1
+         4         1
+         2        94         1         1         7         4
+         1         2         3         4
+    -1
+    -1
+  2467
+         1         0         0         0         0         0         0         1
+ROOT
+         8         1         0         0
+    -1
+"""  # a square and one of its edges
+
+
 def write_meshes(folder: Path) -> None:
     """All of them."""
     bricks = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.1, 0.05], groups={})
@@ -251,6 +285,7 @@ def write_meshes(folder: Path) -> None:
         "mesh.inp": inp(bricks, "C3D8"), "tied.inp": TIED_INP, "untied.inp": UNTIED_INP,
         "cyclic.inp": cyclic_inp(), "mesh.bdf": bdf(),
         "shells.bdf": SHELLS_BDF, "mesh.msh": msh(), "mesh.cdb": tetra_cdb(), "shells.cdb": shells_cdb(),
+        "mesh.unv": UNV,
         "sector.inp": inp(wedge("quad8", (1, 1)), "S8R"),
     }  # fmt: skip
     for name, text in texts.items():

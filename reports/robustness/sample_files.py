@@ -244,7 +244,7 @@ def read_scene(path: Path) -> object:
 
 
 MESHES = ("mesh.inp", "tied.inp", "mesh.bdf", "shells.bdf", "mesh.msh", "text41.msh", "binary.msh", "mesh.vtu",
-          "mesh.cdb", "shells.cdb")  # fmt: skip
+          "mesh.cdb", "shells.cdb", "mesh.unv")  # fmt: skip
 PARTS = ("part.pch", "part.op4", "binary.op4", "part.npz", "part.mat", "part.h5", "part_K.mtx", "abaqus_K.mtx",
          "dense_K.mtx", "part.sti", "part.dof")  # fmt: skip
 STUDIES = ("study.toml", "update.toml", "mistuning.toml", "wheel.toml", "tied.toml")

@@ -45,7 +45,7 @@ class Draft:
     """What a reader found.
 
     `node_sets` are node indices; `cell_sets` pairs (block, rows); `facet_sets` corner node indices (m, corners);
-    `attachments` are in the file's units; `gluings` name sets.
+    `attachments` are in the file's units; `gluings` name sets; `metre` is the unit of length that the file states [m].
     """
 
     points: FloatArray
@@ -56,6 +56,7 @@ class Draft:
     facet_sets: Mapping[str, IntArray] = field(default_factory=dict)
     attachments: Attachments = NOTHING
     gluings: Sequence[Gluing] = ()
+    metre: float = 1.0
 
 
 class Lookup:

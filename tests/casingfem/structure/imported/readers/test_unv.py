@@ -1,0 +1,196 @@
+"""Universal files as meshes: order of the nodes, groups, units, what is left out and what is refused."""
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.errors import ModelError, ModelWarning
+from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.mesh.cell_kind import KINDS
+from tests.casingfem.structure.imported.parts import STEEL
+
+DESCRIPTORS = {"quad": 94, "quad8": 95, "tetra": 111, "tetra10": 118, "hexahedron": 115, "hexahedron20": 116}
+
+
+def data_set(number, *lines):
+    return "\n".join(["    -1", f"{number:6d}", *lines, "    -1", ""])
+
+
+def nodes(points, labels=None, system=0):
+    rows = []
+    for label, x in zip(labels or range(1, len(points) + 1), points, strict=True):
+        rows += [f"{label:10d}{system:10d}{0:10d}{11:10d}", "".join(f"{v:25.16E}".replace("E", "D") for v in x)]
+    return data_set(2411, *rows)
+
+
+def eight(numbers):
+    return ["".join(f"{n:10d}" for n in numbers[k : k + 8]) for k in range(0, len(numbers), 8)]
+
+
+def elements(descriptor, cells, first=1, number=2412):
+    rows = []
+    section = ["         0         1         1"] if descriptor in (11, 21, 22) else []
+    for label, cell in enumerate(cells, first):
+        facts = [label, descriptor, 1, 1, *([1, 1] if number == 780 else []), 7, len(cell)]
+        rows += [*eight(facts), *section, *eight(list(cell))]
+    return data_set(number, *rows)
+
+
+def group(name, members, kind, number=2467):
+    width = [0, 0] if number == 2467 else []
+    flat = [n for member in members for n in (kind, member, *width)]
+    return data_set(number, *eight([3, 0, 0, 0, 0, 0, 0, len(members)]), name, *eight(flat))
+
+
+def ring(corners, middle):
+    """Corners and the middles between them in turn, as universal files go round a face."""
+    n = len(corners)
+    return [node for k in range(n) for node in (corners[k], middle(corners[k], corners[(k + 1) % n]))]
+
+
+def around(mesh, cell):
+    """The nodes of a cell in the order of a universal file, from where they stand: rings, uprights between them."""
+    kind, numbers = mesh.kind, {tuple(np.round(mesh.points[node], 9)): int(node) for node in cell}
+    corners = list(cell[: len(KINDS[kind].corners)])
+    if not KINDS[kind].middles:
+        return corners
+
+    def middle(a, b):
+        return numbers[tuple(np.round(0.5 * (mesh.points[a] + mesh.points[b]), 9))]
+
+    if kind == "quad8":
+        return ring(corners, middle)
+    if kind == "tetra10":
+        return [*ring(corners[:3], middle), *(middle(a, corners[3]) for a in corners[:3]), corners[3]]
+    low, high = corners[:4], corners[4:]
+    return [*ring(low, middle), *(middle(a, b) for a, b in zip(low, high, strict=True)), *ring(high, middle)]
+
+
+def written(mesh, label=lambda node: int(node) + 1, **more):
+    cells = [[label(node) for node in around(mesh, cell)] for cell in mesh.cells]
+    held = [label(node) for node in mesh.groups["root"].nodes]
+    labels = [label(node) for node in range(len(mesh.points))]
+    return (
+        nodes(mesh.points, labels) + elements(DESCRIPTORS[mesh.kind], cells, **more)
+        + group("root", held, 7) + group("half", range(1, 2), 8)
+    )  # fmt: skip
+
+
+def read(folder, text, **given):
+    (folder / "part.unv").write_text(text)
+    return cf.read_mesh(folder / "part.unv", **given)
+
+
+@pytest.mark.parametrize("kind", DESCRIPTORS)
+def test_cells_nodes_and_groups_are_those_that_were_written(kind, tmp_path):
+    """Node labels are 7, 10, 13, ...; the first cell is the group half."""
+    dim = KINDS[kind].dim
+    sides = np.array([0.4, 0.2, 0.1])[:dim]
+    mesh = grid_mesh(
+        kind, (2, 1, 1)[:dim], lambda u: np.pad(u * sides, ((0, 0), (0, 3 - dim))), groups={"root": (0, 0.0)}
+    )
+    found = read(tmp_path, written(mesh, lambda node: 3 * int(node) + 7))
+    assert found.kind == kind
+    np.testing.assert_array_equal(found.cells, mesh.cells)
+    np.testing.assert_allclose(found.points, mesh.points, rtol=1e-15)
+    assert found.node_numbers[:3].tolist() == [7, 10, 13]
+    assert list(found.groups) == ["root", "half"]
+    assert found.groups["root"].nodes.tolist() == mesh.groups["root"].nodes.tolist()
+    assert found.groups["half"].cells.tolist() == [0]
+
+
+SQUARE = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]]
+PLATE = nodes(SQUARE) + elements(44, [[1, 2, 3, 4]]) + elements(41, [[2, 5, 3]], 2) + elements(11, [[4, 1]], 3)
+
+
+def test_squares_triangles_and_edges_make_a_shell_with_a_group_of_edges(tmp_path):
+    mesh = read(tmp_path, PLATE + group("edge", [3], 8))
+    assert (mesh.kind, len(mesh.cells), mesh.collapsed.tolist()) == ("quad", 2, [False, True])
+    assert mesh.groups["edge"].facets.shape == (1, 2)
+    assert mesh.facet_nodes(mesh.groups["edge"].facets).tolist() == [[3, 0]]
+    shell = cf.MeshShell(mesh=mesh, thickness=0.1, material=STEEL, supports={"edge": cf.Clamped()})
+    assert shell.assembled().rigid == 0
+
+
+@pytest.mark.parametrize(("descriptor", "count"), [(71, 3), (71, 4), (74, 3), (74, 4)])
+def test_membranes_are_told_by_their_nodes(descriptor, count, tmp_path):
+    mesh = read(tmp_path, nodes(SQUARE) + elements(descriptor, [[1, 2, 3, 4][:count]]))
+    assert mesh.collapsed.tolist() == [count == 3]
+
+
+def test_wedges_and_pyramids_with_middle_nodes_keep_their_volume(tmp_path):
+    """Nodes written ring by ring, as the format's description has them; straight sides, volumes 1/2 and 1/3."""
+    low, high = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1]])
+    base, apex = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([0.0, 0.0, 1.0])
+
+    def around_ring(x):
+        return [point for a, b in zip(x, np.roll(x, -1, axis=0), strict=True) for point in (a, 0.5 * (a + b))]
+
+    wedge = [*around_ring(low), *(0.5 * (low + high)), *around_ring(high)]
+    pyramid = [*around_ring(base), *(0.5 * (base + apex)), apex]
+    for descriptor, points, volume in ((113, wedge, 0.5), (114, pyramid, 1.0 / 3.0)):
+        mesh = read(tmp_path, nodes(points) + elements(descriptor, [list(range(1, len(points) + 1))]))
+        solid = cf.Solid(mesh=mesh, material=STEEL)
+        assert solid.assembled().M.sum() == pytest.approx(3.0 * STEEL.rho * volume, rel=1e-12)
+
+
+def test_sets_of_older_programs_are_read_too(tmp_path):
+    rows = [f"{k:10d}{0:10d}{0:10d}{11:10d}" + "".join(f"{v:13.5E}" for v in x) for k, x in enumerate(SQUARE, 1)]
+    text = data_set(15, *rows) + elements(94, [[1, 2, 3, 4]], number=780) + group("corner", [1, 2], 7, number=2432)
+    mesh = read(tmp_path, text)
+    assert mesh.groups["corner"].nodes.tolist() == [0, 1]
+    np.testing.assert_allclose(mesh.points, SQUARE)
+
+
+def test_a_stated_unit_of_length_is_taken_once(tmp_path):
+    units = data_set(164, "         5MM (MILLI-NEWTON)             2", "  1.0D+03  1.0D+03  1.0D+00", "  2.7315D+02")
+    assert read(tmp_path, units + PLATE).size == pytest.approx(1e-3 * np.sqrt(5.0))
+    with pytest.raises(ModelError, match=r"part\.unv states its unit of length, 0\.001 m, beside scale.*mesh-scale"):
+        read(tmp_path, units + PLATE, scale=1e-3)
+    assert read(tmp_path, PLATE, scale=1e-3).size == pytest.approx(1e-3 * np.sqrt(5.0))
+
+
+def test_springs_and_unknown_sets_are_left_out_with_a_warning(tmp_path):
+    beams = elements(21, [[1, 2], [2, 3]], 20) + group("rib", [21], 8)
+    text = (
+        PLATE + beams + elements(136, [[1, 2]], 9) + data_set(791, "1") + data_set(151, "a title") + group("g", [1], 11)
+    )
+    left = "1 element with descriptor 136, 1 set 791, 1 member of type 11 of group 'g', 1 beam in no group"
+    with pytest.warns(ModelWarning, match=left + r".*mesh-left-out"):
+        assert len(read(tmp_path, text).cells) == 2
+
+
+def system(label, kind, origin):
+    rows = [*np.eye(3), origin]
+    return [f"{label:10d}{kind:10d}{8:10d}", "CS", *("".join(f"{v:25.16E}" for v in row) for row in rows)]
+
+
+def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refused(tmp_path):
+    cells = elements(44, [[1, 2, 3, 4]])
+    systems = data_set(2420, "1", "part", *system(1, 0, np.zeros(3)), *system(2, 0, np.ones(3)))
+    assert len(read(tmp_path, systems + nodes(SQUARE[:4], system=1) + cells).points) == 4
+    with pytest.raises(ModelError, match=r"node 1 and 3 more in coordinates of their own"):
+        read(tmp_path, systems + nodes(SQUARE[:4], system=2) + cells)
+
+
+@pytest.mark.parametrize(("text", "told"), [
+    ("", r"found 0 nodes and no elements.*mesh-no-cells"),
+    (nodes(SQUARE), r"found 5 nodes and no elements"),
+    ("solid\n", r"line 1: found 'solid', expected -1, where a set begins"),
+    (PLATE[:-8], r"line 25: set 2412 does not end with -1: cut short\?"),
+    ("    -1\n", r"line 1: found the end of the file"),
+    (data_set(2411, "1 0 0 11", "0.0 x 0.0"), r"line 4: found '0\.0 x 0\.0', expected 3 numbers"),
+    (data_set(2411, "1 0 0"), r"line 4: set 2411 ends within a node"),
+    (data_set(2411, "1 0 a 11", "0 0 0"), r"line 3: found '1 0 a 11', expected 4 whole numbers"),
+    (nodes(SQUARE) + elements(44, [[1, 2, 3]]), r"line 16: element 1 has 3 nodes, expected 4 with descriptor 44"),
+    (nodes(SQUARE) + elements(44, [[1, 2, 3, 9]]), r"node 9 is named but not given"),
+    (nodes(SQUARE) + elements(84, [[1, 2, 3, 4]]), r"element 1 with descriptor 84.*mesh-unsupported-cell"),
+    (nodes([*SQUARE, SQUARE[0]], [1, 2, 3, 4, 5, 1]) + elements(44, [[1, 2, 3, 4]]), r"node 1 is given twice"),
+    (PLATE + elements(44, [[1, 2, 3, 4]]), r"element 1 is given twice"),
+    (PLATE + group("g", [77], 8), r"element 77 is named but not given"),
+    (PLATE + data_set(2467, "1 0 0 0 0 0 0 9", "g", "7 1 0 0"), r"set 2467 ends within group 'g'"),
+    (PLATE + data_set(164, "5 mm", "0.0 1.0 1.0"), r"found the factor 0 of lengths, expected one above 0"),
+])  # fmt: skip
+def test_damaged_files_are_refused_by_line(text, told, tmp_path):
+    with pytest.raises(ModelError, match=told):
+        read(tmp_path, text)
