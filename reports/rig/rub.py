@@ -168,6 +168,7 @@ def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str
         lean_deg=plan.lean_deg,
         out_of_roundness=terms,
         angle_deg=float(np.degrees(theta[d.argmax()])),
+        turning="casing",
     )
     write_atomic(files[0].with_name(f"rub_{name.replace(' ', '_')}.toml"), scene_toml(scene, files, plan))
     result = ct.run(
@@ -208,6 +209,7 @@ out_of_roundness = [
 
 [speed]
 hz = {plan.speed_hz!r}
+turning = "{scene.turning}"
 
 [scheme]
 kind = "exact-modal"

@@ -84,6 +84,7 @@ clearance = {gap}
 friction = 0.1
 out_of_roundness = [{{p = 2, cos = 2e-4}}]
 [speed]
+turning = "blades"
 hz = 20.0
 scan = {{from_hz = 5.0, to_hz = 40.0, steps = 8}}
 [scheme]

@@ -91,6 +91,7 @@ clearance = 1e-4
 friction = 0.1
 out_of_roundness = [{p = 2, cos = 2e-4}]
 [speed]
+turning = "blades"
 hz = 20.0
 [scheme]
 kind = "exact-modal"

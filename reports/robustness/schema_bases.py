@@ -24,9 +24,10 @@ CASING = HEAD + COARSE + CYLINDER
 PLATE = '[chart]\nkind = "plate"\nlength = 0.11\nwidth = 0.04\n'
 BRICKS = HEAD + '[solid]\nmesh = "mesh.inp"\nscale = 1.0\n'
 RIM_RUN = 'kind = "rim"\nt_end = 2e-3\n'
-SPEED = "[speed]\nhz = 20.0\nscan = {from_hz = 5.0, to_hz = 40.0, steps = 8}\n"
+SPEED = '[speed]\nturning = "blades"\nhz = 20.0\nscan = {from_hz = 5.0, to_hz = 40.0, steps = 8}\n'
 STEP = '[scheme]\nkind = "exact-modal"\ndt = 2e-5\n'
-TURNING = "[speed]\nfrom_hz = 18.0\nto_hz = 19.0\n[continuation]\nlongest_step = 0.5\nmost_points = 2\nlooks = 8\n"
+TURNING = '[speed]\nturning = "blades"\nfrom_hz = 18.0\nto_hz = 19.0\n'
+TURNING += "[continuation]\nlongest_step = 0.5\nmost_points = 2\nlooks = 8\n"
 ONE_BLADE = '[casing]\nbasis = "casing.npz"\n[blade]\nbasis = "blade.npz"\nlean_deg = 10.0\n'
 BLADES = ONE_BLADE.replace("[blade]", "thickness = 4e-3\n[[blade]]")
 REDUCED = BLADES.replace("casing.npz", "reduced casing.npz").replace("blade.npz", "reduced blade.npz")

@@ -189,6 +189,7 @@ clearance = 1.8e-4
 friction = 0.1
 out_of_roundness = [{{p = 2, cos = 2e-4}}, {{p = 3, cos = 5e-5}}]
 [speed]
+turning = "blades"
 hz = 5.0
 [scheme]
 kind = "exact-modal"

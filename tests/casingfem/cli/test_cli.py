@@ -68,6 +68,7 @@ lean_deg = 5.0
 [contact]
 clearance = -1e-6
 [speed]
+turning = "blades"
 hz = 5.0
 [scheme]
 kind = "exact-modal"

@@ -57,6 +57,7 @@ basis = "b.npz"
 [contact]
 clearance = 1e-4
 [speed]
+turning = "blades"
 hz = 1.0
 [scheme]
 kind = "exact-modal"

@@ -37,6 +37,7 @@ basis = "blade.npz"
 clearance = 1e-4
 out_of_roundness = [{p = 2, cos = 1.5e-4}]
 [speed]
+turning = "blades"
 hz = 20.0
 [scheme]
 kind = "exact-modal"

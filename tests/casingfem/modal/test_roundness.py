@@ -29,6 +29,7 @@ basis = "blade.npz"
 clearance = 1e-3
 out_of_roundness = {}
 [speed]
+turning = "blades"
 hz = 5.0
 [scheme]
 kind = "exact-modal"

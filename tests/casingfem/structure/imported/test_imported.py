@@ -238,6 +238,7 @@ clearance = 1e-4
 friction = 0.2
 out_of_roundness = [{p = 2, cos = 2e-4}]
 [speed]
+turning = "blades"
 hz = 5.0
 [scheme]
 kind = "exact-modal"
