@@ -99,7 +99,7 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
         from casingfem.plot.sweep import figure_sweep
 
         values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
-        drawn = Drawn(figure_sweep([plan.keys[k] for k in numbers], values, found.rows))
+        drawn = Drawn(figure_sweep([plan.labels[k] for k in numbers], values, found.rows))
         files["sweep.png"] = drawn.png
     told = words(found, document["seconds"])
     files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told)

@@ -25,8 +25,8 @@ def figure_mac(found: Correlation) -> Figure:
     axes = figure.add_subplot()
     pairs = [(np.array(match.rows), np.array(match.modes)) for match in found.pairing.matches]
     image = mac_panel(axes, found.mac, pairs, found.modes, found.measured.freq_hz, size=6.5)
-    axes.set(ylabel="measured [Hz]", title="MAC; pairs framed")
-    figure.colorbar(image, ax=axes, shrink=0.8)
+    axes.set(ylabel="measured mode, by its frequency [Hz]", title="MAC; pairs framed")
+    figure.colorbar(image, ax=axes, shrink=0.8, label="MAC [-]")
     return figure
 
 
@@ -82,7 +82,7 @@ def figure_comac(found: Correlation) -> Figure:
         colour, low, high = colours
         dots = axes.scatter(x, y, c=values, cmap=colour, vmin=low, vmax=high, s=36, edgecolor=BEFORE)
         axes.set(xlabel=across, ylabel=up, title=name)
-        figure.colorbar(dots, ax=axes)
+        figure.colorbar(dots, ax=axes, label=f"{name} [-]")
     return figure
 
 
@@ -96,7 +96,7 @@ def sensor_places(found: Correlation) -> tuple[tuple[FloatArray, str], tuple[Flo
     if is_axisymmetric(chart):
         z = np.real(chart.surface(found.sensors.a, found.sensors.b, None).x[2])
         return (np.degrees(found.sensors.b) % 360.0, "angle [deg]"), (z, "z [m]")
-    return (found.sensors.b, "second parameter"), (found.sensors.a, "first parameter")
+    return (found.sensors.b, "second parameter [m or rad]"), (found.sensors.a, "first parameter [m or rad]")
 
 
 @styled
@@ -116,6 +116,6 @@ def figure_located(found: Localisation) -> Figure:
             value = scale * np.array([one.value for one in places])
             spread = 3.0 * scale * np.array([one.sigma for one in places])
             axes.errorbar(angle, value, yerr=spread, fmt=marker, color=colour, markersize=6, capsize=3, label=label)
-    axes.set(ylim=(0.0, 1.15 if bolts else None), title="stiffness left" if bolts else "mass added [g]")
+    axes.set(ylim=(0.0, 1.15 if bolts else None), title="stiffness left [-]" if bolts else "mass added [g]")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

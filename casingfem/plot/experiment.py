@@ -50,7 +50,7 @@ def figure_responses(
     if coherence is not None:
         below = figure.add_subplot(grid[1], sharex=axes)
         below.plot(coherence.x, coherence.responses.real.min(axis=0), color=BEFORE, linewidth=0.6)
-        below.set(ylim=(0.0, 1.05), ylabel="coherence\n(least)")
+        below.set(ylim=(0.0, 1.05), ylabel="coherence\n(least) [-]")
         axes = below
     axes.set_xlabel("frequency [Hz]")
     say_synthetic(figure, frfs.card)
@@ -68,6 +68,7 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
     lines, size = found.lines, np.abs(found.V)
     if record.force is not None:
         size = size * (spectrum.max() / max(float(size.max()), 1e-300))
+    scaled = "" if record.force is None else ", scaled to the spectrum"
     there = np.abs(found.V) > SEEN * found.sigma
     reach = 1.5 * abs(found.rate)
     shown = (freq >= lines.min() - reach) & (freq <= lines.max() + reach)
@@ -75,8 +76,8 @@ def figure_scan(record: ScanRecord, found: CircleScan) -> Figure:
     for k, tone in enumerate(found.tones.tolist()):
         own = there[k]
         colour = COLOURS[k % len(COLOURS)]
-        axes.plot(lines[k, own], size[k, own], "o", color=colour, markersize=4.5, label=f"lines of {tone:.2f} Hz"
-                  if len(found.tones) <= len(COLOURS) else None)  # fmt: skip
+        label = f"lines of {tone:.2f} Hz{scaled}" if len(found.tones) <= len(COLOURS) else None
+        axes.plot(lines[k, own], size[k, own], "o", color=colour, markersize=4.5, label=label)
         for order, at, height in zip(found.n[own].tolist(), lines[k, own], size[k, own], strict=True):
             if height > 0.05 * size.max():
                 axes.annotate(

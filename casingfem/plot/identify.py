@@ -74,7 +74,7 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
     sensor, force = np.argwhere(found.sensors.channels == channel)[0].tolist()
     point, reference = int(found.sensors.points[sensor]), int(found.sensors.references[force, 0])
     upper.set_title(f"Response at point {point} to a force at point {reference}", pad=18)
-    upper.set_ylabel("magnitude")
+    upper.set_ylabel("magnitude\n[unit of the responses]")
     lower.set(ylabel="phase [deg]", xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     upper.legend(handles=upper.lines[:2], loc="lower right")
     return figure
@@ -95,18 +95,18 @@ def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
     unique = dict(zip(labels, handles, strict=True))
     if unique:
         rows[0].legend(unique.values(), unique.keys(), loc="lower right")
-    rows[0].set_ylabel("mode indicator")
+    rows[0].set_ylabel("mode indicator\n[unit of the responses]")
     rows[0].set_title(f"Modes: {int(found.sure.sum())} sure, {int(np.sum(~found.sure))} doubtful")
     parts = (("measured", found.measured, MEASURED), ("fitted", found.fitted, AFTER))
     for label, values, colour in (*parts, ("residual", found.measured - found.fitted, BEFORE)):
         rows[1].semilogy(found.lines, np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), color=colour, lw=0.9, label=label)
     channels = len(found.measured)
-    rows[1].set_ylabel(f"rms of {channels} channel{'s' * (channels > 1)}")
+    rows[1].set_ylabel(f"rms of {channels} channel{'s' * (channels > 1)}\n[unit of the responses]")
     rows[1].legend(loc="lower right")
     if coherence is not None:
         kept = (coherence.x >= found.lines[0]) & (coherence.x <= found.lines[-1])
         rows[2].plot(coherence.x[kept], coherence.responses.real.min(axis=0)[kept], color=BEFORE, lw=0.6)
-        rows[2].set(ylim=(0.0, 1.05), ylabel="coherence\n(least)")
+        rows[2].set(ylim=(0.0, 1.05), ylabel="coherence\n(least) [-]")
     rows[-1].set(xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     return figure
 

@@ -95,7 +95,7 @@ def deflection(result: Any) -> Figure:
 def sweep(result: Any) -> Figure:
     """What was measured over the varied keys."""
     values = np.array([run.values for run in result.plan.runs], dtype=float)
-    return by_name("sweep", "figure_sweep")(result.plan.keys, values=values, rows=result.rows)
+    return by_name("sweep", "figure_sweep")(result.plan.labels, values=values, rows=result.rows)
 
 
 def identified(result: Any) -> Figure:

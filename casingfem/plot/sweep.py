@@ -14,9 +14,9 @@ from casingfem.plot.style import AFTER, BEFORE, DIVERGING, GREEN, MEASURED, PERF
 
 PANELS = (
     ("amplitude_m", "amplitude [m]"),
-    ("contact_fraction", "contact fraction"),
+    ("contact_fraction", "contact fraction [-]"),
     ("growth_1_s", "growth [1/s]"),
-    ("dominant_n", "dominant n"),
+    ("dominant_n", "dominant n [-]"),
 )
 LOGARITHMIC = ("amplitude_m", "diverged_at_s")
 ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
@@ -27,6 +27,7 @@ LABELS = {
     "freq_hz": "frequency [Hz]",
     "amplitude": "force [N]",
     "clearance": "clearance [m]",
+    "friction": "coefficient of friction [-]",
 }
 Mask = NDArray[np.bool_]
 Marks = Mapping[str, tuple[str, Mask]]
@@ -36,7 +37,7 @@ Marks = Mapping[str, tuple[str, Mask]]
 def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping[str, Any]]) -> Figure:
     """Amplitude, contact fraction, growth and dominant nodal diameter of all runs.
 
-    `keys` names the varied numbers, one or two of them; `values` (runs, keys). Runs that diverged are
+    `keys` names the varied numbers with their units, one or two of them; `values` (runs, keys). Runs that diverged are
     triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
     """
     status = np.array([row["status"] for row in rows])

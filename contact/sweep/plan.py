@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Value = float | str | int
 COUNTS = ("seed", "draw", "elements", "modes", "count", "blades", "line", "bars", "updates", "p", "n", "n_max")
 PART = re.compile(r"^(\w+)(?:\[(\d+)\])?$")
-MEASURES = 4  # number of the definition of what is measured on a run: a change of it changes every hash
+MEASURES = 5  # number of the definition of what is measured on a run: a change of it changes every hash
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +53,11 @@ class SweepPlan:
     source: dict[str, str]
 
     __repr__ = brief
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The varied keys with their units, as a picture names its axes."""
+        return tuple(f"{key} [{unit}]" if (unit := unit_of(self.base, key)) else key for key in self.keys)
 
     def data(self, run: SweepRun) -> dict[str, Any]:
         """Tables of one run's scene."""
@@ -171,6 +176,28 @@ def _place(data: dict[str, Any], key: str, file: Path | None) -> tuple[dict[str,
     if not path or re.fullmatch(r"\w+", last) is None:
         raise SceneError([f"{file or 'sweep'}: sweep.vary.key: found {key!r}, expected table.key of the scene"])
     return at, last
+
+
+def unit_of(base: dict[str, Any], key: str) -> str:
+    """The unit of a key of a scene, by its table; empty where the table names none.
+
+    >>> unit_of({"scene": {"kind": "rim"}, "speed": {"hz": 5.0}}, "speed.hz")
+    'turns/s'
+    """
+    from contact.io.tables import keys, models_at
+    from contact.scene.schema import scene_models
+
+    root = scene_models().get(str(entries(base.get("scene")).get("kind")))
+    path: list[str | int] = []
+    for part in key.split("."):
+        if match := PART.fullmatch(part):
+            path += [match[1], *([int(match[2]) - 1] if match[2] else [])]
+    if root is None or not path:
+        return ""
+    infos = (keys(model).get(str(path[-1])) for model in models_at([root], path[:-1], base))
+    meaning = next((info.description or "" for info in infos if info is not None), "")
+    found = re.findall(r"\[([^\]]+)\]", meaning)
+    return found[-1] if found else ""
 
 
 def _whole(base: dict[str, Any], key: str, file: Path) -> bool:

@@ -8,7 +8,7 @@ its run is computed again. There is no index: to read and check a file takes 40 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, singledispatch
 from pathlib import Path
@@ -20,9 +20,11 @@ from contact.base.arrays import Array
 from contact.base.errors import DivergedError, NumericsError
 from contact.io.outfiles import finite, read_checked, write_checked
 from contact.io.trust import Flag
-from contact.model.gaps.gap import RotatingRim
+from contact.model.bodies.patch import Patch
+from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.limits import FAR
 from contact.model.gaps.rub import Rub
+from contact.problem import What
 from contact.record.record import Record
 from contact.result import Result
 from contact.run import Scene
@@ -65,7 +67,7 @@ def _ended(outcome: Outcome, scene: Scene | None) -> dict[str, Any]:
 @_ended.register
 def _(outcome: NumericsError, scene: Scene | None) -> dict[str, Any]:
     flags = "" if outcome.result is None else codes(outcome.result.flags)
-    return {"status": "failed", "flags": flags, "why": str(outcome)} | _reached(_rim(scene), outcome.result)
+    return {"status": "failed", "flags": flags, "why": str(outcome)} | _reached(scene, outcome.result)
 
 
 @_ended.register
@@ -82,7 +84,7 @@ def _(outcome: Result, scene: Scene | None) -> dict[str, Any]:
     said: dict[str, Any] = {"status": status, "flags": codes(flags), "why": " ".join(flags)}
     if ended is not None:
         said |= {"status": "diverged", "diverged_at_s": ended.time}
-    return said | _numbers(rim, outcome, radial)
+    return said | _numbers(_what(scene), rim, outcome, radial)
 
 
 def codes(flags: Iterable[Flag]) -> str:
@@ -94,8 +96,9 @@ def codes(flags: Iterable[Flag]) -> str:
     return "; ".join(dict.fromkeys(flag.code for flag in flags))
 
 
-def _reached(rim: RotatingRim | Rub | None, result: Result | None) -> dict[str, Any]:
-    return {} if result is None else _numbers(rim, result, _radial(rim, result))
+def _reached(scene: Scene | None, result: Result | None) -> dict[str, Any]:
+    rim = _rim(scene)
+    return {} if result is None else _numbers(_what(scene), rim, result, _radial(rim, result))
 
 
 def _radial(rim: RotatingRim | Rub | None, result: Result) -> Array:
@@ -106,7 +109,7 @@ def _radial(rim: RotatingRim | Rub | None, result: Result) -> Array:
         return np.asarray(result.state_of("casing") @ rim.casing.rows[: 2 * rim.casing.n_max + 1].T)
 
 
-def _numbers(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
+def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
     energy = result.energy
     found: dict[str, Any] = {
         "steps": result.steps, "closings": sum(len(part) for part in result.intervals),
@@ -119,7 +122,7 @@ def _numbers(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> di
         "unaccounted_rel": energy.unaccounted / energy.scale if energy.scale > 0.0 else 0.0,
     }  # fmt: skip
     if len(result.state):
-        found |= _motion(rim, result, radial)
+        found |= _motion(what, rim, result, radial)
     ended = result.divergence
     if ended is not None and not math.isfinite(found.get("growth_1_s") or math.nan):
         found["growth_1_s"] = ended.growth  # too few states, but enough samples
@@ -127,12 +130,22 @@ def _numbers(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> di
     return plain
 
 
-def _motion(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
+def _displacements(what: What | None, result: Result) -> Array | None:
+    """Displacements [m] of a run without a rim, (states, places); None where its states hold angles or modes alone."""
+    if isinstance(what, Patch):
+        return np.asarray(result.state @ what.body.rows.T)
+    if isinstance(what, PointGap) and len(what.sides) == 1:
+        return np.asarray(result.state @ what.sides[0].body.rows.T)
+    return result.state if isinstance(what, Sequence) and "modal" not in result.scheme else None
+
+
+def _motion(what: What | None, rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
     """Amplitudes over the last quarter; growth over all windows of time."""
     late = slice(3 * len(result.state) // 4, None)
     with np.errstate(over="ignore", invalid="ignore"):
         if rim is None:
-            return {"amplitude_m": float(np.abs(result.state).max())}
+            moved = _displacements(what, result)
+            return {} if moved is None else {"amplitude_m": float(np.abs(moved).max())}
         name, normal = rim.blade_normal()
         blade = result.state_of(name) @ normal
         levels = _levels(radial[late], rim.casing.n_max)
@@ -142,6 +155,10 @@ def _motion(rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dic
             "growth_1_s": growth_rate(result.state_time, np.concatenate([radial, blade[:, None]], axis=1)),
             "dominant_n": n, "dominant_rms_m": float(levels[n]),
         }  # fmt: skip
+
+
+def _what(scene: Scene | None) -> What | None:
+    return None if scene is None else scene.what
 
 
 def _rim(scene: Scene | None) -> RotatingRim | Rub | None:

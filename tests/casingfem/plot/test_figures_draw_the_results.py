@@ -1,0 +1,238 @@
+"""What is drawn is what the result holds, number for number, and every axis has its unit."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import casingfem as cf
+import contact as ct
+from casingfem.plot.contact import figure_contact, figure_wear
+from casingfem.plot.experiment import figure_responses as figure_frfs
+from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
+from casingfem.plot.interaction import figure_interactions, figure_speeds, figure_stability
+from casingfem.plot.modes import figure_frequencies
+from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
+from casingfem.plot.records import figure_peaks
+from casingfem.plot.sweep import figure_cycles, figure_sweep
+from casingfem.plot.update import Paired, figure_errors
+from contact.model.bodies.patch import Patch
+from contact.model.gaps.permanent import HandPair, ModalPair
+from contact.sweep.plan import load_sweep
+from contact.sweep.sweep import run_sweep
+
+COUNTED = ("nodal diameters n", "mode", "measured mode", "computed mode", "model order", "number of the hit")
+
+
+def drawn(axes, label: str) -> tuple[np.ndarray, np.ndarray]:
+    """The only line of this label."""
+    (line,) = [line for line in axes.lines if line.get_label() == label]
+    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+
+
+def same(line, x, y) -> bool:
+    """Whether a line is drawn through these points exactly."""
+    return np.array_equal(line.get_xdata(), x) and np.array_equal(line.get_ydata(), y)
+
+
+def require_units(figure: Figure) -> None:
+    """Every axis that has numbers names its unit, or counts."""
+    for axes in figure.axes:
+        shared = axes.get_shared_x_axes().get_siblings(axes)
+        x = next((other.get_xlabel() for other in (axes, *shared) if other.get_xlabel()), "")
+        for label, ticks in ((x, axes.get_xticks()), (axes.get_ylabel(), axes.get_yticks())):
+            assert re.search(r"\[[^\]]+\]", label) or label in COUNTED or not len(ticks), (label, axes)
+
+
+ROD = {"length": 0.254, "area": 6.4516e-4, "E": 206.8427e9, "rho": 7844.181}
+
+
+@pytest.mark.slow
+def test_a_run_of_rods_shows_forces_in_newtons_gaps_in_mm_and_displacements_in_m():
+    rods = [ct.Rod(**ROD, elements=8, x=-0.254254, velocity=5.13588), ct.Rod(**ROD, elements=8)]
+    result = ct.run(rods, t_end=2e-4, courant=0.9, record=ct.Record(state_every=1))
+    figure = figure_contact(result)
+    require_units(figure)
+    force, gap, state = figure.axes
+    assert same(force.lines[0], result.time, result.windowed_force()[:, 0])
+    assert same(gap.lines[1], result.time, 1e3 * result.gap[:, 0])
+    assert state.get_ylabel() == "displacement [m]"
+    for line in state.lines:
+        assert same(line, result.state_time, result.state[:, int(line.get_label()) - 1])
+
+
+@pytest.mark.slow
+def test_a_run_of_modes_shows_modal_coordinates_as_such():
+    body = ct.ModalBody(omega=[40.0, 60.0], zeta=[0.01] * 2, channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
+    patch = Patch(body=body, normal=("y",), load=[0.3, -1.0])
+    result = ct.run(patch, t_end=0.05, dt=1e-3, record=ct.Record(state_every=1))
+    figure = figure_contact(result)
+    require_units(figure)
+    assert figure.axes[2].get_ylabel() == "modal coordinate\n[kg$^{1/2}$ m]"
+    for line in figure.axes[2].lines:
+        assert same(line, result.state_time, result.state[:, int(line.get_label()) - 1])
+
+
+def test_energies_and_strain_energies_are_those_of_the_ledger():
+    ledger, time = {"start": 2.0, "friction": -0.5, "end": 1.5}, np.linspace(0.0, 1.0, 5)
+    strain = {"casing": time**2, "blade": 2.0 * time}
+    figure = figure_energy(ledger, time, strain)
+    require_units(SimpleNamespace(axes=figure.axes[1:]))
+    names = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert dict(zip(names, (bar.get_width() for bar in figure.axes[0].patches), strict=True)) == ledger
+    assert re.search(r"\[J\]", figure.axes[0].get_xlabel())
+    for name, energy in strain.items():
+        assert np.array_equal(drawn(figure.axes[1], name), (time, energy))
+
+
+def test_a_spectrum_has_the_amplitude_of_its_sine_at_its_frequency():
+    time = 1e-3 * np.arange(4000)
+    figure = figure_spectrum(time, 3.0 * np.sin(2.0 * np.pi * 50.0 * time), label="force", unit="N")
+    require_units(figure)
+    for label in ("whole run", "last quarter"):
+        freq, amplitude = drawn(figure.axes[0], label)
+        assert (freq[amplitude.argmax()], amplitude.max()) == (50.0, pytest.approx(3.0, rel=1e-2))
+
+
+def test_an_orbit_is_drawn_in_micrometres_along_the_rim_and_outwards():
+    phase = np.linspace(0.0, 6.0, 40)
+    motion = SimpleNamespace(time=phase, tip=1e-5 * np.stack([np.cos(phase), np.sin(phase)], axis=1),
+                             rim=2e-6 * np.stack([np.sin(phase), phase], axis=1))  # fmt: skip
+    figure = figure_orbit(motion)
+    require_units(figure)
+    for axes, values in zip(figure.axes, (motion.tip, motion.rim), strict=True):
+        assert np.array_equal(drawn(axes, "whole run"), (1e6 * values[:, 1], 1e6 * values[:, 0]))
+
+
+@pytest.mark.slow
+def test_growth_over_speed_is_that_of_the_map_and_of_the_table():
+    pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+                    blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)  # fmt: skip
+    found = ct.growth.interactions(pair, np.linspace(52.0, 54.0, 11))
+    for figure in (figure_stability(found.map), figure_interactions(found)):
+        growth = figure.axes[0 if len(figure.axes) == 1 else 1]
+        require_units(figure)
+        curve, peak = growth.lines[1:3]
+        assert same(curve, found.map.speed_hz, found.map.growth)
+        assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (found.map.peak_speed_hz, found.map.peak_growth)
+
+
+def test_cycles_are_drawn_from_their_rows_branch_by_branch():
+    rows = [{"branch": 1, "speed_hz": 5.0 + k, "stable": k < 2, "amplitude_casing": 1e-5 * k} for k in range(4)]
+    figure = figure_cycles(rows, [{"kind": "fold", "branch": 1, "speed_hz": 7.0, "amplitude_casing": 2e-5}])
+    require_units(figure)
+    kept, lost = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 1]
+    for line, shown in ((kept, rows[:3]), (lost, rows[2:])):
+        assert same(line, [row["speed_hz"] for row in shown], [row["amplitude_casing"] for row in shown])
+    assert np.array_equal(drawn(figure.axes[0], "fold"), ([7.0], [2e-5]))
+
+
+@pytest.mark.slow
+def test_a_sweep_is_drawn_over_its_key_and_the_key_has_its_unit(tmp_path):
+    scene = tmp_path / "sweep.toml"
+    rod = "".join(f"{name} = {value!r}\n" for name, value in ROD.items())
+    scene.write_text(
+        f'[scene]\nkind = "rods"\nt_end = 1e-4\n[[rod]]\n{rod}elements = 4\nvelocity = 1.0\n[wall]\nx = 0.2541\n'
+        '[scheme]\nkind = "forward-lagrange"\ncourant = 0.9\n[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\n'
+        "values = [3.0, 1.0, 2.0]\n"
+    )
+    found = run_sweep(load_sweep(scene), folder=tmp_path / "runs", jobs=1)
+    plan = found.plan
+    assert plan.labels == ("rod[1].velocity [m/s]",)
+    values = np.array([run.values for run in plan.runs])
+    figure = figure_sweep(plan.labels, values, found.rows)
+    require_units(figure)
+    order = np.argsort(values[:, 0])
+    amplitude = np.array([row["amplitude_m"] for row in found.rows])
+    assert same(figure.axes[0].lines[0], values[order, 0], amplitude[order])
+
+
+def test_the_wear_of_a_coating_is_drawn_over_its_angle():
+    angle = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+    worn = SimpleNamespace(angle=angle, made=1e-5 * np.cos(angle), before=2e-5 * np.sin(angle), after=3e-5 * angle,
+                           map_time=np.array([0.0, 1.0]), map=1e-6 * np.arange(16.0).reshape(2, 8))  # fmt: skip
+    figure = figure_wear(worn)
+    require_units(figure)
+    for label, values in (("as made", worn.made), ("before the run", worn.before), ("after", worn.after)):
+        assert np.array_equal(drawn(figure.axes[0], label), (np.degrees(angle), 1e6 * values))
+    assert np.array_equal(figure.axes[1].images[0].get_array(), 1e6 * worn.map)
+
+
+@pytest.fixture(scope="module")
+def identified():
+    theta, x = np.arange(8) * np.pi / 4, np.arange(80.0, 120.0, 0.1)
+    H = np.cos(2 * theta)[:, None] * 100.0**2 / (100.0**2 - x**2 + 2j * 0.004 * 100.0 * x)
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(8))
+    return frfs, cf.identify(frfs, angles=dict(enumerate(np.degrees(theta))))
+
+
+@pytest.mark.slow
+def test_responses_and_fits_are_those_of_the_identification(identified):
+    frfs, found = identified
+    figure = figure_responses(found, channel=2)
+    require_units(figure)
+    for label, values in (("measured", found.measured), ("fitted", found.fitted)):
+        assert np.array_equal(drawn(figure.axes[0], label), (found.lines, np.abs(values[2])), equal_nan=True)
+    figure = figure_fit(found)
+    require_units(figure)
+    rms = np.sqrt(np.mean(np.abs(found.measured - found.fitted) ** 2, axis=0))
+    assert np.array_equal(drawn(figure.axes[1], "residual"), (found.lines, rms), equal_nan=True)
+    figure = figure_frfs(frfs)
+    require_units(figure)
+    assert figure.axes[0].get_ylabel() == "|H| [m/N]"
+    channels = zip(figure.axes[0].lines[: len(frfs)], np.abs(frfs.responses), strict=True)
+    assert all(same(line, frfs.x, size) for line, size in channels)
+    poles, order = drawn(figure_stabilisation(found).axes[0], "stable pole")
+    stable = found.diagram.stable
+    assert np.array_equal((poles, order), (found.diagram.freq[stable], found.diagram.order[stable]))
+
+
+def test_hits_are_drawn_by_their_peaks():
+    hits = [SimpleNamespace(peak=-3.0, left=0.02, fault=""), SimpleNamespace(peak=5.0, left=0.5, fault="clipped")]
+    figure = figure_peaks(SimpleNamespace(hits=hits))
+    require_units(figure)
+    assert np.array_equal(drawn(figure.axes[0], "used"), ([1.0], [3.0]))
+    assert np.array_equal(drawn(figure.axes[1], "left out"), ([2.0], [50.0]))
+
+
+@pytest.fixture(scope="module")
+def modes():
+    casing = cf.Shell(
+        chart=cf.Frustum(r_base=0.2, r_top=0.18, height=0.2), thickness=2e-3,
+        material=cf.Material(E=2e11, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()},
+    )  # fmt: skip
+    return cf.modes(casing, 6)
+
+
+@pytest.mark.slow
+def test_frequencies_are_drawn_over_their_nodal_diameters(modes):
+    figure = figure_frequencies(modes)
+    require_units(figure)
+    assert np.array_equal(drawn(figure.axes[0], "this structure"), (modes.nodal_diameters, modes.freq))
+
+
+@pytest.mark.slow
+def test_errors_of_frequencies_are_relative_in_per_cent(modes):
+    table = cf.FrequencyTable.from_arrays(
+        freq_hz=1.01 * modes.freq[[0, 2]], sigma_hz=0.5, n=modes.nodal_diameters[[0, 2]], mode=[1, 2]
+    )
+    paired = cf.correlation.pair(modes, table)
+    figure = figure_errors(table, {"imperfect": Paired(modes, paired)})
+    require_units(figure)
+    x, y = drawn(figure.axes[0], "imperfect")
+    rows = [row for match in paired.matches for row in match.rows]
+    kept = [mode for match in paired.matches for mode in match.modes]
+    assert np.array_equal(np.round(x), rows)
+    assert np.allclose(y, 100.0 * (modes.freq[kept] / table.freq_hz[rows] - 1.0), rtol=1e-12)
+
+
+def test_a_campbell_diagram_shows_each_mode_over_speed():
+    freq = np.array([[90.0 + k, 120.0 - k] for k in range(6)])
+    found = SimpleNamespace(speed_hz=np.linspace(0.0, 50.0, 6), freq=freq, crossings=lambda order: [])
+    figure = figure_speeds(found, orders=2)
+    require_units(figure)
+    first, second = figure.axes[0].lines[2:4]
+    assert same(first, found.speed_hz, found.freq[:, 0])
+    assert same(second, found.speed_hz, found.freq[:, 1])
