@@ -19,6 +19,7 @@ from contact.growth.cycles.result import Cycles
 from contact.growth.cycles.rubbing import RimFamily
 from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
+from contact.model.law import Law
 from contact.scene.load import scene_data, scene_of
 from contact.scene.patch import GroundTable, PatchBodyTable
 from contact.scene.plausible import require_plausible
@@ -191,9 +192,16 @@ def _turning(data: dict[str, Any], file: Path, model: type[TurningFile]) -> Cycl
         between, name = vary.between, "clearance" if vary.clearance is not None else "friction"
     family = RimFamily(
         rim=cast("RotatingRim | Rub", run.what), name=cast("RimParameter", name), mu=run.law.mu,
-        stiffness=math.inf if run.law.coating is None else run.law.coating.under_tip, looks=table.continuation.looks,
+        stiffness=_under_tips(table, run.law), looks=table.continuation.looks,
     )  # fmt: skip
     return CyclesScene(family=family, between=_asked(table.basins, between), how=table.continuation, ask=table.basins)
+
+
+def _under_tips(table: TurningFile, law: Law) -> float:
+    """Stiffness of what a tip presses into [N/m]: a spring, a coating, or the rim itself."""
+    if table.law is not None:
+        return table.law.stiffness
+    return math.inf if law.coating is None else law.coating.under_tip
 
 
 def _asked(table: BasinsTable | None, between: tuple[float, float]) -> tuple[float, float]:

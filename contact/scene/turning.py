@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import MANY
-from contact.scene.laws import CoatingTable
+from contact.scene.laws import CoatingTable, SpringLaw, require_one
 from contact.scene.parts import radius_of
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
@@ -96,6 +96,7 @@ class TurningFile(CheckedFile):
 
     scene: TurningHead = Field(description="what this scene is")
     coating: CoatingTable | None = Field(default=None, description="a coating of the rim, which gives way, not worn")
+    law: SpringLaw | None = Field(default=None, description="a spring at each tip, instead of a coating")
     speed: SpeedRange = Field(description="range of speeds, or the speed")
     vary: VaryTable | None = Field(default=None, description="what is varied in place of the speed")
     continuation: ContinuationTable = Field(default_factory=ContinuationTable, description="how branches are followed")
@@ -109,6 +110,9 @@ class TurningFile(CheckedFile):
             raise ValueError("continuation.channels found with a rim, which shows casing, span and flap")
         if self.coating is not None and self.coating.machined > 0.0:
             raise ValueError("coating.machined found, expected the profile that is left as out_of_roundness")
+        require_one(self.law, self.coating)
+        if self.law is not None and self.law.damping > 0.0:
+            raise ValueError("law.damping found, expected a spring alone: a run (casingfem rub) takes the rest")
         return self
 
 
