@@ -1,9 +1,9 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
 Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, BeamInCircle, Patch), laws
-(Unilateral, Penalty, AugmentedLagrangian, Coulomb) and schemes (`contact.scheme`) are frozen values;
+(Unilateral, Penalty, Coulomb) and schemes (`contact.scheme`) are frozen values;
 `run` brings them together and returns a Result. Scene files: `load_scene`. What is needed less often stands in rooms:
-`ct.bodies`, `ct.gaps`, `ct.scheme`, `ct.growth`, `ct.scene`, `ct.record`.
+`ct.bodies`, `ct.gaps`, `ct.laws`, `ct.scheme`, `ct.growth`, `ct.scene`, `ct.record`.
 
 >>> import contact as ct
 >>> left = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=20, x=-1.1, velocity=1.0)

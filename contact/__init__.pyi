@@ -1,18 +1,17 @@
 from . import growth, record, scene, scheme
 from .base.errors import InputError, LimitError, NumericsError
 from .confirmed import interactions
-from .model import bodies, gaps
+from .model import bodies, gaps, laws
 from .model.bodies.beam import BeamInCircle
 from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
 from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
-from .model.force_law import ForceLaw, ForceTable, Hertz, Response
 from .model.gaps.bladed_disk import BladedDisk
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
 from .model.gaps.rub_laws import RimProfile, Speed
-from .model.law import Abradable, AugmentedLagrangian, Coulomb, Penalty, Unilateral
+from .model.law import Abradable, Coulomb, Penalty, Unilateral
 from .record.record import Record
 from .result import Result
 from .run import Scene, run
@@ -27,16 +26,12 @@ __version__: str
 
 __all__ = [
     "Abradable",
-    "AugmentedLagrangian",
     "BeamInCircle",
     "BladedDisk",
     "CentralDifference",
     "ContactPoint",
     "Coulomb",
     "ExactModal",
-    "ForceLaw",
-    "ForceTable",
-    "Hertz",
     "InputError",
     "LimitError",
     "LinearBody",
@@ -50,7 +45,6 @@ __all__ = [
     "PointGap",
     "PointMass",
     "Record",
-    "Response",
     "Result",
     "RimProfile",
     "Rod",
@@ -64,6 +58,7 @@ __all__ = [
     "gaps",
     "growth",
     "interactions",
+    "laws",
     "load_scene",
     "record",
     "run",

@@ -24,13 +24,13 @@ from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Rod, Wall
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
-from contact.model.force_law import Hertz
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import PointGap, RotatingRim, Side
 from contact.model.gaps.permanent import ModalPair
 from contact.model.gaps.rub import ContactPoint, Rub
 from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
+from contact.model.laws.force_law import Hertz
 from contact.run import Scene, run
 from contact.run_many import run_many
 from contact.scheme.linear.alpha import Newmark, StabilisedNewmark

@@ -24,7 +24,7 @@ def slope_of(law: Law, depth: float | None = None) -> float:
     without a response.
 
     >>> import contact as ct
-    >>> round(slope_of(ct.Hertz(k=1e9), 1e-4)), slope_of(ct.Penalty(stiffness=2e6))
+    >>> round(slope_of(ct.laws.Hertz(k=1e9), 1e-4)), slope_of(ct.Penalty(stiffness=2e6))
     (15000000, 2000000.0)
     """
     if law.response is None:

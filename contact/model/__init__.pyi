@@ -1,6 +1,7 @@
-from . import bodies, gaps
+from . import bodies, gaps, laws
 
 __all__ = [
     "bodies",
     "gaps",
+    "laws",
 ]

@@ -14,7 +14,7 @@ from typing import ClassVar, Protocol, TypeVar
 
 from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
-from contact.model.force_law import Response, spring
+from contact.model.laws.force_law import Response, spring
 
 Depth = TypeVar("Depth", float, Array)
 MOST_BARS = 10_000  # under a tip
@@ -119,30 +119,6 @@ class Penalty:
     def response(self) -> Response:
         """Force and slope of the spring."""
         return Response(spring, (self.stiffness, 0.0))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AugmentedLagrangian:
-    """Penalty with multiplier updates: force <- <force - stiffness g>, at most `updates` times a step.
-
-    Each update is solved with the motion of the step in it, so any `stiffness` [N/m] > 0 converges, a stiffer one
-    faster; it stops when neither gap nor force violates the law by more than `tolerance` [m] (Simo, Laursen,
-    Comput. Struct. 42, 1992, 97). For implicit schemes.
-
-    >>> AugmentedLagrangian(stiffness=1e6).updates
-    50
-    """
-
-    stiffness: float
-    updates: int = 50
-    tolerance: float = 1e-12
-    words: ClassVar[str] = "augmented Lagrangian"
-    mu: ClassVar[float] = 0.0
-    coating: ClassVar[None] = None
-    response: ClassVar[None] = None
-
-    def __post_init__(self) -> None:
-        require_positive(stiffness=self.stiffness, updates=self.updates, tolerance=self.tolerance)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,8 +8,8 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.growth.on_springs import slope_of
 from contact.io.plausible import CHECKS, REACH
-from contact.model.force_law import ForceLaw, ForceTable, Hertz, Response, spring
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
+from contact.model.laws.force_law import ForceLaw, ForceTable, Hertz, Response, spring
 from contact.scene.scheme import Modulus, NotNegative, Positive, Table, Thickness
 
 
@@ -49,7 +49,7 @@ class HertzLaw(Table):
     """[law] of kind "hertz": force = k depth^exponent (1 + dissipation rate)."""
 
     kind: Literal["hertz"] = Field(description="two round bodies")
-    k: Positive = Field(description="4/3 E* sqrt(R) for a sphere [N/m^exponent]")
+    k: Positive = Field(description="4/3 E* sqrt(R) for a sphere, p the exponent [N/m^p]")
     exponent: Annotated[FiniteFloat, Field(ge=1, le=10)] = Field(
         default=1.5, description="3/2 for an elastic point contact [-]"
     )

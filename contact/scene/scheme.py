@@ -10,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.io.plausible import CHECKS, FROM_ZERO, REACH, CheckName
 from contact.io.tables import at_least
-from contact.model.law import AugmentedLagrangian, Law, Penalty, Unilateral
+from contact.model.law import Law, Penalty, Unilateral
+from contact.model.laws.augmented import AugmentedLagrangian
 from contact.problem import What
 from contact.resolved import MOST_STEPS
 from contact.scene.turns import MEANING, Side

@@ -215,7 +215,7 @@ UNITS = {
     "thickness": "_m", "tip": "_m", "machined": "_m", "yield_stress": "_Pa", "hardening": "_Pa", "end_mass": "_kg",
     "modal_mass": "_kg", "compliance": "_m_N", "load": "_N_m", "k_r": "_N_m2", "k_t": "_N_m2", "spin": "_rad_s",
     "amplitude": "_m", "by": "_m", "rms": "_m", "median": "_m", "high": "_m", "acceleration": "_m_s2",
-    "time_constant": "_s",
+    "time_constant": "_s", "closed_depth": "_m", "k": "_N_mp", "dissipation": "_s_m",
 }  # fmt: skip
 
 

@@ -70,7 +70,7 @@ def methods(stiffness: float) -> list[Method]:
         Method(
             name="HHT (-.3), augmented",
             scheme=ct.scheme.HHT(alpha=-0.3),
-            law=ct.AugmentedLagrangian(stiffness=1e3 * stiffness),
+            law=ct.laws.AugmentedLagrangian(stiffness=1e3 * stiffness),
         ),
         Method(name="Newmark (.5, .55)", scheme=ct.Newmark(beta=0.5, gamma=0.55)),
         Method(name="Newmark (.25, .55)", scheme=ct.Newmark(beta=0.25, gamma=0.55)),

@@ -109,7 +109,7 @@ def test_penetration_is_held_against_the_length_of_the_rod(stiffness, failed):
 @pytest.mark.slow
 @pytest.mark.parametrize(("updates", "failed"), [(1, True), (2000, None)])
 def test_updates_that_do_not_settle_are_flagged(updates, failed):
-    law = ct.model.law.AugmentedLagrangian(stiffness=100.0, updates=updates)
+    law = ct.laws.AugmentedLagrangian(stiffness=100.0, updates=updates)
     bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=10, x=0.1, velocity=-1.0)
     result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.3, dt=0.01,
                     on_limit="flag")  # fmt: skip

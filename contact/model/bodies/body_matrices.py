@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from contact.base.arrays import Array
 from contact.model.bodies.modal_body import ModalBody
@@ -45,6 +44,8 @@ class BodyMatrices:
         >>> BodyMatrices(bodies=(pair, pair), senses=(0, -1)).at(0.5)[0][2:].tolist()
         [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0]]
         """
+        from scipy.linalg import block_diag
+
         parts = [body.matrices(sense * omega) for body, sense in zip(self.bodies, self.senses, strict=True)]
         C, K = (block_diag(*[part[k] for part in parts]) for k in (0, 1))
         return np.asarray(C), np.asarray(K)

@@ -9,8 +9,8 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.trust import Flag
-from contact.model.force_law import Response
 from contact.model.law import Law
+from contact.model.laws.force_law import Response
 
 if TYPE_CHECKING:
     from contact.solver.yielding.yields import Yielding

@@ -61,7 +61,7 @@ def test_a_fixed_contact_point_takes_its_forces_from_the_gap_ahead(averaged, m, 
         gaps.append(test + (share * yields + S) * force)
     assert 2 <= np.count_nonzero(forces) < steps - 2
     assert nearest > 1e-9  # no sign of a gap is round-off
-    assert N.advance_modal(s, Q, clearance, S, averaged, True, sums, out, H, 0, steps) == -1
+    assert N.advance_modal(s, Q, clearance, S, averaged, True, None, sums, out, H, 0, steps) == -1
     np.testing.assert_allclose(out.force[:steps, 0], forces, rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose(out.gap[:steps, 0], gaps, rtol=0.0, atol=1e-11)
     np.testing.assert_allclose(out.state[:steps], states, rtol=0.0, atol=1e-11)
@@ -96,7 +96,7 @@ def test_a_contact_that_no_force_opens_ends_the_run_and_damping_counts_where_ask
 
     def advanced(q, S, *, damped=False, clearance=0.0):
         sums, out = books(1, 3, 4)
-        return N.advance_modal(state(q), Q, clearance, S, False, damped, sums, out, H, 0, 4), sums.damping[0]
+        return N.advance_modal(state(q), Q, clearance, S, False, damped, None, sums, out, H, 0, 4), sums.damping[0]
 
     assert advanced([-1.0, 0.0, 0.0], -1.0)[0] == 0
     assert advanced([np.nan, 0.0, 0.0], 0.0)[0] == 0

@@ -50,6 +50,7 @@ class Spring:
     tolerance: float = 0.0
     mu: float = 0.0
     coating: None = None
+    response: None = None
     words: str = "my spring"
 
 
@@ -86,7 +87,7 @@ def test_a_scheme_is_chosen_by_the_kind_of_the_law_and_refuses_what_it_does_not_
     with pytest.raises(ct.InputError, match=r"law: found Spring\(.*updates=5.*expected Unilateral"):
         ct.run(Lever(), law=Spring(4e6, updates=5, tolerance=1e-9), scheme=ct.CentralDifference(), **STEP)
     with pytest.raises(ct.InputError, match=r"law: found Spring.*with ExactModal"):
-        ct.run(LeverMode(), law=Spring(4e6), scheme=ct.ExactModal(), **STEP)
+        ct.run(LeverMode(), law=Spring(4e6, updates=5, tolerance=1e-9), scheme=ct.ExactModal(), **STEP)
 
 
 def test_what_has_no_form_is_refused_by_name():

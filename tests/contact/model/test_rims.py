@@ -8,7 +8,8 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.modal_system import _table
-from contact.model.law import Abradable, AugmentedLagrangian, Coulomb, Penalty, Unilateral, kind, pressure
+from contact.model.law import Abradable, Coulomb, Penalty, Unilateral, kind, pressure
+from contact.model.laws.augmented import AugmentedLagrangian
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 

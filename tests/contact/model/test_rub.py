@@ -601,7 +601,7 @@ def test_tips_that_are_not_solved_for_bear_no_force_in_any_direction(away):
     state, work, before = stepper.wide, stepper.work, np.arange(1.0, 10.0).reshape(3, 3)
     state.inside[:], state.lam[:] = 2, before.ravel()
     state.inside[away] = 1
-    assert gather(state, stepper.rows, work, 3, 1.0) == 2
+    assert gather(state, stepper.rows, None, work, 3, 1.0) == 2
     stay = np.arange(3) != away
     assert np.array_equal(state.lam.reshape(3, 3), before * stay[:, None])
     assert np.array_equal(work.chosen[:2], np.flatnonzero(stay))

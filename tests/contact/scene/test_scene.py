@@ -180,7 +180,7 @@ def test_laws_of_implicit_schemes(tmp_path, law):
         RODS.replace('"forward-lagrange"', f'"newmark"\nlaw = "{law}"\nstiffness = 9.0')
     )
     scene = ct.load_scene(tmp_path / "scene.toml")
-    assert type(scene.law) is {"penalty": ct.Penalty, "augmented-lagrangian": ct.AugmentedLagrangian}[law]
+    assert type(scene.law) is {"penalty": ct.Penalty, "augmented-lagrangian": ct.laws.AugmentedLagrangian}[law]
     assert scene.law.stiffness == 9.0
 
 

@@ -64,11 +64,11 @@ def scene(folder, text):
 @pytest.mark.parametrize(
     ("law", "same"),
     [
-        (SPRING, ct.ForceLaw(ct.Penalty(stiffness=3e7).response, mu=0.1)),
-        ('[law]\nkind = "hertz"\nk = 1e10\ndissipation = 0.1\n', ct.Hertz(k=1e10, dissipation=0.1, mu=0.1)),
+        (SPRING, ct.laws.ForceLaw(ct.Penalty(stiffness=3e7).response, mu=0.1)),
+        ('[law]\nkind = "hertz"\nk = 1e10\ndissipation = 0.1\n', ct.laws.Hertz(k=1e10, dissipation=0.1, mu=0.1)),
         (
             '[law]\nkind = "table"\ndepth = [0.0, 1e-5, 1e-4]\nforce = [0.0, 10.0, 1e4]\n',
-            ct.ForceTable(depth=[0.0, 1e-5, 1e-4], force=[0.0, 10.0, 1e4], mu=0.1),
+            ct.laws.ForceTable(depth=[0.0, 1e-5, 1e-4], force=[0.0, 10.0, 1e4], mu=0.1),
         ),
     ],
 )  # fmt: skip

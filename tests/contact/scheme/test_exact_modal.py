@@ -253,7 +253,7 @@ def test_limits_are_refused_with_their_numbers():
     with pytest.raises(ct.InputError, match="omega_h_limit"):
         ct.ExactModal(omega_h_limit=3.2)
     with pytest.raises(ct.InputError, match="AugmentedLagrangian"):
-        ct.run(bar, t_end=1.0, law=ct.AugmentedLagrangian(stiffness=1.0), scheme=ct.ExactModal())
+        ct.run(bar, t_end=1.0, law=ct.laws.AugmentedLagrangian(stiffness=1.0), scheme=ct.ExactModal())
 
 
 def test_energy_that_contact_adds_is_called_by_its_name():

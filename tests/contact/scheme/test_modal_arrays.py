@@ -125,7 +125,7 @@ def test_a_point_starts_with_its_gap_now_and_one_step_before_and_weights_of_damp
     velocity = np.array([1.0, -2.0, 5.0])
     system = point_system(point(zeta=0.1, velocity=velocity, load=LOAD))
     parts = propagator(system.omega, system.zeta, system.load, H)
-    run = modal_stepper(system, parts, averaged=False, mu=0.0, label="")
+    run = modal_stepper(system, parts, averaged=False, law=ct.Unilateral(), label="")
     state, d = getclosurevars(run.velocity).nonlocals["state"], parts.backward(np.zeros(3), velocity)
     row = -np.array([0.5, -1.0, 2.0])
     exact_memory = [0.25, 0.25 - row @ d, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0]

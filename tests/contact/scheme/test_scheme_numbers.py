@@ -56,7 +56,7 @@ def test_numbers_of_springs(law, held):
     scheme, kind = {
         "penalty": (ct.PenaltyDifference(), spring),
         "penalty of a spring": (ct.scheme.HHT(alpha=-0.2), spring),
-        "augmented": (ct.scheme.HHT(alpha=-0.2), ct.AugmentedLagrangian(stiffness=2e4)),
+        "augmented": (ct.scheme.HHT(alpha=-0.2), ct.laws.AugmentedLagrangian(stiffness=2e4)),
     }[law]
     held(**numbers_of(ct.run(frame(), scheme=scheme, law=kind, t_end=2.0, dt=0.005, record=OFTEN, on_limit="flag")))
 

@@ -320,7 +320,7 @@ def test_massless_boundary_has_no_first_spike(courant):
 
 def test_augmented_lagrangian_gives_the_multiplier():
     rigid = ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), t_end=2e-4, courant=0.5)
-    law = ct.AugmentedLagrangian(stiffness=1.75e10, updates=200, tolerance=2.5e-15)
+    law = ct.laws.AugmentedLagrangian(stiffness=1.75e10, updates=200, tolerance=2.5e-15)
     soft = ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=law, t_end=2e-4, courant=0.5)
     penalty = ct.run(
         pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.Penalty(stiffness=1.75e10), t_end=2e-4, courant=0.5
@@ -333,7 +333,7 @@ def test_augmented_lagrangian_gives_the_multiplier():
 
 def test_an_augmented_lagrangian_that_does_not_settle_says_so():
     few, many = (
-        repr(ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.AugmentedLagrangian(stiffness=1.75e10,
+        repr(ct.run(pair(), scheme=ct.scheme.HHT(alpha=-0.3), law=ct.laws.AugmentedLagrangian(stiffness=1.75e10,
         updates=updates),
                     t_end=2e-4, courant=0.5))
         for updates in (5, 500)
@@ -346,7 +346,7 @@ def test_a_multiplier_left_over_violates_the_law_by_what_the_body_yields_to_it()
     """One update of force 5 N at a gap that opens: (5 - k g)/(1 + k W) is left, times W = beta h^2/m."""
     h, k, m, force = 0.1, 100.0, 2.0, 5.0
     bodies = assemble([ct.PointMass(mass=m, x=-0.01, velocity=-0.1), ct.Wall()]).linear_form()
-    law = ct.AugmentedLagrangian(stiffness=k, updates=1)
+    law = ct.laws.AugmentedLagrangian(stiffness=k, updates=1)
     stepper = ct.Newmark(beta=0.25, gamma=0.5).prepare(bodies, law, dt=h, courant=None)
     stepper.state.force[0] = force
     assert stepper.advance(samples(ct.Record(), 1, 1, stepper.size), 0, 1) == -1

@@ -109,7 +109,7 @@ class ForceLaw(_GivesWay):
     def __post_init__(self, of: Any) -> None:
         require_not_negative(mu=self.mu)
         if not callable(of):
-            expected = "a function of depth, rate and values, or ct.Response"
+            expected = "a function of depth, rate and values, or ct.laws.Response"
             raise InputError(f"response: found {of!r}, expected {expected}")
         object.__setattr__(self, "response", of if isinstance(of, Response) else Response(of))
 
