@@ -36,6 +36,7 @@ WRITERS = {
     "contact.io.names",
     "contact.io.npz",
     "contact.io.outfiles",
+    "contact.io.progress",
 }
 MOVED = [
     (package, old, new)

@@ -9,6 +9,7 @@ from typing import Literal
 from contact.base.arrays import require_finite
 from contact.base.errors import InputError
 from contact.model.gaps.rub_laws import Whirl
+from contact.model.gaps.turning import casing_turns
 
 Bearer = Literal["casing", "blades", "both"]
 BEARERS = ("casing", "blades", "both")
@@ -80,10 +81,3 @@ class BodyForce:
             2.0 * math.pi * self.hz, math.radians(self.phase_deg), float(self.on != "blades"),
             float(self.on != "casing"),
         )  # fmt: skip
-
-
-def casing_turns(turning: str) -> bool:
-    """Whether it is the casing that turns; raises InputError for a word that is neither."""
-    if turning not in ("casing", "blades"):
-        raise InputError(f"turning: found {turning!r}, expected casing or blades")
-    return turning == "casing"

@@ -13,8 +13,8 @@ from contact.base.arrays import Array, readonly, require_finite, require_not_neg
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
-from contact.model.gaps.body_force import casing_turns
 from contact.model.gaps.limits import FAR, require_near
+from contact.model.gaps.turning import casing_turns
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

@@ -13,10 +13,11 @@ from contact.base.arrays import Array, is_whole, keep_readonly, require_count, r
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.model.bodies.modal_body import ModalBody
-from contact.model.gaps.body_force import BodyForce, casing_turns
+from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
+from contact.model.gaps.turning import casing_turns
 from contact.model.rate import Change, Rate, changes
 
 

@@ -26,9 +26,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, eigvals, expm
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.model.gaps.modal_system import NOISE
@@ -88,6 +85,9 @@ def couplings(C: Array, K: Array) -> list[Indices]:
 
 
 def _components(joined: Array) -> list[Indices]:
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
     _, label = connected_components(csr_array(joined), directed=False)
     return [np.flatnonzero(label == number) for number in range(int(label.max(initial=-1)) + 1)]
 
@@ -146,6 +146,8 @@ def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float)
     >>> bool(np.abs(part.lost).max() < 1e-10), round(part.top, 4)  # the gyroscopic force does no work
     (True, 6.3246)
     """
+    from scipy.linalg import block_diag
+
     made = [_coefficients(C[np.ix_(block, block)], K[np.ix_(block, block)], h) for block in blocks]
     order = np.argsort(np.searchsorted(modes, np.concatenate([np.zeros(0, dtype=np.int64), *blocks])))
     arrays = {name: readonly(block_diag(*[one[name] for one in made])[np.ix_(order, order)]) for name in PARTS}
@@ -155,12 +157,16 @@ def coupled(C: Array, K: Array, modes: Indices, blocks: list[Indices], h: float)
 
 def poles(C: Array, K: Array) -> Array:
     """Poles s of q'' + C q' + K q = 0, (2 b,) complex."""
+    from scipy.linalg import eigvals
+
     b = len(K)
     return np.asarray(eigvals(np.block([[np.zeros((b, b)), np.eye(b)], [-K, -C]])))
 
 
 def propagated(C: Array, K: Array, h: float) -> tuple[Array, Array, Array, Array, Array]:
     """Blocks a, b, g, d, J of the module, (b, b) each; times are counted in steps, so that all are near 1."""
+    from scipy.linalg import expm
+
     m = len(K)
     A = np.zeros((3 * m, 3 * m))
     A[:m, m : 2 * m] = A[m : 2 * m, 2 * m :] = np.eye(m)

@@ -1,0 +1,16 @@
+"""Which side of a rub turns: the casing, or the blades."""
+
+from __future__ import annotations
+
+from contact.base.errors import InputError
+
+
+def casing_turns(turning: str) -> bool:
+    """Whether it is the casing that turns; raises InputError for a word that is neither.
+
+    >>> casing_turns("casing"), casing_turns("blades")
+    (True, False)
+    """
+    if turning not in ("casing", "blades"):
+        raise InputError(f"turning: found {turning!r}, expected casing or blades")
+    return turning == "casing"
