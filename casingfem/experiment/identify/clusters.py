@@ -16,7 +16,7 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from contact.io.progress import each
 
-PASSES = 2
+SETTLING, SETTLED = 6, 1e-4  # most repetitions of all fits; largest change that ends them, in standard deviations
 EMPTY_LINES = 1500  # of a band without visible peaks
 
 
@@ -190,6 +190,25 @@ def fitted_groups(data: Responses, modes: Modal, more: bool | None, rules: Thres
     """
     step = 2.0 * np.pi * float(data.freq[1] - data.freq[0])
     return [fitted_group(data, modes, group, more, rules) for group in each(groups(modes.poles, step, rules), "group")]
+
+
+def settled_fits(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
+    """The fits repeated, each with the others subtracted as they are now, until no pole moves by what counts."""
+    for _ in range(SETTLING):
+        again = fitted_groups(data, modal_of(fits, data.Y.shape[1]), None, rules)
+        moved = _moved(fits, again)
+        fits = again
+        if moved < SETTLED:
+            break
+    return fits
+
+
+def _moved(before: list[PoleFit], after: list[PoleFit]) -> float:
+    """Largest change of a pole, in its standard deviations; inf where the groups are others."""
+    if [len(fit) for fit in before] != [len(fit) for fit in after]:
+        return float("inf")
+    pairs = [(a.poles, b.poles, b.sigma) for a, b in zip(before, after, strict=True) if len(b)]
+    return max((float(np.max(np.abs(new - old) / -new.real / sigma[0])) for old, new, sigma in pairs), default=0.0)
 
 
 def fitted_group(

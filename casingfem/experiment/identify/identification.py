@@ -30,6 +30,7 @@ from casingfem.experiment.identify.clusters import (
     missing_peaks,
     modal_of,
     refined_end,
+    settled_fits,
     with_residues,
 )
 from casingfem.experiment.identify.exponential import window_note, window_time, without_window
@@ -46,7 +47,7 @@ from casingfem.experiment.identify.verdict import doubts
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
-PASSES: tuple[bool | None, ...] = (False, True, True, None)  # poles may go; go and come; twice; none
+PASSES = False, True, True  # poles may go; go and come; twice
 
 
 def identify(
@@ -209,14 +210,12 @@ def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thre
         modes = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
         fits = fitted_groups(data, modes, more, rules)
         modes = modal_of(fits, channels)
-    return fits
+    return settled_fits(data, fits, rules)
 
 
 def _picked_fits(data: Responses, modes: Modal, rules: Thresholds) -> list[PoleFit]:
     """The fits of picked modes: refined, none added, none left out."""
-    for _ in range(2):
-        modes = modal_of(fitted_groups(data, modes, None, rules), data.Y.shape[1])
-    return fitted_groups(data, modes, None, rules)
+    return settled_fits(data, fitted_groups(data, modes, None, rules), rules)
 
 
 def _picked(path: str, pick: ArrayLike, freq: FloatArray) -> FloatArray:

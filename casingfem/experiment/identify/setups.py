@@ -21,6 +21,8 @@ from casingfem.io.arrays import IntArray
 LEAST_GROUPS = 3  # of two poles or more, that show set-ups
 LEAST_CHANNELS = 2  # of a set-up
 APART, PERHAPS = 0.35, 0.25  # 1 - cosine between two set-ups, usual; of two that are tried
+ALONE = 0.8  # share of a pole's energy in its set-up, median; two references that drive pairs apart give 0.7
+MULTIPLIED = 1.25  # poles of the common description over those of one set-up, at least
 HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
 
 
@@ -55,7 +57,7 @@ def setups_of(fits: list[PoleFit], channels: int) -> list[IntArray]:
     number = fcluster(tree, 0.5 * (heights[first] + (heights[first - 1] if first else 0.0)), criterion="distance")
     parts = [heard[number == k] for k in np.unique(number)]
     parts = [part for part in parts if len(part) >= LEAST_CHANNELS]
-    if len(parts) < 2 or len(parts) > channels // LEAST_CHANNELS:
+    if len(parts) < 2 or len(parts) > channels // LEAST_CHANNELS or _alone(fits, parts) < ALONE:
         return []
     for lonely in np.setdiff1d(np.arange(channels), np.concatenate(parts)).tolist():
         nearest = int(np.argmin([far[lonely, part].mean() for part in parts]))
@@ -69,11 +71,22 @@ def _heard(groups: list[PoleFit]) -> IntArray:
     return np.flatnonzero(np.median(ratios, axis=0) > HEARD)
 
 
+def _alone(fits: list[PoleFit], parts: list[IntArray]) -> float:
+    """Median over the poles of the largest share of a pole's energy that is in one part."""
+    energy = np.abs(np.concatenate([fit.A for fit in fits])) ** 2
+    shares = np.array([energy[:, part].sum(axis=1) for part in parts]) / (energy.sum(axis=1) + 1e-300)
+    return float(np.median(shares.max(axis=0)))
+
+
 def simpler(fits: list[PoleFit], alone: list[SetUp]) -> bool:
-    """Whether set-ups need fewer numbers than one common description: 2 for each pole and channel, 2 for each pole."""
+    """Whether set-ups describe the same with fewer numbers, 2 for each pole and channel and 2 for each pole.
+
+    Two references that drive different members of pairs split the channels too, but they do not multiply the poles of
+    the common description: these are then hardly more than those of one part.
+    """
     if not alone:
         return False
     channels = sum(len(part.channels) for part in alone)
-    common = sum(len(fit) for fit in fits) * (2 * channels + 2)
+    poles, most = sum(len(fit) for fit in fits), max(sum(len(fit) for fit in part.fits) for part in alone)
     apart = sum(sum(len(fit) for fit in part.fits) * (2 * len(part.channels) + 2) for part in alone)
-    return apart < common
+    return apart < poles * (2 * channels + 2) and poles > MULTIPLIED * most
