@@ -74,6 +74,7 @@ CAMPAIGNS = (
     Campaign("updating.wrong_rows", "wrong rows of tables are named, the update is as without them", UPDATING),
     Campaign("updating.pairing", "doublets are paired with what was measured", UPDATING),
     Campaign("updating.identification", "modes of twenty SYNTHETIC tests against the truth", IDENTIFY),
+    Campaign("updating.identification_times", "an identification takes less than is allowed", IDENTIFY),
     Campaign("updating.unkind", "modes of forty SYNTHETIC tests with everything that goes wrong in a hall", RIG),
     Campaign("updating.fan_blade", "the example script of an update", UPDATING),
     Campaign("updating.checks", "derivatives, cost, and models of the measured blade", UPDATING),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -242,6 +243,17 @@ def missing_peaks(data: Responses, modes: Modal) -> Array:
         if not np.any(np.abs(modes.poles.imag / (2.0 * np.pi) - data.freq[at]) < reach):
             starts.append(2.0 * np.pi * (-0.5 * width + 1j * data.freq[at]))
     return np.array(starts, complex)
+
+
+def unexplained(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[PoleFit]:
+    """Poles at the visible peaks that the fits do not explain, each alone with the others subtracted, as they start."""
+    modes = modal_of(fits, data.Y.shape[1])
+    alone = []
+    for start in missing_peaks(data, modes):
+        lines = window_about(data, np.array([start]), np.array([0]), rules)
+        window = data.window(lines, data.Y[lines] - modes.response(data, lines), rules)
+        alone.append(replace(fit_poles(window, np.array([start]), steps=0, rules=rules), refined=False))
+    return alone
 
 
 def refined_end(data: Responses, poles: Array, rules: Thresholds = USUAL) -> float:

@@ -31,6 +31,7 @@ from casingfem.experiment.identify.clusters import (
     modal_of,
     refined_end,
     settled_fits,
+    unexplained,
     with_residues,
 )
 from casingfem.experiment.identify.exponential import window_note, window_time, without_window
@@ -210,7 +211,8 @@ def _fits(data: Responses, modes: Modal, say: Callable[[str], None], rules: Thre
         modes = Modal.join([modes, Modal(starts, np.zeros((len(starts), channels)))], channels)
         fits = fitted_groups(data, modes, more, rules)
         modes = modal_of(fits, channels)
-    return settled_fits(data, fits, rules)
+    fits = settled_fits(data, fits, rules)
+    return fits + unexplained(data, fits, rules)
 
 
 def _picked_fits(data: Responses, modes: Modal, rules: Thresholds) -> list[PoleFit]:

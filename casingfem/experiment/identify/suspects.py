@@ -9,7 +9,7 @@ import numpy as np
 
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 
-FEWEST = 8, 5  # sensors, and modes, from which on something is said
+FEWEST = 8, 5  # sensors, and modes, from which on sensors are judged
 OPPOSES, SILENT = -0.6, 0.4  # correlation over the modes with the other sensors, below which a sensor is named
 OTHERS, AS_OTHER, GAIN = 0.9, 0.6, 0.1  # of exchanged ones: at most with their own places; with the other's, how much
 SCALE = 2.0  # ratio to the other sensors, or its inverse, beyond which a sensor is named
@@ -20,9 +20,9 @@ STEPS, SMALL = 25, 1e-3  # of the fit by least absolute deviations; deviation, o
 def suspected(
     shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
 ) -> tuple[str, ...]:
-    """What is said of sensors at angles theta [rad] whose shapes (sensors, modes) of n up to `most` are off, in words.
+    """Sentences about sensors at angles theta [rad] that are off in shapes (sensors, modes) of n up to `most`.
 
-    Where it is known by other means which sensors are right, `trusted` (sensors,), they alone say what each should do.
+    Where it is known which sensors are right, `trusted` (sensors,), they alone predict the others.
 
     >>> theta, n = np.arange(12) * np.pi / 6, np.array([2, 2, 3, 3, 4, 4, 1, 1])
     >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
@@ -31,7 +31,7 @@ def suspected(
     >>> for line in suspected(shapes, 5, theta, np.arange(12) + 1):
     ...     print(line)
     points 8 and 10 look exchanged: in 6 modes each moves as the other should
-    point 5 looks turned over: in 6 modes it moves against what the others say
+    point 5 looks turned over: in 6 modes it moves against what the others predict
     """
     return tuple(text for _, text in _suspects(shapes, most, theta, points, trusted))
 
@@ -39,7 +39,7 @@ def suspected(
 def suspect_sensors(
     shapes: FloatArray, most: int, theta: FloatArray, points: IntArray, trusted: BoolArray | None = None
 ) -> IntArray:
-    """Indices of the sensors of which `suspected` says something, ascending."""
+    """Indices of the sensors that `suspected` names, ascending."""
     named = {sensor for sensors, _ in _suspects(shapes, most, theta, points, trusted) for sensor in sensors}
     return np.array(sorted(named), np.int64)
 
@@ -49,43 +49,44 @@ def _suspects(
 ) -> tuple[tuple[tuple[int, ...], str], ...]:
     if len(theta) < FEWEST[0] or shapes.shape[1] < FEWEST[1]:
         return ()
-    said, misfit = most_say(shapes, most, theta, trusted)
+    expected, misfit = predicted(shapes, most, theta, trusted)
     clear = misfit <= USUAL * np.median(misfit)
-    shapes, said = shapes[:, clear], said[:, clear]
-    along = shapes @ said.T / (np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(said, axis=1)) + 1e-300)
+    shapes, expected = shapes[:, clear], expected[:, clear]
+    sizes = np.outer(np.linalg.norm(shapes, axis=1), np.linalg.norm(expected, axis=1))
+    along = shapes @ expected.T / (sizes + 1e-300)
     if np.median(np.diag(along)) < OTHERS:
         return ()  # no majority that agrees: angles or labels are wrong as a whole
-    size = np.sum(shapes * said, axis=1) / (np.sum(said**2, axis=1) + 1e-300)
+    size = np.sum(shapes * expected, axis=1) / (np.sum(expected**2, axis=1) + 1e-300)
     return tuple(_words(along, size, points, shapes.shape[1]))
 
 
-def most_say(
+def predicted(
     shapes: FloatArray, most: int, theta: FloatArray, trusted: BoolArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """What most sensors, or those that are `trusted`, say of each, (sensors, modes), and the misfit of each mode.
+    """Shapes that most sensors, or the `trusted` ones, predict (sensors, modes), and the misfit of each mode.
 
-    By least absolute deviations. A mode has the n, 0 to `most`, of least misfit: its label may have suffered from what
-    is looked for.
+    By least absolute deviations. A mode has the n, 0 to `most`, of least misfit: its own label may be wrong because of
+    the sensors that are searched.
     """
-    heard = np.ones(len(theta)) if trusted is None else trusted.astype(float)
-    best, said = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
+    used = np.ones(len(theta)) if trusted is None else trusted.astype(float)
+    best, expected = np.full(shapes.shape[1], np.inf), np.zeros_like(shapes)
     small = SMALL * np.sqrt(len(theta)) * np.median(np.abs(shapes), axis=0) + 1e-12  # not of the norm: one may be huge
     for order in range(most + 1):
         waves = np.column_stack([np.cos(order * theta), np.sin(order * theta)])
-        weight = np.repeat(heard[:, None], shapes.shape[1], axis=1)
+        weight = np.repeat(used[:, None], shapes.shape[1], axis=1)
         for _ in range(STEPS):
             gram = np.einsum("si,sm,sj->mij", waves, weight, waves) + 1e-9 * np.eye(2)
             right = np.einsum("si,sm,sm->mi", waves, weight, shapes)
             fitted = waves @ np.linalg.solve(gram, right[:, :, None])[:, :, 0].T
-            weight = heard[:, None] / np.maximum(np.abs(shapes - fitted), small)
-        misfit = heard @ np.abs(shapes - fitted) / (heard @ np.abs(shapes))
-        said = np.where(misfit < best, fitted, said)
+            weight = used[:, None] / np.maximum(np.abs(shapes - fitted), small)
+        misfit = used @ np.abs(shapes - fitted) / (used @ np.abs(shapes))
+        expected = np.where(misfit < best, fitted, expected)
         best = np.minimum(misfit, best)
-    return said, best
+    return expected, best
 
 
 def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) -> Iterator[tuple[tuple[int, ...], str]]:
-    """What is said of sensors by their correlation (rows) with what is said of each place (columns), and their size."""
+    """Sentences about sensors, by their correlation (rows) with the predictions of places (columns) and their size."""
     own, named = np.diag(along), set[int]()
     for a, b in combinations(range(len(own)), 2):
         better = min(along[a, b] - own[a], along[b, a] - own[b])
@@ -96,11 +97,13 @@ def _words(along: FloatArray, size: FloatArray, points: IntArray, modes: int) ->
             yield (a, b), text
     for sensor in (sensor for sensor in range(len(own)) if sensor not in named):
         if own[sensor] < OPPOSES:
-            text = f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others say"
+            text = (
+                f"point {points[sensor]} looks turned over: in {modes} modes it moves against what the others predict"
+            )
             yield (sensor,), text
         elif own[sensor] < SILENT:
-            what = f"does not move as the others say, in {modes} modes: dead, loose, or not at its angle?"
+            what = f"does not move as the others predict, in {modes} modes: dead, loose, or not at its angle?"
             yield (sensor,), f"point {points[sensor]} {what}"
         elif not 1.0 / SCALE < size[sensor] < SCALE:
-            what = f"{float(f'{size[sensor]:.2g}'):g} times as much as the others say, in {modes} modes"
+            what = f"{float(f'{size[sensor]:.2g}'):g} times as much as the others predict, in {modes} modes"
             yield (sensor,), f"point {points[sensor]} moves {what}: its sensitivity or unit?"

@@ -21,7 +21,7 @@ LEAST_WEIGHT, ALIKE = 0.1, 21  # of an incoherent line; lines over which coheren
 
 
 class Usable(NamedTuple):
-    """Responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and what was done, in words.
+    """Responses H (channels, lines) of `frfs` at `freq` [Hz], the power of j omega, and notes about what was done.
 
     `along` (lines,) is what each line weighs: 1, less where it is not coherent, 0 where a channel has no number, in
     whose place H is interpolated.
@@ -59,7 +59,7 @@ def usable(frfs: FrfSet, band: tuple[float, float] | None, form: str | None, coh
     power, notes = form_of(frfs, form), list[str]()
     if power is None:
         power = FORMS[USUAL_FORM]
-        notes.append(f"the responses have no unit: taken for {USUAL_FORM}; `form` says otherwise")
+        notes.append(f"the responses have no unit: taken for {USUAL_FORM}. State `form` if they are not")
     H = frfs.responses[:, kept]
     silent, lacking = ~np.any(np.abs(H) > 0.0, axis=1), np.isnan(H).mean(axis=1) > MISSING
     whole, words = _without(frfs, silent & ~lacking, lacking)
@@ -83,7 +83,7 @@ def _ends_cut(kept: BoolArray, H: Array) -> BoolArray:
 
 
 def _without(frfs: FrfSet, silent: BoolArray, lacking: BoolArray) -> tuple[FrfSet, list[str]]:
-    """The set without sensors of which a channel is zero or lacks many numbers, and what is said of them."""
+    """The set without sensors of which a channel is zero or lacks many numbers, and notes that name them."""
     sensors = list(zip(frfs.response_point.tolist(), frfs.response_direction.tolist(), strict=True))
     notes, kept = list[str](), np.ones(len(frfs), bool)
     much = f"nan on more than {100.0 * MISSING:.0f} % of the lines"
@@ -103,7 +103,7 @@ def _channels(which: BoolArray) -> str:
 
 
 def _missing(missing: BoolArray, freq: FloatArray) -> str:
-    """What is said of lines on which a channel has no number."""
+    """The note about lines on which a channel has no number."""
     lines = np.flatnonzero(missing.any(axis=0))
     where = f"at {freq[lines[0]]:g} Hz" if len(lines) == 1 else f"from {freq[lines[0]]:g} to {freq[lines[-1]]:g} Hz"
     return f"nan in {_channels(np.asarray(missing.any(axis=1)))}: {len(lines)} of {len(freq)} lines left out, {where}"
@@ -116,10 +116,10 @@ def _filled(H: Array) -> Array:
 
 
 def _coherent(frfs: FrfSet, coherence: FrfSet, kept: BoolArray) -> FloatArray:
-    """What each line weighs by the noise that the coherence g tells, a part of |H|^2 (1 - g)/g.
+    """Weight of each line from the noise that the coherence g shows, a part of |H|^2 (1 - g)/g.
 
-    (Bendat and Piersol, Random Data, 4th ed., 2010, section 9.2.) Of each channel that is taken over its own median, so
-    that only the course along the lines counts; channels without coherence say nothing.
+    (Bendat and Piersol, Random Data, 4th ed., 2010, section 9.2.) Each channel's noise is divided by its median, so
+    that only its course along the lines counts. Channels without coherence do not count.
     """
     if not np.array_equal(coherence.x, frfs.x):
         found = f"coherence over {len(coherence.x)} lines from {coherence.x[0]:g} to {coherence.x[-1]:g} Hz"
@@ -127,8 +127,8 @@ def _coherent(frfs: FrfSet, coherence: FrfSet, kept: BoolArray) -> FloatArray:
     mine, theirs = _same_places(frfs, coherence)
     if not len(mine):
         raise InputError(coherence.path, found="coherence of other channels", expected="those of the responses")
-    told = np.nan_to_num(coherence.responses.real[theirs][:, kept])
-    share = np.clip(median_filter(told, (1, ALIKE), mode="nearest"), *COHERENCE)
+    given = np.nan_to_num(coherence.responses.real[theirs][:, kept])
+    share = np.clip(median_filter(given, (1, ALIKE), mode="nearest"), *COHERENCE)
     variance = np.nan_to_num(np.abs(frfs.responses[mine][:, kept]) ** 2) * (1.0 - share) / share
     variance = median_filter(variance, (1, ALIKE), mode="nearest")
     usual = np.median(variance, axis=1, keepdims=True)

@@ -31,6 +31,12 @@ def _reasons(fit: PoleFit, k: int, phase: float, twice: bool, rules: Thresholds)
     share = float(size.sum() ** 2 / (np.sum(size**2) + 1e-300)) / len(size)
     channels = len(size)
     seconds = 4.0 / max(wide, 1e-9)
+    if not fit.refined:
+        yield (
+            "its peak does not have the shape of a resonance: noise, a tone, or a structure that is not linear? Measure"
+            " again with more averages, and with another force"
+        )
+        return
     if lines < rules.narrow and _one_line(fit, k):
         yield "one line without skirts: mains hum or another tone? Measure again at another time"
         return

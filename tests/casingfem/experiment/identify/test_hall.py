@@ -146,4 +146,4 @@ def test_a_sensor_of_another_sensitivity_is_named_however_much_of_every_shape_it
     shapes = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.003 * rng.standard_normal((12, 14))
     shapes[4] *= gain
     (said,) = suspected(shapes / np.linalg.norm(shapes, axis=0), 5, theta, np.arange(12) + 101)
-    assert said.startswith(f"point 105 moves {words} times as much as the others say")
+    assert said.startswith(f"point 105 moves {words} times as much as the others predict")
