@@ -85,7 +85,7 @@ def _rim(law: Law) -> None:
 def _rub(law: Law, gyroscopic: float = 0.0) -> None:
     casing, blade = _bodies(gyroscopic)
     tips = (ContactPoint(), ContactPoint(angle_deg=90.0))
-    rub = Rub(casing, (blade,), tips, clearance=-1e-6, speed=Speed.constant(1.0))
+    rub = Rub(casing, (blade,), tips, clearance=-1e-6, speed=Speed.constant(1.0), turning="casing")
     run(rub, law=law, dt=1e-5, t_end=FEW * 1e-5, on_limit="flag")
 
 
