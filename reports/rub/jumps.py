@@ -59,7 +59,7 @@ class Ramp:
 def pair(folder: Path) -> ct.Rub:
     """Casing and blade at rest before each other, the blade advanced past its first touch."""
     make_blades(folder)
-    casing, blade = make_casing(folder, 20, 1), ct.ModalBody.load(folder / "blade_384.npz")
+    casing, blade = make_casing(folder, 20, 1), ct.ModalBody.load(folder / "blade_388.npz")
     damped = [replace(body, zeta=np.full(body.omega.size, ZETA)) for body in (casing, blade)]
     rim = ct.RotatingRim(
         *damped, clearance=0.0, speed_hz=WORN_AT, lean_deg=LEAN_DEG, out_of_roundness=DEFECT

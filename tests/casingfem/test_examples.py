@@ -110,7 +110,7 @@ def test_a_calculation_of_a_second_runs_as_is_said(here):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hz", [423, 418, 384])
+@pytest.mark.parametrize("hz", [423, 418, 388])
 def test_the_blades_of_the_rubs_are_those_of_their_report(here, hz):
     assert invoke("example", f"rub_blade_{hz}").exit_code == 0
     study = Path(f"data/studies/rub_blade_{hz}.toml")
