@@ -77,7 +77,7 @@ def identify(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    """Modes of the frequency responses FRFS (.uff, .mat, .npz, .h5, .csv): frequency, damping, nodal diameters, angle.
+    """Modes of the responses FRFS (.uff, .mat, .npz, .h5, .csv, .xlsx): frequency, damping, nodal diameters, angle.
 
     The poles are chosen without a hand, or with --pick by one; each mode is sure or doubtful, and pairs that cannot be
     told apart are said to be so. DIR gets the frequency table and the shapes (identified.csv, identified.npz) for

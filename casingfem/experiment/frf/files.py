@@ -19,7 +19,8 @@ from casingfem.io.columns import FREQUENCY, PLACE, named
 from casingfem.io.npz import read_npz
 from casingfem.io.probe import UnreadableError, arrays_of
 from casingfem.io.strict_csv import read
-from contact.io.infiles import regular_file
+from casingfem.io.workbook import file_and_sheet
+from contact.io.infiles import open_file, regular_file
 from contact.io.npz import require_kinds
 from contact.io.outfiles import write_atomic
 
@@ -27,32 +28,45 @@ UNIVERSAL = (".uff", ".unv", ".uf", ".ufb")
 HDF5 = (".h5", ".hdf5")
 LOOSE = (".mat", ".npz")
 COHERENCE = 6, 26  # of functions of universal files: ordinary, multiple
-KINDS = ", ".join((*UNIVERSAL, ".npz", ".mat", *HDF5, ".csv"))
+TABLES = (".csv", ".xlsx")
+KINDS = ", ".join((*UNIVERSAL, ".npz", ".mat", *HDF5, *TABLES))
 ARRAYS = ("x", "responses", *PLACES)
 SAID = ("kind", "unit", "form", "card")
 
 
 def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
-    """Frequency responses of a universal file, npz, MATLAB file, HDF5 or a csv table, by the file's ending.
+    """Frequency responses of a universal file, npz, MATLAB file, HDF5, a csv table or a workbook, by the file's ending.
 
-    An npz is one of `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have.
+    A workbook has the rows of a csv table, on its first sheet or on that of `file.xlsx#Sheet`. An npz is one of
+    `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have.
 
     Raises
     ------
     InputError, InputError
         An unknown ending; what the readers refuse.
     """
-    ending = Path(path).suffix.lower()
+    ending = Path(file_and_sheet(os.fspath(path))[0]).suffix.lower()
     if ending in HDF5:
         return read_hdf5(path)
     if ending in LOOSE and (stored := _loose(path)) is not None:
         found = from_loose(stored, str(path))
         assert found is not None
         return found
-    readers = {**dict.fromkeys(UNIVERSAL, FrfSet.from_uff), ".npz": FrfSet.load, ".csv": FrfSet.from_csv}
+    readers = {**dict.fromkeys(UNIVERSAL, FrfSet.from_uff), ".npz": FrfSet.load}
+    readers |= dict.fromkeys(TABLES, FrfSet.from_csv)
     if ending not in readers:
+        _require_file(path)
         raise InputError(str(path), found=f"ending {ending!r}", expected=f"one of {KINDS}")
     return readers[ending](path)
+
+
+def _require_file(path: str | os.PathLike[str]) -> None:
+    """Refuse what is there and is no file: its ending says nothing then."""
+    try:
+        if os.path.lexists(path):
+            open_file(path).close()
+    except OSError as error:
+        raise InputError(f"{os.fspath(path)}: {error.strerror}") from error
 
 
 def _loose(path: str | os.PathLike[str]) -> dict[str, Array] | None:

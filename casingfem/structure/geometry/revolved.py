@@ -141,7 +141,7 @@ class RevolvedPanel(Open):
     def __post_init__(self) -> None:
         require_positive("chart", angle=self.angle)
         if np.real(self.angle) >= 2.0 * np.pi:
-            raise ValueError(f"chart.angle must be below 2 pi (a closed sector is a Revolved), found {self.angle!r}")
+            raise ModelError("chart-angle", f"chart.angle must be below 2 pi, found {self.angle!r}")
 
     @property
     def bounds(self) -> Bounds:

@@ -103,8 +103,10 @@ def walled(chart, thickness):
 
 
 TAKEN, REFUSED = 0, 1
+REVOLVED, BOWL = cf.geometry.RevolvedPanel, cf.geometry.Arc(radius=1.0, start=0.0, end=1.2)
 BOUNDS = {
     "panel": (lambda k: cf.Panel(radius=1.0, length=1.0, angle=(6.28, 2.0 * math.pi)[k]), "chart.angle must be below"),
+    "sector": (lambda k: REVOLVED(profile=BOWL, angle=(6.28, 2.0 * math.pi)[k]), "chart.angle must be below"),
     "bounds.order": (lambda k: of_bounds(((0.0, (0.3, 0.0)[k]), (-0.05, 0.05))), "chart.bounds: found"),
     "bounds.across": (lambda k: of_bounds(((0.0, 0.3), (-0.05, (0.05, -0.05)[k]))), "chart.bounds: found"),
     "bounds.nan": (lambda k: of_bounds(((0.0, 0.3), (-0.05, (0.05, INF)[k]))), "chart.bounds: found"),

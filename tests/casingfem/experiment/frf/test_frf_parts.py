@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from openpyxl import Workbook
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.files import file_places, read_coherence, read_frfs, read_picks, read_places
@@ -242,3 +243,19 @@ def test_responses_are_read_by_the_ending_of_their_file(ending, tmp_path):
     else:
         write_uff(path, functions=given.functions(), binary=True)
     np.testing.assert_array_equal(read_frfs(path).responses, given.responses)
+
+
+def test_a_workbook_has_the_rows_of_a_csv_table(tmp_path):
+    given, book = frfs(), Workbook()
+    for line in given.to_csv(tmp_path / "f.csv").read_text(encoding="utf-8").splitlines():
+        cells = [line] if line.startswith("#") else line.split(",")
+        book.active.append([cell if cell.startswith("#") or cell.isidentifier() else float(cell) for cell in cells])
+    book.save(tmp_path / "f.xlsx")
+    read = read_frfs(tmp_path / "f.xlsx")
+    np.testing.assert_allclose(read.responses, given.responses, rtol=1e-14)
+    assert (read.unit, read.x.tolist()) == (given.unit, given.x.tolist())
+
+
+def test_a_device_is_named_before_its_ending():
+    with pytest.raises(InputError, match="/dev/null: found a device, expected a file or a pipe"):
+        read_frfs("/dev/null")
