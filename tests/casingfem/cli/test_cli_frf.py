@@ -50,6 +50,7 @@ def test_records_become_responses_and_those_modes(records, tmp_path):
     np.testing.assert_allclose([mode["zeta"] for mode in modes], 0.002, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_the_options_reach_the_estimate_and_bad_input_is_refused(records, tmp_path):
     result = invoke("frf", records, "--seconds", 1.0, "--before", 0.02, "--estimator", "Hv", "--band", 100, 400)
     assert result.exit_code == 0, result.output

@@ -16,7 +16,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.records.averages import Estimator, Window, check_options
 from casingfem.experiment.frf.records.estimated import Estimate
 from casingfem.experiment.frf.records.hammer import hammer_frfs
-from casingfem.experiment.frf.records.shaker import shaker_frfs
+from casingfem.experiment.frf.records.shaker import SHORTEST, shaker_frfs
 from casingfem.experiment.frf.records.take import Take
 
 Test = Literal["hammer", "shaker"]
@@ -95,6 +95,10 @@ def _check(
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise InputError(f"{name}: found {value!r}, expected a time [s] above 0")
     first = takes[0]
+    for name, value in (("exponential", exponential), ("seconds", seconds)):
+        if value is not None and value * first.fs < SHORTEST:
+            found = f"{value:g} s, {value * first.fs:.2g} samples at {first.fs:g} Hz"
+            raise InputError(name, found=found, expected=f"{SHORTEST} samples or more")
     for take in takes[1:]:
         if abs(take.fs - first.fs) > 1e-6 * first.fs:
             found = f"{take.fs:g} samples a second, {first.name} has {first.fs:g}"

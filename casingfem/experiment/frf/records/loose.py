@@ -52,10 +52,7 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
     directions = _whole(arrays, "directions", channels, np.zeros(channels, np.int64), path)
     at = _whole(arrays, "force_point", hits, np.zeros(hits, np.int64), path)
     along = _whole(arrays, "force_direction", hits, np.zeros(hits, np.int64), path)
-    unit, force_unit = (
-        str(np.ravel(arrays[name])[0]).strip() if name in arrays else other
-        for name, other in (("unit", ""), ("force_unit", "N"))
-    )
+    unit, force_unit = _text(arrays, "unit", "", path), _text(arrays, "force_unit", "N", path)
     own = tuple(
         RecordChannel(f"response {k + 1}", "response", p, d, unit)
         for k, (p, d) in enumerate(zip(points.tolist(), directions.tolist(), strict=True))
@@ -134,5 +131,15 @@ def _whole(arrays: Mapping[str, Array], name: str, count: int, usual: IntArray, 
         return usual
     given = np.ravel(_numbers(arrays[name], name, path))
     if given.size not in (1, count) or np.any(given % 1 != 0):
-        raise InputError(path, found=f"{name} {given.size} of them", expected=f"{count} whole numbers")
+        found = f"{given.size} numbers in {name}"
+        raise InputError(path, found=found, expected=f"whole numbers, as many as there are channels or hits: {count}")
     return np.broadcast_to(given, (count,)).astype(np.int64)
+
+
+def _text(arrays: Mapping[str, Array], name: str, usual: str, path: str) -> str:
+    if name not in arrays:
+        return usual
+    given = np.ravel(arrays[name])
+    if given.size != 1:
+        raise InputError(path, found=f"{given.size} entries in {name}", expected="one unit for all channels")
+    return str(given[0]).strip()

@@ -113,7 +113,7 @@ def block_of(piece: Piece, samples: int, tau: float | None) -> Block:
     force = force - float(np.median(force))
     if pulse.start >= LEAST:
         responses -= responses[:, : pulse.start - 1].mean(axis=1, keepdims=True)
-    fading = exponential_window(samples, take.fs, pulse.start, tau)
+    fading = exponential_window(samples, take.fs, pulse, tau)
     kept = force_window(samples, pulse) * fading
     whole = np.ones(len(responses), bool)
     whole[piece.clipped_responses(samples)] = False

@@ -21,6 +21,8 @@ from casingfem.experiment.frf.records.take import Take
 from casingfem.io.arrays import FloatArray
 
 AVERAGES = 20  # blocks of a record where no length is given
+QUIETEST = 1e-30  # N
+ONE_SIGNAL = 1e-9  # least eigenvalue of the correlation of several forces
 SHORTEST = 4  # samples of a block
 
 
@@ -39,6 +41,7 @@ def shaker_frfs(
         raise InputError(takes[0].name, found=found, expected=f"{SHORTEST} samples or more, not more than these")
     same_channels(list(takes))
     for take in takes:
+        _check_forces(take)
         off = [*clipped(take.force.responses).tolist(), *clipped(take.response.responses).tolist()]
         if off:
             found = f"clipped channels: {len(clipped(take.force.responses))} forces, {_off(take)}"
@@ -55,6 +58,21 @@ def shaker_frfs(
     means = averaged(x[..., kept], f[..., kept], estimator)
     words = f"{estimator}, {window} window, {averages} averages of {block} samples at {fs:.6g} Hz, overlap {overlap:g}"
     return _of_drives(takes[0], means, freq[kept], (*takes[0].response.card, words), averages)
+
+
+def _check_forces(take: Take) -> None:
+    """Refuse a force that does not change, and forces that are one signal."""
+    force = np.asarray(take.force.responses)
+    away = force - force.mean(axis=1, keepdims=True)
+    rms = np.sqrt(np.mean(away**2, axis=1))
+    if float(rms.min()) <= QUIETEST:
+        k = int(np.argmin(rms))
+        found = f"a force at point {take.force.response_point[k]} that does not change: {force[k, 0]:.3g} N"
+        raise InputError(take.name, found=found, expected="a force: check the cable and the list of channels")
+    alike = away / rms[:, None] @ (away / rms[:, None]).T / away.shape[1]
+    if float(np.linalg.eigvalsh(alike).min()) < ONE_SIGNAL:
+        found = f"{len(force)} forces of which one follows from the others"
+        raise InputError(take.name, found=found, expected="forces of independent signals, or one of them")
 
 
 def _off(take: Take) -> str:

@@ -12,6 +12,8 @@ from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import FloatArray
 
 LEAST = 16  # samples of a record
+LARGEST = 1e30  # of a number in a record
+LONGEST = 12  # letters of a unit: with the force's it must fit into 20 columns of a universal file
 EVEN = 0.05  # of a step: what rounded times may be off their even places
 FORCES = {"n": 1.0, "newton": 1.0, "kn": 1e3, "dan": 10.0, "mn": 1e-3, "lbf": 4.4482216152605, "kgf": 9.80665}
 
@@ -118,11 +120,14 @@ def _as_force(channel: RecordChannel) -> bool:
 
 
 def _finite(block: RecordBlock) -> RecordBlock:
-    """The block, refused where a number is not finite."""
+    """The block, refused where a number is not finite or beyond any unit."""
     spoilt = [c.name for c, row in zip(block.channels, block.values, strict=True) if not np.isfinite(row).all()]
     if spoilt:
         found = f"nan or infinity in {', '.join(spoilt)}"
         raise InputError(block.name, found=found, expected="finite numbers: leave the channel out, or export it again")
+    if block.values.size and float(np.abs(block.values).max()) > LARGEST:
+        found = f"numbers up to {np.abs(block.values).max():.3g}"
+        raise InputError(block.name, found=found, expected=f"numbers below {LARGEST:g}: check the units and factors")
     return block
 
 
@@ -157,6 +162,10 @@ def _set(block: RecordBlock, at: list[int]) -> FrfSet:
     known = [FORCES.get(unit.lower()) for unit in units]
     if all(known):
         values, units = values * np.array(known, float)[:, None], ["N"] * len(units)
+    long = next((unit for unit in units if len(unit) > LONGEST), None)
+    if long is not None:
+        expected = f"at most {LONGEST} letters, such as m/s^2: state it with --channels"
+        raise InputError(block.name, found=f"the unit {long!r}", expected=expected)
     if len(set(units)) > 1:
         found = f"responses in {' and '.join(sorted(set(unit or 'no unit' for unit in units)))}"
         expected = "one unit: convert them with the column factor of --channels, or estimate each kind by itself"

@@ -30,11 +30,16 @@ def force_window(samples: int, pulse: Pulse) -> FloatArray:
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * np.clip(away, 0.0, 1.0)))
 
 
-def exponential_window(samples: int, fs: float, start: int, tau: float | None) -> FloatArray:
-    """exp(-(t - t_0)/tau), t_0 the instant of the sample `start`; 1 without tau, (samples,)."""
+def exponential_window(samples: int, fs: float, pulse: Pulse, tau: float | None) -> FloatArray:
+    """exp(-(t - t_0)/tau), t_0 the start of the pulse; constant before the pulse, 1 without tau, (samples,).
+
+    >>> exponential_window(5, 1.0, Pulse(3, 4, 1.0), 2.0).round(2).tolist()
+    [2.72, 2.72, 1.65, 1.0, 0.61]
+    """
     if tau is None:
         return np.ones(samples)
-    return np.asarray(np.exp(-(np.arange(samples) - start) / (fs * tau)))
+    first = pulse.start - MARGIN * (pulse.end - pulse.start)
+    return np.asarray(np.exp(-(np.maximum(np.arange(samples), first) - pulse.start) / (fs * tau)))
 
 
 def ringing_left(response: FloatArray, pulse: Pulse) -> float:

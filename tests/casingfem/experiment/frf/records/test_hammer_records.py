@@ -52,6 +52,7 @@ def off(frfs, rig=RIG, quantity="accelerance"):
     return np.abs(frfs.responses - exact).max(axis=1) / np.abs(exact).max(axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["receptance", "accelerance"])
 def test_a_long_record_is_cut_at_its_hits_and_gives_the_exact_responses(quantity):
     found = cf.frf.estimate(tapped(quantity=quantity), band=(20.0, 400.0))
@@ -129,6 +130,7 @@ def second_pulse(take, delay, share):
     return with_values(take, force=force + later(force), response=response + later(response))
 
 
+@pytest.mark.slow
 def test_double_hits_are_left_out_with_their_size_and_delay():
     whole = tapped()
     hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
@@ -162,6 +164,7 @@ def test_wrong_triggers_are_named(start, words):
     assert good.averages == 1
 
 
+@pytest.mark.slow
 def test_clipped_channels_have_no_part_in_the_averages():
     whole = tapped()
     hits = [cut(whole, k * BLOCK, BLOCK, f"hit {k + 1}") for k in range(4)]
@@ -183,6 +186,7 @@ def test_a_slow_peak_of_a_coarse_converter_is_not_clipped():
     assert clipped(np.clip([slow, 100.0 * ring], -1200.0, 1200.0), decaying=True).tolist() == [1]
 
 
+@pytest.mark.slow
 def test_a_channel_that_is_turned_over_shows_at_the_drive_point():
     take = tapped()
     turned = with_values(take, response=take.response.responses * [[-1.0], [1.0], [1.0]])
@@ -193,6 +197,7 @@ def test_a_channel_that_is_turned_over_shows_at_the_drive_point():
     assert any("pulses of the force are negative" in note for note in cf.frf.estimate(pulled).notes)
 
 
+@pytest.mark.slow
 def test_a_roving_hammer_has_its_hit_points_as_sensors():
     hits = [replace(cut(tapped(drive=k), 0, BLOCK, f"point {k + 1}")) for k in range(3)]
     one = [
@@ -223,6 +228,8 @@ def test_takes_that_do_not_belong_together_are_refused():
         ({"estimator": "H4"}, "estimator: found 'H4'"),
         ({"band": (400.0, 20.0)}, "band: found 400 to 20 Hz"),
         ({"test": "shaker", "exponential": 0.5}, "expected a hammer test"),
+        ({"seconds": 1e-9}, "seconds: found 1e-09 s"),
+        ({"exponential": 1e-9}, "exponential: found 1e-09 s"),
     ):
         with pytest.raises(InputError, match=words):
             cf.frf.estimate(take, **options)
@@ -238,3 +245,31 @@ def test_a_shaker_s_record_is_taken_for_one():
     exact = RIG.frfs(found.frfs.x, sensors=[0, 1, 2], drives=[0]).responses
     assert np.median(np.abs(found.frfs.responses - exact) / np.abs(exact)) < 0.02
     assert found.records()[0]["median_coherence"] > 0.99
+
+
+def test_forces_that_are_none_or_one_signal_are_refused():
+    take = tapped(blocks=1)
+    silent = with_values(take, force=np.full((1, BLOCK), 3.0))
+    with pytest.raises(InputError, match="a force at point 1 that does not change: 3 N"):
+        cf.frf.estimate(silent)
+    noise = np.random.default_rng(2).standard_normal(BLOCK)
+    twice = replace(
+        take.force, responses=np.array([noise, 2.0 * noise]),
+        **{name: np.array([1, 2]) for name in ("response_point", "response_direction", "reference_point",
+                                               "reference_direction")},
+    )  # fmt: skip
+    with pytest.raises(InputError, match="2 forces of which one follows from the others"):
+        cf.frf.estimate(replace(take, force=twice))
+
+
+def test_the_window_does_not_grow_before_the_pulse():
+    """A short window on a record with a long pre-trigger: the noise before the hit is not raised."""
+    take = tapped(blocks=1)
+    rng = np.random.default_rng(4)
+    response = take.response.responses + 0.05 * rng.standard_normal(take.response.responses.shape)
+    late = [np.pad(part, ((0, 0), (1500, 0)))[:, :BLOCK] for part in (take.force.responses, response)]
+    late[1][:, :1500] = 0.05 * rng.standard_normal((3, 1500))
+    found = cf.frf.estimate(with_values(take, force=late[0], response=late[1]), exponential=0.05, band=(20.0, 400.0))
+    assert found.shown.response_window.max() < 1.4
+    clean = cf.frf.estimate(take, exponential=0.05, band=(20.0, 400.0)).frfs.responses
+    assert np.abs(found.frfs.responses - clean).max() < 0.05 * np.abs(clean).max()

@@ -76,6 +76,7 @@ def written(kind, take, folder):
     return path, table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["uff", "csv", "npz", "mat", "wav"])
 def test_every_kind_of_file_gives_the_same_responses(kind, take, wanted, tmp_path):
     path, table = written(kind, take, tmp_path)
@@ -87,6 +88,7 @@ def test_every_kind_of_file_gives_the_same_responses(kind, take, wanted, tmp_pat
     np.testing.assert_allclose(found.frfs.responses, wanted.frfs.responses, atol=3e-6 * scale)
 
 
+@pytest.mark.slow
 def test_hits_in_records_of_their_own_are_put_together_in_either_order(take, tmp_path):
     by_hit = functions(take, hits=3)
     by_channel = [by_hit[3 * hit + channel] for channel in range(3) for hit in range(3)]
@@ -190,6 +192,10 @@ def test_tables_of_records_are_refused_with_line_or_column(name, content, words,
         ({"fs": -1.0, "force": np.zeros(40), "response": np.zeros(40)}, "-1 samples a second"),
         ({"fs": 1e3, "rate": 1.0, "force": np.zeros(40), "response": np.zeros(40)}, "fs and rate for fs"),
         ({"time": np.r_[0.0:39.0, 99.0], "force": np.zeros(40), "response": np.zeros(40)}, "uneven times"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.zeros(40), "unit": ["m", "s"]}, "2 entries in unit"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.zeros(40), "points": [1, 2]}, "2 numbers in points"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.full(40, 1e300)}, "numbers up to 1e"),
+        ({"fs": 1e3, "force": np.ones(40), "response": np.zeros(40), "unit": "furlong per fortnight"}, "the unit"),
         ({"fs": 1e3, "force": np.full(40, np.nan), "response": np.zeros(40)}, "nan or infinity in force"),
     ],
 )
