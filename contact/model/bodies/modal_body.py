@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
@@ -218,6 +219,24 @@ class ModalBody:
         if self.stiffness_by_speed is not None:
             K += (omega_rotation**2 - self.spin**2) * self.stiffness_by_speed
         return C, K
+
+    def poles(self, omega_rotation: float = 0.0) -> NDArray[np.complex128]:
+        """Poles [1/s, rad/s] of the free body in its own frame while it turns, (2 m,), by ascending imaginary part.
+
+        The eigenvalues s of s^2 + C s + K = 0, of `matrices` at this speed. A wave on a rim that runs with a positive
+        rotation has a lower frequency than the one against it.
+
+        >>> pair = ModalBody(omega=[3.0, 3.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2),
+        ...                  S=np.zeros((2, 2)), gyroscopic=[[0.0, -2.0], [2.0, 0.0]], stiffness_by_speed=-np.eye(2))
+        >>> pair.poles(0.5).imag.round(9).tolist()
+        [-3.5, -2.5, 2.5, 3.5]
+        """
+        C, K = self.matrices(omega_rotation)
+        m = self.omega.size
+        scale = float(self.omega.max(initial=0.0)) or 1.0
+        none, one = np.zeros((m, m)), scale * np.eye(m)
+        found = np.linalg.eigvals(np.block([[none, one], [-K / scale, -C]])).astype(complex)
+        return np.asarray(found[np.argsort(found.imag, kind="stable")])
 
     def truncated(self, omega_max: float) -> ModalBody:
         """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S.

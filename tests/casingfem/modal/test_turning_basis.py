@@ -65,6 +65,8 @@ def test_reference_frustum_at_300_rpm_whirls_as_its_full_model(frustum):
     n, sense = senses(body, vectors[:, :16], omega)
     assert n.tolist() == exact.nodal_diameters.tolist()
     assert sense.tolist() == exact.sense.tolist()
+    upper = body.poles(omega).imag[len(found) :]
+    np.testing.assert_allclose(upper, found, rtol=1e-9)
     pair = [found[k] / (2.0 * np.pi) for s in (1, -1) for k in np.flatnonzero((n == 10) & (sense == s))]
     np.testing.assert_allclose(pair, [423.89, 425.77], atol=0.01)
     assert body.omega[np.abs(body.omega - found[6]).argmin()] / (2.0 * np.pi) == pytest.approx(422.03, abs=0.01)
