@@ -100,7 +100,7 @@ MESHES = {
     ),
     "mesh-kink": (
         "neighbouring cells of a shell meet at an angle",
-        "refine there if the surface is smooth: the angle falls with the cells; a corner that is meant is mitred",
+        "refine there if the surface is smooth: the angle falls with the cells; a corner that is meant may stay",
     ),
     "mesh-last-line": (
         "the last line of a file has no end: its last number may be a part of one",

@@ -16,7 +16,7 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, shape_fun
 from casingfem.structure.imported.mesh.collapsed import LEAST, distinct
 from casingfem.structure.imported.mesh.findings import SHOWN, Finding, cells_named, edge_lengths, nodes_named, where
 from casingfem.structure.imported.mesh.mesh_data import NATIVE, MeshData, natives
-from casingfem.structure.imported.mesh.walls import FLAT, against, neighbours, one_wall
+from casingfem.structure.imported.mesh.walls import FLAT, FOLDED, against, neighbours, one_wall
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import SOUND
 from contact.io.names import hint
@@ -208,14 +208,14 @@ def split_facets(mesh: MeshData) -> list[Finding]:
 
 
 def normals(mesh: MeshData) -> list[Finding]:
-    """Cells of one wall of a shell whose normal points against a neighbour's: both run along their edge the same way.
+    """Cells of a shell whose normal points against a neighbour's within `FOLDED`: both run along their edge alike.
 
-    Normals of different walls are independent: those at folds and branches are no fault.
+    At sharper folds and at branches normals are independent.
     """
     if mesh.kind not in SHELLS:
         return []
     given = neighbours(mesh)
-    pairs = given.facets[one_wall(given)]
+    pairs = given.facets[one_wall(given, FOLDED)]
     bad = np.isin(np.arange(len(mesh.cells)), pairs[against(mesh, pairs), :, 0])
     return where("mesh-flipped-shell", bad, lambda k: f"{cells_named(mesh, k)} with the normal against a neighbour's")
 

@@ -41,7 +41,14 @@ from casingfem.structure.imported.mesh.cell_kind import SHELLS, shape_functions
 from casingfem.structure.imported.mesh.findings import cells_named
 from casingfem.structure.imported.mesh.joints import joints_of
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
-from casingfem.structure.imported.mesh.walls import FOLDED, cell_normals, walls_apart
+from casingfem.structure.imported.mesh.walls import (
+    FOLDED,
+    SHARP,
+    cell_normals,
+    neighbours,
+    one_wall,
+    walls_apart,
+)
 from casingfem.structure.imported.spin import MeshSpin, MeshTurning, mesh_spin, spun
 from casingfem.structure.shell.checks import WALLS
 from contact.io.brief import brief
@@ -186,7 +193,7 @@ def with_centres(mesh: MeshData) -> MeshData:
 
 
 def check_folds(shell: MeshShell) -> None:
-    """Warn of kinks within a wall; refuse walls back to back at a node, which no director can follow."""
+    """Warn of kinks that may be meant as smooth; refuse walls back to back at a node, which no director can follow."""
     mesh = shell.apart.mesh
     own = cell_normals(mesh)
     cosine = np.where(own.any(axis=2), np.einsum("ekc,ekc->ek", own, directors(mesh)[mesh.cells]), 1.0).min(axis=1)
@@ -194,6 +201,11 @@ def check_folds(shell: MeshShell) -> None:
     if angle.max() > FOLDED + ROUND:
         found = f"{cells_named(mesh, np.flatnonzero(angle > FOLDED + ROUND))} fold by up to {angle.max():.0f} degrees"
         raise ModelError("mesh-fold", f"{mesh.source}: {found}")
+    given = neighbours(shell.mesh)
+    folds = one_wall(given, FOLDED)
+    turn = np.degrees(np.arccos(np.clip(given.ahead[folds], -1.0, 1.0)))
+    corners = turn > SHARP
+    np.maximum.at(angle, given.facets[folds][corners, :, 0], turn[corners, None])
     if angle.max() > BENT:
         found = f"{cells_named(mesh, np.flatnonzero(angle > BENT))} meet at up to {angle.max():.0f} degrees"
         warn("mesh-kink", f"{mesh.source}: {found}", stacklevel=4)

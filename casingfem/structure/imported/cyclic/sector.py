@@ -21,7 +21,7 @@ from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.faces import Pairs, Turn, paired_faces
 from casingfem.structure.imported.mesh.findings import nodes_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.mesh.walls import cell_normals
+from casingfem.structure.imported.mesh.walls import FOLDED, cell_normals, walls_apart
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.imported.spin import MeshSpin
@@ -86,7 +86,7 @@ class CyclicSector:
         require_axis(self.structure.rotation, self.turn)
         if attached := self.structure.mesh.attachments:
             raise ModelError("mesh-attachment", f"{self.structure.mesh.source}: a sector of a wheel with {attached}")
-        if isinstance(part, MeshShell) and len(meeting := part.apart.meeting):
+        if isinstance(part, MeshShell) and len(meeting := walls_apart(part.mesh, FOLDED).meeting):
             found = f"walls that meet at an angle, at {nodes_named(part.mesh, meeting)}"
             raise ModelError("mesh-branch", f"{part.mesh.source}: a sector of a wheel with {found}")
         pairs = paired_faces(self.structure.mesh, self.turn, self.faces, self.tolerance)

@@ -1,8 +1,9 @@
 """Walls of a shell: which cells run on into each other over an edge, and the nodes where walls meet at an angle.
 
-Of the cells on an edge two are one wall if the surface turns by less than `FOLDED` from one to the other, and if no
-third cell continues either of them so. All other edges with several cells are folds and branches. A wall has one
-director at a node, so each wall gets a node of its own where walls meet (`walls_apart`); `joints.py` joins them.
+Of the cells on an edge two are one wall if the surface turns by less than `SHARP` from one to the other, and if no
+third cell continues either of them so. All other edges with several cells are folds and branches. Up to `FOLDED`, where
+a coarse mesh of a smooth surface may be meant, normals must agree as within a wall. A wall has one director at a node,
+so each wall gets a node of its own where walls meet (`walls_apart`); `joints.py` joins them.
 """
 
 from dataclasses import replace
@@ -17,7 +18,8 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.collapsed import distinct
 from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
 
-FOLDED = 61.0  # degrees between neighbours up to which they are one wall
+SHARP = 25.0  # degrees between neighbours up to which they are one wall: one director mitres a kink
+FOLDED = 61.0  # degrees between neighbours up to which their normals must agree
 FLAT = 5.0  # degrees between cells or walls that lie over each other or side by side
 
 
@@ -100,9 +102,9 @@ def outward(mesh: MeshData, facets: IntArray) -> FloatArray:
     return unit(np.cross(mesh.points[b] - mesh.points[a], normals))
 
 
-def one_wall(given: Neighbours) -> BoolArray:
-    """Pairs that run on into each other, (pairs,): within `FOLDED`, and neither has another cell so near ahead."""
-    near = given.ahead > np.cos(np.radians(FOLDED))
+def one_wall(given: Neighbours, degrees: float) -> BoolArray:
+    """Pairs that run on into each other, (pairs,): within an angle, and neither has another cell so near ahead."""
+    near = given.ahead > np.cos(np.radians(degrees))
     codes = given.facets[near] @ np.array([4, 1])  # a shell cell has at most four edges
     _, place, count = np.unique(codes, return_inverse=True, return_counts=True)
     found: BoolArray = near.copy()
@@ -116,8 +118,10 @@ def against(mesh: MeshData, pairs: IntArray) -> BoolArray:
     return np.asarray((one == other).all(axis=1))
 
 
-def walls_apart(mesh: MeshData) -> Apart:
+def walls_apart(mesh: MeshData, sharp: float = SHARP) -> Apart:
     """A shell's mesh with a node for each wall where walls meet; the mesh itself where none do.
+
+    Neighbours are one wall up to the angle `sharp` [degrees]. A mesh with directors of its own is not taken apart.
 
     Examples
     --------
@@ -133,7 +137,7 @@ def walls_apart(mesh: MeshData) -> Apart:
     code = np.arange(len(mesh.cells))[:, None] * len(nodes) + mesh.cells
     codes, place = np.unique(code, return_inverse=True)
     place = place.reshape(code.shape)
-    wall = walls_at_nodes(mesh, codes, place)
+    wall = walls_at_nodes(mesh, codes, place, sharp)
     own = codes % len(nodes)
     _, first = np.unique(own, return_index=True)
     at = np.zeros(len(nodes), dtype=np.int64)
@@ -171,13 +175,13 @@ def mean_normals(mesh: MeshData) -> FloatArray:
     return unit(total)
 
 
-def walls_at_nodes(mesh: MeshData, codes: IntArray, place: IntArray) -> IntArray:
+def walls_at_nodes(mesh: MeshData, codes: IntArray, place: IntArray, sharp: float) -> IntArray:
     """The wall of each cell at each of its nodes, numbered over all nodes, (cells' nodes,).
 
     `codes` number the nodes of cells, ascending, cell * nodes + node; `place` (cells, nodes of a cell) among them.
     """
     given = neighbours(mesh)
-    pairs = given.facets[one_wall(given)]
+    pairs = given.facets[one_wall(given, sharp)]
     shared = mesh.facet_nodes(pairs[:, 0])
     i, j = (np.searchsorted(codes, pairs[:, k, 0][:, None] * len(mesh.points) + shared).ravel() for k in (0, 1))
     normals = cell_normals(mesh)

@@ -16,7 +16,7 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.collapsed import common_kind, mirror, written_as
 from casingfem.structure.imported.mesh.findings import named
 from casingfem.structure.imported.mesh.mesh_data import Group, MeshData, find_facets
-from casingfem.structure.imported.mesh.walls import against, neighbours, one_wall
+from casingfem.structure.imported.mesh.walls import FOLDED, against, neighbours, one_wall
 from casingfem.structure.imported.readers.middles import filled, raised
 from contact.io.names import names_fault
 
@@ -130,7 +130,7 @@ def build(draft: Draft, source: str) -> MeshData:
 def alike(mesh: MeshData) -> MeshData:
     """A shell with the cells turned round whose normals point against their neighbours' in one wall, and a warning."""
     given = neighbours(mesh)
-    pairs = given.facets[one_wall(given)]
+    pairs = given.facets[one_wall(given, FOLDED)]
     turned = to_turn(len(mesh.cells), pairs[:, :, 0], against(mesh, pairs))
     if not turned.any():
         return mesh

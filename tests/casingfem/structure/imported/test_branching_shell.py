@@ -15,6 +15,7 @@ from casingfem.modal.interface.kinds import AtNodes, Tip
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.support import Fixed
 from casingfem.structure.imported.cyclic.sector import CyclicSector
+from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import NodeLoad, solve_mesh_static
 from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
@@ -276,3 +277,17 @@ modes = 4
     result = CliRunner().invoke(main, ["reduce", str(study), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "out" / "tee.npz").exists()
+
+
+@pytest.mark.filterwarnings("ignore:.*mesh-kink")
+@pytest.mark.parametrize("angle", [30.0, 60.0, 90.0])
+def test_a_folded_plate_settles_as_a_flat_one_does(angle):
+    """Clamped across the fold; within 0.6 % of a mesh twice as fine. A mitred director is 3 % off at 60."""
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+
+    def place(u):
+        beyond = np.maximum(u[:, 0] - 0.5, 0.0)
+        return np.stack([u[:, 0] - beyond * (1 - c), u[:, 1], beyond * s], axis=1)
+
+    coarse, fine = (frequencies(grid_mesh("quad9", (n, n), place, groups={"BASE": (1, 0.0)}), 0.01, 4) for n in (4, 8))
+    np.testing.assert_allclose(coarse, fine, rtol=6e-3)
