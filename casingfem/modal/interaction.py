@@ -224,7 +224,8 @@ def _meetings(
     speed, f_b = blade_over_speed(blade, n, low, high)
     if turning == "casing":
         every = np.union1d(speed, np.linspace(speed[0], speed[-1], SPEEDS))
-        speed, f_b = every, np.stack([np.interp(every, speed, column) for column in f_b.T], axis=1)
+        columns = [np.interp(every, speed, column) for column in f_b.T]
+        speed, f_b = every, np.array(columns).reshape(-1, every.size).T
     for branch, (sign_c, sign_b) in zip(BRANCHES, ((1, 1), (1, -1), (-1, 1)), strict=True):
         if branch not in WAVES[turning]:
             continue

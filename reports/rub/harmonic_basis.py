@@ -19,7 +19,7 @@ from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.kinematics import DOFS
-from casingfem.structure.shell.assembly import assemble, turning
+from casingfem.structure.shell.assembly import assemble, carries_more, turning
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
 from casingfem.structure.shell.shell import Shell
 from contact.io.names import hint
@@ -68,7 +68,7 @@ def harmonic_basis(
     if rim.lines:
         raise ModelError("interface-lines", f"rim.lines: found {rim.lines}, expected none here: the edge itself")
     size = len(rim.channels)
-    turned = Turned(shell, rim.n_max)
+    turned = None if carries_more(assemble(shell)) else Turned(shell, rim.n_max)
     S = np.zeros((size, size))
     omega: list[FloatArray] = []
     rows: list[FloatArray] = []
@@ -77,7 +77,8 @@ def harmonic_basis(
     for n in range(rim.n_max + 1):
         meridian = harmonic_matrices(shell, n)
         squares, vectors = kept_modes(shell, meridian, orders if isinstance(orders, int) else orders(n))
-        spun.append(turned.matrices(meridian, vectors))
+        if turned is not None:
+            spun.append(turned.matrices(meridian, vectors))
         for family, (channels, loads) in enumerate(families(shell, rim, meridian)):
             at_rim = loads.T @ vectors
             shares.append(participation(meridian, family, vectors))
@@ -88,15 +89,17 @@ def harmonic_basis(
             S[np.ix_(channels, channels)] += loads.T @ np.linalg.solve(meridian.K, loads)
             S[np.ix_(channels, channels)] -= (at_rim / squares) @ at_rim.T
     order = np.argsort(np.concatenate(omega), kind="stable")
-    gyroscopic, added = (block_diag(*blocks)[np.ix_(order, order)] for blocks in zip(*spun, strict=True))
+    rotation: dict[str, FloatArray] = {}  # none of a casing with rings or masses, as of casingfem.reduce
+    if spun:
+        gyroscopic, added = (block_diag(*blocks)[np.ix_(order, order)] for blocks in zip(*spun, strict=True))
+        rotation = {"gyroscopic": gyroscopic, "stiffness_by_speed": added}
     return ModalBasis(
         omega=np.concatenate(omega)[order],
         zeta=np.full(len(order), zeta),
         channels=rim.channels,
         rows=np.concatenate(rows, axis=1)[:, order],
         S=0.5 * (S + S.T) * residual,
-        gyroscopic=gyroscopic,
-        stiffness_by_speed=added,
+        **rotation,
         participation=np.concatenate(shares, axis=1)[:, order],
         kind="rim",
         n_max=rim.n_max,

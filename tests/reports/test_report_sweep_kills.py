@@ -49,7 +49,7 @@ def test_commands_under_kill_9_leave_the_old_set_or_the_new(tmp_path):
 @pytest.mark.campaign
 def test_damaged_files_end_in_no_traceback(tmp_path):
     rows = file_mutations.main(tmp_path, quick=True)
-    assert len(rows) == 56
+    assert len(rows) == 57
     for row in rows:
         assert (row["mutants"], row["failed"]) == (20, 0)
         assert row["refused"] > 2
@@ -75,7 +75,7 @@ def test_every_key_of_a_table_gets_every_bad_value():
 
 def test_the_judge_of_bad_values_sees_tracebacks_and_numbers_that_are_not_finite():
     base = schema_bases.Base("modes", "modes", "study", schema_bases.CASING)
-    case = schema.Case(base, ("shell", "thickness"), "huge", 1e30)
+    case = schema.Case(base, ("shell", "thickness"), "huge", 1e30, (3e-3,))
 
     def outcome(code, out="", err="", raised=""):
         return schema.judged(case, schema.Ended(code, out, err, raised), {".a": "1"})[0]

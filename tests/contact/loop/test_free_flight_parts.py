@@ -9,7 +9,6 @@ import pytest
 from tests.contact.plain import names, plain
 
 FLIGHT = names("loop.modal.free_flight")
-FLOQUET = names("loop.modal.rows")
 
 
 @pytest.mark.parametrize("turn", [0.013, -0.013, 0.11, -0.11])
@@ -112,53 +111,6 @@ def test_the_discrete_energy_is_kept_without_damping_and_is_that_of_both_gaps():
     exact = sum(0.5 * d[i] ** 2 / c[i] + 0.5 * be[i] / c[i] * (q[i] - d[i]) * q[i] for i in (0, 1))
     assert FLIGHT.discrete_energy(q, d, be, c) == pytest.approx(exact, rel=1e-14)
     assert FLIGHT.discrete_energy(*free(9, q, d, al, be), be, c) == pytest.approx(exact, rel=1e-12)
-
-
-def test_drifts_and_kicks_are_matrices_on_every_column():
-    rng = np.random.default_rng(2)
-    q, v = rng.standard_normal((2, 3, 4))
-    exact, Q, T = rng.standard_normal((4, 3)), rng.standard_normal(3), rng.standard_normal(3)
-    x, w = q.copy(), v.copy()
-    FLOQUET.drift(x, w, exact)
-    a, b, c, d = exact[:, :, None]
-    np.testing.assert_allclose([x, w], [a * q + b * v, c * q + d * v], rtol=1e-13)
-    y = np.ones(4)
-    w = v.copy()
-    FLOQUET.kick(q, w, Q, T, 0.3, 0.7, y)
-    np.testing.assert_allclose(w, v - 0.7 * np.outer(Q - 0.3 * T, Q @ q), rtol=1e-12)
-    np.testing.assert_allclose(y, Q @ q, rtol=1e-13)
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.25])
-def test_a_turn_of_a_rim_in_contact_is_drifts_around_kicks_where_it_is(mu):
-    rng, m, h, n = np.random.default_rng(5), 3, 0.01, np.arange(8)
-    coefficients = rng.standard_normal((2, 8, 16))  # normal and tangential sums: modes, clearance, S_nn, S_nt, S_tt
-
-    def blocks(values):
-        return SimpleNamespace(
-            start=np.array([0, 16]), wave=np.arange(16), value=np.ascontiguousarray(values.T), alike=np.zeros(1)
-        )  # fmt: skip
-
-    def at(which, phi):
-        return coefficients[which] @ np.concatenate([np.cos(n * phi), np.sin(n * phi)])
-
-    rows = SimpleNamespace(
-        normal=blocks(coefficients[0]), tangent=blocks(coefficients[1]), modes=m, angle=0.4, speed=9.0, mu=mu,
-        waves=np.zeros((2, 8)),
-    )  # fmt: skip
-    q, v = rng.standard_normal((2, m, 2))
-    drifts, times, kicks = rng.standard_normal((4, 4, m)), np.array([0.1, 0.5, 0.8]), np.array([0.3, -0.4, 0.6])
-    x, w = q.copy(), v.copy()
-    FLOQUET.revolve(x, w, rows, np.zeros(8), np.zeros(8), np.zeros(2), drifts, times, kicks, h, 2)
-    for step in range(2):
-        for k in range(4):
-            a, b, c, d = drifts[k][:, :, None]
-            q, v = a * q + b * v, c * q + d * v
-            if k < 3:
-                phi = 0.4 - 9.0 * (step + times[k]) * h
-                Q, T = at(0, phi), at(1, phi)
-                v = v - kicks[k] * h / (Q[4] - mu * Q[5]) * np.outer(Q[:m] - mu * T[:m], Q[:m] @ q)
-    np.testing.assert_allclose([x, w], [q, v], rtol=1e-10)
 
 
 def test_where_no_step_is_skipped_a_rim_is_left_as_it_is(monkeypatch):

@@ -101,7 +101,7 @@ kind = "patch"
 t_end = 60.0
 [body]
 omega = [2.0]
-zeta = [0.3]
+zeta = [0.2]
 channels = ["n", "p"]
 rows = [[1.0], [0.5]]
 S = [[0.4, 0.1], [0.1, 0.6]]

@@ -148,9 +148,9 @@ def test_refuses_bolts_that_are_none(values, code):
         ({"k": 0.0, "loose": {1: 0.5}}, "bolts need k or k_rot above zero"),
         ({"width": float("inf")}, "spacing and bolts.width must be positive and finite"),
         ({"width": 0.1, "spacing": -0.1}, "spacing and bolts.width must be positive and finite"),
-        ({"width": 0.15, "spacing": 0.1}, r"patches 8\.594 deg wide on bolts 5\.73 deg apart overlap"),
+        ({"width": 0.15, "spacing": 0.1}, r"patches of width 8\.594 deg on bolts at a spacing of 5\.73 deg overlap"),
         ({"spacing": 1.0}, r"8 bolts 57\.3 deg apart go round more than once"),
-        ({"width": 0.6, "spacing": 0.85}, r"patches 34\.38 deg wide on bolts 19\.09 deg apart overlap"),
+        ({"width": 0.6, "spacing": 0.85}, r"patches of width 34\.38 deg on bolts at a spacing of 19\.09 deg overlap"),
     ],
 )
 def test_says_what_is_wrong_with_bolts(values, said):

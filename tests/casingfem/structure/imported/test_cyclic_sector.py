@@ -102,7 +102,7 @@ def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
 @pytest.mark.parametrize(
     ("make", "given", "words"),
     [
-        (part, {"sectors": 9, "faces": ("low", "high")}, "faces 45 degrees apart, as 8 sectors.*cyclic-sectors"),
+        (part, {"sectors": 9, "faces": ("low", "high")}, "faces 45 degrees apart .*as 8 sectors.*cyclic-sectors"),
         (part, {"sectors": 9}, "turned by 40 degrees.*cyclic-faces"),
         (part, {"sectors": 16}, "repeats itself within.*cyclic-sectors"),
         (part, {"sectors": 1}, "found 1.*cyclic-sectors"),

@@ -45,7 +45,7 @@ def test_angles_are_counted_around(theta):
     ],
 )
 def test_places_off_the_surface_are_refused(a, b, told):
-    with pytest.raises(ValueError, match=f"off the surface: found .*{told}"):
+    with pytest.raises(ValueError, match=f"at: found .*off the surface; {told}"):
         place_jets(PLATE, np.array(a), np.array(b))
 
 

@@ -260,7 +260,7 @@ def test_a_scene_of_a_rim_is_followed_over_its_speeds(tmp_path):
     assert max(point.amplitude["casing"] for point in points) > 1.3 * points[0].amplitude["casing"]
     assert found.branches[0].stable.all()
     for old, new, words in (
-        ("to_hz = 24.0", "to_hz = -1.0", "speed: 22 to -1 found"),
+        ("to_hz = 24.0", "to_hz = -1.0", "speed: from_hz = 22 and to_hz = -1 found"),
         ("friction", "fricton", "contact.fricton: unknown key"),
         ("clearance = 5e-6", "clearance = 5.0", "clearance: found 5 m"),
     ):

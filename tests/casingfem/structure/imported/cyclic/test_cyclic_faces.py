@@ -94,11 +94,14 @@ def test_the_worst_miss_is_named_and_with_no_hit_the_nearest():
 
 
 def test_a_full_sector_of_another_angle_is_told_how_many_there_are():
-    with pytest.raises(ModelError, match=r"faces 90 degrees apart, as 4 sectors have, beside 6 sectors, 60 degrees"):
+    with pytest.raises(
+        ModelError,
+        match=r"faces 90 degrees apart .*as 4 sectors have, beside 6 sectors, 60 degrees",
+    ):
         named(annulus(), SIXTH, ("low", "high"), 1e-3)
-    with pytest.raises(ModelError, match="faces 90 degrees apart, as 4 sectors have"):
+    with pytest.raises(ModelError, match=r"faces 90 degrees apart .*as 4 sectors have"):
         named(annulus(), SIXTH, ("high", "low"), 1e-3)
-    with pytest.raises(ModelError, match="faces 0 degrees apart, as 0 sectors have"):
+    with pytest.raises(ModelError, match=r"faces 0 degrees apart .*as 0 sectors have"):
         named(annulus(), SIXTH, ("low", "low"), 1e-3)
 
 
