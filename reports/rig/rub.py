@@ -9,6 +9,7 @@ from scipy.optimize import root_scalar
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
+from casingfem.modal.interaction import wave_hz
 from casingfem.modal.modes import Modes
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
@@ -89,18 +90,24 @@ class Tuning:
     thickness: float
 
 
+def against(still_hz: float, plan: RubPlan) -> float:
+    """Frequency [Hz] of a pair's wave against the rotation of the casing, in its frame, by ring theory."""
+    return float(wave_hz(plan.n, still_hz, np.array([plan.speed_hz]), "casing", -1)[0])
+
+
 def growing_band(casing: cf.ModalBasis, blade: cf.ModalBasis, plan: RubPlan) -> tuple[float, float]:
     """Blade frequencies between which a permanent contact grows, from the free coincidence f_b = f_c - n f [Hz].
 
-    The casing's doublet of n diameters, taken as a pair of equal modes, meets the blade's first mode; all other modes
-    at that frequency and the residual compliance are the S between them (`contact.growth.coincidence`).
+    The casing's doublet of n diameters, taken as a pair of equal modes whose wave runs against the rotation, meets the
+    blade's first mode; all other modes at that frequency and the residual compliance are the S between them
+    (`contact.growth.coincidence`).
     """
     N, n, turning = casing.n_max, plan.n, 2.0 * np.pi * plan.speed_hz
     radial = casing.rows[: 2 * N + 1]
     order = np.r_[np.arange(N + 1), np.arange(1, N + 1)]
     mobility = np.array([np.sum(radial[order == k] ** 2, axis=0) for k in range(N + 1)])  # 1/m_k of each mode
     pair = np.flatnonzero(mobility.argmax(axis=0) == n)[:2]
-    w_c = float(casing.omega[pair].mean())
+    w_c = 2.0 * np.pi * against(float(casing.omega[pair].mean()) / (2.0 * np.pi), plan)
     nu = w_c - n * turning
 
     lean = np.radians(plan.lean_deg)
@@ -143,7 +150,7 @@ def bodies(
     the growing band lies, and it is moved into that.
     """
     rim = run_reduce(casing, structure)
-    coincidence = target - plan.n * plan.speed_hz
+    coincidence = against(target, plan) - plan.n * plan.speed_hz
     tip = run_reduce(blade, tuned(blade.shell, coincidence))
     low, high = (coincidence + shift for shift in growing_band(rim, tip, plan))
     wanted = low + plan.into_band * (high - low)
