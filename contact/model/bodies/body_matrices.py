@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,17 @@ class BodyMatrices:
 
     bodies: tuple[ModalBody, ...]
     senses: tuple[int, ...]
+
+    @staticmethod
+    def of_one(body: ModalBody) -> BodyMatrices:
+        """One body in a scene without a speed: it has the stiffness of its basis, at whatever speed that was made.
+
+        >>> pair = ModalBody(omega=[3.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], spin=2.0,
+        ...                  stiffness_by_speed=[[0.5]])
+        >>> BodyMatrices.of_one(pair).at(0.0)[1].tolist()
+        [[9.0]]
+        """
+        return BodyMatrices(bodies=(replace(body, gyroscopic=None, stiffness_by_speed=None),), senses=(0,))
 
     @property
     def vary(self) -> bool:

@@ -118,7 +118,7 @@ class ExactModal:
             found = "Coulomb friction on a Patch without tangent"
             raise InputError(f"law: found {found}, expected channels along the ground")
         body, load = problem.body, np.asarray(problem.load)
-        still = BodyMatrices(bodies=(body,), senses=(0,))
+        still = BodyMatrices.of_one(body)
         parts = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant)).parts[
             0
         ]
@@ -261,8 +261,8 @@ def _system(problem: Problem, modes: int) -> ModalSystem:
 @_system.register
 def _(problem: PointGap, modes: int) -> ModalSystem:
     for side in problem.sides:
-        if BodyMatrices(bodies=(side.body,), senses=(0,)).coupled:
-            found = f"modes of {side.name} that are coupled (damping, stiffness or a basis made at a speed)"
+        if BodyMatrices.of_one(side.body).coupled:
+            found = f"modes of {side.name} that are coupled (damping or stiffness)"
             raise InputError(f"sides: found {found}, expected single modes at a PointGap: take a Patch of that body")
     return point_system(problem)
 
