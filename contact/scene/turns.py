@@ -26,7 +26,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
     ]
     if given is None and (turning or rub.forces):
         what = f"Coriolis forces and stiffening of {' and '.join(turning)}" if turning else "gravity or whirl"
-        words = f"speed.turning: found nothing beside {what}, taken as 'blades': the casing is at rest"
+        words = f"speed.turning: left out in a scene with {what}, taken as 'blades': the casing is at rest"
         _warn("turning-unstated", file, words)
     if given == "casing" and rub.casing.gyroscopic is None:
         _warn("turning-unmodelled", file, "casing: found no gyroscopic matrix in its basis beside turning = 'casing'")

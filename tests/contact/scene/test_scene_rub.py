@@ -130,7 +130,7 @@ def test_gravity_and_whirl_of_the_file_are_those_of_the_rub(write, tmp_path):
         turned = ct.load_scene(write(text.replace('turning = "blades"', 'turning = "casing"'))).what
     assert turned.forces[1].per_rev == -1.0
     with pytest.warns(
-        ct.scene.SceneWarning, match=r"speed\.turning: found nothing beside gravity or whirl, taken as 'blades'"
+        ct.scene.SceneWarning, match=r"speed\.turning: left out in a scene with gravity or whirl, taken as 'blades'"
     ):
         rub = ct.load_scene(write(text.replace('turning = "blades"', ""))).what
     assert (rub.turning, rub.forces[1].per_rev) == ("blades", 0.0)
@@ -151,7 +151,7 @@ def test_side_that_turns_is_said_where_a_basis_has_matrices_of_rotation(kind, wr
     speed = "hz = [3.0, 5.0]" if kind == "rub" else "hz = 5.0"
     assert speed in text
     with pytest.warns(
-        ct.scene.SceneWarning, match=r"beside Coriolis forces and stiffening of casing, .*turning-unstated\]$"
+        ct.scene.SceneWarning, match=r"with Coriolis forces and stiffening of casing, .*turning-unstated\]$"
     ):
         scene = ct.load_scene(write(text))
     assert scene.what.turning == "blades"
