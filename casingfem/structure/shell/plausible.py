@@ -13,8 +13,9 @@ import numpy as np
 from casingfem.errors import ModelError, warn
 from casingfem.io.arrays import FloatArray
 from casingfem.structure.edge.support import Clamped, ElasticEdge
+from casingfem.structure.geometry.chart import Panel
 from casingfem.structure.geometry.chart_checks import real
-from casingfem.structure.geometry.revolved import chart_lines
+from casingfem.structure.geometry.revolved import RevolvedPanel, chart_lines
 from casingfem.structure.material import Material
 from casingfem.structure.shell.parts import ShellParts
 
@@ -139,7 +140,8 @@ def chart_warnings(shell: ShellParts) -> Iterator[Concern]:
     long, short = size.sides.max(), size.sides.min()
     if long > ASPECT * short:
         yield "chart-aspect", f"the surface is {long:.3g} m by {short:.3g} m"
-    angle, twist = (float(np.abs(np.real(getattr(shell.chart, name, 0.0))).max()) for name in ("angle", "twist"))
+    angle = float(np.real(shell.chart.angle)) if isinstance(shell.chart, Panel | RevolvedPanel) else 0.0
+    twist = float(np.abs(np.real(getattr(shell.chart, "twist", 0.0))).max())
     if angle > NEARLY_CLOSED * 2.0 * np.pi:
         yield "chart-near-closed", f"chart.angle = {angle:.5g} rad of {2.0 * np.pi:.5g}"
     if twist > TWIST:

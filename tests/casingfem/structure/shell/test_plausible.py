@@ -43,6 +43,12 @@ def codes(concerns):
     return [code for code, _ in concerns]
 
 
+class Fan(Plate):
+    """A chart of one's own whose angle is none about an axis."""
+
+    angle = 90.0
+
+
 @pytest.mark.parametrize(
     ("E", "nu", "rho", "expected"),
     [
@@ -97,6 +103,7 @@ def test_each_material_is_looked_at_once():
         ({"chart": Plate(length=1e-3, width=1.001), "thickness": 1e-4}, ["chart-aspect"]),
         ({"chart": Panel(radius=0.4, length=0.3, angle=6.21)}, []),  # of 2 pi * 0.99 = 6.2204
         ({"chart": Panel(radius=0.4, length=0.3, angle=6.23)}, ["chart-near-closed"]),
+        ({"chart": Fan(length=0.3, width=0.1)}, []),
         ({"chart": TwistedPlate(length=0.3, width=0.1, twist=3.14)}, []),
         ({"chart": TwistedPlate(length=0.3, width=0.1, twist=-3.15)}, ["chart-twist-units"]),
         ({"chart": Cylinder(radius=0.4, height=0.3), "radius_defect": FourierField.of({0: 0.1})}, []),
