@@ -16,7 +16,9 @@ STORE = read_store()
 PAGE = {name: (ROOT / name).read_text(encoding="utf-8") for name in PAGES}
 UNMARKED = {  # tables of docs/accuracy.md by their first heading: times of a machine, runs of others, a quick run's
     "solid": "times and memory",
-    "split over half-power bandwidth": "printed by --quick, which test_report_identification.py runs",
+    "split over half-power bandwidth": "identification_splits.csv of the campaign",
+    "set": "responses of other projects, not in this repository",
+    "channels x lines": "times of a machine",
     "code and method": "measured once, no command here repeats them",
 }
 COMMANDS = {
