@@ -64,7 +64,7 @@ CAMPAIGNS = (
     Campaign("verification", "every published and exact value: structures, simple contacts", (*STRUCTURE, "contact")),
     Campaign("contact.batches", "2,000 random lists of scenes equal the runs alone", (*RUBS, "contact/sweep")),
     Campaign("robustness.uff_mutations", "damaged universal files are read whole or refused", UFF),
-    Campaign("robustness.file_mutations", "100,000 damaged files of 56 kinds end in no traceback, no hang", READERS),
+    Campaign("robustness.file_mutations", "100,000 damaged files of 57 kinds end in no traceback, no hang", READERS),
     Campaign(
         "robustness.schema",
         "8,000 bad values of all keys end in no traceback, no hang, no stray warning",
