@@ -12,6 +12,7 @@ from contact.model.bodies.modal_body import rim_channels
 from tests.contact.synthetic_rim import N_MAX, SIZE, ring
 
 LEAN, MU, PRESS, STEPS, H = math.radians(12.0), 0.25, 6e-5, 1500, 1e-6
+CLOSED = 780  # steps, of the rigid rim
 FREE = {"gyroscopic": [[0.0, -2.0], [2.0, 0.0]], "stiffness_by_speed": [[-1.0, 0.0], [0.0, -1.0]]}
 NORMAL, TANGENT = (np.array(row) for row in ((math.cos(LEAN), math.sin(LEAN)), (-math.sin(LEAN), math.cos(LEAN))))
 
@@ -99,7 +100,7 @@ def test_blade_that_turns_before_a_casing_at_rest_is_a_mass_in_space(hz):
 @pytest.mark.slow
 @pytest.mark.parametrize("hz", [90.0, -90.0])
 def test_casing_that_turns_before_a_blade_at_rest_is_a_rim_in_space(hz):
-    """A rigid rim in equal springs: its turning shows in the slip alone."""
+    """A rigid rim in equal springs: its turning shows in the slip alone. Up to where the contact would open."""
     casing, blade = rigid_rim(), mass_on_springs()
     at = waves(0.0, 1)
 
@@ -107,9 +108,9 @@ def test_casing_that_turns_before_a_blade_at_rest_is_a_rim_in_space(hz):
         normal = np.concatenate([at @ casing.rows[:3], -2.0 * NORMAL])
         return normal, np.concatenate([at @ casing.rows[3:], -2.0 * TANGENT])
 
-    wanted = in_space(np.array([700.0**2] * 2 + [900.0**2] * 2), np.zeros(4), rows, 3e-8 * 2 + 6e-8, hz)
+    wanted = in_space(np.array([700.0**2] * 2 + [900.0**2] * 2), np.zeros(4), rows, 3e-8 * 2 + 6e-8, hz)[:CLOSED]
     assert wanted[10:].min() > 0.0
-    found = in_the_turning_frame(replace(casing, **FREE), blade, hz, "casing")
+    found = in_the_turning_frame(replace(casing, **FREE), blade, hz, "casing")[:CLOSED]
     np.testing.assert_allclose(found, wanted, rtol=0.0, atol=2e-4 * wanted.max())
-    plain = in_the_turning_frame(casing, blade, hz, "casing")
+    plain = in_the_turning_frame(casing, blade, hz, "casing")[:CLOSED]
     assert np.abs(plain - wanted).max() > 0.01 * wanted.max()
