@@ -21,7 +21,7 @@ from casingfem.io.arrays import IntArray
 LEAST_GROUPS = 3  # of two poles or more, that show set-ups
 LEAST_CHANNELS = 2  # of a set-up
 APART, PERHAPS = 0.35, 0.25  # 1 - cosine between two set-ups, usual; of two that are tried
-ALONE = 0.8  # share of a pole's energy in its set-up, median; two references that drive pairs apart give 0.7
+ALONE = 0.75  # share of a pole's energy in its set-up, median; two references that drive pairs apart give 0.65 to 0.74
 MULTIPLIED = 1.25  # poles of the common description over those of one set-up, at least
 HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
 
