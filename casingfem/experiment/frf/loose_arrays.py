@@ -7,7 +7,7 @@ channels count from 1, without directions these are 0.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +42,7 @@ def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = Fals
     InputError
         No frequencies or responses, with the names found; two arrays of one meaning; shapes that do not fit.
     """
-    arrays = _by_meaning(stored, path)
+    arrays = by_meaning(stored, NAMES, path)
     if coherence and "coherence" not in arrays:
         return None
     if "frf" not in arrays or not {"freq_hz", "omega"} & arrays.keys():
@@ -132,10 +132,10 @@ def _version_73(path: Path) -> dict[str, Any]:
         return {name: value(item) for name, item in file.items()}
 
 
-def _by_meaning(stored: Mapping[str, Array], path: str) -> dict[str, Array]:
+def by_meaning(stored: Mapping[str, Array], names_of: Mapping[str, Collection[str]], path: str) -> dict[str, Array]:
     """Arrays by what they are; a field of a struct counts by its own name."""
     arrays = dict[str, Array]()
-    for meaning, names in NAMES.items():
+    for meaning, names in names_of.items():
         found = [name for name in stored if name.rpartition(".")[2].lower() in names]
         if len(found) > 1:
             raise InputError(path, found=f"{' and '.join(sorted(found))} for {meaning}", expected="one of them")

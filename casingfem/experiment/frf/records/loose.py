@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from casingfem.errors import InputError
+from casingfem.experiment.frf.loose_arrays import by_meaning
 from casingfem.experiment.frf.records.take import RecordBlock, RecordChannel
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
@@ -39,7 +40,7 @@ def blocks_of_arrays(stored: Mapping[str, Array], path: str) -> list[RecordBlock
     InputError
         Missing arrays, with the names found; two arrays of one meaning; shapes that do not fit.
     """
-    arrays = _by_meaning(stored, path)
+    arrays = by_meaning(stored, NAMES, path)
     if "response" not in arrays or not {"fs", "time"} & arrays.keys():
         raise InputError(path, found="arrays " + (", ".join(sorted(stored)) or "none"), expected=EXPECTED)
     response = _numbers(arrays["response"], "response", path)
@@ -107,17 +108,6 @@ def _rate(arrays: Mapping[str, Array], samples: int, path: str) -> float:
     if not (np.isfinite(fs) and fs > 0.0):
         raise InputError(path, found=f"{fs:g} samples a second", expected="a number above 0")
     return fs
-
-
-def _by_meaning(stored: Mapping[str, Array], path: str) -> dict[str, Array]:
-    arrays = dict[str, Array]()
-    for meaning, names in NAMES.items():
-        found = [name for name in stored if name.rpartition(".")[2].lower() in names]
-        if len(found) > 1:
-            raise InputError(path, found=f"{' and '.join(sorted(found))} for {meaning}", expected="one of them")
-        if found:
-            arrays[meaning] = stored[found[0]]
-    return arrays
 
 
 def _numbers(array: Array, name: str, path: str) -> FloatArray:
