@@ -45,7 +45,7 @@ def two_rods(rod: Rod, *, gap: float, velocity: float) -> ExactContact:
     >>> rod = Rod(length=0.254, area=6.4516e-4, E=206.8427e9, rho=7844.181)  # 10 in, 30e6 psi
     >>> contact = two_rods(rod, gap=2.54e-4, velocity=5.13588)
     >>> round(float(contact.force[0, 0])), [f"{t:.5g}" for t in contact.intervals[0]]
-    (66732, ['4.9456e-05', '0.00014838'])
+    (66734, ['4.9456e-05', '0.00014838'])
     """
     require_not_negative(gap=gap)
     require_positive(velocity=velocity)

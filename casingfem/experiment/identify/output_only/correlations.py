@@ -85,13 +85,13 @@ def correlated(y: FloatArray, fs: float, lags: int, references: IntArray) -> Cor
 def zoomed(R: FloatArray, fs: float, low: float, high: float) -> Zoomed:
     """The part of correlations (sensors, references, 2 L) from `low` to `high` [Hz], flat but for its ends.
 
-    >>> lag = np.r_[0:400, -400:0] / 1000.0
-    >>> R = np.exp(-20.0 * abs(lag)) * np.cos(2 * np.pi * 103.0 * lag)
-    >>> part = zoomed(R[None, None], 1000.0, 80.0, 120.0)
-    >>> ratio = part.z[0, 0, 11] / part.z[0, 0, 10]  # exp((p - 2 pi i 80) step)
-    >>> pole = np.log(ratio) / part.step + 2j * np.pi * part.low
-    >>> round(float(-pole.real), 1), round(float(pole.imag / (2 * np.pi)) % 40 + 80, 1)
-    (20.0, 103.0)
+    >>> lag = np.r_[0:2000, -2000:0] / 1000.0
+    >>> R = np.exp(-10.0 * abs(lag)) * np.cos(2 * np.pi * 103.0 * lag)
+    >>> part = zoomed(R[None, None], 1000.0, 60.0, 140.0)
+    >>> t, decay = part.step * np.arange(8, 32), part.z[0, 0, 8:32]  # exp((p - 2 pi i 60) t), p = -10 + 2 pi i 103
+    >>> slope = np.polyfit(t, np.unwrap(np.angle(decay)) + 1j * np.log(abs(decay)), 1)[0]
+    >>> round(float(slope.imag), 3), round(float(slope.real / (2 * np.pi)) % 80, 3)  # known but for 80 Hz = 1 / step
+    (-10.0, 43.0)
     """
     lags = R.shape[-1]
     spectrum, freq = np.fft.rfft(R, axis=-1), np.fft.rfftfreq(lags, 1.0 / fs)
