@@ -2,6 +2,7 @@ from . import cycles
 from .closed_contact import poles, rim_stability, stability
 from .growth_map import StabilityMap
 from .interaction_table import Interactions, interactions
+from .of_run import of_run
 from .on_springs import on_springs, slope_of
 from .split_casing import perfect_mean
 
@@ -10,6 +11,7 @@ __all__ = [
     "StabilityMap",
     "cycles",
     "interactions",
+    "of_run",
     "on_springs",
     "perfect_mean",
     "poles",

@@ -1,0 +1,185 @@
+"""The energy of a motion by waves over windows of a run, and its growth with an interval of confidence.
+
+Vibrating energy of mode i at a stored instant: e_i = (v_i^2 + omega_i^2 (q_i - c_i)^2)/2, v_i = (q_i(t + D) -
+q_i(t - D)) omega_i/(2 sin omega_i D), exact of a free mode; where D is more than a sixth of the period, e_i =
+omega_i^2 (q_i - c_i)^2, whose mean over many periods is the same. c_i is the mean of the window, of modes that vibrate
+less than twice in a window their median over the run.
+
+Growth: least squares of y = log(mean energy of a window)/2 over time in up to three straight pieces, as many as
+lower m log(RSS/m) + 3 PENALTY pieces log m. The last piece's slope is the growth; its 95 % interval is
+t(0.975, k' - 2) sqrt(s^2/Sxx k/k'), with k' = k (1 - r)/(1 + r) of the piece's k windows and r the first
+autocorrelation of what is left over (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946, 184).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices
+
+WINDOWS, FEWEST = 24, 8  # of a run: where it is long enough, and at least
+SAMPLES = 4  # in a window, at least
+PERIODS = 2.0  # of the motion, in a window where the run is long enough
+DENSE = 1.0  # omega times the step between states below which velocities are differences
+LEAST = 6  # windows of a piece
+PENALTY, NOISE = 3.0, 0.005  # of a piece more; scatter of y that is none
+EMPTY = 1e-24  # of the largest energy: nothing has touched yet
+AUTO = 0.9  # autocorrelation at most
+
+
+class Envelope(NamedTuple):
+    """Mean energy [J] of groups of modes in each window, (windows, groups); `time` (windows,) their middles [s]."""
+
+    time: Array
+    energy: Array
+    start: Array  # of each window [s]
+
+
+class Fit(NamedTuple):
+    """Growth [1/s] of the last piece with its interval, and the number of the window where the piece begins."""
+
+    rate: float
+    low: float
+    high: float
+    first: int
+
+
+def modal_energies(time: Array, q: Array, omega: Array, bounds: Indices) -> Array:
+    """Energy of each mode [J] at the stored instants but the first and the last, (n - 2, m).
+
+    `bounds` (windows + 1,): first instant of each window among these, and the end.
+    """
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    inner, sizes = q[1:-1], np.diff(bounds)
+    centre = np.repeat(np.add.reduceat(inner, bounds[:-1], axis=0) / sizes[:, None], sizes, axis=0)
+    slow = omega * step * float(sizes.mean()) < 2.0 * math.pi * PERIODS
+    centre[:, slow] = np.median(inner[:, slow], axis=0)
+    square = (omega * (inner - centre)) ** 2
+    even = bool(np.ptp(np.diff(time)) < 1e-6 * step)
+    dense = (omega * step < DENSE) if even else np.zeros(omega.size, dtype=bool)
+    turn = omega[dense] * step
+    velocity = (q[2:, dense] - q[:-2, dense]) / (2.0 * step * np.sinc(turn / math.pi))
+    square[:, dense] = 0.5 * (square[:, dense] + velocity**2)
+    return np.asarray(square)
+
+
+def window_bounds(count: int, step: float, period: float, turn: float) -> Indices:
+    """First instant of each window of `count` instants `step` apart, and the end, (windows + 1,); empty for too few.
+
+    A window is as long as the run over WINDOWS, but no less than PERIODS of the motion and, where that leaves FEWEST
+    windows, whole revolutions (`turn`, inf of what does not turn).
+
+    >>> window_bounds(240, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(240, 1e-3, 1e-3, 0.012)[:3].tolist()
+    ([0, 10, 20], [0, 12, 24])
+    """
+    if count < FEWEST * SAMPLES:
+        return np.zeros(0, dtype=np.int64)
+    span = count * step
+    length = max(span / WINDOWS, min(PERIODS * period, span / FEWEST), SAMPLES * step)
+    turns = math.ceil(length / turn - 1e-9) * turn if turn < math.inf else math.inf
+    if turns * FEWEST <= span:
+        length = turns
+    windows = max(int(span / length + 1e-9), FEWEST)
+    first = np.rint(np.arange(windows + 1) * min(length, span / windows) / step).astype(np.int64)
+    return np.asarray(first + (count - int(first[-1])))  # the beginning is left out, not the end
+
+
+def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf) -> Envelope | None:
+    """Mean energy of groups of modes over windows; None of too few states.
+
+    `time` (n,) and modal coordinates `q` (n, m), which need no dense steps; `omega` (m,) [rad/s]; `group` (m,) numbers
+    the group of each mode; `turn` [s] is a revolution.
+
+    >>> t = np.linspace(0.0, 1.0, 401)
+    >>> q = np.exp(-3.0 * t) * np.array([np.cos(900.0 * t), np.sin(900.0 * t)])
+    >>> found = envelope(t, q.T, np.array([900.0, 900.0]), np.zeros(2, dtype=int))
+    >>> round(growth_of(found.time, found.energy[:, 0]).rate, 2)
+    -3.0
+    """
+    n = time.size - 2
+    if n < FEWEST * SAMPLES:
+        return None
+    step = float(time[-1] - time[0]) / (n + 1)
+    power = np.mean((omega * (q - q.mean(axis=0))) ** 2, axis=0)
+    total = float(power.sum())
+    mean = float(power @ omega) / total if total > 0.0 and math.isfinite(total) else 0.0
+    bounds = window_bounds(n, step, 2.0 * math.pi / mean if mean > 0.0 else 0.0, turn)
+    before = int(bounds[0])
+    bounds = bounds - before
+    energy = modal_energies(time[before:], q[before:], omega, bounds)
+    sizes = np.diff(bounds)[:, None]
+    windowed = np.add.reduceat(energy, bounds[:-1], axis=0) / sizes
+    groups = np.zeros((len(windowed), int(group.max(initial=0)) + 1))
+    np.add.at(groups.T, group, windowed.T)
+    inner = time[1 + before : -1]
+    return Envelope(np.add.reduceat(inner, bounds[:-1]) / sizes[:, 0], groups, inner[bounds[:-1]])
+
+
+def growth_of(time: Array, energy: Array) -> Fit | None:
+    """Growth of the amplitude over the last straight piece of log(energy)/2; None where fewer than LEAST windows move.
+
+    >>> t = np.linspace(0.0, 1.0, 24)
+    >>> growth_of(t, np.maximum(1.0, np.exp(20.0 * (t - 0.5)))).first, round(growth_of(t, np.exp(4.0 * t)).rate, 6)
+    (12, 2.0)
+    """
+    moving = np.isfinite(energy) & (energy > EMPTY * float(energy.max(initial=0.0, where=np.isfinite(energy))))
+    begin = energy.size - int(np.argmin(moving[::-1])) if not moving.all() else 0
+    t, y = time[begin:], 0.5 * np.log(energy[begin:])
+    if t.size < LEAST:
+        return None
+    first = _last_piece(t, y)
+    return Fit(*slope_of(t[first:], y[first:]), begin + first)
+
+
+def _last_piece(t: Array, y: Array) -> int:
+    """Where the last of up to three straight pieces begins."""
+    m = t.size
+    rss = _residuals(t, y)
+    best = np.full((3, m + 1), math.inf)  # least sum of so many pieces over the first windows
+    last = np.zeros((3, m + 1), dtype=np.int64)
+    best[0] = rss[0]
+    for k in (1, 2):
+        for end in range((k + 1) * LEAST, m + 1):
+            cut = np.arange(k * LEAST, end - LEAST + 1)
+            total = best[k - 1, cut] + rss[cut, end]
+            at = int(total.argmin())
+            best[k, end], last[k, end] = total[at], cut[at]
+    pieces = np.arange(3)
+    score = m * np.log(best[:, m] / m + NOISE**2) + 3.0 * PENALTY * pieces * math.log(m)
+    return int(last[int(score.argmin()), m])
+
+
+def _residuals(t: Array, y: Array) -> Array:
+    """Sum of squares left by a line through windows i .. j - 1, (m, m + 1); infinite for fewer than LEAST."""
+    m = t.size
+    t = t - t.mean()
+    sums = [np.concatenate([[0.0], np.cumsum(part)]) for part in (np.ones(m), t, y, t * t, t * y, y * y)]
+    n, st, sy, stt, sty, syy = (part[None, :] - part[:m, None] for part in sums)
+    with np.errstate(all="ignore"):
+        sxx, sxy = stt - st * st / n, sty - st * sy / n
+        left = syy - sy * sy / n - sxy * sxy / sxx
+    return np.where(n >= LEAST, np.maximum(left, 0.0), math.inf)
+
+
+def slope_of(t: Array, y: Array) -> tuple[float, float, float]:
+    """Slope of a line, and its interval of 95 % with the autocorrelation of what is left.
+
+    >>> slope_of(np.arange(6.0), 2.0 * np.arange(6.0))[0]
+    2.0
+    """
+    from scipy.special import stdtrit
+
+    x = t - t.mean()
+    sxx = float(x @ x)
+    rate = float(x @ y) / sxx
+    left = y - y.mean() - rate * x
+    k, square = t.size, float(left @ left)
+    r = float(left[1:] @ left[:-1]) / square if square > 0.0 else 0.0
+    r = min(max(r, 0.0), AUTO)
+    free = max(k * (1.0 - r) / (1.0 + r), 3.0)
+    error = math.sqrt((square / (k - 2) + NOISE**2) / sxx * k / free)
+    wide = float(stdtrit(free - 2.0, 0.975)) * error
+    return rate, rate - wide, rate + wide

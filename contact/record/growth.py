@@ -1,0 +1,160 @@
+"""Whether the motion of a run grows, how fast, which wave of which body it is, and where its energy comes from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from contact.io.outfiles import finite
+
+Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
+AGREED = 0.1  # of the growth: by how much half the step may change it
+STANDS = 0.3  # share of one travelling wave below which the motion stands
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cause:
+    """The motion that has most of the energy at the end of a run, and what feeds it.
+
+    `body` "casing" or "blades"; `n` its nodal diameters, None of blades that are not evenly spread around; `share` of
+    the energy. `travel` from -1 to 1: the part of the wave that runs with the blades (1) or against them (-1) around
+    the casing, as the casing sees it; nan where n = 0, or where the states stored are too far apart to show it.
+    `source`: what put the largest work [J] in, "the turning rim", "friction" and so on; "" where nothing did. `closed`
+    is the fraction of the time in which the contact that touches most was closed.
+    """
+
+    body: str
+    n: int | None
+    share: float
+    travel: float
+    source: str
+    work: float
+    closed: float
+
+    @property
+    def words(self) -> str:
+        """Body, nodal diameters and direction."""
+        wave = f"the motion of the {self.body}" if self.n is None else f"the n = {self.n} motion of the {self.body}"
+        if not math.isfinite(self.travel):
+            return wave
+        if abs(self.travel) < STANDS:
+            return f"{wave}, a standing wave"
+        return f"{wave}, which travels {'with' if self.travel > 0.0 else 'against'} the rotation of the blades"
+
+    @property
+    def source_words(self) -> str:
+        """What feeds the motion, through which kind of contact."""
+        if not self.source:
+            return ""
+        contact = "the contact stays closed" if self.closed > 0.99 else f"it is closed {100.0 * self.closed:.2g} %"
+        return f"Its energy comes from {self.source} ({self.work:.3g} J); {contact} of the time."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunGrowth:
+    """Growth of the motion of a run.
+
+    `rate` [1/s] of the amplitude, as the real part of a pole; that of the energy is twice as much. `low` and `high`:
+    its interval of 95 %, from the scatter and the autocorrelation of the windows that it was fitted to. `state`:
+    "grows", "bounded", "decays", "at rest", or "undecided" where the interval does not tell. `amplitude` [m] is the
+    rim's largest deflection in the last stretch, `steady` by how much that of its windows differs from it, relatively;
+    `since` [s] where that stretch begins. `time_to_half_wall` [s] from the start of the run, infinite where the motion
+    does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step and
+    `check_share` the time that took over that of the run; nan where it was not run.
+    """
+
+    rate: float
+    low: float
+    high: float
+    state: Ending
+    amplitude: float
+    steady: float
+    since: float
+    time_to_half_wall: float
+    cause: Cause | None
+    half_step: float = math.nan
+    check_share: float = math.nan
+
+    @property
+    def energy_rate(self) -> float:
+        """Growth of the energy [1/s]."""
+        return 2.0 * self.rate
+
+    @property
+    def body(self) -> str:
+        """The body that has most of the energy; "" where nothing moves."""
+        return "" if self.cause is None else self.cause.body
+
+    @property
+    def nodal_diameters(self) -> int | None:
+        """Nodal diameters of the motion that has most of the energy."""
+        return None if self.cause is None else self.cause.n
+
+    @property
+    def converged(self) -> bool | None:
+        """Whether half the step gives the same growth; None where that was not run.
+
+        >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
+        ...                   time_to_half_wall=0.5, cause=None)
+        >>> grows.converged, grows.checked(10.5, 0.3).converged, grows.checked(2.0, 0.3).converged
+        (None, True, False)
+        """
+        if not math.isfinite(self.half_step):
+            return None
+        return abs(self.half_step - self.rate) <= max(AGREED * abs(self.rate), self.high - self.low)
+
+    def checked(self, half_step: float, share: float) -> RunGrowth:
+        """The same with the growth at half the step."""
+        return replace(self, half_step=half_step, check_share=share)
+
+    @property
+    def words(self) -> str:
+        """The verdict in sentences."""
+        return " ".join(filter(None, (self._state_words(), self._source(), self._wall_words(), self._step_words())))
+
+    def _state_words(self) -> str:
+        between = f"{self.rate:.3g} 1/s (95 %: {self.low:.3g} to {self.high:.3g})"
+        mostly = "" if self.cause is None else f" It is mostly {self.cause.words}."
+        if self.state == "grows":
+            return f"The motion grows by {between}.{mostly}"
+        if self.state == "decays":
+            return f"The motion decays by {-self.rate:.3g} 1/s (95 %: {-self.high:.3g} to {-self.low:.3g})."
+        if self.state == "bounded":
+            size = f"{self.amplitude:.3g} m, steady within {100.0 * self.steady:.2g} %"
+            return f"The motion is bounded: the rim deflects by {size}.{mostly}"
+        if self.state == "at rest":
+            return "Nothing vibrates."
+        return f"The run is too short to tell whether the motion grows: {between}. Lengthen t_end."
+
+    def _source(self) -> str:
+        return self.cause.source_words if self.cause is not None and self.state == "grows" else ""
+
+    def _wall_words(self) -> str:
+        if not (self.state == "grows" and math.isfinite(self.time_to_half_wall)):
+            return ""
+        return f"The rim's deflection reaches half the wall at {self.time_to_half_wall:.3g} s."
+
+    def _step_words(self) -> str:
+        if self.converged is None:
+            return ""
+        at = f"At half the step it grows by {self.half_step:.3g} 1/s"
+        return f"{at}: converged." if self.converged else f"{at}: the growth is numerical, reduce dt."
+
+    def to_dict(self) -> dict[str, object]:
+        """JSON-ready."""
+        numbers: dict[str, object] = {
+            "growth_1_s": self.rate, "growth_low_1_s": self.low, "growth_high_1_s": self.high,
+            "amplitude_m": self.amplitude, "steady_rel": self.steady, "since_s": self.since,
+            "time_to_half_wall_s": self.time_to_half_wall, "growth_half_step_1_s": self.half_step,
+            "check_share": self.check_share,
+        }  # fmt: skip
+        cause = self.cause
+        found: dict[str, object] = {"state": self.state, "converged": self.converged, "words": self.words, **numbers}
+        if cause is not None:
+            found |= {
+                "body": cause.body, "n": cause.n, "energy_share": cause.share, "travel": cause.travel,
+                "source": cause.source, "source_work_J": cause.work, "closed_fraction": cause.closed,
+            }  # fmt: skip
+        plain: dict[str, object] = finite(found)
+        return plain
