@@ -164,6 +164,9 @@ ALL = (
 )  # fmt: skip
 CHECKS: dict[str, Check] = {check.name: check for check in ALL}
 REACH = replace(CHECKS["size"], lower=-CHECKS["size"].upper)  # of coordinates and of single sides, which may be small
+SCANNED = replace(  # of speeds that are only looked at: twice those of a run, as where a file gives none
+    CHECKS["speed"], lower=-2.0 * TIP_SPEED, upper=2.0 * TIP_SPEED, reason="twice the speed of the fastest rims"
+)
 FROM_ZERO = {name: replace(CHECKS[name], lower=0.0) for name in ("mass", "stiffness", "compliance", "time")}
 ALLOW = "[checks] allow"
 
@@ -193,7 +196,7 @@ def implausible(table: BaseModel, *, radius: float = 0.0, path: Path = ()) -> It
         for check in declared(info):
             named[check.name] = value
             for place, number in numbers(value, here):
-                if text := speed_fault(number, radius) if check.name == "speed" else check.fault(number):
+                if text := speed_fault(number, radius, check) if check.name == "speed" else check.fault(number):
                     odd.add(check.name)
                     yield Implausible(written(place), check.name, text)
         yield from inside(value, radius, here)
@@ -246,19 +249,19 @@ def question(infos: Sequence[FieldInfo], value: object) -> str:
     return next((asked for info in infos for check in declared(info) if (asked := check.question(value))), "")
 
 
-def speed_fault(hz: float, radius: float) -> str | None:
+def speed_fault(hz: float, radius: float, check: Check) -> str | None:
     """What is wrong with a speed [turns/s] of a rim of this radius [m]; a radius of 0 is not known.
 
-    >>> speed_fault(4800.0, 0.545)[:64]
+    >>> speed_fault(4800.0, 0.545, CHECKS["speed"])[:64]
     'found 4800 turns/s = 288,000 rpm, a surface speed of 16,437 m/s,'
     """
     assumed = radius if radius > 0.0 else SMALLEST_WHEEL
     surface = 2.0 * math.pi * abs(hz) * assumed
-    if surface <= TIP_SPEED:
+    if surface <= check.upper:
         return None
     found = f"found {hz:g} turns/s = {60.0 * hz:,.0f} rpm, a surface speed of {surface:,.0f} m/s"
     of = f"at the radius {radius:.4g} m" if radius > 0.0 else f"even at a radius of {SMALLEST_WHEEL:g} m"
-    expected = f"expected at most {TIP_SPEED:g} m/s ({CHECKS['speed'].reason}) {of}"
+    expected = f"expected at most {check.upper:g} m/s ({check.reason}) {of}"
     slips = [f"is this rpm? {hz:g} rpm are {hz / 60.0:.4g} turns/s" if surface / 60.0 <= TIP_SPEED else ""]
     slips.append(f"rad/s? {hz:g} rad/s are {hz / 2.0 / math.pi:.4g} turns/s" if surface <= 6.0 * TIP_SPEED else "")
     asked = ", or ".join(filter(None, slips))

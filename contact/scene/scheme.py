@@ -8,7 +8,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
-from contact.io.plausible import CHECKS, FROM_ZERO, REACH, CheckName
+from contact.io.plausible import CHECKS, FROM_ZERO, REACH, SCANNED, CheckName
 from contact.io.tables import at_least
 from contact.model.law import Law, Penalty, Unilateral
 from contact.model.laws.augmented import AugmentedLagrangian
@@ -36,6 +36,7 @@ Thickness = Annotated[Positive, CHECKS["thickness"]]
 Gap = Annotated[FiniteFloat, CHECKS["clearance"]]
 Deviation = Annotated[FiniteFloat, CHECKS["roundness"]]
 TurnsPerSecond = Annotated[FiniteFloat, CHECKS["speed"]]
+ScannedSpeed = Annotated[FiniteFloat, SCANNED]
 Frequency = Annotated[Positive, CHECKS["frequency"]]
 Mass = Annotated[Positive, CHECKS["mass"]]
 Stiffness = Annotated[Positive, CHECKS["stiffness"]]
@@ -123,8 +124,8 @@ class RunHead(Table):
 class ScanTable(Table):
     """Speeds from, to [Hz] and how many of them: what `casingfem stability` and `interactions` look at."""
 
-    from_hz: TurnsPerSecond = Field(description="first speed [turns/s]")
-    to_hz: TurnsPerSecond = Field(description="last speed [turns/s]")
+    from_hz: ScannedSpeed = Field(description="first speed [turns/s]")
+    to_hz: ScannedSpeed = Field(description="last speed [turns/s]")
     steps: Annotated[int, Field(ge=2, le=1_000_000)] = Field(default=401, description="number of speeds")
 
     @model_validator(mode="after")
