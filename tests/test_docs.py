@@ -9,10 +9,12 @@ import matplotlib.figure
 import matplotlib.pyplot as plt
 import pytest
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
 GALLERY = sorted(DOCS.glob("gallery/*/*.py"))
 TUTORIAL = sorted(DOCS.glob("tutorial/*.py"))
 TOCTREE = re.compile(r"^```\{toctree\}\n((?:.*\n)*?)```", re.MULTILINE)
+COLUMNS = re.compile(r"^([A-Z_]+)(?:: \w+)? = \(\n    Column\(", re.MULTILINE)
 MADE = {"built/tutorial/index", "built/gallery/index", "built/api/index"}
 
 
@@ -44,6 +46,21 @@ def test_the_page_of_keys_is_current():
     page = runpy.run_path(str(DOCS / "keys.py"))["page"]()
     assert (DOCS / "keys.md").read_text(encoding="utf-8") == page, "run .venv/bin/python docs/keys.py"
     assert page.count("\n| ") > 700
+
+
+def test_the_page_of_columns_is_current_and_has_those_of_every_module():
+    made = runpy.run_path(str(DOCS / "columns.py"))
+    assert (DOCS / "columns.md").read_text(encoding="utf-8") == made["page"](), "run .venv/bin/python docs/columns.py"
+    for columns in map(made["columns_at"], made["RESULTS"].values()):
+        assert len({column.name for column in columns}) == len(columns)
+        assert all(column.text.endswith(".") and len(column.text.split()) < 25 for column in columns)
+    defined = {
+        ".".join([*path.relative_to(ROOT).with_suffix("").parts, name])
+        for package in ("casingfem", "contact")
+        for path in (ROOT / package).rglob("*.py")
+        for name in COLUMNS.findall(path.read_text(encoding="utf-8"))
+    }
+    assert set(made["RESULTS"].values()) == defined
 
 
 def test_every_example_stands_in_a_section_of_the_gallery():

@@ -17,11 +17,12 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.io.columns import TABLE, named
 from casingfem.io.strict_csv import StrictCsv, read
 from casingfem.io.together import together
+from casingfem.modal import mode_columns
 from contact.io.outfiles import write_atomic
 from contact.io.reported import Reported
 
 COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
-COMPUTED = ("n_purity", "m", "doublet", "split_rel", "rigid")
+COMPUTED = tuple(column.name for column in mode_columns.COLUMNS if column.name not in COLUMNS)
 """Columns that `casingfem modes --out` writes beside these; they are read over, so that its file is a table too."""
 _REQUIRED = {
     "mode": "mode numbers 1, 2, ...",

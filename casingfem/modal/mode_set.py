@@ -2,18 +2,20 @@
 
 import time
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.harmonics import DOUBLE, Rings, align_pair, find_doublets, orientation, ring_content
+from casingfem.modal.mode_columns import COLUMNS, ModeRows
 from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.rigid import rigid_modes
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import section
+from contact.io.columns import records_of, table_lines
 from contact.io.reported import Reported
 
 RIGID = 0.05  # below this part of `frequency_scale` nothing elastic moves
@@ -54,6 +56,8 @@ class ModeSet(Reported):
         Run time by part.
     """
 
+    COLUMNS: ClassVar = COLUMNS
+
     freq: FloatArray
     fields: FloatArray
     nodal_diameters: IntArray
@@ -86,39 +90,26 @@ class ModeSet(Reported):
         """Index into `doublets`, or -1 for a single mode."""
         return next((k for k, pair in enumerate(self.doublets) if mode in pair), -1)
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg."""
-        splits = self.splits
-        return [
-            {
-                "mode": k + 1,
-                "freq_hz": float(self.freq[k]),
-                "n": int(self.nodal_diameters[k]) if self.nodal_diameters[k] >= 0 else None,
-                "n_purity": _number(self.purity[k]),
-                "m": int(self.meridional[k]),
-                "doublet": pair + 1 if pair >= 0 else None,
-                "split_rel": float(splits[pair]) if pair >= 0 else None,
-                "angle_deg": _number(self.angle_deg[k]),
-                "rigid": k < self.rigid,
-            }
-            for k, pair in enumerate(map(self.doublet_of, range(len(self))))
-        ]
+    def rows(self) -> ModeRows:
+        """What the columns read."""
+        members = np.array(self.doublets, dtype=int).reshape(-1, 2)
+        doublet, split = np.full(len(self), -1), np.full(len(self), np.nan)
+        doublet[members] = np.arange(1, 1 + len(members))[:, None]
+        split[members] = self.splits[:, None]
+        rigid = np.arange(len(self)) < self.rigid
+        return ModeRows(
+            self.freq, self.nodal_diameters, self.purity, self.meridional, doublet, split, self.angle_deg, rigid
+        )
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary a mode: mode, freq_hz, n, n_purity, m, doublet, split_rel, angle_deg, rigid."""
+        return records_of(self.COLUMNS, self.rows())
 
     def __repr__(self) -> str:
-        """Table: mode, frequency, n, purity, m, split, orientation."""
-        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'pure':>5} {'m':>2} {'split [%]':>9} {'angle [deg]':>11}"]
-        for row in self.records():
-            n = "-" if row["n"] is None else row["n"]
-            purity = "-" if row["n_purity"] is None else f"{row['n_purity']:.2f}"
-            split = "-" if row["split_rel"] is None else f"{100.0 * float(str(row['split_rel'])):.4f}"
-            angle = "-" if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
-            if row["rigid"]:
-                n, split, angle, purity = "-", "rigid", "-", "-"
-            cells = f"{n:>3} {purity:>5} {row['m']:>2} {split:>9} {angle:>11}"
-            lines.append(f"{row['mode']:>4} {row['freq_hz']:>11.3f} {cells}")
+        """The columns as a table, and how the modes were computed."""
         counted = f"Sturm count {self.sturm_count}" if self.sturm_count is not None else "not counted"
-        lines.append(f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s")
-        return "\n".join(lines)
+        computed = f"{len(self)} modes, {self.dofs} dofs, {counted}, {sum(self.seconds.values()):.2f} s"
+        return "\n".join([*table_lines(self.COLUMNS, self.records()), computed])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -136,11 +127,6 @@ class Modes(ModeSet):
     def structure(self) -> Shell:
         """The shell, by the name that structures of all kinds have."""
         return self.shell
-
-
-def _number(value: float) -> float | None:
-    """A float, or None where it is not a number."""
-    return None if np.isnan(value) else float(value)
 
 
 def frequency_scale(shell: Shell) -> float:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from casingfem.plot.hover import hover_values
 from casingfem.plot.style import Drawn, embed, image
+from contact.io.columns import Columns, Rows, cells_of
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -35,6 +36,14 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     folded: bool = False  # shown only when asked for
+    meanings: tuple[str, ...] = ()  # one sentence for each column, shown under the pointer
+
+    @classmethod
+    def of(cls, caption: str, columns: Columns, rows: Rows, *, folded: bool = False) -> "Table":
+        """A result's columns as a table; `rows` are its records."""
+        shown, cells = cells_of(columns, rows)
+        heads, meanings = tuple(column.header for column in shown), tuple(column.text for column in shown)
+        return cls(caption, heads, tuple(map(tuple, cells)), folded, meanings)
 
     def right(self) -> list[bool]:
         """Whether each column holds numbers alone, which align at the right."""

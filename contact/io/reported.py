@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from functools import cache, singledispatch
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
+from contact.io.columns import Columns, cells_of, laid_out, records_of, table_lines
 from contact.io.stored import load_value, read_only, save_value
 
 if TYPE_CHECKING:
@@ -23,12 +24,13 @@ PICTURES = "contact.pictures"  # entry points: functions (result, ax, **options)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reported:
-    """A frozen dataclass that is the result of a computation; it defines `records`, `columns` or both.
+    """A frozen dataclass that is the result of a computation; it defines `COLUMNS`, `records` or `columns`.
 
     Its arrays are read-only, in copies and after unpickling too.
     """
 
     __slots__ = ()
+    COLUMNS: ClassVar[Columns] = ()
 
     def __post_init__(self) -> None:
         for name in _names(self):
@@ -36,8 +38,14 @@ class Reported:
             if isinstance(value, np.ndarray) and value.flags.writeable:
                 object.__setattr__(self, name, read_only(np.array(value)))
 
+    def described(self) -> Columns:
+        """The columns of this result: those of its kind, and those that depend on its values."""
+        return self.COLUMNS
+
     def records(self) -> Iterable[Mapping[str, Any]]:
         """One plain dictionary a row, its keys with their units: what `print` and a notebook show."""
+        if described := self.described():
+            return records_of(described, self)
         columns = self.columns()
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
@@ -78,22 +86,29 @@ class Reported:
     def __repr__(self) -> str:
         rows = list(self.records())
         more = [f"... {len(rows) - SHOWN} more"] if len(rows) > SHOWN else []
-        return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines_of(rows[:SHOWN]), *more])
+        described = self.described()
+        lines = table_lines(described, rows[:SHOWN]) if described else lines_of(rows[:SHOWN])
+        return "\n".join([f"{type(self).__name__}, {len(rows)} rows", *lines, *more])
 
     def _repr_html_(self) -> str:
         """A table for a notebook, and below what `print` says."""
         rows = list(self.records())
-        names = names_in(rows)
-        head = "".join(f"<th>{escape(name)}</th>" for name in names)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{escape(cell(row.get(name)))}</td>" for name in names) + "</tr>"
-            for row in rows[:SHOWN]
-        )
+        heads, cells = self._cells(rows[:SHOWN])
+        body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>" for line in cells)
         more = f"<p>{SHOWN} of {len(rows)} rows</p>" if len(rows) > SHOWN else ""
         return (
-            f"<table><caption>{type(self).__name__}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
-            f"</table>{more}<details><summary>in words</summary><pre>{escape(repr(self))}</pre></details>"
+            f"<table><caption>{type(self).__name__}</caption><thead><tr>{''.join(heads)}</tr></thead><tbody>{body}"
+            f"</tbody></table>{more}<details><summary>in words</summary><pre>{escape(repr(self))}</pre></details>"
         )
+
+    def _cells(self, rows: list[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
+        """Headers as HTML, each with the meaning of its column, and the cells of some rows."""
+        if described := self.described():
+            shown, found = cells_of(described, rows)
+            heads = [f'<th title="{escape(column.text)}">{escape(column.header)}</th>' for column in shown]
+            return heads, [[value or "" for value in line] for line in found]
+        names = names_in(rows)
+        return [f"<th>{escape(name)}</th>" for name in names], [[cell(row.get(name)) for name in names] for row in rows]
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = {name: getattr(self, name) for name in _names(self)}
@@ -162,9 +177,4 @@ def lines_of(rows: Iterable[Mapping[str, Any]]) -> list[str]:
     found = list(rows)
     names = names_in(found)
     sides = ["<" if any(isinstance(row.get(name), str) for row in found) else ">" for name in names]
-    table = [names, *([cell(row.get(name)) for name in names] for row in found)]
-    wide = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return [
-        "  ".join(f"{word:{side}{w}}" for word, side, w in zip(line, sides, wide, strict=True)).rstrip()
-        for line in table
-    ]
+    return laid_out(names, [[cell(row.get(name)) for name in names] for row in found], sides)

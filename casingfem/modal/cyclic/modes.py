@@ -3,19 +3,22 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from casingfem.errors import ModelError
-from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
+from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, frozen
 from casingfem.linalg.eigen import Band, EigenResult, solve
 from casingfem.modal.mesh_modes import SHIFT, MeshModes, require_stable
+from casingfem.modal.mode_columns import COLUMNS, ModeRows
 from casingfem.modal.mode_set import RIGID, ranks
 from casingfem.structure.imported.cyclic.sector import CyclicSector, CyclicSystem, assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import wheel_fields, wheel_structure
+from contact.io.columns import records_of
 from contact.io.progress import each
 
-ACROSS = 9  # frequencies on a line of the table
+ACROSS = 6  # frequencies on a line of the table
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -48,7 +51,7 @@ class CyclicModes:
     nodal_diameters: IntArray
     rank: IntArray
     fields: Array
-    rigid: IntArray
+    rigid: BoolArray
     sturm_counts: dict[int, int | None]
     unknowns: int
     seconds: dict[str, float]
@@ -57,18 +60,20 @@ class CyclicModes:
         """Return the number of modes, a pair counted once."""
         return len(self.freq)
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary for each mode of the wheel, the keys those of `ModeSet.records`; pairs are perfect."""
-        rows: list[dict[str, object]] = []
-        pair = 0
-        for k, freq in enumerate(self.freq):
-            n = int(self.nodal_diameters[k])
-            double = self.sector.count(n) == 2
-            pair += double
-            row: dict[str, object] = {"freq_hz": float(freq), "n": n, "n_purity": 1.0, "m": int(self.rank[k])}
-            row |= {"doublet": pair if double else None, "split_rel": 0.0 if double else None, "angle_deg": None}
-            rows += [row | {"rigid": bool(self.rigid[k])}] * self.sector.count(n)
-        return [{"mode": number} | row for number, row in enumerate(rows, 1)]
+    def rows(self) -> ModeRows:
+        """What the columns of a table of modes read, one row for each mode of the wheel; pairs are perfect."""
+        count = np.array([self.sector.count(n) for n in self.nodal_diameters.tolist()], dtype=int)
+        double = count == 2
+        doublet, split = np.where(double, np.cumsum(double), -1), np.where(double, 0.0, np.nan)
+        of = np.repeat(np.arange(len(self)), count)
+        return ModeRows(
+            freq=self.freq[of], n=self.nodal_diameters[of], purity=np.ones(len(of)), m=self.rank[of],
+            doublet=doublet[of], split=split[of], angle_deg=np.full(len(of), np.nan), rigid=self.rigid[of],
+        )  # fmt: skip
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary for each mode of the wheel, the keys those of `ModeSet.records`."""
+        return records_of(COLUMNS, self.rows())
 
     def __repr__(self) -> str:
         """Table: of each nodal diameter its frequencies."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -182,7 +181,8 @@ def modes_section(found: ModeSet, reference: Modes | None) -> Section:
                 "it open.",
             )
         )
-    return Section("Modes", tuple(paragraphs), tuple(figures), (modes_table(found),))
+    table = Table.of(f"All {len(found)} modes", found.COLUMNS, found.records(), folded=True)
+    return Section("Modes", tuple(paragraphs), tuple(figures), (table,))
 
 
 def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
@@ -196,20 +196,6 @@ def frequencies_caption(found: ModeSet, reference: Modes | None) -> str:
         words + " Grey: the same shell without imperfections, all its pairs double, one line for each number of waves "
         "along the axis."
     )
-
-
-def modes_table(found: ModeSet) -> Table:
-    """All modes, folded."""
-    rows: list[tuple[Cell, ...]] = []
-    records: list[dict[str, Any]] = found.records()
-    for row in records:
-        n = "rigid" if row["rigid"] else row["n"]
-        purity = None if row["n_purity"] is None else round(row["n_purity"], 3)
-        split = None if row["split_rel"] is None else f"{100.0 * row['split_rel']:.4f}"
-        angle = None if row["angle_deg"] is None else f"{row['angle_deg']:.2f}"
-        rows.append((row["mode"], f"{row['freq_hz']:.3f}", n, purity, row["m"], split, angle))
-    columns = ("mode", "frequency [Hz]", "n", "share of n", "m", "split [%]", "antinode [deg]")
-    return Table(f"All {len(found)} modes", columns, tuple(rows), folded=True)
 
 
 def reduction_section(basis: ModalBasis, *, updated: bool) -> Section:

@@ -1,5 +1,6 @@
 """Labels of modes, their signs, ranks, turns and table, on shapes that are given."""
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -44,30 +45,34 @@ def test_splits_are_relative_to_the_mean_and_pairs_are_numbered():
     np.testing.assert_allclose(two.omega, 2.0 * np.pi * two.freq, rtol=1e-15)
 
 
-def test_a_mode_is_told_as_plain_data():
-    rows = mode_set().records()
-    assert rows[0] == {
-        "mode": 1, "freq_hz": 1e-3, "n": None, "n_purity": None, "m": 1, "doublet": None, "split_rel": None,
-        "angle_deg": None, "rigid": True,
-    }  # fmt: skip
-    assert rows[2] == {
-        "mode": 3, "freq_hz": 103.0, "n": 4, "n_purity": 0.8, "m": 1, "doublet": 1,
-        "split_rel": pytest.approx(3.0 / 101.5), "angle_deg": 35.0, "rigid": False,
-    }  # fmt: skip
-    assert (rows[3]["n"], rows[3]["m"], rows[3]["doublet"], rows[3]["rigid"]) == (0, 2, None, False)
-
-
-def test_the_table_of_modes():
-    head, *rows, last = repr(mode_set()).splitlines()
-    assert head.split() == ["mode", "freq", "[Hz]", "n", "pure", "m", "split", "[%]", "angle", "[deg]"]
-    assert [row.split() for row in rows] == [
-        ["1", "0.001", "-", "-", "1", "rigid", "-"], ["2", "100.000", "4", "0.90", "1", "2.9557", "12.50"],
-        ["3", "103.000", "4", "0.80", "1", "2.9557", "35.00"], ["4", "150.000", "0", "1.00", "2", "-", "-"],
+def test_records_have_none_where_a_mode_has_no_such_value():
+    expected = [
+        {"mode": 1, "freq_hz": 1e-3, "n": None, "n_purity": None, "m": 1, "doublet": None, "split_rel": None,
+         "angle_deg": None, "rigid": True},
+        {"mode": 3, "freq_hz": 103.0, "n": 4, "n_purity": 0.8, "m": 1, "doublet": 1,
+         "split_rel": pytest.approx(3.0 / 101.5), "angle_deg": 35.0, "rigid": False},
+        {"mode": 4, "n": 0, "m": 2, "doublet": None, "rigid": False},
     ]  # fmt: skip
-    assert last == "4 modes, 77 dofs, Sturm count 4, 0.75 s"
+    rows = mode_set().records()
+    assert [{name: rows[k][name] for name in row} for k, row in zip((0, 2, 3), expected, strict=True)] == expected
+
+
+def printed(found):
+    """Cells of a printed table by their headers, and its last line."""
+    head, *rows, last = (re.split(r"  +", line.strip()) for line in repr(found).splitlines())
+    return [dict(zip(head, row, strict=False)) for row in rows], last
+
+
+def test_the_printed_table_has_the_records_in_its_units_and_marks_rigid_motions():
+    rows, last = printed(mode_set())
+    assert [row["freq [Hz]"] for row in rows] == ["0.001", "100.000", "103.000", "150.000"]
+    assert [row["n"] for row in rows] == ["-", "4", "4", "0"]
+    assert [row["split [%]"] for row in rows] == ["-", "2.9557", "2.9557", "-"]
+    assert [row["angle [deg]"] for row in rows] == ["-", "12.50", "35.00", "-"]
+    assert [row.get("motion") for row in rows] == ["rigid", None, None, None]
+    assert last == ["4 modes, 77 dofs, Sturm count 4, 0.75 s"]
     assert "4 modes, 77 dofs, not counted, 0.75 s" in repr(mode_set(sturm_count=None))
-    open_shell = repr(mode_set(rigid=0, purity=np.full(4, NAN), nodal_diameters=np.full(4, -1))).splitlines()[2]
-    assert open_shell.split() == ["2", "100.000", "-", "-", "1", "2.9557", "12.50"]
+    assert "motion" not in repr(mode_set(rigid=0))
 
 
 def test_ranks_count_a_doublet_once_and_each_n_by_itself():

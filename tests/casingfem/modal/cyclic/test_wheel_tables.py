@@ -150,8 +150,9 @@ def test_a_long_line_of_frequencies_goes_on_below():
         fields=np.zeros((0, 3, 11)), rigid=np.zeros(11, dtype=bool), sturm_counts={1: 11}, unknowns=1, seconds={},
     )  # fmt: skip
     _, first, second, _ = repr(many).splitlines()
-    assert first.split() == ["1", "pairs", *(f"{k}.000" for k in range(1, 10))]
-    assert second.split() == ["10.000", "11.000"]
+    assert first.split()[:3] == ["1", "pairs", "1.000"]
+    assert [*first.split()[2:], *second.split()] == [f"{k}.000" for k in range(1, 12)]
+    assert max(len(first), len(second)) <= 80
 
 
 @pytest.mark.parametrize(("n", "share"), [(0, 1 / 4), (1, 2 / 4), (2, 1 / 4)])
