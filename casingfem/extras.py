@@ -19,7 +19,7 @@ class Extra(NamedTuple):
 
 EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
-        "test-data": Extra("responses in HDF5 files", ("h5py",)),
+        "test-data": Extra("responses in HDF5 files, motions for ParaView (--vtu)", ("h5py",)),
         "sampling": Extra("a sampled posterior of an update (update --posterior emcee)", ("emcee",)),
         "cluster": Extra("sweeps on a Dask cluster (sweep --scheduler)", ("distributed",)),
         "excel": Extra("tables in Excel workbooks (.xlsx)", ("openpyxl",)),

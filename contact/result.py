@@ -219,22 +219,34 @@ class Result(Reported):
         closings = np.array([max(len(intervals), 1) for intervals in self.intervals])
         return float(np.max(0.25 * self.impulse / closings * speed, initial=0.0))
 
-    def to_dict(self) -> dict[str, object]:
-        """Return the document of `casingfem contact --json`: contacts, bodies, energy, steps, seconds."""
-        contacts = []
-        windowed = self.windowed_force()
+    def to_dict(self, *, most: int | None = None) -> dict[str, object]:
+        """Return the document of `casingfem contact --json`: contacts, bodies, energy, steps, seconds.
+
+        Histories (time, force, gap, windowed force of all contacts; intervals of all contacts) of more than `most`
+        numbers are left out; `left_out` names them with their count. None keeps all.
+        """
+        histories = {name: self.time.size * self.impulse.size for name in ("time", "force", "gap", "windowed_force")}
+        closings = 2 * sum(map(len, self.intervals))
+        long = most is not None and sum(histories.values()) > most
+        left_out = histories if long else {}
+        left_out |= {"intervals": closings} if most is not None and closings > most else {}
+        contacts: list[dict[str, object]] = []
+        windowed = self.windowed_force() if not long else self.force
         for k in range(self.impulse.size):
-            contacts.append({
-                "time": self.time.tolist(), "force": self.force[:, k].tolist(),
-                "gap": self.gap[:, k].tolist(),
+            drawn: dict[str, object] = {} if long else {
+                "time": self.time.tolist(), "force": self.force[:, k].tolist(), "gap": self.gap[:, k].tolist(),
                 "windowed_force": windowed[:, k].tolist(),
-                "intervals": [list(pair) for pair in self.intervals[k]],
+            }  # fmt: skip
+            closed = {} if "intervals" in left_out else {"intervals": [list(pair) for pair in self.intervals[k]]}
+            contacts.append({
+                **drawn, **closed,
                 "impulse": float(self.impulse[k]), "max_penetration": float(self.max_penetration[k]),
                 "residual": float(self.residual[k]), "peak_force": float(self.peak_force[k]),
                 "reversals": int(self.reversals[k]),
             })  # fmt: skip
         return {
-            "contacts": contacts, "bodies": [finite(asdict(motion)) for motion in self.motions],
+            "contacts": contacts, "left_out": left_out,
+            "bodies": [finite(asdict(motion)) for motion in self.motions],
             "energy": self.energy.to_dict(), "steps": self.steps, "dt": self.dt, "window": self.window,
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
             "flags": [flag.to_dict() for flag in self.flags],

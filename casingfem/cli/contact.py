@@ -26,35 +26,45 @@ RELATED = (
     'intermittent, and its status is "diverged" where the rim passes half its wall.'
 )
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
+NUMBERS = 20_000  # that the histories of a JSON document may have without --history
+HISTORY = click.option(
+    "--history", is_flag=True, help=f"Keep histories of more than {NUMBERS:,} numbers in --json and DIR's .json."
+)
 
 
 @click.command()
 @SCENE
+@HISTORY
 @options
-def contact(file: Path, as_json: bool, out: Path | None) -> None:
+def contact(file: Path, as_json: bool, out: Path | None, history: bool) -> None:
     """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle.
 
     --out DIR gets the result, pictures of force, gap, spectrum and energy, and the forces as a table. After a stop the
     same command goes on where the run was.
     """
-    run_scene(file, "contact", as_json, out)
+    run_scene(file, "contact", as_json, out, history=history)
 
 
 @click.command()
 @SCENE
 @click.option("--vtu", is_flag=True, help="Also write the motion of all nodes for ParaView, to DIR/vtu.")
+@HISTORY
 @options
-def rub(file: Path, as_json: bool, out: Path | None, vtu: bool) -> None:
+def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool) -> None:
     """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub).
 
     --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
     diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". After a stop the
-    same command goes on where the run was. --vtu needs a basis
-    that recovers its nodes: recovery = true in [reduce] of its study.
+    same command goes on where the run was. --vtu writes one VTKHDF file a body and
+    needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
     """
     if vtu and out is None:
         raise click.UsageError("found --vtu without --out DIR, expected a folder to write to")
-    run_scene(file, "rub", as_json, out, vtu=vtu)
+    if vtu:
+        from casingfem.export.series import require_series
+
+        require_series()
+    run_scene(file, "rub", as_json, out, vtu=vtu, history=history)
 
 
 @click.command()
@@ -169,7 +179,9 @@ def cycles_files(
     }  # fmt: skip
 
 
-def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False) -> None:
+def run_scene(
+    file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False
+) -> None:
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
     from contact import RotatingRim, Rub, load_scene
     from contact.scene.load import read_scene
@@ -183,7 +195,7 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
     part = None if out is None else out / STORES[command]
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:
         result, broken = ran(scene, lambda done: working.say(f"{command} {file.name}", done), part)
-    document = result.to_dict()
+    document = result.to_dict(most=None if history else NUMBERS)
     files: dict[str, Content] = {}
     if out is not None:
         from casingfem.cli.pictures import run_files
@@ -195,9 +207,18 @@ def run_scene(file: Path, command: str, as_json: bool, out: Path | None, *, vtu:
 
         files |= series_files(scene.what, result)
     deliver(document, repr(result), as_json=as_json, out=out, files=files)
+    say_left_out(document["left_out"], command, as_json, out)
     if part is not None:
         part.unlink(missing_ok=True)
     require_solved(f"{command} {file}", result, broken)
+
+
+def say_left_out(names: object, command: str, as_json: bool, out: Path | None) -> None:
+    """Name on stderr the histories that the JSON document is without, and where they are."""
+    if isinstance(names, dict) and names and (as_json or out is not None):
+        counted = ", ".join(f"{name} ({count:,} numbers)" for name, count in names.items())
+        there = "" if out is None else f"; {out / command}.npz has them"
+        click.echo(f"{command}: the JSON document is without {counted}; --history writes them{there}", err=True)
 
 
 def require_solved(command: str, result: "Result", broken: "NumericsError | None") -> None:

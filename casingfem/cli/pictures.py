@@ -108,7 +108,7 @@ def coatings(tracks: "tuple[Wear, ...]") -> dict[str, Content]:
 
 
 def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Content]:
-    """The files of --vtu: casing.pvd, blade.pvd, ... of the bodies in their own frames, tips.pvd in the casing's.
+    """The files of --vtu: casing.vtkhdf, blade.vtkhdf, ... of bodies in their own frames, tips.vtkhdf in the casing's.
 
     Raises InputError where no body's basis has a recovery, and where no states were stored.
     """

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,10 +28,11 @@ def keys_of(context: click.Context, parameter: click.Parameter, text: str) -> li
 @click.argument("key", required=False, shell_complete=keys_of)
 @options
 def schema(key: str | None, as_json: bool, out: Path | None) -> None:
-    """The table or key KEY of study.toml and scene.toml on a screen; JSON schemas of all if left out.
+    """The table or key KEY of study.toml and scene.toml on a screen; the names of all tables if left out.
 
     KEY is written as in a file: chart, support.base, update.parameter. Kinds of tables and of scenes may be part of it:
-    chart.frustum, rub.contact; study, scene and a kind of scene name all their tables.
+    chart.frustum, rub.contact; study, scene and a kind of scene name all their tables. Without KEY, --json and --out
+    give the JSON schemas of all files.
     """
     if key is not None:
         found = explained(key)
@@ -45,7 +47,20 @@ def schema(key: str | None, as_json: bool, out: Path | None) -> None:
 
     document = {"study": study_schema(), "scene": scene_schema()}
     files = {f"{name}.schema.json": json_text(part, indent=1) for name, part in document.items()}
-    deliver(document, json_text(document, indent=2).rstrip(), as_json=as_json, out=out, files=files)
+    deliver(document, overview(), as_json=as_json, out=out, files=files)
+
+
+def overview() -> str:
+    """The tables of each kind of file, a line each."""
+    from contact.io.tables import keys, members
+
+    lines = ["Tables by kind of file; `casingfem schema KEY` explains one, --json prints the JSON schemas."]
+    for name, model in roots().items():
+        tables = [key for key, info in keys(model).items() if members(info.annotation)]
+        single = [key for key in keys(model) if key not in tables]
+        text = ", ".join([*tables, *(f"{key} (a key)" for key in single)])
+        lines += ["", f"{name}: {headline(model)}", *wrap(text, 100, initial_indent="  ", subsequent_indent="  ")]
+    return "\n".join(lines)
 
 
 def roots() -> dict[str, "Model"]:

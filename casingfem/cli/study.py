@@ -103,20 +103,23 @@ def modes(
 def campbell(
     file: Path, as_json: bool, out: Path | None, to_hz: float | None, steps: int, count: int, orders: int
 ) -> None:
-    """Frequencies of the turning structure of STUDY over speed, and where engine orders meet them."""
+    """Frequencies of the turning structure of STUDY over speed, and where engine orders meet them.
+
+    The structure is a shell on a chart or an imported part; both need a [rotation].
+    """
     import numpy as np
 
     from casingfem.modal.campbell import campbell as compute
 
-    study = chart_study(file)
-    rotation = study.shell.rotation
+    study = any_study(file)
+    rotation = study.structure.rotation
     if rotation is None:
         raise study.error("rotation", "none", "a [rotation], which a Campbell diagram needs")
     top = to_hz if to_hz is not None else 1.5 * abs(rotation.omega) / (2.0 * np.pi)
     if top == 0.0:
         raise click.UsageError("--to-hz: STUDY is at rest: give the highest speed")
     with ProgressMessage(f"campbell of {file.name}"):
-        found = compute(study.shell, 2.0 * np.pi * np.linspace(0.0, top, steps), count)
+        found = compute(study.structure, 2.0 * np.pi * np.linspace(0.0, top, steps), count)
     document = {**found.to_json(orders), "source": study.source}
     files: dict[str, Content] = {"campbell.json": json_text(document, indent=1)}
     if out is not None:

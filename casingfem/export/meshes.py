@@ -1,7 +1,7 @@
-"""Mode shapes and motions in time as files for ParaView: VTU, and PVD series of deformed surfaces that play.
+"""Mode shapes and motions in time as files for ParaView: VTU of shapes at rest, VTKHDF of surfaces that move.
 
 Every spectral element of order p is drawn as p x p four-noded quadrilaterals on its own nodes, so nodal values are the
-model's own. The arrays are binary: base64 of a zlib stream, as VTK's XML formats have it.
+model's own. The arrays of a VTU are binary: base64 of a zlib stream, as VTK's XML formats have it.
 """
 
 import base64
@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from casingfem.export.series import ENDING, series_file
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
@@ -84,7 +85,7 @@ def mode_files(
     phases: int = PHASES,
     exaggeration: float = EXAGGERATION,
 ) -> dict[str, bytes]:
-    """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.pvd` that plays its deformed surfaces.
+    """File name -> content: of each mode k a `mode_k.vtu`, and a `mode_k.vtkhdf` that plays its deformed surfaces.
 
     The VTU lies undeformed and carries, at its points, `displacement` (3 components, mass-normalised, kg^-1/2), of a
     wall on a chart `normal_displacement` (outward positive) and `thickness` [m], and freq_hz as field data. The series
@@ -105,6 +106,8 @@ def mode_files(
     ------
     ValueError
         An odd or small number of phases, an exaggeration that is not positive, a mode that is not there.
+    MissingExtraError
+        h5py is not installed.
     """
     if phases < 4 or phases % 2:
         raise ValueError(f"phases must be an even number of at least 4, found {phases}")
@@ -127,21 +130,25 @@ def chosen_modes(modes: Modes | MeshModes, which: Sequence[int] | None) -> Seque
 
 
 def one_mode(modes: Modes | MeshModes, mode: int, surface: Drawn, phases: int, exaggeration: float) -> dict[str, bytes]:
-    """The VTU of one mode, its series, and the files of the series."""
+    """The VTU of one mode, and the file that plays it."""
     shape = modes.fields[surface.rows, :3, mode]
     facts = {"freq_hz": modes.freq[[mode]], "nodal_diameters": modes.nodal_diameters[[mode]].astype(np.int64)}
     name = f"mode_{mode + 1:03d}"
-    files = {f"{name}.vtu": vtu(surface.points, surface.cells, point_data(surface, shape), facts, surface.kind)}
     diagonal = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     largest = exaggeration * diagonal / float(np.linalg.norm(shape, axis=1).max())
-    for k in range(phases // 2 + 1):
-        part = np.cos(2.0 * np.pi * k / phases)
-        moved = (surface.points + largest * part * shape).astype(np.float32)
-        small = {key: values.astype(np.float32) for key, values in point_data(surface, part * shape).items()}
-        files[f"{name}_phase_{k:02d}.vtu"] = vtu(moved, surface.cells, small, facts, surface.kind)
-    there_and_back = [min(k, phases - k) for k in range(phases)]
-    pictures = [(k / phases, f"{name}_phase_{file:02d}.vtu") for k, file in enumerate(there_and_back)]
-    return files | {f"{name}.pvd": pvd(pictures)}
+    parts = [np.cos(2.0 * np.pi * k / phases) for k in range(phases // 2 + 1)]
+    each = [point_data(surface, part * shape) for part in parts]
+    played = series_file(
+        np.arange(phases) / phases,
+        np.array([surface.points + largest * part * shape for part in parts]),
+        surface.cells,
+        surface.kind,
+        {key: np.array([data[key] for data in each]) for key in each[0]},
+        {key: float(values[0]) for key, values in facts.items()},
+        order=[min(k, phases - k) for k in range(phases)],
+    )
+    at_rest = vtu(surface.points, surface.cells, point_data(surface, shape), facts, surface.kind)
+    return {f"{name}.vtu": at_rest, f"{name}{ENDING}": played}
 
 
 def point_data(surface: Drawn, shape: FloatArray) -> dict[str, Array]:
@@ -191,16 +198,6 @@ def array(name: str, values: Array, more: str = "") -> str:
     return f'<DataArray type="{kind}" Name="{name}"{components}{more} format="binary">{text}</DataArray>\n'
 
 
-def pvd(series: Sequence[tuple[float, str]]) -> bytes:
-    """A collection of files by time.
-
-    >>> b'timestep="0.5"' in pvd([(0.0, "a.vtu"), (0.5, "b.vtu")])
-    True
-    """
-    lines = [f'<DataSet timestep="{float(time)!r}" part="0" file="{file}"/>\n' for time, file in series]
-    return (HEAD.format("Collection", "") + "<Collection>\n" + "".join(lines) + "</Collection>\n</VTKFile>\n").encode()
-
-
 def frames(count: int, most: int = FRAMES) -> IntArray:
     """At most so many of `count` instants, evenly, the first and the last among them.
 
@@ -213,7 +210,7 @@ def frames(count: int, most: int = FRAMES) -> IntArray:
 def motion_files(
     name: str, points: FloatArray, cells: Array, time: Sequence[float] | FloatArray, displacement: FloatArray
 ) -> dict[str, bytes]:
-    """File name -> content: `name.pvd`, which plays over time, and a `name_k.vtu` for each of its instants.
+    """File name -> content: `name.vtkhdf`, which plays over time.
 
     Parameters
     ----------
@@ -224,39 +221,24 @@ def motion_files(
     time, displacement
         Instants [s], (times,), and displacements there [m], (times, nodes, 3).
 
-    The points are moved by the displacement times a factor, which the files carry as `exaggeration`: it makes the
+    The points are moved by the displacement times a factor, which the file has as `exaggeration`: it makes the
     largest one a part EXAGGERATION of the body's diagonal. `displacement` at the points is the true one.
 
-    >>> files = motion_files("rod", np.eye(3), np.array([[5, 0, 1, 2]]), [0.0, 0.5], np.zeros((2, 3, 3)))
-    >>> list(files)
-    ['rod_0000.vtu', 'rod_0001.vtu', 'rod.pvd']
+    >>> list(motion_files("rod", np.eye(3), np.array([[5, 0, 1, 2]]), [0.0, 0.5], np.zeros((2, 3, 3))))
+    ['rod.vtkhdf']
     """
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     largest = float(np.linalg.norm(displacement, axis=2).max(initial=0.0))
     factor = EXAGGERATION * diagonal / largest if largest > 0.0 else 1.0
     kind, corners = int(cells[0, 0]), np.asarray(cells[:, 1:], dtype=np.int64)
-    files = {}
-    for k, moved in enumerate(displacement):
-        of_whole = {"time_s": np.array([float(time[k])]), "exaggeration": np.array([factor])}
-        at_points = {"displacement": moved.astype(np.float32)}
-        place = (points + factor * moved).astype(np.float32)
-        files[f"{name}_{k:04d}.vtu"] = vtu(place, corners, at_points, of_whole, kind)
-    return files | series(name, time)
+    moved = points + factor * displacement
+    data = series_file(time, moved, corners, kind, {"displacement": displacement}, {"exaggeration": factor})
+    return {f"{name}{ENDING}": data}
 
 
 def point_files(
     name: str, time: Sequence[float] | FloatArray, places: FloatArray, data: Mapping[str, Array]
 ) -> dict[str, bytes]:
-    """The same of single points (times, points, 3) [m] with data (times, points) at them, `displacement` zero."""
+    """The same of single points (times, points, 3) [m] with data (times, points) at them."""
     cells = np.arange(places.shape[1])[:, None]
-    files = {}
-    for k, at in enumerate(places):
-        here = {key: np.asarray(values[k], dtype=np.float32) for key, values in data.items()}
-        here = {"displacement": np.zeros_like(at, dtype=np.float32), **here}
-        files[f"{name}_{k:04d}.vtu"] = vtu(at, cells, here, {"time_s": np.array([float(time[k])])}, VERTEX)
-    return files | series(name, time)
-
-
-def series(name: str, time: Sequence[float] | FloatArray) -> dict[str, bytes]:
-    """The collection of the files of a motion by time."""
-    return {f"{name}.pvd": pvd([(float(t), f"{name}_{k:04d}.vtu") for k, t in enumerate(time)])}
+    return {f"{name}{ENDING}": series_file(time, places, cells, VERTEX, data)}

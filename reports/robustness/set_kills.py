@@ -30,7 +30,7 @@ TABLES = (".csv", ".toml")  # with no time of day in them: the same to the last 
 COUNTS = (
     "kills", "amid a file", "mixed as it lies", "mixed as read", "torn", "unreadable", "other tables", "left over"
 )  # fmt: skip
-ENDS = {".png": b"IEND\xaeB`\x82", ".html": b"</html>", ".vtu": b"</VTKFile>", ".pvd": b"</VTKFile>"}
+ENDS = {".png": b"IEND\xaeB`\x82", ".html": b"</html>", ".vtu": b"</VTKFile>"}
 
 
 def killed(target: Target, out: Path, at: int, half: bool = False) -> tuple[bool, tuple[int, int]]:

@@ -1,7 +1,6 @@
-"""Shapes for ParaView: what is written is read back by another program's reader, and by parsing the XML."""
+"""Shapes for ParaView: what is written is read back by another program's reader, and as the format says."""
 
 import json
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,9 +12,11 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.export.meshes import drawn_mesh, drawn_surface, mode_files, pvd, vtu
+from casingfem.errors import MissingExtraError
+from casingfem.export.meshes import drawn_mesh, drawn_surface, mode_files, vtu
 from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import write_files
+from tests.casingfem.export.played import steps_of
 from tests.casingfem.structure.imported.parts import added_nodes
 from tests.casingfem.study.study_texts import PLATE, written
 
@@ -85,32 +86,25 @@ def test_normal_displacement_is_outward_and_part_of_the_whole(casing, folder):
 
 
 def test_the_series_swings_once_and_moves_the_points(casing, folder):
-    entries = list(ET.parse(folder / "mode_001.pvd").getroot().iter("DataSet"))
-    assert [float(e.get("timestep")) for e in entries] == [k / 8 for k in range(8)]
+    steps = steps_of(folder / "mode_001.vtkhdf")
+    assert [step.time for step in steps] == [k / 8 for k in range(8)]
     still = drawn_surface(casing).points
     reach = 0.1 * np.linalg.norm(np.ptp(still, axis=0))
     shape = casing.fields[:, :3, 0]
     unit = shape / np.linalg.norm(shape, axis=1).max()
-    for k, entry in enumerate(entries):
-        mesh = meshio.read(folder / str(entry.get("file")))
-        assert np.allclose(mesh.points - still, reach * np.cos(np.pi * k / 4) * unit, atol=1e-6)
+    for k, step in enumerate(steps):
+        assert np.allclose(step.points - still, reach * np.cos(np.pi * k / 4) * unit, atol=1e-6)
+        assert step.cells == drawn_surface(casing).cells.tolist()
 
 
-def test_a_picture_carries_its_own_part_of_the_shape_and_the_mode_it_is_of(casing, folder):
-    for k in range(5):
-        found = meshio.read(folder / f"mode_003_phase_{k:02d}.vtu")
+def test_a_step_has_its_own_part_of_the_shape_and_the_mode_it_is_of(casing, folder):
+    atol = 1e-6 * np.abs(casing.fields[:, :3, 2]).max()
+    for k, found in enumerate(steps_of(folder / "mode_003.vtkhdf")):
         expected = np.cos(np.pi * k / 4) * casing.fields[:, :3, 2]
-        np.testing.assert_allclose(found.point_data["displacement"], expected, atol=1e-6 * np.abs(expected).max())
+        np.testing.assert_allclose(found.point_data["displacement"], expected, atol=atol)
         np.testing.assert_allclose(found.point_data["thickness"], drawn_surface(casing).thickness, rtol=1e-6)
-        assert found.field_data["freq_hz"].tolist() == [casing.freq[2]]
-        assert found.field_data["nodal_diameters"].tolist() == [casing.nodal_diameters[2]]
-
-
-def test_a_series_keeps_instants_that_are_close_together_apart(tmp_path):
-    times = [10.0, 10.0 + 1e-6, np.float64(10.0 + 3e-6)]
-    (tmp_path / "late.pvd").write_bytes(pvd([(time, f"{k}.vtu") for k, time in enumerate(times)]))
-    entries = ET.parse(tmp_path / "late.pvd").getroot().iter("DataSet")
-    assert [float(entry.get("timestep")) for entry in entries] == times
+        assert found.field_data["freq_hz"] == casing.freq[2]
+        assert found.field_data["nodal_diameters"] == casing.nodal_diameters[2]
 
 
 # opposite corners between which the nodes after the corners stand: of edges, then faces and cell, by VTK's manual
@@ -149,18 +143,18 @@ def test_another_reader_finds_the_nodes_of_an_imported_part_where_its_cells_have
 
 def test_only_the_modes_chosen_are_written(folder):
     names = sorted(path.name for path in folder.iterdir())
-    assert len(names) == 2 * (2 + 5)
-    assert {name.split(".")[0][:8] for name in names} == {"mode_001", "mode_003"}
+    assert names == ["mode_001.vtkhdf", "mode_001.vtu", "mode_003.vtkhdf", "mode_003.vtu"]
 
 
-def test_all_modes_are_written_if_none_are_named_in_four_phases_at_least(casing):
-    """Of each the shape, the series, and the pictures at its two ends and between."""
+def test_all_modes_are_written_if_none_are_named(casing):
     files = mode_files(casing, phases=4)
-    each = [f"mode_{k}{end}" for k in ("001", "002", "003", "004") for end in (".vtu", *PICTURES, ".pvd")]
-    assert list(files) == each
+    assert list(files) == [f"mode_{k}{end}" for k in ("001", "002", "003", "004") for end in (".vtu", ".vtkhdf")]
 
 
-PICTURES = ("_phase_00.vtu", "_phase_01.vtu", "_phase_02.vtu")
+def test_files_that_play_need_h5py(casing, monkeypatch):
+    monkeypatch.setattr("casingfem.export.series.find_spec", lambda name: None)
+    with pytest.raises(MissingExtraError, match=r"--vtu: found no package h5py; expected .*test-data"):
+        mode_files(casing, [0])
 
 
 def test_what_cannot_be_drawn_is_refused(casing):
@@ -183,7 +177,7 @@ def test_the_command_writes_the_chosen_modes_beside_the_table(tmp_path):
     out = ["--out", str(tmp_path / "out")]
     result = CliRunner().invoke(main, [*base, *out, "--vtu", "--modes", "1,3"])
     assert result.exit_code == 0, result.stderr
-    assert f"wrote 22 files to {tmp_path / 'out' / 'vtu'}" in result.stdout
+    assert f"wrote 4 files to {tmp_path / 'out' / 'vtu'}" in result.stdout
     found = json.loads((tmp_path / "out" / "modes.json").read_text())["modes"]
     for mode in (1, 3):
         mesh = meshio.read(tmp_path / "out" / "vtu" / f"mode_00{mode}.vtu")
