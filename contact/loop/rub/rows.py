@@ -54,7 +54,8 @@ class RubLaws(NamedTuple):
 class RubRows(NamedTuple):
     """Casing rows by harmonic and block = directions line + direction; the tips; residual compliance by angle.
 
-    Rows over the casing's modes are filled up with zeros to whole blocks of eight, `width` in all.
+    Rows over the casing's modes are filled up with zeros to whole blocks of eight, `width` in all. Those of a single
+    tip hold its blade's modes too, which do not turn: `apart` is empty then, and `fixed` zero.
     """
 
     casing: RowBlocks
@@ -69,6 +70,7 @@ class RubRows(NamedTuple):
     clearance: Array  # (K,)
     blade: Array  # (K d, widest blade)
     own: Indices  # (K, 2)
+    apart: Indices  # (K, 2): those of its blade's modes that the casing's rows leave out; none where they hold them
     fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
     still: Array  # (K d, K d) residual compliance that does not turn
     turns: bool  # whether there is any that does
@@ -170,21 +172,19 @@ def least_gap(laws: RubLaws, rows: RubRows, j: int, closing: float) -> float:
 
 
 @jit
-def blade_dot(rows: RubRows, row: int, j: int, values: Array) -> float:
-    """Share of the tip's own blade in one of its directions."""
-    total = 0.0
-    begin = rows.own[j, 0]
-    for i in range(begin, rows.own[j, 1]):
+def blade_dot(rows: RubRows, modes: Indices, row: int, j: int, values: Array) -> float:
+    """Share of `modes` of the tip's own blade, `rows.own` or `rows.apart`, in one of its directions."""
+    total, begin = 0.0, rows.own[j, 0]
+    for i in range(modes[j, 0], modes[j, 1]):
         total += rows.blade[row, i - begin] * values[i]
     return total
 
 
 @jit
-def blade_dot_of_sum(rows: RubRows, row: int, j: int, some: Array, others: Array) -> float:
+def blade_dot_of_sum(rows: RubRows, modes: Indices, row: int, j: int, some: Array, others: Array) -> float:
     """The same of the sum of two."""
-    total = 0.0
-    begin = rows.own[j, 0]
-    for i in range(begin, rows.own[j, 1]):
+    total, begin = 0.0, rows.own[j, 0]
+    for i in range(modes[j, 0], modes[j, 1]):
         total += rows.blade[row, i - begin] * (some[i] + others[i])
     return total
 
@@ -195,4 +195,4 @@ def gap_of(laws: RubLaws, rows: RubRows, j: int, t: float, angles: Array, when: 
     """Gap of tip j for the modal coordinates q, without residual compliance; leaves its casing row in `row`."""
     rigid = rows.clearance[j] + rigid_gap(laws, rows, j, t, angles, when, waves) - straight(laws.closing, t)
     fill_block(rows, rows.line[j] * rows.directions, waves, row)
-    return float(rigid + product(row, q) + blade_dot(rows, j * dim, j, q))
+    return float(rigid + product(row, q) + blade_dot(rows, rows.apart, j * dim, j, q))

@@ -11,9 +11,10 @@ import math
 from contact.jit.compiled import jit, jit_vectors
 from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.rows import move, product_of_sum
+from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
 from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
-from contact.loop.rub.predict import alone, find_near, flow, propagate, stand
+from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
 from contact.loop.rub.state import ModalBlocks, RubState, Work
@@ -44,7 +45,7 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
         for i in range(dim):
             row = R + i
             force = s.lam[row]
-            along = w.along[w.column[n * dim + i]] + blade_dot_of_sum(rows, row, j, s.old, s.d)
+            along = w.along[w.column[n * dim + i]] + blade_dot_of_sum(rows, rows.apart, row, j, s.old, s.d)
             if rows.turns:
                 moved = 0.5 * force * (w.turning[row] - w.before[row])
                 work += moved
@@ -99,7 +100,7 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, sums
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
         if s.inside[j] == 2:
             if dim > 1:
-                s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, R + 1, j, s.q)))
+                s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, rows.own, R + 1, j, s.q)))
             tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
         if y is None:
             note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
@@ -121,6 +122,41 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
     return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[j] * s.lam[row] * (1.0 - INSIDE))
 
 
+@jit
+def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None, w: Work,
+          dim: int, share: float, slid: float, closing: int, solved: bool, step: int) -> int:  # fmt: skip
+    """Forces of the tips marked and of those that they draw in; how many, -1 where none are found.
+
+    `solved`: the first has its force already.
+    """
+    while True:
+        count = 1
+        if not solved:
+            count = gather(s, rows, blocks, w, dim, share)
+            if rows.turns and rows.few:
+                fill_few(rows, w, count, step)
+            if not solve(s, rows, w, coats, y, count, dim, share, slid):
+                return -1
+        if not others_close(s, rows, blocks, w, count, dim, share):
+            return count
+        solved = False
+
+
+@jit
+def settle(s: RubState, rows: RubRows, coats: Coats | None, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+           share: float, slid: float, sums: Tally) -> None:  # fmt: skip
+    """Add the forces to the increments, the gaps and the sums."""
+    strains(s, rows, w, count, dim)
+    if coats is not None:
+        flow(s, w, coats, count, dim)
+    push(s, rows, w, count, dim)
+    if blocks is not None:
+        answer(s, blocks, w, s.contact)
+    update_gaps(s, w, count, dim, share)
+    add_works(s, rows, w, count, dim, slid, sums)
+    assign(s.strain, w.strain, w.strain.size)
+
+
 @jit_vectors
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
                 blocks: ModalBlocks | None, w: Work, dim: int, averaged: bool, sums: Tally, out: Samples, h: float,
@@ -139,42 +175,28 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if blocks is not None:
             fly_coupled(s, blocks, w)
         every = due(step, out.every, out.at, sums.filled[0])
-        closing = find_near(s, laws, rows, w, dim, share, every, t, h)
+        closing = find_near(s, laws, rows, w, dim, share, every, step % LOOK == 0, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
         if y is not None:
             pace(s, y, h)
-        count = 0
-        while closing > 0:
-            count = 0
-            if coats is None:  # branches that are left out of loops of another kind, and not compiled there
-                if y is None:
-                    if closing == 1 and alone(s, rows, blocks, w, dim, share, omega * h, step):
-                        count = 1
-            if count == 0:
-                count = gather(s, rows, blocks, w, dim, share)
-                if rows.turns and rows.few:
-                    fill_few(rows, w, count, step)
-                if not solve(s, rows, w, coats, y, count, dim, share, omega * h):
+        done = UNSOLVED
+        if coats is None:  # branches that are left out of loops of another kind, and not compiled there
+            if y is None:
+                if closing == 1:
+                    done = alone(s, rows, blocks, w, dim, share, omega * h, step, sums)
+        if done != DONE:
+            if closing > 0:
+                count = close(s, rows, coats, y, blocks, w, dim, share, omega * h, closing, done == SOLVED, step)
+                if count < 0:
                     return step
-            if not others_close(s, rows, blocks, w, count, dim, share):
-                break
-            closing = count + 1  # at least
-        if closing > 0 or pressed:
-            strains(s, rows, w, count, dim)
+                settle(s, rows, coats, blocks, w, count, dim, share, omega * h, sums)
+            elif pressed:
+                clear(s.contact, 0)
+                strains(s, rows, w, 0, dim)
+                assign(s.strain, w.strain, w.strain.size)
         if closing > 0:
-            if coats is not None:
-                flow(s, w, coats, count, dim)
-            push(s, rows, w, count, dim)
-            if blocks is not None:
-                answer(s, blocks, w, s.contact)
-            update_gaps(s, w, count, dim, share)
-            add_works(s, rows, w, count, dim, omega * h, sums)
             s.counts[2] += 1.0
-        elif pressed:
-            clear(s.contact, 0)
-        if closing > 0 or pressed:
-            assign(s.strain, w.strain, w.strain.size)
         pressed = closing > 0
         if state_due(sums, out, step):
             modes = s.seen.size - s.lam.size

@@ -159,7 +159,7 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
             if i == 0:
                 w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
             else:
-                w.b[a] = w.along[w.column[a]] + blade_dot(rows, row, j, s.d) - s.strain[row]
+                w.b[a] = w.along[w.column[a]] + blade_dot(rows, rows.apart, row, j, s.d) - s.strain[row]
             if i == 1:
                 w.b[a] += rows.radius[j] * slid
 
@@ -263,7 +263,7 @@ def push(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     for n in range(count):
         j = w.chosen[n]
         begin = rows.own[j, 0]
-        for k in range(begin, rows.own[j, 1]):
+        for k in range(rows.apart[j, 0], rows.apart[j, 1]):
             force = 0.0
             for row in range(j * dim, (j + 1) * dim):
                 force += rows.blade[row, k - begin] * s.lam[row]

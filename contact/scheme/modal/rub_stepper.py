@@ -117,7 +117,7 @@ class RubStepper(ExactRun):
         self.stretch[0] = stretch
         fill_blocks(self.coupled, self.speeds.weights(self.omega(stretch)), self.values)
         s.kick[:] = after.push(after.load)
-        self.rows.fixed[:] = blade_delassus(self.system, after)
+        self.rows.fixed[:] = _fixed(self.system, after)
 
     def omega(self, stretch: int) -> float:
         """Speed in the middle of a stretch of steps [rad/s]."""
@@ -193,7 +193,7 @@ def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dime
 
     parts = speeds.at(rub.speed.omega(speeds.middle(0)))
     m, rows = system.omega.size, _rows(rub, system, parts)
-    blocks, values = modal_blocks(speeds, m, int(system.first[1]))
+    blocks, values = modal_blocks(speeds, m, _joined(system))
     if blocks is not None and speeds.vary:
         fill_blocks(blocks, speeds.weights(rub.speed.omega(speeds.middle(0))), values)
     wide = widened(_state(rub, system, parts, law.mu, dimensions), whole(m), NAMES)
@@ -271,6 +271,12 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
     from contact.loop.rub.rows import RubRows
 
     rim, m = system.rim, int(system.first[1])
+    width = _joined(system)
+    cos, sin = np.zeros((2, *rim.cos.shape[:2], width))
+    cos[..., :m], sin[..., :m] = rim.cos, rim.sin
+    if width > m:
+        begin, end = system.own[0]
+        cos[_of_line(system), 0, begin:end] = system.blade_rows[:, : end - begin]
     top = max([rim.n_max, *(p for p, _, _ in rub.profile.terms)])
     size = np.hypot(rim.cos, rim.sin)[:: system.directions].sum(axis=1)
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
@@ -283,14 +289,32 @@ def _rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
         count = max(count, whole(int(harmonic.max(initial=0)) + 1))
     S = rows_of_waves(harmonic, S_cos, S_sin, count)
     return RubRows(
-        casing=RowBlocks(*row_blocks(rows_of_waves(np.arange(rim.n_max + 1), rim.cos, rim.sin, count))),
-        width=whole(m), reach=reach, directions=system.directions, line=system.line,
+        casing=RowBlocks(*row_blocks(rows_of_waves(np.arange(rim.n_max + 1), cos, sin, count))),
+        width=whole(width), reach=reach, directions=system.directions, line=system.line,
         place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
-        clearance=system.clearance, blade=system.blade_rows, own=system.own, fixed=blade_delassus(system, parts),
+        clearance=system.clearance, blade=system.blade_rows, own=system.own,
+        apart=system.own if width == m else 0 * system.own, fixed=_fixed(system, parts),
         still=np.ascontiguousarray(system.still), turns=system.turns, few=few, S=RowBlocks(*row_blocks(S)),
         harmonics=count,
     )  # fmt: skip
+
+
+def _joined(system: RubSystem) -> int:
+    """How many modes the rows of the casing take: of a single tip, its blade's with them."""
+    return system.omega.size if system.contacts == 1 else int(system.first[1])
+
+
+def _of_line(system: RubSystem) -> slice:
+    """Blocks of a single tip's directions."""
+    first = int(system.line[0]) * system.directions
+    return slice(first, first + len(system.blade_rows))
+
+
+def _fixed(system: RubSystem, parts: Propagator) -> Array:
+    """What the blades yield, but for a blade that the casing's rows hold."""
+    found = blade_delassus(system, parts)
+    return 0.0 * found if system.contacts == 1 else found
 
 
 def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:

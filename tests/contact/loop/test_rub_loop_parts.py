@@ -91,10 +91,10 @@ def test_the_rigid_gap_is_profile_and_whirl_at_the_angle_of_the_tip():
 
 def test_a_blade_counts_with_its_own_modes_alone():
     rows, some, others = rub_rows(), np.arange(1.0, 9.0), np.arange(8.0) ** 2
-    assert N.blade_dot(rows, 1, 0, some) == pytest.approx(0.4 * 3.0 + 0.5 * 4.0)
-    assert N.blade_dot(rows, 2, 1, some) == pytest.approx(0.7 * 5.0 + 0.8 * 6.0 + 0.9 * 7.0)
-    exact = N.blade_dot(rows, 2, 1, some + others)
-    assert N.blade_dot_of_sum(rows, 2, 1, some, others) == pytest.approx(exact, rel=1e-14)
+    assert N.blade_dot(rows, rows.own, 1, 0, some) == pytest.approx(0.4 * 3.0 + 0.5 * 4.0)
+    assert N.blade_dot(rows, rows.own, 2, 1, some) == pytest.approx(0.7 * 5.0 + 0.8 * 6.0 + 0.9 * 7.0)
+    exact = N.blade_dot(rows, rows.own, 2, 1, some + others)
+    assert N.blade_dot_of_sum(rows, rows.own, 2, 1, some, others) == pytest.approx(exact, rel=1e-14)
 
 
 def test_body_forces_are_rotated_into_the_frames_of_casing_and_blades():
@@ -163,7 +163,8 @@ def test_a_tip_sticks_inside_its_cone(drag, stuck):
 
 
 def test_pushes_of_tips_reach_the_casing_and_their_own_blades():
-    rng, rows = np.random.default_rng(4), rub_rows(width=8, own=np.array([[8, 10], [10, 13]]))
+    rng, own = np.random.default_rng(4), np.array([[8, 10], [10, 13]])
+    rows = rub_rows(width=8, own=own, apart=own)
     pushed, d, c = rng.standard_normal(8), rng.standard_normal(16), rng.standard_normal(16)
     s = SimpleNamespace(contact=np.ones(16), d=d.copy(), c=c, lam=np.array([1.0, -0.5, 2.0, 0.3]))
     w = SimpleNamespace(pushed=pushed, chosen=np.array([1, 0]))

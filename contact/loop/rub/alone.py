@@ -1,0 +1,152 @@
+"""Compiled: the force of one tip that closes alone, and all that it does where the run has no other tip."""
+
+from __future__ import annotations
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.modal.rows import fill_some, product, weighted
+from contact.loop.rub.compliance import fill_few, fill_soft, yields
+from contact.loop.rub.rows import RubRows, blade_dot, fill_block
+from contact.loop.rub.solve import place_now
+from contact.loop.rub.state import ModalBlocks, RubState, Work
+from contact.record.record import Tally
+from contact.solver.friction.one_contact import one_contact
+
+UNSOLVED, SOLVED, DONE = 0, 1, 2
+
+
+@jit
+def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float, slid: float,
+          step: int, sums: Tally) -> int:  # fmt: skip
+    """Force of the one tip marked, gap and slip; UNSOLVED where the general way is to be taken. `slid` = Omega h.
+
+    Without friction or with one slip direction, in one pass over the modes: what `gather` and `solve` do for many tips.
+    DONE where the run has no other tip: the force is added to the increments and the sums, too.
+    """
+    chosen = 0
+    for j in range(s.mu.size):
+        if s.inside[j] == 2:
+            chosen = j
+        else:
+            for i in range(j * dim, (j + 1) * dim):
+                s.lam[i] = 0.0
+    if dim > 2:
+        return UNSOLVED
+    j, R, p, rubs = chosen, chosen * dim, rows.place[chosen], dim == 2
+    place_now(rows, w, j)
+    normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
+    nn, nt, tn, tt, slip = share * rows.fixed[R, R], 0.0, 0.0, 0.0, 0.0
+    if rubs:
+        fill_block(rows, rows.line[j] * rows.directions + 1, w.waves[w.side[0], p], tangent)
+        n, across, along, t, slid_by = couplings(s, normal, ahead, tangent, rows.width)
+        nn, nt, tn = nn + share * n, share * (across + rows.fixed[R, R + 1]), along + rows.fixed[R + 1, R]
+        tt = t + rows.fixed[R + 1, R + 1]
+        slip = slid_by + blade_dot(rows, rows.apart, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
+    else:
+        nn += share * weighted(ahead, s.c, normal)
+    if blocks is not None:
+        fill_some(blocks.casing, normal, 0, w.normal_moves)
+        nn += share * product(ahead, w.normal_moves)
+        if rubs:
+            fill_some(blocks.casing, tangent, 0, w.tangent_moves)
+            nt, tn = nt + share * product(ahead, w.tangent_moves), tn + product(tangent, w.normal_moves)
+            tt += product(tangent, w.tangent_moves)
+    w.chosen[0] = j
+    if rows.turns and rows.few:
+        fill_few(rows, w, 1, step)
+    elif rows.turns:
+        fill_soft(rows, w, j, 0, dim)
+    S_nn, S_nt, S_tt = yields(rows, w, j, 0, 0, dim), 0.0, 0.0
+    if rubs:
+        S_nt, S_tt = yields(rows, w, j, 0, 1, dim), yields(rows, w, j, 1, 1, dim)
+        nt, tn, tt = nt + S_nt, tn + S_nt, tt + S_tt
+    nn += S_nn
+    found, press, drag = one_contact(nn, nt, tn, tt, s.test[j], slip, s.mu[j] if rubs else 0.0)
+    if not found:
+        return UNSOLVED
+    s.scale[j], s.lam[R], s.motion[R] = nn, press, nn * press + nt * drag + s.test[j]
+    if rubs:
+        s.lam[R + 1], s.motion[R + 1] = drag, tn * press + tt * drag + slip
+    if blocks is None:  # a branch of its own, which is left out where modes are coupled
+        if s.mu.size == 1:
+            across, along = push_now(s, normal, tangent, press, drag, rubs)
+            add_work(s, rows, w, across, along, S_nn * press + S_nt * drag, S_nt * press + S_tt * drag, share, sums)
+            if rubs:
+                s.drive[0] -= drag * rows.radius[0] * slid
+            return DONE
+    w.slots[0], w.slot[p], w.column[0] = 1, 0, 0
+    if rubs:
+        w.column[1] = 1
+    push_one(w, normal, tangent, press, drag, rubs)
+    return SOLVED
+
+
+@jit_inside
+def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
+              width: int) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """What the casing yields at t_{n+1} along the normal, and at t_n along the tangent, to forces; and its slip."""
+    nn, nt, tn, tt, slip = same(0.0), same(0.0), same(0.0), same(0.0), same(0.0)
+    for i in range(0, width, WIDTH):
+        row, along, c = load(normal, i), load(tangent, i), load(s.c, i)
+        test, pull = load(ahead, i) * c, along * c
+        nn, nt, tn, tt = nn + test * row, nt + test * along, tn + pull * row, tt + pull * along
+        slip = slip + along * load(s.d, i)
+    return total(nn), total(nt), total(tn), total(tt), total(slip)
+
+
+@jit_inside
+def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float,
+             rubs: bool) -> tuple[float, float]:  # fmt: skip
+    """Add what the forces of the only tip push to the increments; its motion along them over two steps."""
+    to, drags, across, along = same(press), same(drag), same(0.0), same(0.0)
+    for i in range(0, normal.size, WIDTH):
+        row, pull = load(normal, i), load(tangent, i)
+        pushed = row * to + pull * drags if rubs else row * to
+        put(s.contact, i, pushed)
+        step = load(s.d, i) + load(s.c, i) * pushed
+        put(s.d, i, step)
+        both = load(s.old, i) + step
+        across = across + row * both
+        if rubs:
+            along = along + pull * both
+    return total(across), total(along)
+
+
+@jit_inside
+def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, strain: float, strain_along: float,
+             share: float, sums: Tally) -> None:  # fmt: skip
+    """Work of the only tip's forces along its motion, as `add_works` of many; the gap that they leave."""
+    press, drag = s.lam[0], 0.0
+    s.free[0] += (s.motion[0] - s.test[0] - strain) / share
+    work = 0.5 * press * (s.free[0] - s.last[0])
+    rubs = s.lam.size > 1
+    if rubs:
+        drag = s.lam[1]
+    if rows.turns:
+        moved = press * press * (w.S[0, 0] - w.S_old[0, 0])
+        if rubs:
+            moved += drag * (2.0 * press * (w.S[0, 1] - w.S_old[0, 1]) + drag * (w.S[0, 3] - w.S_old[0, 3]))
+        work += 0.5 * moved
+    sums.rotation[0] += 0.5 * press * across - work
+    if rubs:
+        soft = drag * (strain_along - s.strain[1])
+        work -= soft
+        sums.friction[0] += 0.5 * drag * along + soft
+        s.heat[0] -= drag * s.motion[1]
+        s.strain[1] = strain_along
+    sums.work[0] += work
+    s.strain[0] = strain
+
+
+@jit_inside
+def push_one(w: Work, normal: Array, tangent: Array, press: float, drag: float, rubs: bool) -> None:
+    """The row of the tip, and what its forces push and strain."""
+    to, along = same(press), same(drag)
+    for i in range(0, w.pushed.size, WIDTH):
+        row = load(normal, i)
+        put(w.rows, i, row)
+        put(w.pushed, i, row * to + load(tangent, i) * along if rubs else row * to)
+    for i in range(0, w.strained.size, WIDTH):
+        strained = load(w.soft, i) * to
+        put(w.strained, i, strained + load(w.soft, w.strained.size + i) * along if rubs else strained)
