@@ -10,10 +10,18 @@ HEAD = """# Columns of results
 
 Made by `.venv/bin/python docs/columns.py`. A result has the same columns in `records()`, JSON, CSV, notebooks, pages
 and printed tables. A key holds SI units and ends in the unit where it has one; printed tables use the unit in brackets.
-Columns with "-" as header are left out of printed tables.
+Columns with "-" as header are in records, JSON and CSV alone; those with an asterisk are not in printed tables.
 """
 RESULTS = {
     "Modes": "casingfem.modal.mode_columns.COLUMNS",
+    "Modes of a rotating structure": "casingfem.modal.whirl.COLUMNS",
+    "Waves of a rotating wheel": "casingfem.modal.cyclic.whirl.COLUMNS",
+    "Modes of a mistuned wheel": "casingfem.modal.cyclic.mistuned.COLUMNS",
+    "Pairs of each random draw": "casingfem.modal.mistuning.DRAWS",
+    "Pairs over all random draws": "casingfem.modal.mistuning.SUMMARY",
+    "Identified modes": "casingfem.experiment.identify.mode_columns.COLUMNS",
+    "Parameters of an update": "casingfem.updating.columns.PARAMETERS",
+    "Paired modes of an update": "casingfem.updating.columns.PAIRS",
 }
 
 
@@ -26,7 +34,8 @@ def columns_at(place: str) -> Columns:
 
 def section(title: str, columns: Columns) -> str:
     """One table of the page."""
-    rows = [f"| {column.name} | {column.header if column.shown else '-'} | {column.text} |" for column in columns]
+    heads = {"everywhere": "{}", "pages": "{} *", "files": "-"}
+    rows = [f"| {one.name} | {heads[one.where].format(one.header)} | {one.text} |" for one in columns]
     return "\n".join(["", f"## {title}", "", "| key | header | meaning |", "|---|---|---|", *rows, ""])
 
 

@@ -11,6 +11,7 @@ from casingfem.cli.running import NUMERICS_FAILED, deliver, fail, options
 from casingfem.cli.study import STUDY, chart_study
 from casingfem.cli.tables import csv_text
 from casingfem.io.side_by_side import usable_cores
+from contact.io.columns import records_of
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -154,19 +155,18 @@ def words_of_draws(run: "MistuneRun") -> str:
 
 def files_of_draws(found: "Mistuning", document: dict[str, Any]) -> dict[str, Content]:
     """The draws, the summary, the picture and the document."""
+    from casingfem.modal.mistuning import DRAWS, SUMMARY
     from casingfem.plot.modes import figure_splits
     from casingfem.plot.style import png
 
     source = document["source"]
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())
     card = f"COMPUTED: random mistuning of {source['study']} (sha256 {source['sha256']})\nby {versions}"
-    names = ("draw", "n", "m", "freq_hz", "split_rel", "angle_deg")
-    columns = (found.draw, found.n, found.m, found.freq, found.split, found.angle_deg)
-    rows = [dict(zip(names, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]
+    rows = records_of(DRAWS, found)
     summary = document["doublets"]
     return {
-        "mistune.csv": csv_text(rows, card, names),
-        "mistune_summary.csv": csv_text(summary, card, () if summary else ("n", "m")),
+        "mistune.csv": csv_text(rows, card, [column.name for column in DRAWS]),
+        "mistune_summary.csv": csv_text(summary, card, [column.name for column in SUMMARY]),
         "mistune.json": json_text(document, indent=1),
         "mistune.png": png(figure_splits(found)),
     }

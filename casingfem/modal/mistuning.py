@@ -2,22 +2,81 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from casingfem.errors import NumericsError
-from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.io.arrays import BoolArray, FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.modal.modes import modes
 from casingfem.modal.neighbour import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.shell.shell import Shell, require_shell
+from contact.io.columns import Column, records_of, table_lines
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 
-LEVELS = (0.5, 0.9, 0.99)
+
+class Drawn(NamedTuple):
+    """A doublet of the mean shell, its frequency [Hz], and which rows of all draws are of it."""
+
+    n: int
+    m: int
+    freq: float
+    own: BoolArray
+
+
+def quantiles(what: Callable[["Mistuning", Drawn], FloatArray], level: float) -> Callable[["Mistuning"], list[Any]]:
+    """A quantile of a value over the draws of each doublet; None for a doublet that no draw has."""
+    return lambda found: [
+        float(np.quantile(what(found, one), level)) if one.own.any() else None for one in found.doublets()
+    ]
+
+
+def splits_of(found: "Mistuning", one: Drawn) -> FloatArray:
+    """Splits of a doublet over the draws."""
+    return found.split[one.own]
+
+
+def shifts_of(found: "Mistuning", one: Drawn) -> FloatArray:
+    """Relative shifts of a doublet's mean frequency over the draws."""
+    return found.freq[one.own] / one.freq - 1.0
+
+
+def quantile_column(name: str, what: str, values: Any, per_cent: int, where: Any = "everywhere") -> Column:
+    """The column of one quantile."""
+    text = f"{what}: {per_cent} % of the draws are below it."
+    return Column(f"{name}_{per_cent}", text, quantiles(values, per_cent / 100), head=f"{name} {per_cent}", unit="%",
+                  format=".4f", scale=100.0, where=where)  # fmt: skip
+
+
+SPLIT, SHIFT = "Relative split of the pair", "Relative shift of the pair's mean frequency"
+DRAWS = (
+    Column("draw", "Number of the draw.", lambda found: found.draw, format="d"),
+    Column("n", "Nodal diameters.", lambda found: found.n, format="d"),
+    Column("m", "Meridional rank.", lambda found: found.m, format="d"),
+    Column("freq_hz", "Mean frequency of the pair.", lambda found: found.freq, head="freq", unit="Hz", format=".3f"),
+    Column("split_rel", "Difference of the two frequencies over their mean.", lambda found: found.split, head="split",
+           unit="%", format=".4f", scale=100.0),
+    Column("angle_deg", "Angle of an antinode of the lower member.", lambda found: found.angle_deg, head="angle",
+           unit="deg", format=".2f"),
+)  # fmt: skip
+SUMMARY = (
+    Column("n", "Nodal diameters.", lambda found: [one.n for one in found.doublets()], format="d"),
+    Column("m", "Meridional rank.", lambda found: [one.m for one in found.doublets()], format="d"),
+    Column("freq_hz", "Frequency without the random fields.", lambda found: [one.freq for one in found.doublets()],
+           head="freq", unit="Hz", format=".3f"),
+    Column("draws", "Number of draws that have this pair among their modes.",
+           lambda found: [int(one.own.sum()) for one in found.doublets()], format="d"),
+    quantile_column("split", SPLIT, splits_of, 50),
+    quantile_column("split", SPLIT, splits_of, 90),
+    quantile_column("split", SPLIT, splits_of, 99),
+    quantile_column("shift", SHIFT, shifts_of, 10, "pages"),
+    quantile_column("shift", SHIFT, shifts_of, 50),
+    quantile_column("shift", SHIFT, shifts_of, 90, "pages"),
+)  # fmt: skip
 
 
 class Pair(NamedTuple):
@@ -99,6 +158,8 @@ class Mistuning(Reported):
     perfect : (n, m) -> frequency [Hz] of the casing without the random fields
     """
 
+    COLUMNS: ClassVar = SUMMARY
+
     draw: IntArray
     n: IntArray
     m: IntArray
@@ -119,46 +180,26 @@ class Mistuning(Reported):
         """Number of draws."""
         return len(np.unique(self.draw))
 
-    def records(self) -> list[dict[str, float | int | None]]:
-        """One row a doublet: `summary`."""
-        return self.summary()
-
     def columns(self) -> dict[str, Any]:
         """One row a doublet of each draw."""
-        return {
-            "draw": self.draw, "n": self.n, "m": self.m, "freq_hz": self.freq, "split_rel": self.split,
-            "angle_deg": self.angle_deg,
-        }  # fmt: skip
+        return {column.name: column.values(self) for column in DRAWS}
 
-    def summary(self) -> list[dict[str, float | int | None]]:
-        """One row for each doublet of the mean shell: quantiles of the split and of the shift of its mean frequency.
+    def doublets(self) -> list[Drawn]:
+        """The doublets of the mean shell, ascending, each with its draws.
 
-        `draws` counts those in which a doublet of this n and m was among the modes computed: fields that mix shapes
-        may rename one, or lift it out of the band. Quantiles are over these.
+        The draws are those in which a doublet of this n and m was among the modes computed: fields that mix shapes may
+        rename one, or lift it out of the band.
         """
-        rows = []
-        for (n, m), freq in sorted(self.perfect.items(), key=lambda item: item[1]):
-            own = (self.n == n) & (self.m == m)
-            row: dict[str, float | int | None] = {"n": n, "m": m, "freq_hz": freq, "draws": int(own.sum())}
-            shift = self.freq[own] / freq - 1.0
-            for name, values, levels in (("split", self.split[own], LEVELS), ("shift", shift, (0.1, 0.5, 0.9))):
-                for level in levels:
-                    row[f"{name}_{round(100 * level)}"] = float(np.quantile(values, level)) if own.any() else None
-            rows.append(row)
-        return rows
+        ascending = sorted(self.perfect.items(), key=lambda item: item[1])
+        return [Drawn(n, m, freq, (self.n == n) & (self.m == m)) for (n, m), freq in ascending]
+
+    def summary(self) -> list[dict[str, Any]]:
+        """One row for each doublet of the mean shell: quantiles of the split and of the shift of its mean frequency."""
+        return records_of(SUMMARY, self)
 
     def __repr__(self) -> str:
-        """Table: doublet, its frequency, median, 90 % and 99 % split, median shift, all in per cent."""
-        head = f"{'n':>3} {'m':>2} {'freq [Hz]':>10} {'draws':>6}"
-        lines = [f"{head}{'split 50 %':>11} {'90 %':>8} {'99 %':>8}{'shift 10 %':>11} {'50 %':>8} {'90 %':>8}   [%]"]
-        for row in self.summary():
-            cells = [f"{row['n']:>3} {row['m']:>2} {row['freq_hz']:>10.3f} {row['draws']:>6}"]
-            for name in ("split_50", "split_90", "split_99", "shift_10", "shift_50", "shift_90"):
-                width = 11 if name in ("split_50", "shift_10") else 9
-                cells.append(f"{'-' if row[name] is None else format(100.0 * float(row[name] or 0.0), '.4f'):>{width}}")
-            lines.append("".join(cells))
-        lines.append(f"{self.draws} draws")
-        return "\n".join(lines)
+        """The summary as a table."""
+        return "\n".join([*table_lines(SUMMARY, self.summary()), f"{self.draws} draws"])
 
 
 def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[int], None] | None = None) -> Mistuning:

@@ -30,7 +30,7 @@ COLUMNS = (
            head="share of n", format=".2f"),
     Column("m", "Rank among the modes of the same n, from 1; a doublet counts once.", lambda rows: rows.m, format="d"),
     Column("doublet", "Number of the doublet that the mode belongs to, from 1.", lambda rows: known(rows.doublet),
-           format="d", shown=False),
+           format="d", where="files"),
     Column("split_rel", "Difference of a doublet's frequencies over their mean.", lambda rows: present(rows.split),
            head="split", unit="%", format=".4f", scale=100.0),
     Column("angle_deg", "Angle of an antinode of the radial displacement.", lambda rows: present(rows.angle_deg),

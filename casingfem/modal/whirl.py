@@ -8,7 +8,7 @@ of Linear Systems, 2011).
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from scipy.sparse import csc_array, diags_array
@@ -29,7 +29,21 @@ from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.revolution import round_about_z
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.columns import Column, known
 from contact.io.reported import Reported
+
+SENSES = {1: "forward", -1: "backward", 0: "none"}
+COLUMNS = (
+    Column("mode", "Number of the mode, from 1.", lambda found: range(1, 1 + len(found)), format="d"),
+    Column("freq_hz", "Frequency for an observer who turns with the structure.", lambda found: found.freq,
+           head="turning", unit="Hz", format=".3f"),
+    Column("freq_fixed_hz", "Frequency for an observer at rest.", lambda found: found.freq_fixed, head="at rest",
+           unit="Hz", format=".3f"),
+    Column("n", "Nodal diameters; none where the structure is not of revolution about its axis.",
+           lambda found: known(found.nodal_diameters), format="d"),
+    Column("sense", "1 for a wave that runs with the rotation, -1 for one against it, 0 for none.",
+           lambda found: found.sense, head="wave", format=SENSES.__getitem__),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -50,6 +64,8 @@ class WhirlModes(Reported):
         Modes up to the last one, by inertia.
     """
 
+    COLUMNS: ClassVar = COLUMNS
+
     shell: Shell | MeshStructure
     freq: FloatArray
     fields: Array
@@ -60,13 +76,6 @@ class WhirlModes(Reported):
     def __len__(self) -> int:
         """Return the number of modes."""
         return len(self.freq)
-
-    def columns(self) -> dict[str, Any]:
-        """One row a mode: frequencies in both frames, nodal diameters (-1 where there are none), sense."""
-        return {
-            "mode": np.arange(1, len(self) + 1), "freq_hz": self.freq, "freq_fixed_hz": self.freq_fixed,
-            "n": self.nodal_diameters, "sense": self.sense,
-        }  # fmt: skip
 
     @property
     def freq_fixed(self) -> FloatArray:

@@ -43,7 +43,11 @@ class Table:
         """A result's columns as a table; `rows` are its records."""
         shown, cells = cells_of(columns, rows)
         heads, meanings = tuple(column.header for column in shown), tuple(column.text for column in shown)
-        return cls(caption, heads, tuple(map(tuple, cells)), folded, meanings)
+        lines = (
+            tuple(cell if cell is None or one.words else raised(cell) for one, cell in zip(shown, line, strict=True))
+            for line in cells
+        )
+        return cls(caption, heads, tuple(lines), folded, meanings)
 
     def right(self) -> list[bool]:
         """Whether each column holds numbers alone, which align at the right."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.optimize import brentq
@@ -16,6 +16,7 @@ from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
+from casingfem.updating.columns import PAIRS, PARAMETERS, PairedRows
 from casingfem.updating.identifiability import Identifiability, identifiability
 from casingfem.updating.outliers import Outlier, named, shifts_of, strongest
 from casingfem.updating.parameters import Parameter
@@ -23,6 +24,7 @@ from casingfem.updating.problem import Given, Problem, State
 from casingfem.updating.regularisation import Regularised
 from casingfem.updating.shapes import redundant
 from casingfem.updating.targets import residual_count
+from contact.io.columns import records_of, table_lines
 from contact.io.reported import Reported
 
 POOR = 2.0  # rms of the weighted residuals above which a fit is tried on other ways
@@ -69,6 +71,8 @@ class UpdateResult(Reported):
     outliers, plain
         Rows set aside because they contradict all others, and the fit of all rows; empty and None mostly.
     """
+
+    COLUMNS: ClassVar = PARAMETERS
 
     structure: Shell | MeshStructure
     parameters: tuple[Parameter, ...]
@@ -239,23 +243,21 @@ class UpdateResult(Reported):
         """Mode numbers of the table's rows that no computed mode was paired with: they took no part."""
         return modes_of(self.table, self.pairing.unpaired_rows)
 
-    def pairs(self) -> list[dict[str, Any]]:
-        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence."""
-        before = self.rows(self.pairing_before, self.before)
-        after = self.rows(self.pairing, self.after)
+    def paired(self) -> PairedRows:
+        """The paired rows of the table, ascending."""
+        before, after = self.rows(self.pairing_before, self.before), self.rows(self.pairing, self.after)
         sure = {row: match.confidence for match in self.pairing.matches for row in match.rows}
-        return [
-            {
-                "mode": int(self.table.mode[row]),
-                "n": int(self.table.n[row]) if self.table.n[row] >= 0 else None,
-                "measured_hz": float(self.table.freq_hz[row]),
-                "before_hz": before.get(row),
-                "after_hz": freq,
-                "sigma_hz": float(self.table.sigma_hz[row]),
-                "confidence": sure[row],
-            }
-            for row, freq in sorted(after.items())
-        ]
+        rows, table = np.array(sorted(after), dtype=int), self.table
+        return PairedRows(
+            mode=table.mode[rows], n=table.n[rows], measured=table.freq_hz[rows],
+            before=np.array([before.get(row, np.nan) for row in rows.tolist()]),
+            after=np.array([after[row] for row in rows.tolist()]), sigma=table.sigma_hz[rows],
+            confidence=np.array([sure[row] for row in rows.tolist()]),
+        )  # fmt: skip
+
+    def pairs(self) -> list[dict[str, Any]]:
+        """One dictionary a paired row: mode, n, measured_hz, before_hz, after_hz, sigma_hz, confidence, errors."""
+        return records_of(PAIRS, self.paired())
 
     def indistinct(self) -> list[tuple[str, str, float]]:
         """Pairs of parameters whose correlation exceeds .95 in magnitude."""
@@ -272,13 +274,9 @@ class UpdateResult(Reported):
         )
         return [*(f"set aside: {outlier!r}" for outlier in self.outliers), f"without: {values}"]
 
-    def records(self) -> list[dict[str, object]]:
+    def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a parameter; those of the paired rows are `pairs`."""
-        columns = (self.parameters, self.start, self.value, self.sigma.tolist(), self.at_bound)
-        return [
-            {"name": p.name, "start": a, "value": b, "sigma": s, "log": p.log, "at_bound": bound}
-            for p, a, b, s, bound in zip(*columns, strict=True)
-        ]
+        return records_of(self.COLUMNS, self)
 
     def to_json(self) -> dict[str, object]:
         """Plain data, as `casingfem update --json` prints it (without the run time)."""
@@ -309,19 +307,7 @@ class UpdateResult(Reported):
 
     def __repr__(self) -> str:
         """Parameters with sigma, the before/after table, and warnings."""
-        lines = [f"{'parameter':<34} {'start':>12} {'value':>12} {'sigma':>10}"]
-        for p, a, b, s, bound in zip(self.parameters, self.start, self.value, self.sigma, self.at_bound, strict=True):
-            unit = " dec" if p.log else ""
-            lines.append(f"{p.name:<34} {a:>12.6g} {b:>12.6g} {s:>10.2g}{unit}{'  AT BOUND' if bound else ''}")
-        lines.append(f"{'mode':>4} {'n':>3} {'measured':>10} {'before':>10} {'after':>10} {'error [%]':>9} {'sure':>5}")
-        for row in self.pairs():
-            measured, after = row["measured_hz"], row["after_hz"]
-            before = "-" if row["before_hz"] is None else f"{row['before_hz']:.3f}"
-            n = "-" if row["n"] is None else row["n"]
-            lines.append(
-                f"{row['mode']:>4} {n:>3} {measured:>10.3f} {before:>10} {after:>10.3f} "
-                f"{100.0 * (after / measured - 1.0):>9.3f} {row['confidence']:>5.2f}"
-            )
+        lines = [*table_lines(self.COLUMNS, self.records()), *table_lines(PAIRS, self.pairs())]
         lines.append(
             f"RMS {100.0 * self.rms_before:.3f} % -> {100.0 * self.rms_after:.3f} %, "
             f"misfit {self.misfit:.2f} sigma, {len(self.history)} evaluations"

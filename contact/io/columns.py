@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -36,8 +36,9 @@ class Column:
         Format specification in tables, or a function from the value to a word.
     scale
         Factor from the value to its unit in tables, such as 100 for per cent.
-    shown
-        False for a column that records, JSON and CSV have, and tables leave out.
+    where
+        Tables that show it: all; those of pages and notebooks, which may be wide; or none, "files", so that records,
+        JSON and CSV alone have it.
 
     Examples
     --------
@@ -54,7 +55,7 @@ class Column:
     unit: str = ""
     format: str | Callable[[Any], str] = ""
     scale: float = 1.0
-    shown: bool = True
+    where: Literal["everywhere", "pages", "files"] = "everywhere"
 
     @property
     def header(self) -> str:
@@ -114,22 +115,29 @@ def known(labels: Iterable[int]) -> list[int | None]:
     return [int(label) if label >= 0 else None for label in labels]
 
 
-def mark(word: str) -> Callable[[Any], str]:
+def word(value: Any) -> str:
+    """Format of a column of words: the word itself."""
+    return str(value)
+
+
+def mark(text: str) -> Callable[[Any], str]:
     """Format of a truth value: the word where it is true.
 
     >>> mark("rigid")(True), mark("rigid")(False)
     ('rigid', '')
     """
-    return lambda value: word if value else ""
+    return lambda value: text if value else ""
 
 
-def cells_of(columns: Columns, rows: Rows) -> tuple[list[Column], list[list[str | None]]]:
-    """The columns that a table shows, and their cells row by row; None where a row has no value.
+def cells_of(columns: Columns, rows: Rows, *, printed: bool = False) -> tuple[list[Column], list[list[str | None]]]:
+    """The columns that a table of a page shows, or a printed one, and their cells row by row; None for no value.
 
     Columns of words that are empty in all rows are left out.
     """
     found = list(rows)
-    texts = {column: [column.cell(row.get(column.name)) for row in found] for column in columns if column.shown}
+    places = ("everywhere",) if printed else ("everywhere", "pages")
+    chosen = [column for column in columns if column.where in places]
+    texts = {column: [column.cell(row.get(column.name)) for row in found] for column in chosen}
     used = {column: cells for column, cells in texts.items() if not column.words or any(cells)}
     return list(used), [list(row) for row in zip(*used.values(), strict=True)]
 
@@ -144,7 +152,7 @@ def table_lines(columns: Columns, rows: Rows) -> list[str]:
     4      371.2
     -     1207.5
     """
-    shown, cells = cells_of(columns, rows)
+    shown, cells = cells_of(columns, rows, printed=True)
     texts = [[NONE if cell is None else cell for cell in row] for row in cells]
     return laid_out([column.header for column in shown], texts, ["<" if column.words else ">" for column in shown])
 

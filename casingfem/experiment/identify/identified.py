@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.identified_file import read_fields, write_fields
 from casingfem.experiment.identify.lscf import Stabilisation
+from casingfem.experiment.identify.mode_columns import COLUMNS
 from casingfem.io.arrays import Array, BoolArray, FloatArray, IntArray, freeze
+from contact.io.columns import table_lines
 from contact.io.reported import Reported
 
 
@@ -63,6 +65,8 @@ class Identified(Reported):
     card
         Source lines.
     """
+
+    COLUMNS: ClassVar = COLUMNS
 
     freq: FloatArray
     sigma_freq: FloatArray
@@ -173,51 +177,13 @@ class Identified(Reported):
         empty = Stabilisation(freq=nothing, zeta=nothing, order=nothing.astype(int), stable=nothing.astype(bool))
         return replace(self, lines=nothing, fitted=few, measured=few, diagram=empty)
 
-    def records(self) -> list[dict[str, Any]]:
-        """One plain dictionary a mode, numbers nan where they mean nothing."""
-        return [
-            {
-                "mode": k + 1,
-                "freq_hz": float(self.freq[k]),
-                "sigma_hz": float(self.sigma_setup[k]),
-                "sigma_mean_hz": float(self.sigma_freq[k]),
-                "zeta": float(self.zeta[k]),
-                "sigma_zeta": float(self.sigma_zeta[k]),
-                "n": int(self.n[k]) if self.n[k] >= 0 else None,
-                "n_purity": float(self.purity[k]),
-                "angle_deg": float(self.angle_deg[k]),
-                "sigma_angle_deg": float(self.sigma_angle[k]),
-                "doublet": self.doublet_of(k) + 1 or None,
-                "unresolved_pair": k in self.unresolved,
-                "split_bound_rel": float(self.split_bound[k]),
-                "collinearity": float(self.collinearity[k]),
-                "signal_to_noise": float(self.signal[k]),
-                "verdict": "sure" if sure else "doubtful",
-                "doubt": "" if sure else self.doubts[k],
-            }
-            for k, sure in enumerate(self.sure.tolist())
-        ]
-
     def __repr__(self) -> str:
+        """The columns as a table, under a summary, above the doubtful modes and the notes."""
         pairs = f", {len(self.doublets)} doublets" if self.doublets else ""
         left = f", deviation {100.0 * self.deviation:.2g} %" if len(self.lines) else ", without responses"
         doubtful = int(np.sum(~self.sure))
         verdict = f", {doubtful} doubtful" if doubtful else ""
-        lines = [
-            f"Identified({len(self)} modes{verdict}{pairs}{left})",
-            f"{'mode':>4} {'freq [Hz]':>11} {'+-':>7} {'zeta [%]':>9} {'+-':>7} {'n':>3} {'pure':>5}"
-            f" {'angle [deg]':>11} {'+-':>6} {'pair':>4}",
-        ]
-        for k, row in enumerate(self.records()):
-            n = "-" if row["n"] is None else str(row["n"])
-            purity, angle, sigma = (
-                "-" if np.isnan(value) else f"{value:.2f}"
-                for value in (row["n_purity"], row["angle_deg"], row["sigma_angle_deg"])
-            )
-            pair = row["doublet"] or ("?" if k in self.unresolved else "-")
-            verdict = "" if row["verdict"] == "sure" else "  doubtful"
-            lines.append(
-                f"{k + 1:>4} {row['freq_hz']:>11.4f} {row['sigma_hz']:>7.2g} {100 * row['zeta']:>9.5f}"
-                f" {100 * row['sigma_zeta']:>7.2g} {n:>3} {purity:>5} {angle:>11} {sigma:>6} {pair:>4}{verdict}"
-            )
-        return "\n".join([*lines, *self.doubtful(), *self.notes])
+        lines = table_lines(self.COLUMNS, self.records())
+        return "\n".join(
+            [f"Identified({len(self)} modes{verdict}{pairs}{left})", *lines, *self.doubtful(), *self.notes]
+        )

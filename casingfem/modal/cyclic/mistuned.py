@@ -7,6 +7,7 @@ modes: M.-T. Yang & J. H. Griffin, J. Eng. Gas Turbines Power 123, 2001, 893).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh
@@ -16,8 +17,20 @@ from casingfem.io.arrays import FloatArray, IntArray, frozen
 from casingfem.modal.cyclic.waves import Waves, wheel_waves
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import blade_stiffness
+from contact.io.columns import Column, records_of, table_lines
 
 Deviations = Sequence[float] | FloatArray
+COLUMNS = (
+    Column("mode", "Number of the mode, from 1.", lambda found: range(1, 1 + len(found)), format="d"),
+    Column("freq_hz", "Natural frequency.", lambda found: found.freq, head="freq", unit="Hz", format=".3f"),
+    Column("n", "Nodal diameters with the largest share of the mode.", lambda found: found.nodal_diameters, format="d"),
+    Column("n_share", "Share of these nodal diameters.", lambda found: found.content.max(axis=1), head="share of n",
+           format=".2f"),
+    Column("blade", "Blade with the largest share of the elastic energy, from 1.",
+           lambda found: found.energy.argmax(axis=1) + 1, format="d"),
+    Column("localisation", "Largest share of one blade over the mean share.", lambda found: found.localisation,
+           format=".2f"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -52,29 +65,13 @@ class MistunedModes:
         """Largest share of one blade over the mean one, (modes,): 1 to 2 of tuned pairs, N of a blade alone."""
         return np.asarray(self.energy.max(axis=1) * self.energy.shape[1])
 
-    def records(self) -> list[dict[str, object]]:
+    def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a mode: mode, freq_hz, n, n_share, blade (from 1), localisation."""
-        return [
-            {
-                "mode": k + 1,
-                "freq_hz": float(self.freq[k]),
-                "n": int(self.nodal_diameters[k]),
-                "n_share": float(self.content[k].max()),
-                "blade": int(self.energy[k].argmax()) + 1,
-                "localisation": float(self.localisation[k]),
-            }
-            for k in range(len(self))
-        ]
+        return records_of(COLUMNS, self)
 
     def __repr__(self) -> str:
-        """Table: mode, frequency, dominant diameter and its share, the blade that bends most."""
-        lines = [f"{'mode':>4} {'freq [Hz]':>11} {'n':>3} {'share':>6} {'blade':>6} {'localisation':>13}"]
-        for row in self.records():
-            lines.append(
-                f"{row['mode']:>4} {row['freq_hz']:>11.3f} {row['n']:>3} {row['n_share']:>6.2f} {row['blade']:>6} "
-                f"{row['localisation']:>13.2f}"
-            )
-        return "\n".join(lines)
+        """The columns as a table."""
+        return "\n".join(table_lines(COLUMNS, self.records()))
 
 
 def mistuned_modes(

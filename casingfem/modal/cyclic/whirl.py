@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -11,8 +12,18 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.modal.cyclic.modes import checked_diameters
 from casingfem.modal.whirl import expand_complex, freq_at_rest, gyroscopic_modes
 from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+from contact.io.columns import Column, records_of, table_lines
 
 SENSES = {1: "forward", -1: "backward", 0: "single"}
+COLUMNS = (
+    Column("n", "Nodal diameters.", lambda found: found.nodal_diameters, format="d"),
+    Column("sense", "1 for a wave that runs with the rotation, -1 for one against it, 0 for a single mode.",
+           lambda found: found.sense, head="wave", format=SENSES.__getitem__),
+    Column("freq_hz", "Frequency for an observer who turns with the wheel.", lambda found: found.freq,
+           head="turning", unit="Hz", format=".3f"),
+    Column("freq_fixed_hz", "Frequency for an observer at rest.", lambda found: found.freq_fixed, head="at rest",
+           unit="Hz", format=".3f"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -49,21 +60,13 @@ class CyclicWhirl:
         """Frequencies [Hz] of the n waves around for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
         return freq_at_rest(self.freq, self.sense * self.nodal_diameters, self.sector.structure.rotation)
 
-    def records(self) -> list[dict[str, object]]:
+    def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a mode: n, sense, freq_hz in the rotating frame, freq_fixed_hz."""
-        columns = (self.nodal_diameters, self.sense, self.freq, self.freq_fixed)
-        return [
-            {"n": int(n), "sense": int(sense), "freq_hz": float(f), "freq_fixed_hz": float(fixed)}
-            for n, sense, f, fixed in zip(*columns, strict=True)
-        ]
+        return records_of(COLUMNS, self)
 
     def __repr__(self) -> str:
-        """Table: n, sense, frequency in the rotating frame and at rest."""
-        lines = [f"{'n':>4} {'wave':>8} {'turning [Hz]':>13} {'at rest [Hz]':>13}"]
-        for row in self.records():
-            sense = SENSES[int(str(row["sense"]))]
-            lines.append(f"{row['n']:>4} {sense:>8} {row['freq_hz']:>13.3f} {row['freq_fixed_hz']:>13.3f}")
-        return "\n".join(lines)
+        """The columns as a table."""
+        return "\n".join(table_lines(COLUMNS, self.records()))
 
 
 def cyclic_whirl(sector: CyclicSector, count: int = 6, *, diameters: Sequence[int] | None = None) -> CyclicWhirl:

@@ -1,7 +1,5 @@
 """The report's sections on an update, in words, figures and tables: parameters and frequencies, then mode shapes."""
 
-import math
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -11,9 +9,10 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.correlation import mac_panel
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, raised, written
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, written
 from casingfem.plot.style import new_figure, styled
 from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors
+from casingfem.updating.columns import PAIRS
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch
 
@@ -35,7 +34,13 @@ def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
     if len(fit.parameters) > 1:
         alike = "Correlations of the parameters after the update: near ±1 the data cannot tell two of them apart."
         figures.append(Picture.of(figure_correlation(fit), alike))
-    return Section("Update", tuple(update_words(fit)), tuple(figures), (parameters_table(fit), pairs_table(fit)))
+    caption = "Parameters; sigma is one standard deviation given the measurement's uncertainty and the priors."
+    pairs = fit.pairs()
+    tables = (
+        Table.of(caption, fit.COLUMNS, fit.records()),
+        Table.of(f"The {len(pairs)} paired modes", PAIRS, pairs, folded=len(pairs) > 12),
+    )
+    return Section("Update", tuple(update_words(fit)), tuple(figures), tables)
 
 
 def comparison_caption(table: FrequencyTable, models: dict[str, Paired]) -> str:
@@ -118,42 +123,6 @@ def worst_rows(fit: UpdateResult, count: int = 2) -> str:
         f"mode {row['mode']} of the table ({100.0 * (row['after_hz'] / row['measured_hz'] - 1.0):+.2g} %)"
         for row in rows[:count]
     )
-
-
-def parameters_table(fit: UpdateResult) -> Table:
-    """Start, value and sigma of each parameter, in as many digits as sigma leaves."""
-    rows = [
-        (p.name, a, digits_of(b, b * math.log(10.0) * s if p.log else s),
-         None if not a else f"{b / a:.3g} times" if p.log else f"{100.0 * (b / a - 1.0):+.2f} %",
-         raised(f"{s:.2g}") + (" decades" if p.log else ""), p.lower, p.upper)
-        for p, a, b, s in zip(fit.parameters, fit.start, fit.value, fit.sigma, strict=True)
-    ]  # fmt: skip
-    columns = ("parameter", "start", "updated", "change", "sigma", "lower bound", "upper bound")
-    caption = "Parameters; sigma is one standard deviation given the measurement's uncertainty and the priors."
-    return Table(caption, columns, tuple(rows))
-
-
-def digits_of(value: float, sigma: float) -> str:
-    """A value to the second digit of its standard deviation, at least two digits and at most six.
-
-    >>> digits_of(2.0798234e11, 4.4e8), digits_of(0.00302907, 2.8e-6), digits_of(0.23149, 0.024), digits_of(5e14, 3e15)
-    ('2.0798 × 10¹¹', '0.0030291', '0.231', '5 × 10¹⁴')
-    """
-    if not (abs(value) > 0.0 and sigma > 0.0 and math.isfinite(sigma)):
-        return raised(f"{value:.5g}")
-    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(sigma)) + 2
-    return raised(f"{value:.{min(max(digits, 2), 6)}g}")
-
-
-def pairs_table(fit: UpdateResult) -> Table:
-    """Measured, before and after, mode by mode."""
-    rows: list[tuple[Cell, ...]] = []
-    for row in fit.pairs():
-        measured, before, after = row["measured_hz"], row["before_hz"], row["after_hz"]
-        errors = [None if f is None else f"{100.0 * (f / measured - 1.0):+.3f}" for f in (before, after)]
-        rows.append((row["mode"], row["n"], measured, row["sigma_hz"], before, errors[0], after, errors[1]))
-    columns = ("mode", "n", "measured [Hz]", "sigma [Hz]", "before [Hz]", "error [%]", "updated [Hz]", "error [%]")
-    return Table(f"The {len(rows)} paired modes", columns, tuple(rows), folded=len(rows) > 12)
 
 
 def shapes_section(found: ShapeFit) -> Section:

@@ -7,7 +7,7 @@ import numpy as np
 
 from casingfem.experiment.correlation.mac import mac
 from casingfem.experiment.identify.identified import Identified
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
 from casingfem.plot.poles import picking_diagram
 from casingfem.plot.style import Drawn
 
@@ -50,8 +50,9 @@ def identification_page(
         pictures[-1] = picking_diagram(found, name, PICKING[pick], pictures[-1], pick=pick)
     doubts = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())
     notes = tuple(f"{note[:1].upper()}{note[1:]}." for note in found.notes)
+    table = Table.of("Modes found; ± is one standard uncertainty.", found.COLUMNS, found.records())
     sections = [
-        Section("Modes", doubts + notes, tables=(modes_table(found),)),
+        Section("Modes", doubts + notes, tables=(table,)),
         Section("How they fit", figures=tuple(pictures)),
         *_alike(found),
         Section("Source", preformatted="\n".join(found.card)),
@@ -106,21 +107,3 @@ def identification_verdict(found: Identified) -> Verdict:
     else:
         further = "Fit a model to them: identified.csv is a table for [update] of a study."
     return Verdict(found=f"{first}{pairs}.", sure=sure, further=further)
-
-
-def modes_table(found: Identified) -> Table:
-    """Every mode with its uncertainties."""
-    rows: list[tuple[Cell, ...]] = [
-        (
-            row["mode"], f"{row['freq_hz']:.4f}", raised(f"{row['sigma_hz']:.1g}"), f"{100.0 * row['zeta']:.3f}",
-            raised(f"{100.0 * row['sigma_zeta']:.1g}"), row["n"],
-            f"{row['angle_deg']:.1f}" if np.isfinite(row["angle_deg"]) else None, row["doublet"],
-            f"{100.0 * row['collinearity']:.1f}", row["verdict"],
-        )
-        for row in found.records()
-    ]  # fmt: skip
-    columns = (
-        "mode", "frequency [Hz]", "sigma [Hz]", "damping [%]", "sigma [%]", "n", "antinode [deg]", "pair",
-        "in phase [%]", "verdict",
-    )  # fmt: skip
-    return Table("Modes found, with one standard uncertainty.", columns, tuple(rows))

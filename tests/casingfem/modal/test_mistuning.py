@@ -152,7 +152,7 @@ def test_summary_counts_and_quantiles():
     assert [four[f"shift_{k}"] for k in (10, 50, 90)] == pytest.approx([0.01, 0.05, 0.09])
     assert found.draws == 11
     assert repr(found).splitlines()[2].split()[:5] == ["4", "1", "100.000", "11", "5.0000"]
-    assert repr(found).splitlines()[3].split()[3:] == ["0"] + 6 * ["-"]
+    assert set(repr(found).splitlines()[3].split()[4:]) == {"-"}
 
 
 def test_only_casings_of_revolution_have_pairs(steel):

@@ -57,10 +57,12 @@ def test_parameters_that_correlate_beyond_95_per_cent_are_told(fit):
 def test_pairs_and_parameters_are_told_as_plain_data(fit):
     row = fit.pairs()[2]
     given = fit.table
-    assert row == {
+    expected = {
         "mode": 3, "n": None, "measured_hz": given.freq_hz[2], "before_hz": fit.before.freq[2],
         "after_hz": fit.after.freq[2], "sigma_hz": given.sigma_hz[2], "confidence": pytest.approx(1.0, abs=1.0),
+        "error_after_rel": pytest.approx(fit.after.freq[2] / given.freq_hz[2] - 1.0, rel=1e-12),
     }  # fmt: skip
+    assert {name: row[name] for name in expected} == expected
     assert [pair["mode"] for pair in fit.pairs()] == [1, 2, 3, 4, 5, 6]
     first = fit.records()[0]
     assert first["name"] == "material.E"

@@ -16,7 +16,7 @@ class Pairs(Reported):
     COLUMNS: ClassVar = (
         Column("n", "Nodal <diameters>.", lambda found: np.arange(2, 2 + len(found.split)), format="d"),
         Column("split_rel", "Split.", lambda found: found.split, head="split", unit="%", format=".2f", scale=100.0),
-        Column("doublet", "Number.", lambda found: range(len(found.split)), shown=False),
+        Column("doublet", "Number.", lambda found: range(len(found.split)), where="files"),
         Column("wide", "Whether the split exceeds 1 %.", lambda found: found.split > 0.01, format=mark("wide")),
     )
     split: np.ndarray

@@ -1,0 +1,36 @@
+"""The columns of identified modes; one standard uncertainty stands beside each value."""
+
+from contact.io.columns import Column, known, word
+
+COLUMNS = (
+    Column("mode", "Number of the mode, from 1.", lambda found: range(1, 1 + len(found)), format="d"),
+    Column("freq_hz", "Natural frequency.", lambda found: found.freq, head="freq", unit="Hz", format=".4f"),
+    Column("sigma_hz", "Standard uncertainty of the frequency as one more set-up would show it.",
+           lambda found: found.sigma_setup, head="±", unit="Hz", format=".2g"),
+    Column("sigma_mean_hz", "Standard uncertainty of the mean over the set-ups.", lambda found: found.sigma_freq,
+           where="files"),
+    Column("zeta", "Damping ratio.", lambda found: found.zeta, head="damping", unit="%", format=".4f", scale=100.0),
+    Column("sigma_zeta", "Standard uncertainty of the damping ratio.", lambda found: found.sigma_zeta, head="±",
+           unit="%", format=".2g", scale=100.0),
+    Column("n", "Nodal diameters; none where the sensors have no angles.", lambda found: known(found.n), format="d"),
+    Column("n_purity", "Share of n in the energy of the shape.", lambda found: found.purity, head="share of n",
+           format=".2f", where="pages"),
+    Column("angle_deg", "Angle of an antinode.", lambda found: found.angle_deg, head="angle", unit="deg",
+           format=".2f"),
+    Column("sigma_angle_deg", "Standard uncertainty of the angle.", lambda found: found.sigma_angle, head="±",
+           unit="deg", format=".2g", where="pages"),
+    Column("doublet", "Number of the doublet that the mode belongs to, from 1.",
+           lambda found: [found.doublet_of(k) + 1 or None for k in range(len(found))], head="pair", format="d"),
+    Column("unresolved_pair", "Whether the residues hold two shapes at one frequency.",
+           lambda found: [k in found.unresolved for k in range(len(found))], where="files"),
+    Column("split_bound_rel", "Largest relative split of a partner that the data would not show.",
+           lambda found: found.split_bound, where="files"),
+    Column("collinearity", "Share of the shape's energy that is in phase; 1 for a normal mode.",
+           lambda found: found.collinearity, head="in phase", unit="%", format=".1f", scale=100.0, where="pages"),
+    Column("signal_to_noise", "Peak of the response over the noise of a line.", lambda found: found.signal,
+           where="files"),
+    Column("verdict", "Whether the mode is sure or doubtful.",
+           lambda found: ["sure" if sure else "doubtful" for sure in found.sure], format=word),
+    Column("doubt", "Reason why the mode is doubtful.",
+           lambda found: ["" if sure else found.doubts[k] for k, sure in enumerate(found.sure)], where="files"),
+)  # fmt: skip
