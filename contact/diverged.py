@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.growth.closed_contact import floor_of, growth
 from contact.growth.split_casing import mean_contact
@@ -14,17 +13,18 @@ from contact.model.gaps.limits import WALL
 from contact.model.gaps.permanent import ClosedContact
 from contact.model.gaps.rub import Rub, rub_of
 from contact.record.energy import Divergence, EnergyBudget
+from contact.record.growth import RunGrowth
 from contact.result import Result
 from contact.scheme.protocol import Problem
 
-PARTS, LEAST, ENOUGH = 24, 12, 6  # windows of time, samples in each, and how many must show the rise
-FADED, RIPPLE = 0.05, 1.5  # of the last level, where reading begins; of the next one, what a window may exceed
 IN_REALITY = (
     "In reality a coating that wears ([coating]), a blade that gives way backwards (less friction, lean_deg towards or "
     'below 0), damping or a stop ends such a motion, and none of them does here. on_limit = "flag" in [scene] runs on '
     "to a tenth of the radius and ends without an error."
 )
-SUDDEN, UNTOLD = 500, "How fast it grew, the samples stored do not tell."
+SUDDEN = 500  # steps
+SHORT = "The rise was too short to fit its growth."
+CLOSED = 0.99  # of the time: contact that stays closed
 AT_ONCE = "The numbers given move it at once: check clearance, units, friction and start."
 
 
@@ -32,19 +32,32 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
     """Put a passed limit of a run in numbers and words."""
     name, reached, allowed = limit
     time = result.steps * result.dt
-    rate, span = recent_growth(result.time, result.force.sum(axis=1))
-    rate = math.nan if rate is None else rate
-    theory, said = theory_of(problem, mu, time)
+    theory, closed = theory_of(problem, mu, time)
+    growth = result.growth
+    grows = growth is not None and growth.state == "grows"
     words = [_limit_words(name, reached, allowed)]
-    if math.isfinite(rate):
-        words.append(f"It grew by {rate:.3g} 1/s over the last {span:.3g} s.")
+    if growth is not None and grows:
+        words.append(growth.verdict)
     elif name in ("wall", "radius"):
-        words.append(AT_ONCE if result.steps < SUDDEN else UNTOLD)
-    words += [said, _fed_words(result.energy), IN_REALITY if name in ("wall", "radius") else ""]
+        words.append(AT_ONCE if result.steps < SUDDEN else SHORT)
+    words += [closed, _fed_words(result.energy)]
+    if growth is not None and grows:
+        words += [_impact_words(growth, theory), growth.at_half_step]
+    numerical = growth is not None and growth.converged is False
+    words.append(IN_REALITY if name in ("wall", "radius") and not numerical else "")
     return Divergence(
-        limit=name, step=result.steps, time=time, reached=reached, allowed=allowed, growth=rate, theory=theory,
+        limit=name, step=result.steps, time=time, reached=reached, allowed=allowed,
+        growth=growth.rate if growth is not None and grows else math.nan, theory=theory,
         words=" ".join(filter(None, words)),
     )  # fmt: skip
+
+
+def _impact_words(growth: RunGrowth, theory: float) -> str:
+    """That contact which opens and closes feeds a motion which closed contact does not."""
+    cause = growth.cause
+    if cause is None or cause.closed > CLOSED or theory > 0.0 or math.isnan(theory) or growth.converged is False:
+        return ""
+    return f"Contact that opens and closes feeds this motion: it is closed {100.0 * cause.closed:.2g} % of the time."
 
 
 def _limit_words(name: str, reached: float, allowed: float) -> str:
@@ -76,35 +89,6 @@ def _fed_words(energy: EnergyBudget) -> str:
     return text
 
 
-def recent_growth(time: Array, values: Array) -> tuple[float | None, float]:
-    """Growth [1/s] of the variation of `values` up to the end, and the span [s] it was read from; None: too few.
-
-    >>> t = np.linspace(0.0, 1.0, 20001)
-    >>> rate, _ = recent_growth(t, 5.0 + np.exp(8.0 * t) * np.sin(2000.0 * t))
-    >>> round(rate, 1)
-    8.0
-    """
-    first = 0
-    while values.size - first >= PARTS * LEAST:
-        parts = np.array_split(np.arange(first, values.size), PARTS)
-        level = np.array([np.std(values[part]) for part in parts])
-        begin = _rise(level)
-        if PARTS - begin >= ENOUGH and level[-1] > level[begin]:
-            middle = np.array([float(time[part].mean()) for part in parts])
-            rate = np.polyfit(middle[begin:], np.log(level[begin:]), 1)[0]
-            return float(rate), float(time[-1] - time[parts[begin][0]])
-        first = int(parts[min(max(begin - 1, 1), PARTS - 2)][0])  # the rise alone, in finer windows
-    return None, 0.0
-
-
-def _rise(level: Array) -> int:
-    """First of the last windows in which the level rises, but for ripples, and is no less than FADED of the last."""
-    begin = level.size - 1
-    while begin > 0 and FADED * level[-1] < level[begin - 1] < RIPPLE * level[begin]:
-        begin -= 1
-    return begin
-
-
 def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     """Growth [1/s] of all contacts closed at the speed of an instant, nan where unknown, and what it says."""
     try:
@@ -118,10 +102,7 @@ def theory_of(problem: Problem, mu: float, time: float) -> tuple[float, str]:
     by = "By theory (its pairs' mean)" if mean else "By theory"
     if rate > floor_of(contact):
         return rate, f"{by} a contact that stays closed diverges at {hz:.4g} Hz, by {rate:.3g} 1/s."
-    return rate, (
-        f"{by} a contact that stays closed does not diverge at {hz:.4g} Hz ({rate:.3g} 1/s): impacts, or "
-        "numerics, make it grow."
-    )
+    return rate, f"{by} a contact that stays closed does not diverge at {hz:.4g} Hz ({rate:.3g} 1/s)."
 
 
 def _closed(problem: Problem, mu: float, time: float) -> tuple[ClosedContact, float, bool] | None:

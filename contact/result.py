@@ -21,6 +21,7 @@ from contact.io.reported import Reported
 from contact.io.trust import OF_LIMITS, Flag
 from contact.model.law import pressure
 from contact.record.energy import Divergence, EnergyBudget, Stored
+from contact.record.growth import Cause, RunGrowth
 from contact.record.record import MOST_SAMPLES
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
 from contact.scheme.protocol import Block, Motion, Notes
@@ -50,6 +51,7 @@ class Result(Reported):
     `channels` = R is not empty, `state` is R (u, tip_force), (ns, c), and `tip_force` has no columns.
     `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
     each track of an abradable coating lost. `divergence`: why the run ended before its time, None where it did not.
+    `growth` of the motion of a rim, a rub or a disk whose states are stored (`ct.growth.of_run`), None elsewhere.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
@@ -83,6 +85,7 @@ class Result(Reported):
     tracks: tuple[Wear, ...] = ()
     notes: Notes = field(default_factory=Notes)
     divergence: Divergence | None = None
+    growth: RunGrowth | None = None
 
     @property
     def wear(self) -> Wear | None:
@@ -174,6 +177,8 @@ class Result(Reported):
         if self.notes.heat.size:
             heat, drive = float(self.notes.heat.sum()), float(self.notes.drive.sum())
             lines.append(f"friction [J]: {heat:.4g} turned to heat, {drive:.4g} drawn from what turns the rim")
+        if self.growth is not None:
+            lines.append(f"motion: {self.growth.words}")
         lines.extend(f"{'FAILED' if flag.failed else 'FLAG'}: {flag}" for flag in self.flags)
         if self.wear is not None:
             lines.append(f"coating: {self.wear!r}")
@@ -251,6 +256,7 @@ class Result(Reported):
             "every": self.every, "scheme": self.scheme, "source": self.source, "seconds": self.seconds,
             "flags": [flag.to_dict() for flag in self.flags],
             "divergence": None if self.divergence is None else self.divergence.to_dict(),
+            "growth": None if self.growth is None else self.growth.to_dict(),
             "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 
@@ -268,6 +274,7 @@ class Result(Reported):
             "drive": self.notes.drive.tolist(),
         }  # fmt: skip
         rest["divergence"] = None if self.divergence is None else asdict(self.divergence)
+        rest["growth"] = None if self.growth is None else asdict(self.growth)
         data = {name: getattr(self, name) for name in (*ARRAYS, "tip_force")}
         rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
         for k, track in enumerate(self.tracks):
@@ -298,6 +305,9 @@ class Result(Reported):
             if not any(ended.words in flag for flag in rest["notes"].flags):  # of a file without codes
                 last = Flag(ended.words, OF_LIMITS[ended.limit], failed=True)
                 rest["notes"] = replace(rest["notes"], flags=(*rest["notes"].flags, last))
+        if (grown := rest.get("growth")) is not None:
+            cause = None if grown["cause"] is None else Cause(**grown["cause"])
+            rest["growth"] = RunGrowth(**grown | {"cause": cause})
         blocks = tuple((name, start, end) for name, start, end in rest.pop("blocks"))
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
         rest |= {name: readonly(data[name]) for name in ARRAYS if name != "state"}

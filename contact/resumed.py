@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.half_step import Mark
 from contact.io.stored import Packing, StoredError
 from contact.record.energy import EnergyBudget
 from contact.record.record import Samples
@@ -32,6 +33,7 @@ class Moment:
     memory: tuple[Array, ...]
     samples: tuple[Samples, ...]
     calm: EnergyBudget | None
+    marks: tuple[Mark, ...] = ()
 
 
 def arrays_in(memory: Any) -> Iterator[Array]:
@@ -63,10 +65,12 @@ def asked(stepper: Stepper, *decisive: Any) -> str:
 
 
 def moment(stepper: Stepper, asked: str, parts: list[Samples], taken: int, seconds: float,
-           calm: EnergyBudget | None) -> Moment:  # fmt: skip
+           calm: EnergyBudget | None, marks: Sequence[Mark] = ()) -> Moment:  # fmt: skip
     """Copy where a run is."""
     memory = tuple(array.copy() for array in arrays_in(stepper.memory))
-    return Moment(asked=asked, taken=taken, seconds=seconds, memory=memory, samples=tuple(parts), calm=calm)
+    return Moment(
+        asked=asked, taken=taken, seconds=seconds, memory=memory, samples=tuple(parts), calm=calm, marks=tuple(marks)
+    )
 
 
 def restored(stepper: Stepper, at: Moment) -> None:

@@ -16,12 +16,14 @@ from contact.base.arrays import require_positive
 from contact.base.checkpoint import Checkpoint
 from contact.base.errors import DivergedError, InputError, NumericsError
 from contact.collect import collect
+from contact.half_step import MARKS, Mark, mark, states, with_half_step
 from contact.io.brief import brief
 from contact.io.notebook import notebook_progress
 from contact.io.progress import tell
 from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import RIM, TIP, passed
+from contact.model.gaps.rub import rub_of
 from contact.model.law import Law, Unilateral
 from contact.problem import What, default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
@@ -74,11 +76,16 @@ class Chunk:
     done: float
 
 
-def steps(stepper: Stepper, count: int, *, record: Record, first: int = 0) -> Iterator[Chunk]:
-    """Yield the chunks of a run of `count` steps from step `first`; ends early after a chunk whose `failed` >= 0."""
+def steps(
+    stepper: Stepper, count: int, *, record: Record, first: int = 0, most: int | None = None
+) -> Iterator[Chunk]:  # fmt: skip
+    """Yield the chunks of a run of `count` steps from step `first`; ends early after a chunk whose `failed` >= 0.
+
+    `most` steps in a chunk, where that is fewer than otherwise.
+    """
     contacts, at = stepper.sums.closed.size, record.steps(dt=stepper.dt, count=count)
     work = max(1, WORK // max(1, stepper.size * contacts))
-    most = min(CHUNK, work, record.chunk(contacts, stepper.size))
+    most = min(CHUNK if most is None else min(most, CHUNK), work, record.chunk(contacts, stepper.size))
     while first < count:
         size = min(most, count - first, LEDGER - first % LEDGER)
         here = at[np.searchsorted(at, first) : np.searchsorted(at, first + size)]
@@ -159,6 +166,7 @@ class Prepared:
     problem: Problem
     law: Law
     on_limit: OnLimit
+    scheme: Scheme
     stepper: Stepper
     count: int
     record: Record
@@ -167,6 +175,7 @@ class Prepared:
     overlap: float  # deepest at t = 0 [m]
     start: Stored
     flags: tuple[Flag, ...] = ()  # known before the first step
+    marked: bool = False  # whether marks are kept, from which a part of the run can be repeated
 
 
 def prepared(scene: Scene) -> Prepared:
@@ -189,14 +198,15 @@ def prepared(scene: Scene) -> Prepared:
     count = count_of(scene.t_end, stepper.dt, scene.most_steps, stepper.size)
     given = "" if scene.courant is None else f"courant = {scene.courant:g}"
     flags = resolved(problem, law, stepper, scene.t_end, given)
-    record = scene.record or sparse(count)
+    marked = rub_of(problem) is not None and law.coating is None
+    record = scene.record or sparse(count, stepper.size if rub_of(problem) is not None else 0)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
-        problem=problem, law=law, on_limit=scene.on_limit, stepper=stepper,
+        problem=problem, law=law, on_limit=scene.on_limit, scheme=scheme, stepper=stepper,
         count=count, record=record, source=scene.source,
         load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
         overlap=getattr(stepper, "overlap", 0.0), start=getattr(stepper, "start", None) or stepper.stored(),
-        flags=flags,
+        flags=flags, marked=marked,
     )  # fmt: skip
 
 
@@ -210,13 +220,17 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
     at = (file and file.found) or Moment(asked=digest, taken=0, seconds=0.0, memory=(), samples=(), calm=None)
     if at.taken:
         restored(stepper, at)
+    marks = list(at.marks)
+    most = max(1, ready.count // MARKS) if ready.marked else CHUNK
     began, parts, taken, failed = time.perf_counter() - at.seconds, list(at.samples), at.taken, -1
     calm = at.calm  # of the first call, which may begin with bodies that overlap
     progress = progress or partial(tell, "a run")
     progress(taken / ready.count)
-    for chunk in steps(stepper, ready.count, record=record, first=taken):
+    for chunk in steps(stepper, ready.count, record=record, first=taken, most=most):
         parts.append(chunk.samples)
         taken, failed = taken + chunk.steps, chunk.failed
+        if ready.marked and failed < 0 and taken < ready.count:
+            marks.append(mark(stepper, taken))
         progress(chunk.done)
         if failed < 0 and taken % LEDGER == 0:
             now = _budget(ready)
@@ -224,9 +238,9 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
                 break
             calm = calm or now
         if file is not None and failed < 0:
-            here = partial(moment, stepper, digest, parts, taken, time.perf_counter() - began, calm)
+            here = partial(moment, stepper, digest, parts, taken, time.perf_counter() - began, calm, marks)
             file.keep(here)
-    return finished(ready, parts, taken, time.perf_counter() - began, failed, calm)
+    return finished(ready, parts, taken, time.perf_counter() - began, failed, calm, marks)
 
 
 def _budget(ready: Prepared) -> EnergyBudget:
@@ -256,11 +270,12 @@ def _runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
 
 def finished(
     ready: Prepared, parts: Sequence[Samples], taken: int, seconds: float, failed: int = -1,
-    calm: EnergyBudget | None = None,
+    calm: EnergyBudget | None = None, marks: Sequence[Mark] | None = None,
 ) -> Result:  # fmt: skip
     """Result of a run after `taken` steps; raises NumericsError, which carries it, where step `failed` >= 0 failed.
 
-    `calm`: energies early on, from where contact may not add any.
+    `calm`: energies early on, from where contact may not add any. `marks` of the run, from which its last stretch is
+    repeated at half the step where it grows; None: it is not.
     """
     stepper, energy = ready.stepper, _budget(ready)
     limit = None if failed < 0 else passed(getattr(stepper, "limits", None))
@@ -282,13 +297,15 @@ def finished(
     if limit is not None:
         from contact.diverged import divergence
 
+        result = with_growth(ready, result, marks, limit)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             result = replace(result, divergence=divergence(ready.problem, ready.law.mu, result, limit))
         assert result.divergence is not None
         asked = ready.on_limit == "flag" and limit[0] in ("wall", "radius")
         flags, kind = (*flags, Flag(result.divergence.words, OF_LIMITS[limit[0]], failed=not asked)), DivergedError
-    elif failed >= 0:
-        flags = (*flags, stepper.why())
+    else:
+        result = with_growth(ready, result, marks)
+        flags = (*flags, stepper.why()) if failed >= 0 else flags
     result = replace(result, notes=replace(result.notes, flags=once(flags)))
     failures = [flag for flag in result.flags if flag.failed]
     if not failures or (ready.on_limit == "flag" and failed < 0 and (limit is None or limit[0] != "overflow")):
@@ -296,6 +313,31 @@ def finished(
     error = kind((place if limit is not None or failed >= 0 else "") + failures[-1])
     error.result = result
     raise error
+
+
+def with_growth(
+    ready: Prepared, result: Result, marks: Sequence[Mark] | None, limit: tuple[str, float, float] | None = None
+) -> Result:
+    """The result of a rim, a rub or a disk with the growth of its motion, checked at half the step where it grows.
+
+    A run that passed a limit before it stored enough states is repeated up to there, where `marks` are given.
+    """
+    from contact.growth.of_run import of_run
+
+    with np.errstate(all="ignore"):
+        growth, read = of_run(ready.problem, result), result
+        if growth is None and limit is not None and marks is not None and rub_of(ready.problem) is not None:
+            again = ready.scheme.prepare(ready.problem, ready.law, dt=result.dt, courant=None)
+            time, state = states(again, 0, result.steps)
+            read = replace(result, state_time=time, state=state, channels=result.channels[:0])
+            growth = of_run(ready.problem, read)
+    if growth is None:
+        return result
+    if limit is not None and limit[0] == "wall":
+        growth = replace(growth, time_to_half_wall=result.steps * result.dt)
+    if growth.state == "grows" and ready.marked and marks is not None:
+        growth = with_half_step(ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth)
+    return replace(result, growth=growth)
 
 
 def _finite(part: Samples) -> Samples:

@@ -27,7 +27,8 @@ def run_many(
     Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, those together
     whose arrays have equal shapes: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's
     numbers do not depend on which others are given, nor on their order. `record` says by the number of steps what a run
-    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
+    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end. No growth is
+    checked at half the step.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -74,7 +75,7 @@ def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
 
 
 def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared:
-    ready = prepared(scene)
+    ready = replace(prepared(scene), marked=False)
     return ready if record is None or scene.record is not None else replace(ready, record=record(ready.count))
 
 
@@ -126,6 +127,7 @@ def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: 
     try:
         return finished(ready, [kept], taken, seconds, failed)
     except DivergedError as error:  # alone, a run whose energy grows ends at the next look at it
-        return None if error.result.divergence.limit == "energy" else error
+        ended = error.result
+        return None if ended.divergence.limit == "energy" or ended.growth is None else error
     except NumericsError:
         return None

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from contact.growth.cycles.result import Cycles
 
 STABILITY = (
-    "These are poles of a contact that stays closed: the growth column of `casingfem interactions`, which adds which "
-    "coincidence it is. The growth of a run or a sweep is less where contact opens."
+    "These are poles of a contact that stays closed. Where contact opens, a run grows faster or slower: "
+    "`casingfem rub` and `casingfem sweep` fit the growth of what really happens."
 )
 RELATED = (
-    "`casingfem stability` draws the same growth over speed. A run or a sweep (growth_1_s) is slower where contact is "
-    'intermittent, and its status is "diverged" where the rim passes half its wall.'
+    "`casingfem stability` draws the same growth over speed. Where contact opens, a run grows faster or slower: "
+    "`casingfem rub` and `casingfem sweep` fit its growth, with its interval."
 )
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 NUMBERS = 20_000  # that the histories of a JSON document may have without --history

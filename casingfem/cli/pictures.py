@@ -152,7 +152,19 @@ def page_numbers(result: "Result") -> dict[str, float]:
         "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
         "law violated by [m]": float(result.residual.max(initial=0.0)),
         "energy not accounted for": abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
+    } | growth_numbers(result)  # fmt: skip
+
+
+def growth_numbers(result: "Result") -> dict[str, float]:
+    """Growth of the motion with its interval, the deflection, the time to half the wall; none of other problems."""
+    grown = result.growth
+    if grown is None:
+        return {}
+    found = {
+        "growth [1/s]": grown.rate, "growth, low end [1/s]": grown.low, "growth, high end [1/s]": grown.high,
+        "rim deflection, last stretch [m]": grown.amplitude, "half the wall reached at [s]": grown.time_to_half_wall,
     }  # fmt: skip
+    return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
@@ -182,7 +194,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     numbers = page_numbers(result)
     verdict = scene_verdict(
         numbers, result.flags, diverged=result.divergence is not None, rubs=rubs,
-        failed=any(flag.failed for flag in result.flags),
+        failed=any(flag.failed for flag in result.flags), motion="" if result.growth is None else result.growth.words,
     )  # fmt: skip
     text = text_of(read_bytes(file))
     return scene_page(

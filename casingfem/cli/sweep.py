@@ -1,5 +1,6 @@
 """Many runs: sweep, of one scene over the keys that its [sweep] varies; mistune, draws of a casing's random fields."""
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ from contact.io.columns import records_of
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from casingfem.modal.mistuning import Mistuning
     from casingfem.study.mistuning import MistuneRun
     from contact.sweep.sweep import SweepResult
@@ -68,13 +71,7 @@ def words(found: "SweepResult", seconds: float) -> str:
     lines = [f"{counted(len(rows))} over {', '.join(plan.keys)} in {seconds:.3g} s"]
     if found.resumed:
         lines.append(f"{counted(found.resumed)} {'was' if found.resumed == 1 else 'were'} there already")
-    growing = [(row["growth_1_s"], run) for row, run in zip(rows, plan.runs, strict=True) if row["growth_1_s"]]
-    if growing:
-        most, run = max(growing, key=lambda pair: pair[0])
-        at = ", ".join(f"{key} = {value}" for key, value in zip(plan.keys, run.values, strict=True))
-        whole = "of whole runs, impacts and all; where contact stays closed"
-        lines.append(f"largest growth {most:.4g} 1/s at {at}: {whole}")
-        lines.append("it is that of `casingfem interactions`, elsewhere less")
+    lines += motion_words(plan.keys, rows, [run.values for run in plan.runs])
     for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
         if reasons:
@@ -83,6 +80,27 @@ def words(found: "SweepResult", seconds: float) -> str:
     if flagged:
         lines.append(f"{counted(flagged)} {'has' if flagged == 1 else 'have'} flags: read their column")
     return "\n".join(lines)
+
+
+def motion_words(
+    keys: "Sequence[str]", rows: "Sequence[Mapping[str, Any]]", values: "Sequence[Sequence[object]]"
+) -> list[str]:
+    """How many motions grow, are bounded, decay; the fastest growth with its interval, its wave and its source."""
+    count = Counter(str(row["motion"]) for row in rows if row.get("motion"))
+    if not count:
+        return []
+    lines = ["motion of the runs: " + ", ".join(f"{number} {state}" for state, number in count.most_common())]
+    growing = [(row["growth_1_s"], k) for k, row in enumerate(rows) if row.get("motion") == "grows"]
+    if growing:
+        most, k = max(growing)
+        row, at = rows[k], ", ".join(f"{key} = {value}" for key, value in zip(keys, values[k], strict=True))
+        wave = f"the {row['body']}" if row["n"] is None else f"n = {row['n']} of the {row['body']}"
+        between = f"95 %: {row['growth_low_1_s']:.3g} to {row['growth_high_1_s']:.3g}"
+        line = f"fastest growth {most:.4g} 1/s ({between}) at {at}: {wave}"
+        line += f", energy from {row['source']}" if row["source"] else ""
+        wall = row["half_wall_at_s"]
+        lines.append(line if wall is None else f"{line}; half the wall at {wall:.3g} s")
+    return lines
 
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:

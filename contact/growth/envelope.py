@@ -112,8 +112,7 @@ def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = 
     energy = modal_energies(time[before:], q[before:], omega, bounds)
     sizes = np.diff(bounds)[:, None]
     windowed = np.add.reduceat(energy, bounds[:-1], axis=0) / sizes
-    groups = np.zeros((len(windowed), int(group.max(initial=0)) + 1))
-    np.add.at(groups.T, group, windowed.T)
+    groups = windowed @ (group[:, None] == np.arange(int(group.max(initial=0)) + 1)).astype(float)
     inner = time[1 + before : -1]
     return Envelope(np.add.reduceat(inner, bounds[:-1]) / sizes[:, 0], groups, inner[bounds[:-1]])
 
@@ -138,18 +137,15 @@ def _last_piece(t: Array, y: Array) -> int:
     """Where the last of up to three straight pieces begins."""
     m = t.size
     rss = _residuals(t, y)
-    best = np.full((3, m + 1), math.inf)  # least sum of so many pieces over the first windows
-    last = np.zeros((3, m + 1), dtype=np.int64)
-    best[0] = rss[0]
-    for k in (1, 2):
-        for end in range((k + 1) * LEAST, m + 1):
-            cut = np.arange(k * LEAST, end - LEAST + 1)
-            total = best[k - 1, cut] + rss[cut, end]
-            at = int(total.argmin())
-            best[k, end], last[k, end] = total[at], cut[at]
-    pieces = np.arange(3)
-    score = m * np.log(best[:, m] / m + NOISE**2) + 3.0 * PENALTY * pieces * math.log(m)
-    return int(last[int(score.argmin()), m])
+    best, last = rss[0], [0]  # least sum of so many pieces over the first windows, and where the last of all begins
+    score = [best[m]]
+    for _ in range(2):
+        total = best[:m, None] + rss
+        last.append(int(total[:, m].argmin()))
+        best = total.min(axis=0)
+        score.append(best[m])
+    worse = m * np.log(np.array(score) / m + NOISE**2) + 3.0 * PENALTY * np.arange(3) * math.log(m)
+    return last[int(worse.argmin())]
 
 
 def _residuals(t: Array, y: Array) -> Array:

@@ -111,9 +111,11 @@ class RunGrowth:
     @property
     def words(self) -> str:
         """The verdict in sentences."""
-        return " ".join(filter(None, (self._state_words(), self._source(), self._wall_words(), self._step_words())))
+        return " ".join(filter(None, (self.verdict, self._source(), self._wall_words(), self.at_half_step)))
 
-    def _state_words(self) -> str:
+    @property
+    def verdict(self) -> str:
+        """What the motion does, how fast, and what most of it is."""
         between = f"{self.rate:.3g} 1/s (95 %: {self.low:.3g} to {self.high:.3g})"
         mostly = "" if self.cause is None else f" It is mostly {self.cause.words}."
         if self.state == "grows":
@@ -135,7 +137,9 @@ class RunGrowth:
             return ""
         return f"The rim's deflection reaches half the wall at {self.time_to_half_wall:.3g} s."
 
-    def _step_words(self) -> str:
+    @property
+    def at_half_step(self) -> str:
+        """The growth at half the step, and what that means; empty where it was not run."""
         if self.converged is None:
             return ""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"

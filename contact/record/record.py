@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +15,8 @@ from contact.base.errors import InputError
 from contact.io.brief import brief
 
 MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
+STATES = 2048  # what a run of modes stores when nobody says how often, and no more numbers than STATE_NUMBERS
+STATE_NUMBERS = 4_000_000
 BUFFER = 8_000_000  # numbers that the buffers of one chunk may hold, 64 MB
 NO_STEPS = np.zeros(0, dtype=np.int64)
 
@@ -99,13 +103,32 @@ class Record:
         return max(1, int(BUFFER / a_step))
 
 
-def sparse(steps: int) -> Record:
+def sparse(steps: int, modes: int = 0) -> Record:
     """Return the densest record of a run of `steps` steps that stores at most MOST_SAMPLES.
 
-    >>> sparse(1_000_000).every, sparse(2_000_001).every
-    (1, 3)
+    Of a run of modes it stores about STATES states too, in step with no turn and no mode.
+
+    >>> sparse(1_000_000).every, sparse(2_000_001).every, sparse(100_000, 70).state_every
+    (1, 3, 47)
     """
-    return Record(every=max(1, -(-steps // MOST_SAMPLES)))
+    every = max(1, -(-steps // MOST_SAMPLES))
+    if not modes:
+        return Record(every=every)
+    states = max(1, min(STATES, STATE_NUMBERS // modes))
+    return Record(every=every, state_every=every * prime_stride(max(1, steps // every), states))
+
+
+@cache
+def prime_stride(steps: int, states: int) -> int:
+    """The largest prime stride that stores this many of the steps, or more.
+
+    >>> prime_stride(20_000, 256), prime_stride(100, 256)
+    (73, 1)
+    """
+    stride = max(1, steps // states)
+    while stride > 3 and any(stride % k == 0 for k in range(2, math.isqrt(stride) + 1)):
+        stride -= 1
+    return stride
 
 
 class Samples(NamedTuple):

@@ -7,7 +7,6 @@ its run is computed again. There is no index: to read and check a file takes 40 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, singledispatch
@@ -25,19 +24,19 @@ from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.limits import FAR
 from contact.model.gaps.rub import Rub
 from contact.problem import What
-from contact.record.record import Record
+from contact.record.record import Record, prime_stride
 from contact.result import Result
 from contact.run import Scene
 from contact.run_many import Outcome
 
 STATES = 256  # about so many states are stored for the amplitudes
-WINDOWS = 8  # parts of a run whose amplitudes give its growth
 COLUMNS = (
     "status", "steps", "contact_fraction", "closings", "impulse_N_s", "peak_force_N", "max_penetration_m", "residual_m",
     "lost_in_contact_J", "friction_J", "damping_J", "rotation_J", "worn_J", "unaccounted_rel", "amplitude_m",
-    "blade_rms_m", "growth_1_s", "dominant_n", "dominant_rms_m", "diverged_at_s", "flags", "why",
+    "blade_rms_m", "motion", "growth_1_s", "growth_low_1_s", "growth_high_1_s", "half_wall_at_s", "body", "n", "source",
+    "dominant_n", "dominant_rms_m", "diverged_at_s", "flags", "why",
 )  # fmt: skip
-FORMAT = "contact-run-1"
+FORMAT = "contact-run-2"
 Row = dict[str, Any]
 
 
@@ -48,9 +47,7 @@ def sweep_record(steps: int) -> Record:
     >>> sweep_record(20_000).every, sweep_record(100).every
     (73, 1)
     """
-    stride = max(1, steps // STATES)
-    while stride > 3 and any(stride % k == 0 for k in range(2, math.isqrt(stride) + 1)):
-        stride -= 1
+    stride = prime_stride(steps, STATES)
     return Record(every=stride, state_every=stride)
 
 
@@ -123,9 +120,13 @@ def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, r
     }  # fmt: skip
     if len(result.state):
         found |= _motion(what, rim, result, radial)
-    ended = result.divergence
-    if ended is not None and not math.isfinite(found.get("growth_1_s") or math.nan):
-        found["growth_1_s"] = ended.growth  # too few states, but enough samples
+    grown = result.growth
+    if grown is not None:
+        found |= {
+            "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
+            "half_wall_at_s": grown.time_to_half_wall, "body": grown.body or None, "n": grown.nodal_diameters,
+            "source": None if grown.cause is None else grown.cause.source or None,
+        }  # fmt: skip
     plain: dict[str, Any] = finite(found)  # JSON and CSV have no word for nan and inf
     return plain
 
@@ -140,7 +141,7 @@ def _displacements(what: What | None, result: Result) -> Array | None:
 
 
 def _motion(what: What | None, rim: RotatingRim | Rub | None, result: Result, radial: Array) -> dict[str, Any]:
-    """Amplitudes over the last quarter; growth over all windows of time."""
+    """Amplitudes over the last quarter."""
     late = slice(3 * len(result.state) // 4, None)
     with np.errstate(over="ignore", invalid="ignore"):
         if rim is None:
@@ -152,7 +153,6 @@ def _motion(what: What | None, rim: RotatingRim | Rub | None, result: Result, ra
         n = int(levels.argmax())
         return {
             "amplitude_m": float(np.sqrt(np.sum(levels**2))), "blade_rms_m": float(np.std(blade[late])),
-            "growth_1_s": growth_rate(result.state_time, np.concatenate([radial, blade[:, None]], axis=1)),
             "dominant_n": n, "dominant_rms_m": float(levels[n]),
         }  # fmt: skip
 
@@ -173,30 +173,6 @@ def _levels(radial: Array, N: int) -> Array:
     levels = power[: N + 1].copy()
     levels[1:] = 0.5 * (levels[1:] + power[N + 1 :])
     return np.asarray(np.sqrt(levels))
-
-
-def growth_rate(time: Array, motion: Array) -> float:
-    """Slope of the logarithm of the vibration's level over the run [1/s], by least squares over WINDOWS parts.
-
-    NaN where fewer than three parts move at all.
-
-    >>> t = np.linspace(0.0, 1.0, 4001)
-    >>> round(growth_rate(t, (np.exp(2.0 * t) * np.sin(400.0 * t))[:, None]), 1)
-    2.0
-    """
-    if len(time) < 4 * WINDOWS:
-        return math.nan
-    size = np.full(WINDOWS, len(time) // WINDOWS)
-    size[: len(time) % WINDOWS] += 1
-    start = np.cumsum(size) - size
-    mean = np.add.reduceat(motion, start, axis=0) / size[:, None]
-    power = np.add.reduceat((motion - np.repeat(mean, size, axis=0)) ** 2, start, axis=0) / size[:, None]
-    level, middle = np.sqrt(power.sum(axis=1)), np.add.reduceat(time, start) / size
-    moving = level > 0.0  # before the first contact nothing moves
-    if not np.all(np.isfinite(level)) or np.count_nonzero(moving) < 3:
-        return math.nan
-    x = middle[moving] - middle[moving].mean()
-    return float(x @ np.log(level[moving]) / (x @ x))
 
 
 def _flags(result: Result, rim: RotatingRim | Rub | None, radial: Array) -> list[Flag]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.diverged import recent_growth, theory_of
+from contact.diverged import theory_of
 from contact.model.gaps.permanent import rim_contact
 from tests.contact.synthetic_rim import blade, ring
 
@@ -106,13 +106,6 @@ def test_a_patch_that_is_flung_far_beyond_its_start_and_load_stops():
         ct.run.__globals__["completed"](ready)
     assert caught.value.result.steps == caught.value.result.time.size == 142  # t^2/2 passes 0.01 after 0.1414 s
     assert "In reality" not in str(caught.value)  # what ends such motions of a rim has no say here
-
-
-def test_growth_is_read_where_the_rise_is():
-    t = np.linspace(0.0, 2.0, 40001)
-    late = np.where(t > 1.5, np.exp(40.0 * (t - 1.5)), 1.0) * np.sin(3000.0 * t)
-    assert recent_growth(t, late)[0] == pytest.approx(40.0, rel=0.03)
-    assert recent_growth(t[:50], late[:50])[0] is None
 
 
 def test_theory_of_split_pairs_is_their_means():

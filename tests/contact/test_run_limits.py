@@ -5,11 +5,10 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 import contact as ct
-from contact.diverged import _fed_words, _limit_words, _rise, recent_growth
+from contact.diverged import _fed_words, _limit_words
 from contact.record.energy import EnergyBudget, Stored
 from contact.resolved import MOST_STEPS, count_of
 from contact.run import ADDED, prepared
@@ -139,21 +138,6 @@ def test_who_fed_a_motion_the_largest_first():
 )
 def test_limits_in_words(name, words):
     assert _limit_words(name, 0.003, 0.002).startswith(f"diverged: {words}")
-
-
-def test_a_rise_begins_where_it_is_a_twentieth_of_the_last_and_may_ripple():
-    assert _rise(np.array([0.049, 0.051, 0.2, 1.0])) == 1
-    assert _rise(np.array([0.2, 0.4, 0.27, 1.0])) == 0  # 0.4 < 1.5 * 0.27
-    assert _rise(np.array([0.2, 0.41, 0.27, 1.0])) == 2
-    assert _rise(np.array([1.0])) == 0
-
-
-def test_growth_is_fitted_over_the_windows_of_the_rise():
-    t = np.arange(24 * 12) * 0.01
-    rate, span = recent_growth(t, np.exp(1.0 * t) * np.where(np.arange(t.size) % 2, 1.0, -1.0))
-    assert rate == pytest.approx(1.0, rel=1e-3)
-    assert span == pytest.approx(t[-1], rel=1e-9)
-    assert recent_growth(t[:-1], np.ones(t.size - 1)) == (None, 0.0)
 
 
 def test_a_failed_step_says_why():

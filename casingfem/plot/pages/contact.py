@@ -21,7 +21,9 @@ CAPTIONS = {
 }
 SHOWN = {
     "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
-    "peak_force_N": "largest force [N]", "amplitude_m": "amplitude [m]", "growth_1_s": "growth [1/s]",
+    "peak_force_N": "largest force [N]", "amplitude_m": "amplitude [m]", "motion": "motion",
+    "growth_1_s": "growth [1/s]", "half_wall_at_s": "half the wall at [s]", "body": "body", "n": "n",
+    "source": "energy from",
     "dominant_n": "dominant n", "unaccounted_rel": "energy not accounted for", "flags": "flags", "why": "why",
 }  # fmt: skip
 CAPTION = (
@@ -61,9 +63,9 @@ def scene_page(
 
 
 def scene_verdict(
-    numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, failed: bool, rubs: bool
+    numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, failed: bool, rubs: bool, motion: str = ""
 ) -> Verdict:
-    """What became of a run, by its own checks; `numbers` are those of the command line."""
+    """What became of a run, by its own checks; `numbers` as the command line has them, `motion`: growth in words."""
     closed, span = numbers["time in contact [s]"], numbers["time simulated [s]"]
     share = 100.0 * closed / span if span else 0.0
     found = (
@@ -71,6 +73,7 @@ def scene_verdict(
         f"is closed {share:.3g} % of the time, its impulse {numbers['impulse [N s]']:.4g} N s, the largest force, "
         f"averaged over the model's shortest period, {numbers['largest windowed force [N]']:.4g} N."
     )
+    found += f" {motion}" if motion else ""
     sure = (
         f"The law of contact is kept to {written(numbers['law violated by [m]'], 1)} m, and all energy but "
         f"{written(100.0 * numbers['energy not accounted for'], 1)} % is accounted for. That is the scheme's own "
@@ -84,7 +87,7 @@ def scene_verdict(
     else:
         further = "Run it with half the step, and with more modes, and compare the impulse: casingfem sweep does both."
     if rubs:
-        further += " At which speeds it grows: below, or casingfem interactions."
+        further += " The growth of contact that stays closed at other speeds: below, or casingfem interactions."
     return Verdict(found=found, sure=sure, further=further)
 
 
@@ -109,11 +112,14 @@ def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
     count = Counter(str(row["status"]) for row in rows)
     became = ", ".join(f"{number} {status}" for status, number in count.most_common())
     found = f"{len(rows)} runs over {', '.join(keys)}: {became}."
-    growing = [row for row in rows if row.get("growth_1_s")]
+    motions = Counter(str(row["motion"]) for row in rows if row.get("motion"))
+    if motions:
+        found += f" Motion: {', '.join(f'{number} {state}' for state, number in motions.most_common())}."
+    growing = [row for row in rows if row.get("motion") == "grows"]
     if growing:
         most = max(growing, key=lambda row: float(row["growth_1_s"]))
         at = ", ".join(f"{key} = {short(most[key])}" for key in keys)
-        found += f" The largest growth is {float(most['growth_1_s']):.3g} 1/s, at {at}."
+        found += f" The fastest growth is {float(most['growth_1_s']):.3g} 1/s, at {at}."
     left = [abs(float(row["unaccounted_rel"])) for row in rows if row.get("unaccounted_rel") is not None]
     flagged = sum(bool(row.get("flags")) for row in rows)
     sure = f"Energy not accounted for is at most {written(100.0 * max(left), 1)} % in any run." if left else ""
@@ -122,7 +128,10 @@ def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
     if broken:
         further = "Read why runs were refused or failed: the last column of the table."
     elif count["diverged"]:
-        further = "Where runs diverged closed contact grows: casingfem interactions says by which coincidence."
+        further = (
+            "Run one scene that diverged by itself: casingfem rub repeats its last stretch at half the step and says "
+            "whether the growth is converged."
+        )
     else:
         further = "Vary more finely around the largest values; half the step says how far to believe them."
     return Verdict(found=found, sure=sure.strip() or "Nothing was measured of these runs.", further=further)

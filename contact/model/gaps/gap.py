@@ -79,7 +79,7 @@ class RotatingRim:
     g = clearance + d(phi) + u_r(phi) - (cos a u_span + sin a u_flap), a the lean; d the out-of-roundness
     in the casing frame, terms {p, cos, sin} in metres, positive where the radius is larger. The tangent of
     the blade is cos a flap - sin a span, along +theta. `clearance` [m], `angle_deg` = phi_0; modal
-    velocities at t = 0 are zero when left out. `turning`: which side turns, as in `Rub`.
+    displacements and velocities at t = 0 are zero when left out. `turning`: which side turns, as in `Rub`.
 
     Raises InputError when a basis is of the wrong kind or lacks a channel, or |clearance| exceeds
     a tenth of the radius.
@@ -95,6 +95,8 @@ class RotatingRim:
     angle_deg: float = 0.0
     casing_velocity: Array | None = None
     blade_velocity: Array | None = None
+    casing_displacement: Array | None = None
+    blade_displacement: Array | None = None
     turning: Literal["casing", "blades"] = "blades"
 
     __repr__ = brief
@@ -121,10 +123,11 @@ class RotatingRim:
             )
         if not -90.0 < self.lean_deg < 90.0:
             raise InputError(f"lean_deg: found {self.lean_deg!r}, expected an angle between -90 and 90")
-        for name, body in (("casing_velocity", self.casing), ("blade_velocity", self.blade)):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, readonly(getattr(self, name)))
-                require_shape(name, getattr(self, name), (body.omega.size,))
+        for side, body in (("casing", self.casing), ("blade", self.blade)):
+            for name in (f"{side}_velocity", f"{side}_displacement"):
+                if getattr(self, name) is not None:
+                    object.__setattr__(self, name, readonly(getattr(self, name)))
+                    require_shape(name, getattr(self, name), (body.omega.size,))
         terms = tuple(dict(term) for term in self.out_of_roundness)
         for term in terms:
             require_term(term)

@@ -91,6 +91,7 @@ class ModalSystem:
     angle: float = 0.0
     radius: float = 0.0
     thickness: float = 0.0
+    displacement: Array | None = None  # at t = 0, zero where it is left out
 
     @property
     def compliance_turns(self) -> bool:
@@ -133,9 +134,11 @@ def point_system(gap: PointGap) -> ModalSystem:
 def rim_system(rim: RotatingRim) -> ModalSystem:
     """Casing modes, then blade modes; the blade's rows enter with harmonic 0 and the sign of the gap."""
     still = _still_rim(rim.casing, rim.blade, rim.lean_deg)
-    if rim.casing_velocity is not None or rim.blade_velocity is not None:
-        given = zip((rim.casing_velocity, rim.blade_velocity), (rim.casing, rim.blade), strict=True)
-        still = replace(still, velocity=readonly(np.concatenate([_given(v, body.omega.size) for v, body in given])))
+    for name in ("velocity", "displacement"):
+        sides = [(getattr(rim, f"{side}_{name}"), getattr(rim, side).omega.size) for side in ("casing", "blade")]
+        if any(given is not None for given, _ in sides):
+            start = readonly(np.concatenate([_given(*side) for side in sides]))
+            still = replace(still, velocity=start) if name == "velocity" else replace(still, displacement=start)
     clearance, angle = _clearance(rim.clearance, *rim.terms), math.radians(rim.angle_deg)
     return replace(still, clearance=clearance, speed=rim.speed, angle=angle)
 

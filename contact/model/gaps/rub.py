@@ -293,5 +293,6 @@ def _(rim: RotatingRim) -> Rub:
         rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
         clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),
         turning=rim.turning,
-        casing_start=Start(velocity=rim.casing_velocity), blade_starts=(Start(velocity=rim.blade_velocity),),
+        casing_start=Start(displacement=rim.casing_displacement, velocity=rim.casing_velocity),
+        blade_starts=(Start(displacement=rim.blade_displacement, velocity=rim.blade_velocity),),
     )  # fmt: skip

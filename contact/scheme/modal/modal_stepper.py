@@ -40,7 +40,7 @@ def modal_stepper(
     system: ModalSystem, parts: Propagator, *, averaged: bool, law: Law, label: str, skip: bool = False
 ) -> ModalRun:
     """Stepper at t = 0, with the compiled loop that this scene needs and no other."""
-    q = np.zeros(system.omega.size)
+    q = np.zeros(system.omega.size) if system.displacement is None else system.displacement.copy()
     d = parts.backward(q, system.velocity)
     state = _state(system, parts, q, d)
     damped = bool(system.zeta.any())

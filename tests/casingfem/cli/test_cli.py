@@ -296,17 +296,25 @@ def test_a_sweep_says_where_growth_is_largest_and_what_became_of_the_others(tmp_
     vary += '[[sweep.vary]]\nkey = "rod[2].x"\nvalues = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3]\n'
     file.write_text((SCENES / "two_rods.toml").read_text() + vary)
     ends = [
-        ("done", -9.0, ""),
-        ("diverged", 5.5, "far"),
-        ("refused", None, "no"),
-        ("done", 2.0, ""),
-        ("refused", None, "n"),
+        ("done", "decays", -9.0, ""),
+        ("diverged", "grows", 5.5, "far"),
+        ("refused", None, None, "no"),
+        ("done", "grows", 2.0, ""),
+        ("refused", None, None, "n"),
     ]
-    rows = tuple(dict.fromkeys(COLUMNS) | {"status": s, "growth_1_s": g, "why": why} for s, g, why in ends)
+    more = {"growth_low_1_s": 5.0, "growth_high_1_s": 6.0, "half_wall_at_s": 0.25, "body": "casing", "n": 4}
+    more |= {"source": "friction"}
+    rows = tuple(
+        dict.fromkeys(COLUMNS) | more | {"status": s, "motion": m, "growth_1_s": g, "why": why} for s, m, g, why in ends
+    )
     lines = sweep_words(SweepResult(plan=load_sweep(file), rows=rows, resumed=1), 12.3456).splitlines()
     assert lines[0] == "5 runs over rod[1].velocity, rod[2].x in 12.3 s"
     assert lines[1] == "1 run was there already"
-    assert lines[2].startswith("largest growth 5.5 1/s at rod[1].velocity = 2.0, rod[2].x = 0.002: ")
+    assert lines[2] == "motion of the runs: 2 grows, 1 decays"
+    assert lines[3] == (
+        "fastest growth 5.5 1/s (95 %: 5 to 6) at rod[1].velocity = 2.0, rod[2].x = 0.002: n = 4 of the casing, energy "
+        "from friction; half the wall at 0.25 s"
+    )
     assert lines[4:] == ["2 of 5 runs refused, the first: no", "1 of 5 runs diverged, the first: far"]
 
 

@@ -43,8 +43,8 @@ def test_interactions_of_a_pair_are_confirmed_by_a_run(tmp_path):
     assert table[-2].split(",")[0] == "n"
     assert float(table[-1].split(",")[9]) == row["growth"]
     assert (tmp_path / "interactions.png").read_bytes()[1:4] == b"PNG"
-    said = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
-    assert "the growth column of `casingfem interactions`" in said.stdout
+    closed = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
+    assert "These are poles of a contact that stays closed" in closed.stdout
     assert (tmp_path / "stability.png").exists()
 
 

@@ -111,11 +111,10 @@ def test_interval_of_growth_has_the_true_one_19_times_in_20_though_windows_depen
 
 def test_modes_are_grouped_by_the_nodal_diameters_of_rim_and_disk():
     disk = BladedDisk(blades=6, freq_hz=300.0, modal_mass=0.5, coupling=0.1)
-    rub = ct.Rub(ring(), (disk.body(),), disk.tips(), clearance=1e-3)
-    groups = groups_of(rub)
+    groups = groups_of((ring(), disk.body()), disk.tips())
     assert [groups.named[k] for k in groups.of[:10:2]] == [("casing", n) for n in range(2, 7)]
     assert [groups.named[k][1] for k in groups.of[10:]] == [0, 1, 1, 2, 2, 3]
-    single = groups_of(ct.Rub(ring(), (blade(),)))
+    single = groups_of((ring(), blade()), (ct.ContactPoint(),))
     assert single.named[-1] == ("blades", None)
 
 

@@ -13,6 +13,7 @@ from contact.base.errors import InputError
 from contact.histories import TipMotion
 from contact.io.trust import Flag
 from contact.record.energy import Divergence, EnergyBudget, Stored
+from contact.record.growth import Cause, RunGrowth
 from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
 from contact.result import Result
 from contact.scheme.protocol import Motion, Notes
@@ -195,9 +196,22 @@ def test_a_run_that_diverged_says_when_and_how_fast_in_its_row_and_its_document(
     """Growth is what the run had, theory's stands beside it; what is unknown is none."""
     end = Divergence(limit="wall", step=4, time=0.375, reached=3.0, allowed=2.0, growth=12.5, theory=99.0, words="far")
     far = replace(MADE.notes, flags=(Flag("far", "wall-deflection", failed=True),))
-    row = row_of(None, replace(MADE, divergence=end, notes=far))
-    said = row["status"], row["diverged_at_s"], row["growth_1_s"], row["why"], row["peak_force_N"]
-    assert said == ("diverged", 0.375, 12.5, "far [wall-deflection]", 9.0)
+    grown = RunGrowth(
+        rate=12.5, low=12.0, high=13.0, state="grows", amplitude=1.0, steady=1.0, since=0.1, time_to_half_wall=0.375,
+        cause=Cause(body="casing", n=3, share=0.9, travel=1.0, source="friction", work=1.0, closed=0.2),
+    )  # fmt: skip
+    row = row_of(None, replace(MADE, divergence=end, notes=far, growth=grown))
+    found = row["status"], row["diverged_at_s"], row["growth_1_s"], row["why"], row["peak_force_N"]
+    assert found == ("diverged", 0.375, 12.5, "far [wall-deflection]", 9.0)
+    motion = (
+        row["motion"],
+        row["growth_low_1_s"],
+        row["growth_high_1_s"],
+        row["half_wall_at_s"],
+        row["n"],
+        row["source"],
+    )
+    assert motion == ("grows", 12.0, 13.0, 0.375, 3, "friction")
     assert row["flags"] == "wall-deflection"
     assert end.to_dict() == {
         "limit": "wall", "step": 4, "time": 0.375, "reached": 3.0, "allowed": 2.0, "growth_1_s": 12.5,
@@ -208,6 +222,7 @@ def test_a_run_that_diverged_says_when_and_how_fast_in_its_row_and_its_document(
         "growth_1_s", "theory_1_s", "reached"
     }  # fmt: skip
     assert row_of(None, replace(MADE, divergence=unknown))["growth_1_s"] is None
+    assert row_of(None, replace(MADE, growth=replace(grown, rate=np.nan)))["growth_1_s"] is None
 
 
 def test_intervals_are_joined_across_pauses_shorter_than_the_window():

@@ -25,7 +25,7 @@ from contact.sweep import dask_cluster as sweep_dask
 from contact.sweep import plan as sweep_plan
 from contact.sweep import sweep
 from contact.sweep.plan import load_sweep
-from contact.sweep.row import COLUMNS, Store, growth_rate, row_of, sweep_record
+from contact.sweep.row import COLUMNS, Store, row_of, sweep_record
 from reports.robustness import sweep_kills
 from tests.contact.synthetic_rim import N_MAX, SIZE, blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
@@ -430,14 +430,7 @@ def test_a_scene_with_a_sweep_runs_as_it_stands(scene):
     assert ct.run(ct.load_scene(scene(GRID))).steps == 2000
 
 
-def test_growth_rows_and_records():
-    t = np.linspace(0.0, 1.0, 2000)
-    wave = np.exp(-3.0 * t) * np.sin(300.0 * t)
-    assert growth_rate(t, wave[:, None]) == pytest.approx(-3.0, rel=0.02)
-    late = np.where(t < 0.4, 0.0, wave)
-    assert growth_rate(t, late[:, None]) == pytest.approx(-3.0, rel=0.15)
-    assert np.isnan(growth_rate(t, np.zeros((2000, 1))))
-    assert np.isnan(growth_rate(t[:20], wave[:20, None]))
+def test_records_and_rows_of_what_is_refused():
     assert sweep_record(1_000_000).every == 3889
     assert row_of(None, ct.LimitError("too far"))["why"] == "too far"
 
@@ -477,9 +470,7 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
     levels = np.sqrt(waves.mean(axis=1) * np.where(np.arange(33) % 32, 2.0, 1.0))
     lean = np.radians(what.lean_deg)
     tip = result.state_of("blade") @ (np.cos(lean) * what.blade.rows[0] + np.sin(lean) * what.blade.rows[1])
-    moving = np.column_stack([rim, tip])
-    parts = np.array_split(np.arange(result.steps), 8)
-    spread = [np.log(np.sum(np.var(moving[part], axis=0))) / 2.0 for part in parts]
+    grown = ct.growth.of_run(what, result)
     expected = {
         "status": "done", "steps": 2000, "contact_fraction": np.mean(force > 0.0),
         "closings": np.count_nonzero(np.diff(np.r_[0, force > 0.0]) == 1), "impulse_N_s": force.sum() * 2e-5,
@@ -488,7 +479,9 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
         "rotation_J": energy.rotation, "worn_J": None, "unaccounted_rel": 0.0,
         "amplitude_m": np.sqrt(np.mean((field - field.mean(axis=1, keepdims=True)) ** 2)),
         "blade_rms_m": np.sqrt(np.mean((tip[late] - tip[late].mean()) ** 2)),
-        "growth_1_s": np.polyfit([result.state_time[part].mean() for part in parts], spread, 1)[0],
+        "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
+        "half_wall_at_s": None if np.isinf(grown.time_to_half_wall) else grown.time_to_half_wall, "body": grown.body,
+        "n": grown.nodal_diameters, "source": grown.cause.source,
         "dominant_n": int(levels.argmax()), "dominant_rms_m": levels.max(), "diverged_at_s": None, "flags": "",
         "why": "",
     }  # fmt: skip

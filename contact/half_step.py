@@ -1,0 +1,138 @@
+"""A part of a run once more: its last stretch at half the step, or from the start with denser states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from typing import Any, Protocol, cast
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import InputError
+from contact.growth.envelope import envelope, slope_of
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.limits import RIM, TIP
+from contact.model.gaps.rub import Rub, rub_of
+from contact.model.law import Law
+from contact.record.growth import RunGrowth
+from contact.record.record import Record, samples
+from contact.scheme.protocol import Problem, Scheme, Stepper
+
+MARKS = 16  # of a run, from which a part of it can be repeated
+STATES = 400  # stored of what is repeated
+CHUNK = 5_000  # steps per compiled call
+LONG = 0.25  # of the run: a longer stretch is cut to it where FOLDS e-folds remain
+FOLDS = 1.5
+COARSE = 1.5  # omega h from which a mode's velocity is the difference over the step
+
+
+class _Modes(Protocol):
+    """What steppers of rims and rubs have beside those of others."""
+
+    state: Any
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Mark:
+    """A run after `taken` steps: modal coordinates q and their last increments d."""
+
+    taken: int
+    q: Array
+    d: Array
+
+
+def mark(stepper: Stepper, taken: int) -> Mark:
+    """Copy where the modes of a rub are."""
+    state = cast("_Modes", stepper).state
+    return Mark(taken=taken, q=readonly(state.q.copy()), d=readonly(state.d.copy()))
+
+
+def states(stepper: Stepper, first: int, count: int) -> tuple[Array, Array]:
+    """Instants and coordinates of about STATES states of `count` steps from step `first`."""
+    record = Record(every=(every := max(1, count // STATES)), state_every=every)
+    K, size = stepper.sums.closed.size, stepper.size
+    parts, at, failed = [], first, -1
+    while at < first + count and failed < 0:
+        some = min(max(CHUNK // every, 1) * every, first + count - at)
+        out = samples(record, some + every, K, size)
+        stepper.sums.filled[:] = 0
+        failed = stepper.advance(out, at, some)
+        n = int(stepper.sums.filled[1])
+        parts.append((out.state_time[:n], out.state[:n]))
+        at += some
+    time, state = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return time, state
+
+
+def with_half_step(
+    problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, marks: Sequence[Mark], growth: RunGrowth
+) -> RunGrowth:
+    """The growth of a run with that of its last stretch at half the step, begun at a mark of the run.
+
+    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that.
+    """
+    rub: Rub = rub_of(problem)
+    end = taken * dt
+    begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))
+    before = [one for one in marks if one.taken * dt <= begin]
+    first = before[-1].taken if before else 0
+    starting, clock = _starting_at(problem, before[-1], dt) if before else (problem, 0)
+    try:
+        stepper = scheme.prepare(starting, law, dt=0.5 * dt, courant=None)
+    except InputError:
+        return growth
+    limits = getattr(stepper, "limits", None)
+    if limits is not None:
+        limits[RIM] = limits[TIP] = math.inf
+    with np.errstate(all="ignore"):
+        time, state = states(stepper, clock, 2 * (taken - first))
+        rate = _growth(rub, time + 0.5 * dt * (2 * first - clock), state, begin, end)
+    return growth.checked(rate, 2.0 * (taken - first) / taken)
+
+
+def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> float:
+    """Slope of the whole stretch [1/s]; nan of too few states."""
+    late = time >= begin
+    omega = np.concatenate([body.omega for body in rub.bodies])
+    speed = rub.speed.omega(end)
+    turn = 2.0 * math.pi / abs(speed) if speed else math.inf
+    found = envelope(time[late], state[late, : omega.size], omega, np.zeros(omega.size, dtype=np.int64), turn)
+    if found is None or not (np.isfinite(found.energy).all() and found.energy.min() > 0.0):
+        return math.nan
+    return slope_of(found.time, 0.5 * np.log(found.energy[:, 0]))[0]
+
+
+@singledispatch
+def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
+    """The rub that starts in the motion of a mark, and the number of that step where a step is half as long."""
+    rub: Rub = rub_of(problem)
+    sizes = np.cumsum([body.omega.size for body in rub.bodies])[:-1]
+    velocity = _velocity(rub, at, dt)
+    casing, *blades = (
+        replace(start, displacement=readonly(q), velocity=readonly(v))
+        for start, q, v in zip(rub.starts, np.split(at.q, sizes), np.split(velocity, sizes), strict=True)
+    )
+    return replace(rub, casing_start=casing, blade_starts=tuple(blades)), 2 * at.taken
+
+
+@_starting_at.register
+def _(problem: RotatingRim, at: Mark, dt: float) -> tuple[Problem, int]:
+    """A rim that turns evenly begins at t = 0, at the angle that it has reached."""
+    m, velocity = problem.casing.omega.size, _velocity(rub_of(problem), at, dt)
+    return replace(
+        problem, angle_deg=problem.angle_deg - math.degrees(math.remainder(problem.speed * at.taken * dt, math.tau)),
+        casing_displacement=at.q[:m], blade_displacement=at.q[m:],
+        casing_velocity=velocity[:m], blade_velocity=velocity[m:],
+    ), 0  # fmt: skip
+
+
+def _velocity(rub: Rub, at: Mark, dt: float) -> Array:
+    """Velocities as of free modes that moved by d in the last step."""
+    turned = np.concatenate([body.omega for body in rub.bodies]) * dt
+    fine = (turned > 0.0) & (turned < COARSE)
+    velocity, w = at.d / dt, turned[fine]
+    velocity[fine] = (at.q[fine] * np.cos(w) - (at.q - at.d)[fine]) * w / (dt * np.sin(w))
+    return np.asarray(velocity)
