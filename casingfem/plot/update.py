@@ -142,5 +142,5 @@ def figure_correlation(fit: UpdateResult) -> Figure:
         for j in range(len(names)):
             colour = "white" if abs(R[i, j]) > 0.6 else "black"
             axes.text(j, i, f"{R[i, j]:+.2f}", ha="center", va="center", color=colour, fontsize=8.5)
-    figure.colorbar(image, ax=axes, shrink=0.8, label="correlation")
+    figure.colorbar(image, ax=axes, shrink=0.8, label="correlation [-]")
     return figure

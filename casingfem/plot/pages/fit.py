@@ -203,7 +203,7 @@ def figure_shape_mac(found: ShapeFit) -> Figure:
         freq_hz = found.fit.table.freq_hz[side.rows]
         image = mac_panel(axes, side.mac, framed(side), side.modes, freq_hz, size=5.5)
         axes.set(ylabel="measured [Hz]" if place == 0 else "", title=name)
-    figure.colorbar(image, ax=figure.axes, shrink=0.8)
+    figure.colorbar(image, ax=figure.axes, shrink=0.8, label="MAC [-]")
     return figure
 
 

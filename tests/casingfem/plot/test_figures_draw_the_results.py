@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import casingfem as cf
 import contact as ct
@@ -22,29 +21,7 @@ from contact.model.bodies.patch import Patch
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
-
-COUNTED = ("nodal diameters n", "mode", "measured mode", "computed mode", "model order", "number of the hit")
-
-
-def drawn(axes, label: str) -> tuple[np.ndarray, np.ndarray]:
-    """The only line of this label."""
-    (line,) = [line for line in axes.lines if line.get_label() == label]
-    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
-
-
-def same(line, x, y) -> bool:
-    """Whether a line is drawn through these points exactly."""
-    return np.array_equal(line.get_xdata(), x) and np.array_equal(line.get_ydata(), y)
-
-
-def require_units(figure: Figure) -> None:
-    """Every axis that has numbers names its unit, or counts."""
-    for axes in figure.axes:
-        shared = axes.get_shared_x_axes().get_siblings(axes)
-        x = next((other.get_xlabel() for other in (axes, *shared) if other.get_xlabel()), "")
-        for label, ticks in ((x, axes.get_xticks()), (axes.get_ylabel(), axes.get_yticks())):
-            assert re.search(r"\[[^\]]+\]", label) or label in COUNTED or not len(ticks), (label, axes)
-
+from tests.casingfem.plot.drawings import drawn, require_units, same
 
 ROD = {"length": 0.254, "area": 6.4516e-4, "E": 206.8427e9, "rho": 7844.181}
 
