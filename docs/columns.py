@@ -22,6 +22,13 @@ RESULTS = {
     "Identified modes": "casingfem.experiment.identify.mode_columns.COLUMNS",
     "Parameters of an update": "casingfem.updating.columns.PARAMETERS",
     "Paired modes of an update": "casingfem.updating.columns.PAIRS",
+    "Rows predicted by the others": "casingfem.updating.uncertainty.prediction.COLUMNS",
+    "Posterior of an update": "casingfem.updating.uncertainty.posterior.COLUMNS",
+    "Frequency table": "casingfem.experiment.frequency_table.TABLE_COLUMNS",
+    "Rows of a table and their modes": "casingfem.experiment.correlation.matches.COLUMNS",
+    "Measured shapes and their modes": "casingfem.experiment.correlation.correlate.COLUMNS",
+    "Growth over speed": "contact.growth.growth_map.COLUMNS",
+    "Periodic motions": "contact.growth.cycles.columns.POINTS",
 }
 
 

@@ -170,7 +170,7 @@ def cycles_files(
     from casingfem.plot.style import png
     from casingfem.plot.sweep import figure_cycles
 
-    rows, marks, ends = found.table(), found.marks(), [part.end for part in found.branches]
+    rows, marks, ends = found.records(), found.marks(), [part.end for part in found.branches]
     motions = [] if reached is None else [{found.name: reached.value, **one} for one in reached.records()]
     return {
         "cycles.html": cycles_page(file.stem, rows, marks, ends, source_of(file), words, motions),

@@ -18,10 +18,20 @@ from casingfem.io.columns import TABLE, named
 from casingfem.io.strict_csv import StrictCsv, read
 from casingfem.io.together import together
 from casingfem.modal import mode_columns
+from contact.io.columns import Column, known, records_of, table_lines
 from contact.io.outfiles import write_atomic
 from contact.io.reported import Reported
 
-COLUMNS = ("mode", "n", "freq_hz", "sigma_hz", "angle_deg", "zeta")
+TABLE_COLUMNS = (
+    Column("mode", "Mode number of the test.", lambda table: table.mode, format="d"),
+    Column("n", "Nodal diameters, where the test has them.", lambda table: known(table.n), format="d"),
+    Column("freq_hz", "Measured frequency.", lambda table: table.freq_hz, head="freq", unit="Hz", format=".4f"),
+    Column("sigma_hz", "Standard uncertainty of the frequency.", lambda table: table.sigma_hz, head="sigma",
+           unit="Hz", format=".4f"),
+    Column("angle_deg", "Angle of an antinode.", lambda table: table.angle_deg, head="angle", unit="deg", format=".2f"),
+    Column("zeta", "Damping ratio.", lambda table: table.zeta, format=".5f"),
+)  # fmt: skip
+COLUMNS = tuple(column.name for column in TABLE_COLUMNS)
 COMPUTED = tuple(column.name for column in mode_columns.COLUMNS if column.name not in COLUMNS)
 """Columns that `casingfem modes --out` writes beside these; they are read over, so that its file is a table too."""
 _REQUIRED = {
@@ -66,9 +76,9 @@ class FrequencyTable(Reported):
     --------
     >>> FrequencyTable.from_arrays(freq_hz=[367.9, 368.4], sigma_hz=0.2, n=[8, 8])
     FrequencyTable(2 modes, 1 doublet)
-      mode   n    freq [Hz]  sigma [Hz]  angle [deg]     zeta
-         1   8     367.9000      0.2000            -        -
-         2   8     368.4000      0.2000            -        -
+    mode  n  freq [Hz]  sigma [Hz]  angle [deg]  zeta
+       1  8   367.9000      0.2000            -     -
+       2  8   368.4000      0.2000            -     -
     """
 
     mode: IntArray
@@ -215,15 +225,7 @@ class FrequencyTable(Reported):
         title = f"FrequencyTable({len(self)} modes" + (", SYNTHETIC" if self.synthetic else "")
         if doublets:
             title += f", {doublets} doublet" + ("s" if doublets > 1 else "")
-        lines = [title + ")", "  mode   n    freq [Hz]  sigma [Hz]  angle [deg]     zeta"]
-        for row in range(len(self)):
-            n = "-" if self.n[row] < 0 else str(self.n[row])
-            angle = "-" if np.isnan(self.angle_deg[row]) else f"{self.angle_deg[row]:.2f}"
-            zeta = "-" if np.isnan(self.zeta[row]) else f"{self.zeta[row]:.5f}"
-            lines.append(
-                f"{self.mode[row]:6d} {n:>3} {self.freq_hz[row]:12.4f} {self.sigma_hz[row]:11.4f} {angle:>12} {zeta:>8}"
-            )
-        return "\n".join(lines)
+        return "\n".join([title + ")", *table_lines(TABLE_COLUMNS, records_of(TABLE_COLUMNS, self))])
 
 
 def _says_synthetic(line: str) -> bool:

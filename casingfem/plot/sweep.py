@@ -109,7 +109,7 @@ def figure_cycles(
 ) -> Figure:
     """Amplitude of each channel over the parameter, one panel a channel.
 
-    `rows` are those of `Cycles.table`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
+    `rows` are those of `Cycles.records`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
     the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
     """
     names = [key for key in rows[0] if key.startswith("amplitude_")]

@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
+from contact.io.columns import Column
 from contact.io.reported import Reported
 
 Growth = Callable[[Array], Array]
+
+
+COLUMNS = (
+    Column("speed_hz", "Speed of rotation.", lambda found: found.speed_hz, head="speed", unit="Hz", format=".6g"),
+    Column("growth_1_s", "Largest growth rate of the closed contact; a positive rate diverges.",
+           lambda found: found.growth, head="growth", unit="1/s", format=".5g"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -21,6 +30,8 @@ class StabilityMap(Reported):
 
     `seen_hz`, `seen_growth`: all speeds looked at, close to where something is to be seen.
     """
+
+    COLUMNS: ClassVar = COLUMNS
 
     speed_hz: Array
     growth: Array
@@ -35,10 +46,6 @@ class StabilityMap(Reported):
     def diverges(self) -> bool:
         """Whether any speed of the range has a growing vibration."""
         return bool(self.bands_hz)
-
-    def columns(self) -> dict[str, Array]:
-        """One row a speed."""
-        return {"speed_hz": self.speed_hz, "growth_1_s": self.growth}
 
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem stability --json`."""

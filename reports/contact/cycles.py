@@ -99,7 +99,7 @@ def published(out: Path, quick: bool) -> Iterator[Row]:
         if ratio < 1.0:
             fold = TURN * found.of("fold")[0].orbit.value
             yield check("E1 r = 0.4, fold [rad/s]", "Vadcard 2022", 64892.9, fold, 0.3)
-        write_atomic(out / f"rod_{ratio:g}.png", png(figure_cycles(cycles.table(), cycles.marks())))
+        write_atomic(out / f"rod_{ratio:g}.png", png(figure_cycles(cycles.records(), cycles.marks())))
     for stiffness, amplitudes in E2.items():
         family = mass_on_stop(stiffness).over("freq_hz", freq_hz=0.2)
         found = ct.growth.cycles.follow(family, (0.15, 0.25 if stiffness == 100.0 else 0.245)).branches[0]
@@ -130,7 +130,7 @@ def wall(out: Path) -> Iterator[Row]:
     for begin, end in ((2400.0, 1900.0), (2400.0, 3400.0)):
         found = ct.growth.cycles.follow(family, (begin / TURN, end / TURN), longest=0.04)
         print(f"\nE3 from {begin:g} to {end:g} rad/s, in Hz\n{found!r}")
-        write_atomic(out / f"rod_wall_{end:g}.png", png(figure_cycles(found.table(), found.marks())))
+        write_atomic(out / f"rod_wall_{end:g}.png", png(figure_cycles(found.records(), found.marks())))
 
 
 def left(family: Family, at: Orbit, periods: int, until: float = 1e-3) -> tuple[float, float]:

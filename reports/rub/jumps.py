@@ -138,7 +138,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     rows = jumps(found, up, down, 0.2 if quick else 0.1)  # they are late by rate^(2/3)
     show("Speeds at which runs leave a motion [turns/s]", rows)
     write(out / "jumps.csv", rows)
-    figure = figure_cycles(found.table(), found.marks())
+    figure = figure_cycles(found.records(), found.marks())
     for one, words in ((up, "run, speed rising"), (down, "run, speed falling")):
         figure.axes[-1].plot(one.speed_hz, one.flap, lw=0.8, alpha=0.7, label=words)
     figure.axes[-1].legend(loc="upper left")

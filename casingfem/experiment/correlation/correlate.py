@@ -4,7 +4,9 @@ Shapes pair by frequency and shape together (`correlation.pair`): |log f_measure
 plane of a doublet, at most `reach` off in frequency; no shape is paired at a MAC so low that it is better left out.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,9 +22,37 @@ from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.structure.imported.assembly import MeshSystem
 from casingfem.structure.shell.system import System
+from contact.io.columns import Column, table_lines
 from contact.io.reported import Reported
 
 DIFFERENT = 0.9  # COMAC below this is worth a look
+
+
+COLUMNS = (
+    Column("row", "Number of the measured shape, from 1.", lambda found: range(1, 1 + len(found.measured.freq_hz)),
+           format="d"),
+    Column("measured_hz", "Measured frequency.", lambda found: found.measured.freq_hz, head="measured", unit="Hz",
+           format=".3f"),
+    Column("mode", "Computed mode that the shape pairs with, from 1.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: mode + 1), format="d"),
+    Column("n", "Nodal diameters of the pair.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: n if n >= 0 else None), format="d"),
+    Column("computed_hz", "Computed frequency.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: float(found.modes.freq[mode])), head="computed",
+           unit="Hz", format=".3f"),
+    Column("mac", "Modal assurance criterion of the two shapes.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: float(found.mac[row, mode])), head="MAC",
+           format=".3f"),
+    Column("subspace_mac", "Modal assurance criterion of the planes of two doublets.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: plane), head="plane", format=".3f"),
+    Column("nco", "Normalised cross-orthogonality of the two shapes.",
+           lambda found: found.of_pairs(lambda row, mode, n, plane: float(found.nco[row, mode])), head="NCO",
+           format=".3f"),
+    Column("left_out_error", "Rms error of a sensor predicted by the others, over the shape.",
+           lambda found: np.sqrt(np.nanmean(found.expansion.left_out**2, axis=0)), head="left out", format=".3f"),
+    Column("collinearity", "Share of the measured shape that is in phase.",
+           lambda found: found.measured.collinearity, where="files"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -49,6 +79,8 @@ class Correlation(Reported):
         The measured shapes on the model's modes.
     """
 
+    COLUMNS: ClassVar = COLUMNS
+
     modes: Modes | MeshModes
     measured: MeasuredShapes
     sensors: Sensors
@@ -61,21 +93,18 @@ class Correlation(Reported):
     ecomac: FloatArray
     expansion: Expansion
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a measured shape."""
-        left_out, collinearity = self.expansion.left_out, self.measured.collinearity.tolist()
-        unpaired = dict.fromkeys(("mode", "n", "computed_hz", "mac", "subspace_mac", "nco"))
-        rows = list[dict[str, object]]()
-        for row, freq in enumerate(self.measured.freq_hz.tolist()):
-            error = float(np.sqrt(np.nanmean(left_out[:, row] ** 2)))
-            known = {"row": row + 1, "measured_hz": freq, **unpaired}
-            rows.append({**known, "left_out_error": error, "collinearity": collinearity[row]})
-        for match, plane in zip(self.pairing.matches, self.alike.tolist(), strict=True):
-            for row, mode in zip(match.rows, match.modes, strict=True):
-                rows[row] |= {"mode": mode + 1, "n": None if match.n < 0 else match.n, "subspace_mac": plane}
-                rows[row] |= {"computed_hz": float(self.modes.freq[mode])}
-                rows[row] |= {"mac": float(self.mac[row, mode]), "nco": float(self.nco[row, mode])}
-        return rows
+    def paired(self) -> dict[int, tuple[int, int, float]]:
+        """Row of each paired shape -> its mode, n and the MAC of the planes; rows and modes from 0."""
+        return {
+            row: (mode, match.n, plane)
+            for match, plane in zip(self.pairing.matches, self.alike.tolist(), strict=True)
+            for row, mode in zip(match.rows, match.modes, strict=True)
+        }
+
+    def of_pairs(self, value: Callable[[int, int, int, float], Any]) -> list[Any]:
+        """A value of row, mode, n and plane of each measured shape; None for a shape without a mode."""
+        paired = self.paired()
+        return [value(row, *paired[row]) if row in paired else None for row in range(len(self.measured.freq_hz))]
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
@@ -95,21 +124,7 @@ class Correlation(Reported):
 
     def __repr__(self) -> str:
         """Table: measured, computed, MAC, subspace MAC, NCO; then sensors and expansion."""
-        lines = [
-            f"{'row':>4} {'measured':>10} {'mode':>5} {'n':>3} {'computed':>10} {'error %':>8} "
-            f"{'MAC':>6} {'plane':>6} {'NCO':>6} {'left out':>8}"
-        ]
-        for r in self.records():
-            left = f"{r['left_out_error']:8.3f}"
-            if r["mode"] is None:
-                lines.append(f"{r['row']:>4} {r['measured_hz']:>10.3f} {'-':>5}{'':46} {left}")
-                continue
-            error = 100.0 * (float(str(r["computed_hz"])) / float(str(r["measured_hz"])) - 1.0)
-            n = "-" if r["n"] is None else r["n"]
-            lines.append(
-                f"{r['row']:>4} {r['measured_hz']:>10.3f} {r['mode']:>5} {n:>3} {r['computed_hz']:>10.3f} "
-                f"{error:>8.2f} {r['mac']:>6.3f} {r['subspace_mac']:>6.3f} {r['nco']:>6.3f} {left}"
-            )
+        lines = table_lines(self.COLUMNS, self.records())
         rows, rest = self.pairing.unpaired_rows, self.pairing.unpaired_modes
         lines.append(f"unpaired: {len(rows)} measured, {len(rest)} computed; NCO by {self.mass_by}")
         lines.append(f"sensors up to {1e3 * self.sensors.distance.max():.2g} mm from the wall; {self.expansion!r}")

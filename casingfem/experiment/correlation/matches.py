@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NoReturn, TypeAlias
+from typing import Any, ClassVar, NoReturn, TypeAlias
 
 import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
+from contact.io.columns import Column, known, records_of, table_lines
 from contact.io.reported import Reported
 
 Indices: TypeAlias = tuple[int, ...]
@@ -40,9 +41,28 @@ class Match:
     computed_hz: tuple[float, ...]
 
 
+COLUMNS = (
+    Column("row", "Row of the frequency table, from 1.", lambda pairs: [pair[0] + 1 for pair in pairs], format="d"),
+    Column("mode", "Computed mode, from 1.", lambda pairs: [pair[1] + 1 for pair in pairs], format="d"),
+    Column("n", "Nodal diameters, where table or model has them.", lambda pairs: known(pair[2] for pair in pairs),
+           format="d"),
+    Column("measured_hz", "Measured frequency.", lambda pairs: [pair[3] for pair in pairs], head="measured",
+           unit="Hz", format=".3f"),
+    Column("computed_hz", "Computed frequency.", lambda pairs: [pair[4] for pair in pairs], head="computed",
+           unit="Hz", format=".3f"),
+    Column("error_rel", "Computed over measured frequency, less 1.",
+           lambda pairs: [pair[4] / pair[3] - 1.0 for pair in pairs], head="error", unit="%", format=".2f",
+           scale=100.0),
+    Column("confidence", "Confidence of the pairing, from 0 to 1.", lambda pairs: [pair[5] for pair in pairs],
+           format=".2f"),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Pairing(Reported):
     """Matches in ascending order, and what is left on both sides (indices of rows and of modes)."""
+
+    COLUMNS: ClassVar = COLUMNS
 
     matches: tuple[Match, ...]
     unpaired_rows: tuple[int, ...]
@@ -57,33 +77,28 @@ class Pairing(Reported):
     def __len__(self) -> int:
         return len(self.matches)
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a paired row of the table, rows and modes counted from 1."""
+    def pairs(self) -> list[tuple[int, int, int, float, float, float]]:
+        """Row, mode, n, measured and computed frequency [Hz], confidence of each paired row; rows, modes from 0."""
         return [
-            {"row": row + 1, "mode": mode + 1, "n": match.n if match.n >= 0 else None, "measured_hz": measured,
-             "computed_hz": computed, "confidence": match.confidence}
+            (row, mode, match.n, measured, computed, match.confidence)
             for match in self.matches
             for row, mode, measured, computed in zip(
                 match.rows, match.modes, match.measured_hz, match.computed_hz, strict=True
             )
-        ]  # fmt: skip
+        ]
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary a paired row of the table, rows and modes counted from 1."""
+        return records_of(self.COLUMNS, self.pairs())
 
     def __repr__(self) -> str:
         lines = [
             f"Pairing({len(self)} matches, rms {100 * self.rms:.2f} %,"
             f" unpaired: {len(self.unpaired_rows)} rows, {len(self.unpaired_modes)} modes)",
-            "   row  mode   n  measured [Hz]  computed [Hz]  error [%]  confidence",
+            *table_lines(self.COLUMNS, self.records()),
         ]
-        for match in self.matches:
-            n = "-" if match.n < 0 else str(match.n)
-            members = zip(match.rows, match.modes, match.measured_hz, match.computed_hz, strict=True)
-            for k, (row, mode, measured, computed) in enumerate(members):
-                error = 100 * (computed / measured - 1)
-                sure = f"{match.confidence:11.2f}" if k == 0 else ""
-                line = f"{row:6d} {mode:5d} {n:>3} {measured:14.3f} {computed:14.3f} {error:10.2f} {sure}"
-                lines.append(line.rstrip())
         if self.unpaired_rows:
-            lines.append(f"  rows without a mode: {', '.join(map(str, self.unpaired_rows))}")
+            lines.append(f"rows without a mode: {', '.join(str(row + 1) for row in self.unpaired_rows)}")
         return "\n".join(lines)
 
 

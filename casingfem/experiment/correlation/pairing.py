@@ -83,10 +83,10 @@ def pair(modes: ModeSet, table: FrequencyTable, *, reach: float = 0.5, shape_mac
     ... )
     >>> pair(ring, FrequencyTable.from_arrays(n=[7, 8, 8], freq_hz=[383.0, 367.9, 368.4], sigma_hz=0.2))
     Pairing(2 matches, rms 0.57 %, unpaired: 0 rows, 1 modes)
-       row  mode   n  measured [Hz]  computed [Hz]  error [%]  confidence
-         1     0   8        367.900        366.000      -0.52        0.99
-         2     1   8        368.400        366.000      -0.65
-         0     2   7        383.000        381.000      -0.52        0.99
+    row  mode  n  measured [Hz]  computed [Hz]  error [%]  confidence
+      2     1  8        367.900        366.000      -0.52        0.99
+      3     2  8        368.400        366.000      -0.65        0.99
+      1     3  7        383.000        381.000      -0.52        0.99
     """
     cost = _Cost(modes, table, reach, shape_mac)
     slots = _slots(modes)

@@ -10,6 +10,7 @@ approximation takes the whole Hessian J^T J + sum_i r_i H_i, and a sampler needs
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.problem import Problem
 from casingfem.updating.result import UpdateResult
+from contact.io.columns import Column, mark, table_lines, word
 from contact.io.reported import Reported
 
 STEP = 0.5  # of a standard deviation
@@ -67,6 +69,18 @@ def parabolas(fit: UpdateResult) -> Parabolas:
     return Parabolas(x0=fit.x, r=fit.values, J=fit.jacobian, H=H)
 
 
+COLUMNS = (
+    Column("name", "Address of the parameter.", lambda found: found.names, head="parameter", format=word),
+    Column("log", "Whether the parameter varies in log10; both deviations are then in decades.",
+           lambda found: found.log, head="in", format=mark("decades")),
+    Column("sigma", "Standard deviation by the whole Hessian.", lambda found: found.sigma, format=".3g"),
+    Column("gauss_newton", "Standard deviation by Gauss and Newton's Hessian.", lambda found: found.gauss_newton,
+           head="by J^T J", format=".3g"),
+    Column("bend", "Largest departure of a residual from its tangent one standard deviation away, in its own sigma.",
+           lambda found: found.bend, format=".3f"),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Laplace(Reported):
     """The Gaussian of the whole Hessian beside that of Gauss and Newton.
@@ -81,6 +95,8 @@ class Laplace(Reported):
         How far a residual leaves its tangent one standard deviation away, in its own sigma, at most, (parameters,).
     """
 
+    COLUMNS: ClassVar = COLUMNS
+
     names: tuple[str, ...]
     log: tuple[bool, ...]
     covariance: FloatArray
@@ -92,23 +108,13 @@ class Laplace(Reported):
         """Standard deviations, (parameters,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a parameter."""
-        numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), self.bend.tolist())
-        names = ("name", "log", "sigma", "gauss_newton", "bend")
-        return [dict(zip(names, row, strict=True)) for row in zip(self.names, self.log, *numbers, strict=True)]
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
         return {"kind": "laplace", "parameters": self.records()}
 
     def __repr__(self) -> str:
         """A row for each parameter."""
-        lines = [f"{'posterior (Laplace)':<34} {'sigma':>10} {'over J^T J':>10} {'bend':>8}"]
-        names = varied_names(self.names, self.log)
-        for name, s, g, b in zip(names, self.sigma, self.gauss_newton, self.bend, strict=True):
-            lines.append(f"{name:<34} {s:>10.3g} {s / g:>10.3f} {b:>8.3f}")
-        return "\n".join(lines)
+        return "\n".join(["posterior (Laplace)", *table_lines(self.COLUMNS, self.records())])
 
 
 def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:

@@ -10,6 +10,7 @@ Errors of several sigma that the fit itself does not show mean too many paramete
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from casingfem.updating.problem import Problem, State
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.solve import covariance, require_enough, solve
 from casingfem.updating.targets import HERTZ2, rates
+from contact.io.columns import Column, known, table_lines
 from contact.io.reported import Reported
 
 
@@ -45,9 +47,29 @@ class Prediction:
         return (self.predicted_hz - self.measured_hz) / self.sigma_hz
 
 
+COLUMNS = (
+    Column("mode", "Mode number of the row left out.", lambda found: [row.mode for row in found.rows],
+           head="left out", format="d"),
+    Column("n", "Nodal diameters, where the table has them.", lambda found: known(row.n for row in found.rows),
+           format="d"),
+    Column("measured_hz", "Measured frequency.", lambda found: [row.measured_hz for row in found.rows],
+           head="measured", unit="Hz", format=".3f"),
+    Column("predicted_hz", "Frequency predicted by a fit of the other rows.",
+           lambda found: [row.predicted_hz for row in found.rows], head="predicted", unit="Hz", format=".3f"),
+    Column("sigma_hz", "Standard uncertainty of measurement and prediction together.",
+           lambda found: [row.sigma_hz for row in found.rows], head="sigma", unit="Hz", format=".3g", where="pages"),
+    Column("error", "Predicted over measured frequency, less 1.", lambda found: [row.error for row in found.rows],
+           unit="%", format=".3f", scale=100.0),
+    Column("deviation", "Predicted less measured frequency, in standard deviations.",
+           lambda found: [row.deviation for row in found.rows], unit="sigma", format=".2f"),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut(Reported):
     """All rows, each predicted without itself."""
+
+    COLUMNS: ClassVar = COLUMNS
 
     rows: tuple[Prediction, ...]
 
@@ -61,24 +83,13 @@ class LeftOut(Reported):
         """RMS error in standard deviations: about 1 where the model is right and its sigma honest."""
         return float(np.sqrt(np.mean([row.deviation**2 for row in self.rows])))
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a row."""
-        names = ("mode", "n", "measured_hz", "predicted_hz", "sigma_hz", "error", "deviation")
-        return [{name: getattr(row, name) for name in names} for row in self.rows]
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
         return {"rows": self.records(), "rms": self.rms, "rms_sigma": self.rms_sigma}
 
     def __repr__(self) -> str:
         """A row for each prediction, and the RMS."""
-        lines = [f"{'left out':>8} {'n':>3} {'measured':>10} {'predicted':>10} {'error [%]':>9} {'[sigma]':>8}"]
-        for row in self.rows:
-            n = "-" if row.n < 0 else row.n
-            lines.append(
-                f"{row.mode:>8} {n:>3} {row.measured_hz:>10.3f} {row.predicted_hz:>10.3f} "
-                f"{100.0 * row.error:>9.3f} {row.deviation:>8.2f}"
-            )
+        lines = table_lines(self.COLUMNS, self.records())
         lines.append(f"predicted without themselves: RMS {100.0 * self.rms:.3f} %, {self.rms_sigma:.2f} sigma")
         return "\n".join(lines)
 

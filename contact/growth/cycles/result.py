@@ -6,11 +6,14 @@ import os
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from contact.growth.cycles.columns import point_columns
 from contact.growth.cycles.shooting import Orbit
 from contact.io.brief import brief
+from contact.io.columns import Columns, records_of
 from contact.io.reported import Reported
 from contact.io.stored import save_value
 
@@ -100,21 +103,14 @@ class Cycles(Reported):
                 lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
         return "\n".join(lines)
 
-    def records(self) -> list[dict[str, object]]:
-        """One row for each point: `table`."""
-        return self.table()
+    def described(self) -> Columns:
+        """The columns of the points: the parameter and the channels have names of the scene."""
+        return point_columns(self.name, tuple(self.branches[0].points[0].amplitude))
 
-    def table(self) -> list[dict[str, object]]:
-        """One row for each point, branch by branch."""
-        return [
-            {"branch": number, self.name: point.value, "periods": point.periods,
-             **{f"amplitude_{name}": size for name, size in point.amplitude.items()},
-             "multiplier": point.multiplier, "stable": point.stable, "contacts": point.contacts,
-             "closings": sum(point.closings), "gap": float(point.gap.min(initial=np.inf)),
-             "force": float(point.force.max(initial=0.0))}
-            for number, part in enumerate(self.branches, 1)
-            for point in part.points
-        ]  # fmt: skip
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary for each point, branch by branch."""
+        points = [(number, point) for number, part in enumerate(self.branches, 1) for point in part.points]
+        return records_of(self.described(), points)
 
     def marks(self) -> list[dict[str, object]]:
         """One row for each special point: kind, branch, parameter and amplitudes."""

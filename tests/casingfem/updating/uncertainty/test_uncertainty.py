@@ -56,7 +56,7 @@ def test_the_laplace_covariance_is_the_inverse_of_the_whole_hessian():
     records = found.records()
     assert [row["gauss_newton"] for row in records] == [0.3, 0.7]
     assert [row["sigma"] for row in records] == pytest.approx(np.sqrt(np.diag(np.linalg.inv(hessian))))
-    assert f"{found.sigma[0] / 0.3:.3f}" in repr(found)
+    assert f"{found.sigma[0]:.3g}" in repr(found)
 
 
 def test_the_weakest_direction_is_told_by_its_two_main_parameters():
@@ -79,7 +79,7 @@ def test_errors_of_predictions_are_relative_or_in_sigma():
     assert told["rms"] == left.rms
     assert told["rms_sigma"] == left.rms_sigma
     assert told["rows"][1] == {
-        "mode": 3, "n": -1, "measured_hz": 200.0, "predicted_hz": 194.0, "sigma_hz": 1.5,
+        "mode": 3, "n": None, "measured_hz": 200.0, "predicted_hz": 194.0, "sigma_hz": 1.5,
         "error": pytest.approx(-0.03), "deviation": pytest.approx(-4.0),
     }  # fmt: skip
 

@@ -125,8 +125,8 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
         checkpoint=file,
         progress=lambda number, _value, orbits: again.append((number, orbits)),
     )
-    assert other.table() == found.table()
-    rows, points = found.table(), [point for branch in found.branches for point in branch.points]
+    assert other.records() == found.records()
+    rows, points = found.records(), [point for branch in found.branches for point in branch.points]
     assert [row["force"] for row in rows] == [max(point.force, default=0.0) for point in points]
     assert [row["gap"] for row in rows] == [min(point.gap, default=np.inf) for point in points]
     assert again[0][0] == 2
@@ -227,7 +227,7 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatc
         assert np.array_equal([p.x for p in one.points], [p.x for p in other.points])
         assert np.array_equal([p.multipliers for p in one.points], [p.multipliers for p in other.points])
         assert [(s.kind, s.orbit.value) for s in one.specials] == [(s.kind, s.orbit.value) for s in other.specials]
-    assert again.table() == whole.table()
+    assert again.records() == whole.records()
     with pytest.raises(ct.InputError, match="found that of another computation"):
         ct.growth.cycles.follow(scene.family, scene.between, longest=0.05, checkpoint=file)
     file.write_bytes(b"not a file of numbers")

@@ -71,7 +71,7 @@ def test_the_lines_of_a_continuation():
 
 
 def test_rows_and_marks_of_a_continuation():
-    rows = found().table()
+    rows = found().records()
     assert rows == found().records()
     assert rows[2] == {
         "branch": 1, "freq_hz": 1.5, "periods": 1, "amplitude_tip": 1e-3, "amplitude_rim": 2e-3, "multiplier": 1.5,
@@ -83,7 +83,7 @@ def test_rows_and_marks_of_a_continuation():
         for kind, value in (("fold", 2.25), ("grazing", 1.75))
     ]
     free = Cycles(name="v", branches=(Branch(points=(orbit(1.0, gap=np.zeros(0), force=np.zeros(0)),), specials=()),))
-    assert (free.table()[0]["gap"], free.table()[0]["force"], free.seconds) == (math.inf, 0.0, 0.0)
+    assert (free.records()[0]["gap"], free.records()[0]["force"], free.seconds) == (math.inf, 0.0, 0.0)
 
 
 def test_the_document_of_a_continuation():
