@@ -39,7 +39,7 @@ from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.lscf import Stabilisation
 from casingfem.experiment.identify.mode import Mode, Sensors, found_in, merged, mode_of, pair_notes, paired, settled
 from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.experiment.identify.setups import SetUp, setups_of, simpler
+from casingfem.experiment.identify.setups import SetUp, setups_of
 from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, visible_peaks
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
@@ -243,7 +243,12 @@ def _setups(
     data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
 ) -> list[SetUp]:
     """Each set-up identified alone; nothing where the channels are one set-up."""
-    alone = _apart(data, fits, order, say, rules)
+    alone = list[SetUp]()
+    for channels in setups_of(data, fits, rules):
+        say(f"set-up {len(alone) + 1}: {len(channels)} channels")
+        own = data.some(channels, rules)
+        start = with_residues(own, first_poles(own, order, say, rules)[0], rules)
+        alone.append(SetUp(channels, own, _fits(own, start, say, rules)))
     if alone and leaks([(part.data, modal_of(part.fits, len(part.channels))) for part in alone], rules):
         leak = float(data.freq[1] - data.freq[0])
         alone = [part._replace(data=part.data._replace(leak=leak)) for part in alone]
@@ -251,25 +256,6 @@ def _setups(
             part._replace(fits=_fits(part.data, modal_of(part.fits, len(part.channels)), say, rules)) for part in alone
         ]
     return alone
-
-
-def _apart(
-    data: Responses, fits: list[PoleFit], order: int | None, say: Callable[[str], None], rules: Thresholds
-) -> list[SetUp]:
-    """Channels in set-ups, and these in further ones, as long as that needs fewer numbers."""
-    alone = list[SetUp]()
-    for channels in setups_of(fits, data.Y.shape[1]):
-        say(f"set-up {len(alone) + 1}: {len(channels)} channels")
-        own = data.some(channels, rules)
-        start = with_residues(own, first_poles(own, order, say, rules)[0], rules)
-        alone.append(SetUp(channels, own, _fits(own, start, say, rules)))
-    if not simpler(fits, alone):
-        return []
-    parts = []
-    for part in alone:
-        finer = _apart(part.data, part.fits, order, say, rules)
-        parts += [each._replace(channels=part.channels[each.channels]) for each in finer] or [part]
-    return parts
 
 
 def _modes(

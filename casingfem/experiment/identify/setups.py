@@ -1,29 +1,46 @@
-"""Tests of several set-ups: a roving mass or a moved hammer gives each set-up frequencies of its own.
+"""Recognise several set-ups: a roving mass or a moved hammer gives each set-up frequencies of its own.
 
-Fitted together, each mode leaves one pole for each set-up, and each of these poles is seen by the channels of its
-set-up. So channels of one set-up share their poles: the sizes of their residues over the poles of a group are alike
-(cosine 0.8 to 0.9 for any shapes), those of two set-ups are not (0.5). Channels are put together by that; each set-up
-is identified alone; the description is taken where it needs fewer numbers.
+Fitted together, each mode leaves one pole for each set-up, which only the channels of that set-up see. So the sizes of
+residues over the poles of a window are alike in channels of one set-up, and average linkage makes a tree of channels.
+In each window of lines the poles of a branch are fitted alone. A branch is cut in two where this needs fewer numbers: 2
+for each pole and channel, 2 for each pole.
+
+Two branches with equally many poles in a window have differences d_k of ln frequency, of standard deviation s_k. Poles
+of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ Cauchy(0, hypot(gamma, s_k)), of any
+width gamma. With e the share of poles that are shifted,
+
+    ln L(e, gamma) = sum_k ln[(1 - e) N(d_k) + e Cauchy(d_k)],
+    evidence = 2 [max_gamma ln L(1, gamma) - max_(e <= 1/2, gamma) ln L(e, gamma)].
+
+In one test e is not zero: a local mode, or one of a pair, may be seen by one branch alone. Two branches whose evidence
+is below zero are one group. P groups are set-ups where the mean evidence of all pairs, times P - 1, exceeds what chance
+exceeds once in a thousand (chi-squared of one degree of freedom: Wilks, Ann. Math. Stat. 9, 1938, 60).
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.cluster.hierarchy import ClusterNode, linkage, to_tree
 from scipy.spatial.distance import squareform
+from scipy.special import chdtri
 
 from casingfem.experiment.identify.clusters import Responses
-from casingfem.experiment.identify.pole_fit import PoleFit
-from casingfem.io.arrays import IntArray
+from casingfem.experiment.identify.counting import counted
+from casingfem.experiment.identify.lscf import compressed
+from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
+from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.io.arrays import FloatArray, IntArray
 
-LEAST_GROUPS = 3  # of two poles or more, that show set-ups
 LEAST_CHANNELS = 2  # of a set-up
-APART, PERHAPS = 0.35, 0.25  # 1 - cosine between two set-ups, usual; of two that are tried
-ALONE = 0.75  # share of a pole's energy in its set-up, median; two references that drive pairs apart give 0.65 to 0.74
-MULTIPLIED = 1.25  # poles of the common description over those of one set-up, at least
+REPEATING = 0.5  # least share of poles that two groups of channels of one test have in common
+CHANCE = 1e-3  # that one test is taken for several set-ups
 HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
+SHARES = np.linspace(0.0, 1.0 - REPEATING, 6)[:, None, None]
+WIDTHS = np.geomspace(1e-8, 1.0, 50)[:, None]  # gamma
 
 
 class SetUp(NamedTuple):
@@ -34,59 +51,116 @@ class SetUp(NamedTuple):
     fits: list[PoleFit]
 
 
-def setups_of(fits: list[PoleFit], channels: int) -> list[IntArray]:
+class _Group(NamedTuple):
+    """Channels (channels,) and their own fit in each window."""
+
+    channels: IntArray
+    fits: list[PoleFit]
+
+
+def setups_of(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -> list[IntArray]:
     """Channels of each set-up; an empty list where all are one."""
-    groups = [fit for fit in fits if len(fit) > 1]
-    if len(groups) < LEAST_GROUPS or channels < 2 * LEAST_CHANNELS:
-        return []
-    heard = _heard(groups)
-    alike = np.zeros((channels, channels))
-    for fit in groups:
-        sizes = np.abs(fit.A) / (np.linalg.norm(fit.A, axis=0) + 1e-300)
-        alike += sizes.T @ sizes / len(groups)
-    far = np.clip(1.0 - alike, 0.0, None)
-    np.fill_diagonal(far, 0.0)
-    near = 0.5 * (far + far.T)[np.ix_(heard, heard)]
+    fits = [fit for fit in fits if len(fit) and fit.refined]
+    heard = _heard(fits)
     if len(heard) < 2 * LEAST_CHANNELS:
         return []
-    tree = linkage(squareform(near, checks=False), method="average")
-    heights = tree[:, 2]
-    if heights[-1] < PERHAPS:
+    far = _distances(fits)
+    tree = linkage(squareform(far[np.ix_(heard, heard)], checks=False), method="average")
+    groups = _branches(data, fits, _Group(heard, fits), heard, to_tree(tree), rules)
+    left, evidence = list(range(len(groups))), dict[tuple[int, int], float]()
+    while len(left) > 1:
+        pairs = list(combinations(left, 2))
+        evidence |= {(i, j): shifted(*_differences(groups[i], groups[j])) for i, j in pairs if (i, j) not in evidence}
+        least = min(pairs, key=evidence.__getitem__)
+        if evidence[least] >= 0.0:
+            break
+        joined = np.sort(np.concatenate([groups[k].channels for k in least]))
+        left = [*(k for k in left if k not in least), len(groups)]
+        groups.append(_alone(data, fits, joined, rules))
+    total = sum(evidence[pair] for pair in combinations(left, 2))
+    if len(left) < 2 or 2.0 / len(left) * total < chdtri(1, 2.0 * CHANCE):
         return []
-    first = int(np.argmax(heights >= min(APART, heights[-1])))  # merges from here on join set-ups
-    number = fcluster(tree, 0.5 * (heights[first] + (heights[first - 1] if first else 0.0)), criterion="distance")
-    parts = [heard[number == k] for k in np.unique(number)]
-    parts = [part for part in parts if len(part) >= LEAST_CHANNELS]
-    if len(parts) < 2 or len(parts) > channels // LEAST_CHANNELS or _alone(fits, parts) < ALONE:
-        return []
-    for lonely in np.setdiff1d(np.arange(channels), np.concatenate(parts)).tolist():
-        nearest = int(np.argmin([far[lonely, part].mean() for part in parts]))
+    parts = [groups[k].channels for k in left]
+    for lonely in np.setdiff1d(np.arange(data.Y.shape[1]), np.concatenate(parts)).tolist():
+        nearest = int(np.argmin([far[lonely, groups[k].channels].mean() for k in left]))
         parts[nearest] = np.sort(np.append(parts[nearest], lonely))
     return parts
 
 
-def _heard(groups: list[PoleFit]) -> IntArray:
-    """Channels whose residues are above their noise: a dead one has no set-up of its own."""
-    ratios = [np.sqrt(np.sum(np.abs(fit.A) ** 2, axis=0) / np.trace(fit.gram).real) for fit in groups]
-    return np.flatnonzero(np.median(ratios, axis=0) > HEARD)
+def shifted(d: FloatArray, s: FloatArray) -> float:
+    """Evidence that poles are shifted by d (poles,), of standard deviation s; below zero where most of them repeat.
 
-
-def _alone(fits: list[PoleFit], parts: list[IntArray]) -> float:
-    """Median over the poles of the largest share of a pole's energy that is in one part."""
-    energy = np.abs(np.concatenate([fit.A for fit in fits])) ** 2
-    shares = np.array([energy[:, part].sum(axis=1) for part in parts]) / (energy.sum(axis=1) + 1e-300)
-    return float(np.median(shares.max(axis=0)))
-
-
-def simpler(fits: list[PoleFit], alone: list[SetUp]) -> bool:
-    """Whether set-ups describe the same with fewer numbers, 2 for each pole and channel and 2 for each pole.
-
-    Two references that drive different members of pairs split the channels too, but they do not multiply the poles of
-    the common description: these are then hardly more than those of one part.
+    >>> s, z = np.full(12, 1e-5), np.linspace(-1.5, 1.5, 12)
+    >>> shifted(z * s, s) < 0.0, round(shifted(100.0 * z * s, s), 1)
+    (True, 16.6)
     """
-    if not alone:
-        return False
-    channels = sum(len(part.channels) for part in alone)
-    poles, most = sum(len(fit) for fit in fits), max(sum(len(fit) for fit in part.fits) for part in alone)
-    apart = sum(sum(len(fit) for fit in part.fits) * (2 * len(part.channels) + 2) for part in alone)
-    return apart < poles * (2 * channels + 2) and poles > MULTIPLIED * most
+    if not len(d):
+        return 0.0
+    same = np.exp(-0.5 * (d / s) ** 2) / (s * np.sqrt(2.0 * np.pi))
+    wide = np.hypot(WIDTHS, s)
+    other = wide / (np.pi * (d**2 + wide**2))
+    mixed = np.log((1.0 - SHARES) * same + SHARES * other + 1e-300).sum(axis=-1)
+    return float(2.0 * (np.log(other).sum(axis=-1).max() - mixed.max()))
+
+
+def _distances(fits: list[PoleFit]) -> FloatArray:
+    """1 - cosine of the sizes of residues over the poles of a window, mean over the windows (channels, channels)."""
+    windows = [fit for fit in fits if len(fit) > 1]
+    far = np.zeros((fits[0].A.shape[1],) * 2)
+    for fit in windows:
+        sizes = np.abs(fit.A) / (np.linalg.norm(fit.A, axis=0) + 1e-300)
+        far += (1.0 - sizes.T @ sizes) / len(windows)
+    far = np.clip(0.5 * (far + far.T), 0.0, None)
+    np.fill_diagonal(far, 0.0)
+    return far
+
+
+def _heard(fits: list[PoleFit]) -> IntArray:
+    """Channels whose residues are above their noise: a dead one has no set-up of its own."""
+    ratios = [np.sqrt(np.sum(np.abs(fit.A) ** 2, axis=0) / np.trace(fit.gram).real) for fit in fits if len(fit) > 1]
+    return np.flatnonzero(np.median(ratios, axis=0) > HEARD) if ratios else np.zeros(0, np.int64)
+
+
+def _branches(
+    data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
+) -> list[_Group]:
+    """The branches of a tree of channels, cut as long as that needs fewer numbers; single channels are in none."""
+    sides = [node.get_left(), node.get_right()]
+    while min(side.get_count() for side in sides) < LEAST_CHANNELS:
+        node = max(sides, key=ClusterNode.get_count)
+        if node.get_count() < 2 * LEAST_CHANNELS:
+            return [whole]
+        sides = [node.get_left(), node.get_right()]
+    parts = [_alone(data, fits, np.sort(heard[side.pre_order()]), rules) for side in sides]
+    together = sum(len(part.channels) for part in parts)
+    if sum(_numbers(part.fits, len(part.channels)) for part in parts) >= _numbers(whole.fits, together):
+        return [whole]
+    return [
+        each
+        for part, side in zip(parts, sides, strict=True)
+        for each in _branches(data, fits, part, heard, side, rules)
+    ]
+
+
+def _numbers(fits: list[PoleFit], channels: int) -> int:
+    """Numbers of a description: of each pole 2, and 2 for each channel."""
+    return sum(len(fit) for fit in fits) * (2 * channels + 2)
+
+
+def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thresholds) -> _Group:
+    """Fits of some channels in the windows of all, with as many poles as they justify."""
+    own, seen = [], data.freq[data.peaks.at]
+    for fit in fits:
+        whole = replace(fit.window, Y=fit.window.Y[:, channels])
+        here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
+        found = counted(replace(whole, Y=compressed(whole.Y)), fit.poles, here, rules=rules)
+        own.append(fit_poles(whole, found.poles, steps=0, rules=rules))
+    return _Group(channels, own)
+
+
+def _differences(one: _Group, two: _Group) -> tuple[FloatArray, FloatArray]:
+    """Differences of ln frequency and their deviations (poles,), of windows with equally many poles in both groups."""
+    pairs = [(a, b) for a, b in zip(one.fits, two.fits, strict=True) if len(a) == len(b)]
+    d = [np.log(a.poles.imag / b.poles.imag) for a, b in pairs]
+    s = [np.hypot(*(fit.sigma[0] * fit.poles.real / fit.poles.imag for fit in pair)) for pair in pairs]
+    return np.concatenate([np.zeros(0), *d]), np.concatenate([np.zeros(0), *s])

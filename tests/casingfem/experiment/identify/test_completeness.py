@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.identify.spectra import line_noise, visible_peaks
-from casingfem.experiment.rig.rig import Probe, Rig
+from casingfem.experiment.rig.rig import Probe, Rig, noisy
 from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 
 THETA = 2.0 * np.pi * np.arange(16) / 16 + 0.03
@@ -170,6 +170,23 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
     assert np.all(np.abs(found.freq - mean) < 5.0 * found.sigma_freq + 1e-3)
     assert 3e-4 < found.shift < 3e-3
     assert "different frequencies in 3 groups of channels" in " ".join(found.notes)
+
+
+@pytest.mark.slow
+def test_two_references_that_each_drive_one_member_of_every_pair_are_one_set_up():
+    """The other member is driven 1 deg from a node: 10 to 60 times less."""
+    theta = np.arange(12) * np.pi / 6 + 0.05
+    at = np.r_[theta, np.radians([1.0, 46.0])]
+    orders = (2, 6, 10, 2, 6, 10, 3, 5)
+    freqs = np.array([309.0 * 1.03**k * (1.0 + side) for k in range(8) for side in (-1e-3, 1e-3)])
+    rows = np.array([np.cos(n * at - k * np.pi / 2) for n in orders for k in (0, 1)]).T
+    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
+    rig = Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
+    frfs = noisy(rig.frfs(np.arange(295.0, 395.0, 0.1), sensors=range(12), drives=[12, 13]), 40.0, seed=3)
+    found = cf.identify(frfs, angles={k + 1: float(np.degrees(a)) for k, a in enumerate(theta)})
+    np.testing.assert_allclose(found.freq, freqs, atol=0.01)
+    assert found.sure.all()
+    assert found.shift == 0.0
 
 
 @pytest.mark.parametrize("kind", ["constant", "spike", "huge", "tiny"])
