@@ -9,16 +9,5 @@ print(cf.modes(casing, count=40))
 
 import lazy_loader
 
-from casingfem.former_names import FORMER
-
 # what the package exports stands in __init__.pyi, and each name is loaded when it is first used
-_exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-
-def __getattr__(name: str) -> object:
-    """A name of the stub, or one that stood here once."""
-    if name not in FORMER:
-        return _exported(name)
-    from contact.io.former import former
-
-    return former(__name__, FORMER, name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

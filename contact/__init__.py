@@ -15,17 +15,14 @@ Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRi
 
 import lazy_loader
 
-from contact.former_names import FORMER
-from contact.io.former import former
-
 # what the package exports stands in __init__.pyi, and each name is loaded when it is first used
 _exported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
-    """A name of the stub, or one that stood here once; the version, which is looked up when it is asked for."""
+    """A name of the stub; the version, which is looked up when it is asked for."""
     if name == "__version__":
         from contact.version import __version__
 
         return __version__
-    return former(__name__, FORMER, name) if name in FORMER else _exported(name)
+    return _exported(name)

@@ -31,7 +31,7 @@ from contact.growth.cycles.basins import Attractor, Basins
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit
 from contact.io.reported import Reported
-from contact.io.stored import MOVED, StoredError, load_value, read_only, save_value
+from contact.io.stored import StoredError, load_value, read_only, save_value
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.record.wear import Wear
 from contact.sweep.plan import load_sweep
@@ -344,21 +344,6 @@ def test_a_file_makes_nothing_but_values_of_the_packages(tmp_path):
         np.savez(path, **arrays | {"document": document})
         with pytest.raises(StoredError, match=rf"table.npz: found no value .*{said}.*, expected a FrequencyTable"):
             cf.FrequencyTable.load(path)
-
-
-def test_a_file_that_names_a_module_of_before_is_read(tmp_path):
-    found = cf.modes(solid(), 2)
-    path = found.save(tmp_path / "modes.npz")
-    with np.load(path) as file:
-        arrays = dict(file)
-    document = str(arrays["document"])
-    for former, now in MOVED.items():
-        document = document.replace(f'"{now}:', f'"{former}:')
-    assert '"casingfem.modal.imported.modes:MeshModes"' in document
-    assert '"casingfem.structure.imported.mesh_data:MeshData"' in document
-    assert "attachments.values:" in document
-    np.savez(path, **arrays | {"document": document})
-    assert_same(cf.modal.MeshModes.load(path), found)
 
 
 def test_a_file_of_something_else_is_refused_by_its_name(tmp_path):

@@ -2,17 +2,13 @@
 
 import ast
 import importlib
-import re
-from operator import attrgetter
 from pathlib import Path
 
 import pytest
 
 import casingfem
 import contact
-from casingfem import former_names as former_casingfem
 from casingfem.__main__ import threads
-from contact import former_names as former_contact
 from reports.speed.start_up import HEAVY, HELP, loaded, main
 
 ROOT = Path(__file__).parents[1]
@@ -24,9 +20,7 @@ STUBS = sorted(
 # of contact, casingfem loads what writes files, and what its package loads itself
 WRITERS = {
     "contact",
-    "contact.former_names",
     "contact.io",
-    "contact.io.former",
     "contact.io.digests",
     "contact.io.infiles",
     "contact.io.trust",
@@ -38,11 +32,6 @@ WRITERS = {
     "contact.io.outfiles",
     "contact.io.progress",
 }
-MOVED = [
-    (package, old, new)
-    for package, names in ((casingfem, former_casingfem), (contact, former_contact))
-    for old, new in names.FORMER.items()
-]
 
 
 @pytest.mark.slow
@@ -80,27 +69,11 @@ def test_the_top_of_a_package_is_short(package, most):
     assert len(package.__all__) <= most
 
 
-@pytest.mark.parametrize(("package", "old", "new"), MOVED)
-def test_a_name_that_has_left_the_top_still_works_and_says_where_it_is(package, old, new):
-    assert old not in dir(package)
-    words = re.escape(f"{package.__name__}.{old} is {package.__name__}.{new} now")
-    with pytest.warns(DeprecationWarning, match=words) as caught:
-        found = getattr(package, old)
-    assert found is attrgetter(new)(package)
-    assert [warning.filename for warning in caught] == [__file__]
-
-
-def test_a_name_that_has_left_the_top_can_be_imported():
-    with pytest.warns(DeprecationWarning, match=r"casingfem.uff.read_uff now"):
-        from casingfem import read_uff
-    assert read_uff is casingfem.uff.read_uff
-
-
 @pytest.mark.slow
 def test_a_module_loaded_first_does_not_take_the_place_of_a_function_of_its_name():
     loaded("import contact.run, contact.growth.closed_contact, contact.run_many\n"
-           "from contact import run, run_many, stability\n"
-           "assert callable(run) and callable(run_many) and callable(stability) and callable(contact.run)")  # fmt: skip
+           "from contact import run, run_many\n"
+           "assert callable(run) and callable(run_many) and callable(contact.run)")  # fmt: skip
 
 
 def test_a_name_that_is_not_there_is_refused_by_its_name():

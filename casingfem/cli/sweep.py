@@ -12,7 +12,6 @@ from casingfem.cli.running import NUMERICS_FAILED, deliver, fail, options
 from casingfem.cli.study import STUDY, chart_study
 from casingfem.cli.tables import csv_text
 from casingfem.io.side_by_side import usable_cores
-from contact.io.columns import records_of
 from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
@@ -176,6 +175,7 @@ def files_of_draws(found: "Mistuning", document: dict[str, Any]) -> dict[str, Co
     from casingfem.modal.mistuning import DRAWS, SUMMARY
     from casingfem.plot.modes import figure_splits
     from casingfem.plot.style import png
+    from contact.io.columns import records_of
 
     source = document["source"]
     versions = ", ".join(f"{name} {number}" for name, number in source["versions"].items())

@@ -25,25 +25,6 @@ from contact.io.npz import DAMAGE, load_npz, write_npz
 
 FORMAT = "casingfem-value-1"
 OWN = ("casingfem.", "contact.")
-MOVED = {  # modules that files of before name, and where their classes stand now
-    "casingfem.experiment.identify.stabilisation": "casingfem.experiment.identify.lscf",
-    "casingfem.experiment.identify.poles.stabilisation": "casingfem.experiment.identify.lscf",
-    "casingfem.modal.imported.modes": "casingfem.modal.mesh_modes",
-    "casingfem.structure.imported.attachments.values": "casingfem.structure.imported.mesh.attachments",
-    "casingfem.structure.imported.mesh_data": "casingfem.structure.imported.mesh.mesh_data",
-    "casingfem.structure.edge.point_mass": "casingfem.structure.edge.ring",
-    "casingfem.structure.edge.stiffener": "casingfem.structure.edge.ring",
-    "casingfem.structure.geometry.taper": "casingfem.structure.geometry.stations",
-    "casingfem.structure.geometry.twisted": "casingfem.structure.geometry.blade",
-    "casingfem.structure.imported.support": "casingfem.structure.imported.cells.support",
-    "casingfem.structure.imported.static": "casingfem.structure.imported.loads",
-    "casingfem.updating.posterior": "casingfem.updating.uncertainty.posterior",
-    "casingfem.updating.prediction": "casingfem.updating.uncertainty.prediction",
-    "casingfem.updating.sampling": "casingfem.updating.uncertainty.sampling",
-    "contact.growth.cycles.checkpoint": "contact.growth.cycles.follow",
-    "contact.growth.cycles.course": "contact.growth.cycles.branch",
-    "contact.record.divergence": "contact.record.energy",
-}
 WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}  # numbers that JSON has no word for
 MANY: dict[str, Callable[..., Any]] = {"tuple": tuple, "list": list, "set": frozenset}
 MAPS: dict[str, Callable[..., Any]] = {"dict": dict, "mapping": lambda pairs: MappingProxyType(dict(pairs))}
@@ -270,7 +251,7 @@ class Unpacking:
         module, _, name = part["value"].partition(":")
         if not module.startswith(OWN):
             raise ValueError(f"found {part['value']!r}, expected a value of casingfem or contact")
-        kind: Any = import_module(MOVED.get(module, module))
+        kind: Any = import_module(module)
         for step in name.split("."):
             kind = getattr(kind, step)
         if not (isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, tuple))):
