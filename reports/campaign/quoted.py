@@ -82,7 +82,10 @@ QUOTED: dict[str, tuple[Table, ...]] = {
         Table("imported_solids.csv", ("case", "cells"), plain("worst error")),
         Table("imported_shells.csv", ("cells", "around x along"), plain("worst error")),
     ),
-    "rig": (Table("rig_summary.csv", ("case",), percent("RMS before", "RMS after", "left out")),),
+    "rig": (
+        Table("rig_summary.csv", ("case",), percent("RMS before", "RMS after", "left out")),
+        Table("rig_rubs.csv", ("blade",), plain("as built [dB]", "defect machined away [dB]")),
+    ),
     "updating.identification": (
         Table(
             "identification_summary.csv", (),

@@ -18,17 +18,18 @@ from contact.io.outfiles import write_atomic
 from reports.rig import blade as rig_blade
 from reports.rig import page as rig_page
 from reports.rig import rub as rig_rub
-from reports.tables import DATA, Row, write
+from reports.rig import tuning as rig_tuning
+from reports.tables import DATA, Row, show, write
 
 COARSE, SMALL = cf.ShellMesh(order=6, rows=1, around=23), cf.ShellMesh(order=8, rows=1, around=1)
 CHAIN = DATA / "studies" / "rig.toml"
 
 
-def read_chain(path: Path) -> tuple[dict[str, Study], rig_rub.RubPlan]:
+def read_chain(path: Path) -> tuple[dict[str, Study], rig_tuning.RubPlan]:
     """The studies and the rub that rig.toml names."""
     tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     studies = {key: load_study(path.parent / name) for key, name in tables["chain"].items()}
-    return studies, rig_rub.RubPlan(**tables["tuning"], **tables["rub"])
+    return studies, rig_tuning.RubPlan(**tables["tuning"], **tables["rub"])
 
 
 def main(out: Path, quick: bool = False) -> dict[str, float]:
@@ -67,14 +68,18 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         clock("rub, as built", lambda: rig_rub.run("as built", files, plan, terms)),
         clock("rub, defect machined away", lambda: rig_rub.run("defect machined away", files, plan, [])),
     ]
-    for rub in rubs:
-        print(f"{rub.name}: n = {plan.n} stands {rub.excess_db(plan.n):+.1f} dB over the next mode")
+    rims = {"as built [dB]": terms, "defect machined away [dB]": []}
+    controls = clock("rubs with a cause taken away", lambda: rig_rub.controls(files, plan, rims))
+    levels = [rub.excess_db(plan.n) for rub in rubs]
+    rows = [{"blade": "digging blade"} | dict(zip(rims, levels, strict=True)), *controls]
+    show(f"Level of n = {plan.n} over the next nodal diameter", rows)
 
     sections = [
         rig_page.overview(blade_fit, fit, rubs, plan),
         rig_blade.section(blade_fit),
         rig_page.casing_section(casing, fit, ideal),
         rig_page.reduction(files, tuning, plan),
+        rig_page.causes(rows, plan),
         *(rig_page.rub_section(rub, plan) for rub in rubs),
         rig_page.provenance(casing, clock.seconds),
     ]
@@ -90,6 +95,7 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         {"case": "rig casing", "RMS before": fit.rms_before, "RMS after": fit.rms_after, "left out": None},
     ]  # fmt: skip
     write(out / "rig_summary.csv", summary)
+    write(out / "rig_rubs.csv", rows)
     print(f"{out / 'report.html'} after {time.perf_counter() - started:.0f} s")
     return {
         "blade_rms_before": rig_blade.rms(blade_fit.errors_nominal),
@@ -97,6 +103,6 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         "blade_rms_left_out": left,
         "casing_rms_before": fit.rms_before,
         "casing_rms_after": fit.rms_after,
-        "as_built_db": rubs[0].excess_db(plan.n),
-        "machined_db": rubs[1].excess_db(plan.n),
+        "as_built_db": levels[0],
+        "machined_db": levels[1],
     }

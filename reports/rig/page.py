@@ -1,5 +1,6 @@
 """Sections of the rig's report: what leads, the casing, the reduction, the rubs, where it all comes from."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,9 @@ from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from casingfem.plot.turning import turning_shapes
 from casingfem.study import Study
 from reports.rig.blade import BladeFit, rms
-from reports.rig.rub import Rub, RubPlan, Tuning
+from reports.rig.rub import Rub
+from reports.rig.tuning import RubPlan, Tuning
+from reports.tables import Row, text
 
 TURNED = 12  # shapes that a reader can turn
 WHAT_IS_REAL = (
@@ -59,11 +62,11 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], pla
     flagged = sorted({flag for rub in rubs for flag in rub.result.flags})
     return Verdict(
         found=f"The measured blade's frequencies are met to {100 * blade.fit.rms_after:.2g} % RMS, the casing's "
-        f"(SYNTHETIC) to {100 * fit.rms_after:.2g} %. In the rub n = {plan.n} stands over the next nodal diameter by "
+        f"(SYNTHETIC) to {100 * fit.rms_after:.2g} %. Level of n = {plan.n} over the next nodal diameter in the rub: "
         f"{said}.",
         sure=f"The misfit is {blade.fit.misfit:.2g} sigma for the blade, {fit.misfit:.2g} for the casing; "
         f"a blade's frequency that its update has not seen is predicted to {100 * rms(blade.left_out):.2g} %."
-        + (f" {len(flagged)} flags stand below: linear theory is left there." if flagged else ""),
+        + (f" Linear theory ends within a run: {len(flagged)} warnings, given below." if flagged else ""),
         further="Measure the casing's shapes and the wall over the blade; run the rubs with half the step.",
     )
 
@@ -109,16 +112,36 @@ def reduction(files: tuple[Path, Path], tuning: Tuning, plan: RubPlan) -> Sectio
         )
         for file, basis in zip(files, bases, strict=True)
     )
+    grows = tuning.grows
     words = (
         f"The blade is a strip whose thickness, {1e3 * tuning.thickness:.3f} mm, puts its first mode at "
         f"{tuning.target:.2f} Hz. The free coincidence f_b = f_c - n f of the casing's n = {plan.n} mode at "
-        f"{plan.speed_hz:g} Hz is {tuning.coincidence:.2f} Hz; a closed contact moves the band that grows to "
-        f"{tuning.low:.2f}-{tuning.high:.2f} Hz, and the blade stands {100 * plan.into_band:g} % into it.",
+        f"{plan.speed_hz:g} Hz ({60.0 * plan.speed_hz:g} rpm) is at {tuning.coincidence:.2f} Hz; f_c is the frequency "
+        "of the wave against the rotation, in the frame of the casing.",
+        f"In a contact that stays closed n = {plan.n} leads the motion that grows from {tuning.low:.2f} to "
+        f"{tuning.high:.2f} Hz, by the poles of both reduced bodies with the matrices of the casing's rotation. Below, "
+        f"nothing grows; above, another nodal diameter leads. The blade is tuned {100 * plan.into_band:g} % into this "
+        f"band: the motion grows by {grows.growth:.3g} 1/s at {grows.freq_hz:.2f} Hz, n = {plan.n} "
+        f"{grows.excess_db:+.1f} dB over the next nodal diameter.",
         "Free modes with the residual compliance S of all that they leave out; these files are the only thing "
         "handed on to contact.",
     )
     columns = ("file", "modes", "first [Hz]", "last [Hz]", "channels", "S, share of static compliance [%]")
     return Section("Reduction", words, tables=(Table("Reduced bodies.", columns, rows),))
+
+
+def causes(rows: Sequence[Row], plan: RubPlan) -> Section:
+    """Levels of n with the defect and without, and with a cause of the growth taken away."""
+    columns = tuple(rows[0])
+    table = Table(
+        f"Level of n = {plan.n} over the next nodal diameter, last quarter of the run.", columns,
+        tuple(tuple(text(row[name]) if name == "blade" else f"{row[name]:+.1f}" for name in columns) for row in rows),
+    )  # fmt: skip
+    words = (
+        "The growth needs a contact that stays closed and a friction above tan(lean). As built, the rim is closed for "
+        "a small part of each turn; with the defect machined away the contact is permanent.",
+    )
+    return Section("What the rub needs to grow", words, tables=(table,))
 
 
 def rub_section(rub: Rub, plan: RubPlan) -> Section:
@@ -132,8 +155,8 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         f"its first touch; friction {plan.friction:g}, lean {plan.lean_deg:g} deg against the motion (friction above "
         f"tan(lean): the blade digs in). Contact is closed {100 * closed:.0f} % of {plan.t_end:g} s, in "
         f"{len(intervals)} intervals, one for each closing.",
-        f"Late in the run n = {plan.n} stands {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. With n f "
-        "below every casing frequency f_c + f_b = n f cannot be met here; the form that applies is f_b = f_c - n f.",
+        f"In the last quarter of the run n = {plan.n} is {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. "
+        "With n f below every casing frequency f_c + f_b = n f cannot be met here. The coincidence is f_b = f_c - n f.",
         "Motions of a millimetre are the model's, not a machine's: without an abradable coating nothing wears.",
         *(f"Flag: {flag}." for flag in result.flags),
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.style import png
@@ -19,13 +20,15 @@ from casingfem.plot.sweep import figure_cycles
 from contact.growth.cycles import Cycles, Orbit, RimFamily, Special, as_worn
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.rub import rub_of
-from reports.rub.section_44 import first_touch, make_blades, make_casing
+from reports.rub.bases import steel_strip
+from reports.rub.section_44 import first_touch, make_casing
 from reports.tables import Row, check, command_line, show, write
 
 DEFECT = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
 COATING = ct.Abradable(
     E=2e7, yield_stress=1e5, hardening=1e5, thickness=2e-3, width=0.04, tip=5e-3, bars=6, mu=0.15
 )  # fmt: skip
+THICKNESS = 5.4615e-3  # m: a blade whose first mode is at 384 Hz
 ZETA, LEAN_DEG, ADVANCE, CLOSES = 0.005, -10.0, 1e-4, 1e-5
 WORN_AT, BETWEEN = 100.0, (131.4, 133.6)  # turns/s
 HARMONICS = (16, 80, 40)  # of the profile as worn; the last one goes on
@@ -58,8 +61,9 @@ class Ramp:
 
 def pair(folder: Path) -> ct.Rub:
     """Casing and blade at rest before each other, the blade advanced past its first touch."""
-    make_blades(folder)
-    casing, blade = make_casing(folder, 20, 1), ct.ModalBody.load(folder / "blade_388.npz")
+    casing = make_casing(folder, 20, 1)
+    strip = cf.reduce(steel_strip(THICKNESS), cf.Tip(), modes=4, zeta=ZETA)
+    blade = ct.ModalBody.load(strip.save(folder / "blade_384.npz"))
     damped = [replace(body, zeta=np.full(body.omega.size, ZETA)) for body in (casing, blade)]
     rim = ct.RotatingRim(
         *damped, clearance=0.0, speed_hz=WORN_AT, lean_deg=LEAN_DEG, out_of_roundness=DEFECT

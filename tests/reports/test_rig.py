@@ -7,8 +7,9 @@ import pytest
 
 import casingfem as cf
 import contact as ct
+from contact.model.gaps.bladed_disk import pair_rim
 from reports.rig import chain as rig
-from reports.rig import rub
+from reports.rig import rub, tuning
 from reports.rig import synthetic as rig_synthetic
 from reports.rub import bases
 from reports.tables import DATA
@@ -50,6 +51,44 @@ def test_updating_closes_most_of_the_gap_that_it_can(chain):
     assert figures["blade_rms_after"] < 0.02
     assert figures["casing_rms_before"] > 0.008
     assert figures["casing_rms_after"] < 0.001
+
+
+def test_band_in_which_n_leads_is_that_of_a_weak_coincidence():
+    """Two poles that meet over a stiff contact: half width 2 sqrt(a b)/S of `contact.growth.coincidence`."""
+    n, still, speed, S = 4, 300.0, 5.0, 3e-6
+    casing = pair_rim(ct.gaps.ModalPair(n=n, freq_hz=still, modal_mass=2.0, zeta=1e-3), radius=0.45)
+    blade = ct.ModalBody(
+        omega=2 * np.pi * np.array([280.0]), zeta=np.full(1, 1e-3), channels=("span", "flap"),
+        rows=np.array([[0.0], [2.0]]), S=S * np.eye(2),
+    )  # fmt: skip
+    plan = tuning.RubPlan(
+        n=n, speed_hz=speed, into_band=0.2, t_end=1.0, dt=1e-5, friction=0.3, lean_deg=10.0, advance=1e-5
+    )  # fmt: skip
+    low, high = tuning.band_of_n(casing, blade, plan, still - n * speed)
+    turn = 2 * np.pi
+    press, push = (np.sin(np.radians(10.0)) * 2.0, (np.sin(np.radians(10.0)) - 0.3 * np.cos(np.radians(10.0))) * 2.0)
+    a = 1.0 / (2.0 * 2.0 * 2.0 * turn * still)  # of the wave: 1/(4 m w)
+    b = -press * push / (2.0 * turn * 280.0)
+    assert high - low == pytest.approx(4.0 * np.sqrt(a * b) / S / turn, rel=0.07)  # damping narrows it
+    inside, outside = (
+        tuning.leading(casing, blade, plan, 0.5 * (low + high)),
+        tuning.leading(casing, blade, plan, high + 0.1),
+    )
+    assert inside.of_n
+    assert not outside.of_n
+
+
+def test_tuning_is_refused_where_friction_lets_nothing_grow():
+    casing = pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=2.0, zeta=1e-3), radius=0.45)
+    blade = ct.ModalBody(
+        omega=np.array([1760.0]), zeta=np.full(1, 1e-3), channels=("span", "flap"), rows=np.array([[0.0], [2.0]]),
+        S=3e-6 * np.eye(2),
+    )  # fmt: skip
+    plan = tuning.RubPlan(
+        n=4, speed_hz=5.0, into_band=0.2, t_end=1.0, dt=1e-5, friction=0.1, lean_deg=10.0, advance=1e-5
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="found no blade frequency"):
+        tuning.band_of_n(casing, blade, plan, 280.0)
 
 
 def test_the_survey_in_the_repository_is_the_one_the_generator_makes():
