@@ -43,7 +43,7 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
     words += [closed, _fed_words(result.energy)]
     if growth is not None and grows:
         words += [_impact_words(growth, theory), growth.at_half_step]
-    numerical = growth is not None and growth.converged is False
+    numerical = growth is not None and growth.numerical
     words.append(IN_REALITY if name in ("wall", "radius") and not numerical else "")
     return Divergence(
         limit=name, step=result.steps, time=time, reached=reached, allowed=allowed,
@@ -55,7 +55,7 @@ def divergence(problem: Problem, mu: float, result: Result, limit: tuple[str, fl
 def _impact_words(growth: RunGrowth, theory: float) -> str:
     """That contact which opens and closes feeds a motion which closed contact does not."""
     cause = growth.cause
-    if cause is None or cause.closed > CLOSED or theory > 0.0 or math.isnan(theory) or growth.converged is False:
+    if cause is None or cause.closed > CLOSED or theory > 0.0 or math.isnan(theory) or growth.numerical:
         return ""
     return f"Contact that opens and closes feeds this motion: it is closed {100.0 * cause.closed:.2g} % of the time."
 

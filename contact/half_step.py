@@ -89,20 +89,21 @@ def with_half_step(
         limits[RIM] = limits[TIP] = math.inf
     with np.errstate(all="ignore"):
         time, state = states(stepper, clock, 2 * (taken - first))
-        rate = _growth(rub, time + 0.5 * dt * (2 * first - clock), state, begin, end)
-    return growth.checked(rate, 2.0 * (taken - first) / taken)
+        rate, width = _growth(rub, time + 0.5 * dt * (2 * first - clock), state, begin, end)
+    return growth.checked(rate, width, 2.0 * (taken - first) / taken)
 
 
-def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> float:
-    """Slope of the whole stretch [1/s]; nan of too few states."""
+def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tuple[float, float]:
+    """Slope of the whole stretch [1/s] and the half width of its interval; nan of too few states."""
     late = time >= begin
     omega = np.concatenate([body.omega for body in rub.bodies])
     speed = rub.speed.omega(end)
     turn = 2.0 * math.pi / abs(speed) if speed else math.inf
     found = envelope(time[late], state[late, : omega.size], omega, np.zeros(omega.size, dtype=np.int64), turn)
     if found is None or not (np.isfinite(found.energy).all() and found.energy.min() > 0.0):
-        return math.nan
-    return slope_of(found.time, 0.5 * np.log(found.energy[:, 0]))[0]
+        return math.nan, math.nan
+    rate, low, high = slope_of(found.time, 0.5 * np.log(found.energy[:, 0]))
+    return rate, 0.5 * (high - low)
 
 
 @singledispatch

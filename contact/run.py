@@ -36,6 +36,7 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
 WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
 LEDGER = 20_000  # steps between looks at the energy
+LONGER = 4  # times its steps, at most: how far a run that passed a limit goes on to fit its growth
 ADDED = 3.0  # times all other energy since the first call: contact that adds more feeds on itself
 
 Progress = Callable[[float], None]
@@ -320,19 +321,24 @@ def with_growth(
 ) -> Result:
     """The result of a rim, a rub or a disk with the growth of its motion, checked at half the step where it grows.
 
-    A run that passed a limit before it stored enough states is repeated up to there, where `marks` are given.
+    Where `marks` are given, a run that passed a limit before its growth can be fitted is repeated with denser states.
+    It goes on to a tenth of the radius, for LONGER times its steps at most. A motion that reaches this grows.
     """
     from contact.growth.of_run import of_run
 
     with np.errstate(all="ignore"):
-        growth, read = of_run(ready.problem, result), result
-        if growth is None and limit is not None and marks is not None and rub_of(ready.problem) is not None:
+        growth, far = of_run(ready.problem, result), limit is not None and limit[0] == "radius"
+        early = limit is not None and limit[0] in ("wall", "radius") and marks is not None
+        if early and rub_of(ready.problem) is not None and (growth is None or growth.state != "grows"):
             again = ready.scheme.prepare(ready.problem, ready.law, dt=result.dt, courant=None)
-            time, state = states(again, 0, result.steps)
-            read = replace(result, state_time=time, state=state, channels=result.channels[:0])
-            growth = of_run(ready.problem, read)
+            again.limits[RIM] = again.limits[TIP]  # type: ignore[attr-defined]
+            time, state = states(again, 0, min(LONGER * result.steps, ready.count))
+            more = replace(result, state_time=time, state=state, channels=result.channels[:0])
+            growth, far = of_run(ready.problem, more) or growth, passed(again.limits) is not None  # type: ignore[attr-defined]
     if growth is None:
         return result
+    if far and growth.state == "undecided" and growth.rate > 0.0:
+        growth = replace(growth, state="grows")
     if limit is not None and limit[0] == "wall":
         growth = replace(growth, time_to_half_wall=result.steps * result.dt)
     if growth.state == "grows" and ready.marked and marks is not None:

@@ -128,6 +128,7 @@ def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: 
         return finished(ready, [kept], taken, seconds, failed)
     except DivergedError as error:  # alone, a run whose energy grows ends at the next look at it
         ended = error.result
-        return None if ended.divergence.limit == "energy" or ended.growth is None else error
+        fitted = ended.growth is not None and ended.growth.state == "grows"
+        return error if fitted and ended.divergence.limit != "energy" else None
     except NumericsError:
         return None

@@ -6,9 +6,13 @@ omega_i^2 (q_i - c_i)^2, whose mean over many periods is the same. c_i is the me
 less than twice in a window their median over the run.
 
 Growth: least squares of y = log(mean energy of a window)/2 over time in up to three straight pieces, as many as
-lower m log(RSS/m) + 3 PENALTY pieces log m. The last piece's slope is the growth; its 95 % interval is
-t(0.975, k' - 2) sqrt(s^2/Sxx k/k'), with k' = k (1 - r)/(1 + r) of the piece's k windows and r the first
-autocorrelation of what is left over (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946, 184).
+lower m log(RSS/m) + 6 pieces log m, twice Schwarz's amount (Ann. Stat. 6, 1978, 461) because windows depend on each
+other. The last piece loses its first half while the
+slopes of its halves differ by more than their intervals, so that an approach to an end state is left out. Its slope is
+the growth; its 95 % interval is t(0.975, k' - 2) sqrt(s^2/Sxx k/k'), with k' = k (1 - r)/(1 + r) of the piece's k
+windows and r the first autocorrelation of what is left over (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946,
+184), plus (1 + 4 r)/k for its bias (Marriott & Pope, Biometrika 41, 1954, 390, have (1 + 3 r)/k without a slope), k' >=
+4. Of 400 draws of 32 windows the interval has the true growth in 95 %, in 83 % where r is 0.5.
 """
 
 from __future__ import annotations
@@ -20,14 +24,14 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices
 
-WINDOWS, FEWEST = 24, 8  # of a run: where it is long enough, and at least
+WINDOWS, FEWEST = 32, 8  # of a run: where it is long enough, and at least
 SAMPLES = 4  # in a window, at least
 PERIODS = 2.0  # of the motion, in a window where the run is long enough
 DENSE = 1.0  # omega times the step between states below which velocities are differences
 LEAST = 6  # windows of a piece
-PENALTY, NOISE = 3.0, 0.005  # of a piece more; scatter of y that is none
+PIECE, NOISE = 6.0, 0.005  # what a piece more must lower, in log m; scatter of y that is none
 EMPTY = 1e-24  # of the largest energy: nothing has touched yet
-AUTO = 0.9  # autocorrelation at most
+AUTO, FREE = 0.7, 4.0  # autocorrelation at most; independent windows at least
 
 
 class Envelope(NamedTuple):
@@ -72,8 +76,8 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
     A window is as long as the run over WINDOWS, but no less than PERIODS of the motion and, where that leaves FEWEST
     windows, whole revolutions (`turn`, inf of what does not turn).
 
-    >>> window_bounds(240, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(240, 1e-3, 1e-3, 0.012)[:3].tolist()
-    ([0, 10, 20], [0, 12, 24])
+    >>> window_bounds(320, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(320, 1e-3, 1e-3, 0.016)[:3].tolist()
+    ([0, 10, 20], [0, 16, 32])
     """
     if count < FEWEST * SAMPLES:
         return np.zeros(0, dtype=np.int64)
@@ -129,7 +133,7 @@ def growth_of(time: Array, energy: Array) -> Fit | None:
     t, y = time[begin:], 0.5 * np.log(energy[begin:])
     if t.size < LEAST:
         return None
-    first = _last_piece(t, y)
+    first = _even(t, y, _last_piece(t, y))
     return Fit(*slope_of(t[first:], y[first:]), begin + first)
 
 
@@ -144,8 +148,19 @@ def _last_piece(t: Array, y: Array) -> int:
         last.append(int(total[:, m].argmin()))
         best = total.min(axis=0)
         score.append(best[m])
-    worse = m * np.log(np.array(score) / m + NOISE**2) + 3.0 * PENALTY * np.arange(3) * math.log(m)
+    worse = m * np.log(np.array(score) / m + NOISE**2) + PIECE * np.arange(3) * math.log(m)
     return last[int(worse.argmin())]
+
+
+def _even(t: Array, y: Array, first: int) -> int:
+    """Where a piece begins after which its halves have one slope, to within their intervals."""
+    while t.size - first >= 2 * LEAST:
+        middle = (first + t.size) // 2
+        (a, a_low, _), (b, b_low, _) = slope_of(t[first:middle], y[first:middle]), slope_of(t[middle:], y[middle:])
+        if abs(a - b) <= math.hypot(a - a_low, b - b_low):
+            break
+        first = middle
+    return first
 
 
 def _residuals(t: Array, y: Array) -> Array:
@@ -174,8 +189,8 @@ def slope_of(t: Array, y: Array) -> tuple[float, float, float]:
     left = y - y.mean() - rate * x
     k, square = t.size, float(left @ left)
     r = float(left[1:] @ left[:-1]) / square if square > 0.0 else 0.0
-    r = min(max(r, 0.0), AUTO)
-    free = max(k * (1.0 - r) / (1.0 + r), 3.0)
+    r = min(max(r + (1.0 + 4.0 * r) / k, 0.0), AUTO)
+    free = max(k * (1.0 - r) / (1.0 + r), FREE)
     error = math.sqrt((square / (k - 2) + NOISE**2) / sxx * k / free)
     wide = float(stdtrit(free - 2.0, 0.975)) * error
     return rate, rate - wide, rate + wide

@@ -19,8 +19,8 @@ from contact.model.gaps.rub import ContactPoint, Rub
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 
-SLIGHT = 0.05  # e-folds over the last stretch that are none
-VAGUE = 0.7  # e-folds over the last stretch by which an interval that tells nothing is wide
+SLIGHT = 0.3  # e-folds over the last stretch that are none
+VAGUE = 1.0  # e-folds over the last stretch by which an interval that tells nothing is wide
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
 EVEN = 1e-6  # of a turn

@@ -60,8 +60,9 @@ class RunGrowth:
     "grows", "bounded", "decays", "at rest", or "undecided" where the interval does not tell. `amplitude` [m] is the
     rim's largest deflection in the last stretch, `steady` by how much that of its windows differs from it, relatively;
     `since` [s] where that stretch begins. `time_to_half_wall` [s] from the start of the run, infinite where the motion
-    does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step and
-    `check_share` the time that took over that of the run; nan where it was not run.
+    does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step,
+    `half_step_width` half its interval, and `check_share` the steps that took over those of the run; nan where
+    it was not run.
     """
 
     rate: float
@@ -74,6 +75,7 @@ class RunGrowth:
     time_to_half_wall: float
     cause: Cause | None
     half_step: float = math.nan
+    half_step_width: float = math.nan
     check_share: float = math.nan
 
     @property
@@ -93,20 +95,26 @@ class RunGrowth:
 
     @property
     def converged(self) -> bool | None:
-        """Whether half the step gives the same growth; None where that was not run.
+        """Whether half the step gives the same growth, to 10 % or within both intervals; None where it was not run.
 
         >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
         ...                   time_to_half_wall=0.5, cause=None)
-        >>> grows.converged, grows.checked(10.5, 0.3).converged, grows.checked(2.0, 0.3).converged
+        >>> grows.converged, grows.checked(10.5, 0.1, 0.3).converged, grows.checked(2.0, 0.1, 0.3).converged
         (None, True, False)
         """
         if not math.isfinite(self.half_step):
             return None
-        return abs(self.half_step - self.rate) <= max(AGREED * abs(self.rate), self.high - self.low)
+        both = math.hypot(0.5 * (self.high - self.low), self.half_step_width)
+        return abs(self.half_step - self.rate) <= max(AGREED * abs(self.rate), both)
 
-    def checked(self, half_step: float, share: float) -> RunGrowth:
-        """The same with the growth at half the step."""
-        return replace(self, half_step=half_step, check_share=share)
+    @property
+    def numerical(self) -> bool:
+        """Whether half the step gives less than half of the growth."""
+        return self.converged is False and self.half_step + self.half_step_width < 0.5 * self.rate
+
+    def checked(self, half_step: float, width: float, share: float) -> RunGrowth:
+        """The same with the growth at half the step, and the half width of its interval."""
+        return replace(self, half_step=half_step, half_step_width=width, check_share=share)
 
     @property
     def words(self) -> str:
@@ -143,7 +151,11 @@ class RunGrowth:
         if self.converged is None:
             return ""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
-        return f"{at}: converged." if self.converged else f"{at}: the growth is numerical, reduce dt."
+        if self.converged:
+            return f"{at}: converged."
+        if self.numerical:
+            return f"{at}: the growth is numerical, reduce dt."
+        return f"{at}: the motion grows at both steps, but its rate depends on the step, reduce dt."
 
     def to_dict(self) -> dict[str, object]:
         """JSON-ready."""
@@ -151,6 +163,7 @@ class RunGrowth:
             "growth_1_s": self.rate, "growth_low_1_s": self.low, "growth_high_1_s": self.high,
             "amplitude_m": self.amplitude, "steady_rel": self.steady, "since_s": self.since,
             "time_to_half_wall_s": self.time_to_half_wall, "growth_half_step_1_s": self.half_step,
+            "growth_half_step_width_1_s": self.half_step_width,
             "check_share": self.check_share,
         }  # fmt: skip
         cause = self.cause

@@ -96,6 +96,7 @@ CAMPAIGNS = (
     Campaign("rub.interaction_map", "growth by poles against 2,501 runs", ("contact",)),
     Campaign("contact.rotating_beam", "a hinged beam in an eccentric circle", ("contact",)),
     Campaign("contact.hertz", "Hertz's pressure under a disc", ("contact",)),
+    Campaign("rub.run_growth", "200 verdicts on growth against long runs at a tenth of the step", ("contact",)),
     Campaign("rub.agreement", "interactions, poles and runs at sixty speeds of three pairs", ("contact",)),
     Campaign("rub.section_44", "the study's rubs", RUBS),
     Campaign("rub.wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),

@@ -268,7 +268,8 @@ def swept_difference(text: str, folder: Path) -> float:
 
 
 SCALES = {  # least values that differences of a sweep's columns are compared with, as `floors`
-    "unaccounted_rel": 1.0, "growth_1_s": 1.0, "lost_in_contact_J": 1e-3, "max_penetration_m": 1e-6,
+    "unaccounted_rel": 1.0, "growth_1_s": 1.0, "growth_low_1_s": 1.0,
+    "growth_high_1_s": 1.0, "lost_in_contact_J": 1e-3, "max_penetration_m": 1e-6,
     "residual_m": 1e-6, "blade_rms_m": 1e-6, "dominant_rms_m": 1e-6, "amplitude_m": 1e-6,
     "rotation_J": 1e-3, "friction_J": 1e-3, "damping_J": 1e-3,
 }  # fmt: skip

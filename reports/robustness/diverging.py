@@ -169,7 +169,7 @@ def rims() -> list[Case]:
         Case("no friction, f_c + f_b = n f, 135 Hz", "stopped", THEORY, at(135.0, SMOOTH)),
         Case("no friction, 150 Hz", "stopped", THEORY, at(150.0, SMOOTH)),
         Case("no friction, 200 Hz", "stopped", THEORY, at(200.0, SMOOTH)),
-        Case("no damping, 5 Hz", "stopped", "grew by", at(5.0, undamped)),
+        Case("no damping, 5 Hz", "stopped", "grows by", at(5.0, undamped)),
         Case("no damping, 20 Hz", "stopped", "friction (", at(20.0, undamped)),
         Case("split pairs, 150 Hz", "stopped", "its pairs' mean", at(150.0, split)),
         Case("a basis of before, no thickness", "stopped", OF_RADIUS, at(150.0, old)),

@@ -61,7 +61,7 @@ GROWTH = RunGrowth(
 
 def test_growth_stands_beside_the_limit_and_the_source_of_its_energy():
     bodies = [ct.Wall()]
-    found = divergence(bodies, 0.0, result(growth=GROWTH.checked(2.1, 0.5)), ("wall", 3e-3, 2e-3))
+    found = divergence(bodies, 0.0, result(growth=GROWTH.checked(2.1, 0.1, 0.5)), ("wall", 3e-3, 2e-3))
     assert (found.limit, found.step, found.reached, found.allowed, found.growth) == ("wall", 600, 3e-3, 2e-3, 2.0)
     assert found.time == pytest.approx(3.0, rel=1e-14)
     assert math.isnan(found.theory)
@@ -70,8 +70,10 @@ def test_growth_stands_beside_the_limit_and_the_source_of_its_energy():
         "is mostly the n = 3 motion of the casing, which travels with the rotation of the blades. Energy came from the "
         f"turning rim (3 J). At half the step it grows by 2.1 1/s: converged. {IN_REALITY}"
     )
-    numerical = divergence(bodies, 0.0, result(growth=GROWTH.checked(0.3, 0.5)), ("wall", 3e-3, 2e-3))
+    numerical = divergence(bodies, 0.0, result(growth=GROWTH.checked(0.3, 0.1, 0.5)), ("wall", 3e-3, 2e-3))
     assert numerical.words.endswith("At half the step it grows by 0.3 1/s: the growth is numerical, reduce dt.")
+    faster = divergence(bodies, 0.0, result(growth=GROWTH.checked(4.0, 0.1, 0.5)), ("wall", 3e-3, 2e-3))
+    assert "the motion grows at both steps, but its rate depends on the step" in faster.words
 
 
 def test_impacts_are_the_cause_only_of_what_closed_contact_does_not_feed():
@@ -80,7 +82,7 @@ def test_impacts_are_the_cause_only_of_what_closed_contact_does_not_feed():
     rim = ct.RotatingRim(ring(), blade(zeta=0.05), clearance=0.0, speed_hz=5.0, lean_deg=10.0)
     for speed, half_step, feeds in ((5.0, 2.1, True), (5.0, 0.3, False), (60.0, 2.1, False)):
         found = divergence(
-            replace(rim, speed_hz=speed), 0.0, result(growth=GROWTH.checked(half_step, 0.5)), ("wall", 3e-3, 2e-3)
+            replace(rim, speed_hz=speed), 0.0, result(growth=GROWTH.checked(half_step, 0.1, 0.5)), ("wall", 3e-3, 2e-3)
         )
         assert (found.theory > 0.0) == (speed == 60.0)
         assert (impacts in found.words) == feeds

@@ -79,7 +79,7 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     assert result.contact_steps[0] == result.steps
     grown = ct.growth.of_run(rub, result)
     assert grown.state == "grows"
-    assert grown.rate == pytest.approx(found.peak_growth, rel=0.05)
+    assert grown.rate == pytest.approx(found.peak_growth, rel=0.1)
     assert grown.cause.source == "the turning rim"
     assert grown.cause.travel > 0.9  # the wave that the blade overtakes
     further = ct.growth.of_run(rub, ct.run(rub, t_end=0.4, dt=2e-5, record=ct.Record(state_every=10)))
@@ -91,22 +91,32 @@ def test_a_limit_cycle_after_its_rise_is_bounded_and_its_rise_alone_grows():
     size = 1e-3 / np.sqrt(1.0 + 1e6 * np.exp(-20.0 * t))  # x' = 10 x (1 - (x/1e-3)^2)
     q = size[:, None] * np.stack([np.cos(700.0 * t), np.sin(700.0 * t)], axis=1)
     omega, one = np.full(2, 700.0), np.zeros(2, dtype=int)
-    whole, rise = envelope(t, q, omega, one), envelope(t[:120], q[:120], omega, one)
+    whole, rise = envelope(t, q, omega, one), envelope(t[:90], q[:90], omega, one)
     assert abs(growth_of(whole.time, whole.energy[:, 0]).rate) < 0.05
     grows = growth_of(rise.time, rise.energy[:, 0])
     assert grows.low < grows.rate < grows.high
     assert grows.rate == pytest.approx(10.0, rel=0.02)
 
 
-def test_interval_of_growth_has_the_true_one_19_times_in_20_though_windows_depend_on_each_other():
-    rng, inside, t = np.random.default_rng(3), 0, np.linspace(0.0, 1.0, 24)
+@pytest.mark.slow
+@pytest.mark.parametrize(("depends", "share"), [(0.0, 0.92), (0.5, 0.8)])
+def test_interval_of_growth_has_the_true_one_though_windows_depend_on_each_other(depends, share):
+    rng, inside, t = np.random.default_rng(3), 0, np.linspace(0.0, 1.0, 32)
     for _ in range(400):
-        noise = rng.standard_normal(64)
-        for k in range(1, 64):
-            noise[k] += 0.5 * noise[k - 1]
-        fit = growth_of(t, np.exp(2.0 * (3.0 * t + 0.1 * noise[-24:])))
+        noise = rng.standard_normal(80)
+        for k in range(1, 80):
+            noise[k] += depends * noise[k - 1]
+        fit = growth_of(t, np.exp(2.0 * (3.0 * t + 0.1 * noise[-32:])))
         inside += fit.low <= 3.0 <= fit.high
-    assert inside >= 0.85 * 400
+    assert inside >= share * 400
+
+
+def test_an_approach_to_an_end_state_is_no_growth():
+    t = np.linspace(0.0, 4.0, 801)
+    size = np.sqrt(1.0 - np.exp(-3.0 * t))
+    q = size[:, None] * np.stack([np.cos(700.0 * t), np.sin(700.0 * t)], axis=1)
+    found = envelope(t, q, np.full(2, 700.0), np.zeros(2, dtype=int))
+    assert abs(growth_of(found.time, found.energy[:, 0]).rate) < 0.01
 
 
 def test_modes_are_grouped_by_the_nodal_diameters_of_rim_and_disk():
