@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
-from pydantic import AfterValidator, BaseModel
+from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, create_model
 from pydantic.fields import FieldInfo
 
+from contact.io.keys import Keyed, keyed, required
 from contact.io.names import hint
+from contact.io.plausible import CHECKS
 from contact.io.toml import entries
 
 Model = type[BaseModel]
@@ -27,6 +29,54 @@ def at_least(least: float, *, zero: bool = False) -> AfterValidator:
         return value
 
     return AfterValidator(check)
+
+
+Number = Annotated[FiniteFloat, Field(ge=-1e25, le=1e25)]
+Positive = Annotated[FiniteFloat, Field(gt=0, le=1e25), at_least(1e-25)]
+NotNegative = Annotated[FiniteFloat, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
+Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
+RANGES: dict[str, Any] = {"any": Number, "positive": Positive, "not negative": NotNegative, "turn": Angle}
+Value = TypeVar("Value")
+Derived = TypeVar("Derived", bound=BaseModel)
+
+
+def table_of(kind: Any, *names: str) -> Callable[[type[Derived]], type[Derived]]:
+    """Give a table the keys of a dataclass: their types, ranges, defaults and meanings are those of its fields.
+
+    `names` are the fields that the file states; all that have a `Key` if left out. The table states only what a file
+    says beyond the value.
+
+    >>> from contact import Wall
+    >>> @table_of(Wall)
+    ... class WallTable(BaseModel):
+    ...     pass
+    >>> [(name, info.description, type_words(info)) for name, info in keys(WallTable).items()]
+    [('x', 'where it stands [m]', 'number')]
+    """
+    chosen = [one for one in keyed(kind) if not names or one.name in names]
+    found: Any = {one.name: (_annotation(one), _info(one)) for one in chosen}
+
+    def derived(table: type[Derived]) -> type[Derived]:
+        return create_model(table.__name__, __base__=table, __module__=table.__module__, __doc__=table.__doc__, **found)
+
+    return derived
+
+
+def _annotation(one: Keyed) -> Any:
+    """The type of a field as a file states it."""
+    found = {float: RANGES[one.key.range], int: Annotated[int, Field(ge=1)]}.get(one.type, one.type)
+    found = Annotated[found, CHECKS[one.key.check]] if one.key.check else found
+    return found | None if one.optional else found
+
+
+def _info(one: Keyed) -> Any:
+    """Meaning and default of a field."""
+    return Field(description=one.key.text) if required(one) else Field(default=one.default, description=one.key.text)
+
+
+def value_of(table: BaseModel, kind: Callable[..., Value]) -> Value:
+    """The value that a table states."""
+    return kind(**table.model_dump())
 
 
 def keys(model: Model) -> dict[str, FieldInfo]:

@@ -8,9 +8,10 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.growth.on_springs import slope_of
 from contact.io.plausible import CHECKS, REACH
+from contact.io.tables import NotNegative, Positive
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import ForceLaw, ForceTable, Hertz, Response, spring
-from contact.scene.scheme import Modulus, NotNegative, Positive, Table, Thickness
+from contact.scene.scheme import Modulus, Table, Thickness
 
 
 class CoatingTable(Table):

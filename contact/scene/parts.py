@@ -13,20 +13,14 @@ from pydantic import Field, FiniteFloat, model_validator
 from contact.base.errors import InputError
 from contact.io.infiles import read_text
 from contact.io.plausible import CHECKS
+from contact.io.tables import Number
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.record.record import Record
 from contact.scene.laws import AnyLaw, CoatingTable, contact_law
 from contact.scene.problems import Problems
 from contact.scene.roundness import Whole
-from contact.scene.scheme import (
-    Built,
-    Instant,
-    ModalScheme,
-    Name,
-    Number,
-    Table,
-)
+from contact.scene.scheme import Built, Instant, ModalScheme, Name, Table
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
 

@@ -12,6 +12,7 @@ from pydantic import Field, FiniteFloat, model_validator
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.plausible import CHECKS
+from contact.io.tables import NotNegative, Number
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.bodies.patch import Patch
 from contact.scene.laws import LawTable, contact_law
@@ -23,8 +24,6 @@ from contact.scene.scheme import (
     Force,
     Friction,
     Name,
-    NotNegative,
-    Number,
     Ratio,
     RunHead,
     SceneFile,

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact.io.plausible import CHECKS, Implausible, implausible, refused
+from contact.io.tables import value_of
+from contact.model.bodies.body import Rod
 from contact.scene.problems import SceneError
 
 if TYPE_CHECKING:
     from contact.scene.scheme import CheckedFile
-    from contact.scene.tables import RodTable
 
 
 def refusals(table: CheckedFile, file: Path) -> list[str]:
@@ -20,7 +21,7 @@ def refusals(table: CheckedFile, file: Path) -> list[str]:
 
     found = list(implausible(table, radius=table.radius(file.parent)))
     if isinstance(table, RodsFile):
-        found += [one for k, rod in enumerate(table.rod, 1) for one in of_rod(rod, f"rod[{k}]")]
+        found += [one for k, rod in enumerate(table.rod, 1) for one in of_rod(value_of(rod, Rod), f"rod[{k}]")]
     return [f"{file}: {line}" for line in refused(found, table.checks.allow)]
 
 
@@ -30,7 +31,7 @@ def require_plausible(table: CheckedFile, file: Path) -> None:
         raise SceneError(found)
 
 
-def of_rod(rod: RodTable, key: str) -> Iterator[Implausible]:
+def of_rod(rod: Rod, key: str) -> Iterator[Implausible]:
     """Refuse E or rho of a rod where the other one is that of a solid in SI.
 
     Rods may be in any consistent units, as in textbooks (E = 900, rho = 1): then neither is that of a solid.

@@ -11,6 +11,7 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import readonly
 from contact.io.plausible import FROM_ZERO
+from contact.io.tables import Angle, NotNegative
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -23,14 +24,12 @@ from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_bu
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
-    Angle,
     Built,
     Detuning,
     Frequency,
     Mass,
     ModalScheme,
     Name,
-    NotNegative,
     Ratio,
     RunHead,
     SceneFile,

@@ -11,8 +11,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from contact.base.errors import InputError
 from contact.io.plausible import CHECKS
+from contact.io.tables import Positive
 from contact.model.bodies.modal_body import ModalBody
-from contact.scene.scheme import WAVES, Friction, Gap, Positive, Table, Waviness
+from contact.scene.scheme import WAVES, Friction, Gap, Table, Waviness
 
 NINETY = NormalDist().inv_cdf(0.9)  # standard deviations between the median and the 90th percentile
 RAYLEIGH = math.sqrt(math.log(10.0) / math.log(2.0))  # 90th percentile over median of two equal Gaussian coefficients

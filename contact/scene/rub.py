@@ -16,6 +16,7 @@ from contact.base.errors import InputError
 from contact.io.infiles import TextError, read_text
 from contact.io.names import hint
 from contact.io.plausible import CHECKS
+from contact.io.tables import Angle, NotNegative, Number
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
@@ -26,13 +27,10 @@ from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_bu
 from contact.scene.problems import Problems
 from contact.scene.roundness import GapTable, Whole
 from contact.scene.scheme import (
-    Angle,
     Built,
     Gap,
     ModalScheme,
     Name,
-    NotNegative,
-    Number,
     RunHead,
     ScanTable,
     SceneFile,
@@ -40,7 +38,7 @@ from contact.scene.scheme import (
     Thickness,
     Time,
     TurnsPerSecond,
-)  # fmt: skip
+)
 from contact.scene.turns import MEANING, Side
 
 Whirling = Annotated[FiniteFloat, replace(CHECKS["frequency"], lower=-CHECKS["frequency"].upper)]

@@ -9,7 +9,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from contact.io.plausible import CHECKS, FROM_ZERO, REACH, SCANNED, CheckName
-from contact.io.tables import at_least
+from contact.io.tables import NotNegative, Positive
 from contact.model.law import Law, Penalty, Unilateral
 from contact.model.laws.augmented import AugmentedLagrangian
 from contact.problem import What
@@ -22,9 +22,6 @@ from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
 Built = tuple[What, Law, Scheme]  # of a scene: what runs, the law and the method
-Number = Annotated[FiniteFloat, Field(ge=-1e25, le=1e25)]
-Positive = Annotated[FiniteFloat, Field(gt=0, le=1e25), at_least(1e-25)]
-NotNegative = Annotated[FiniteFloat, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
 Count = Annotated[int, Field(ge=1)]
 WAVES = 1000  # around a rim: with more, its points would stand closer than a wall is thick
 Friction = Annotated[NotNegative, CHECKS["friction"]]
@@ -51,7 +48,6 @@ Amplitude = Annotated[Positive, CHECKS["force"]]
 Springs = Annotated[NotNegative, replace(FROM_ZERO["stiffness"], unit="N/m^2")]
 Detuning = Annotated[FiniteFloat, Field(gt=-1, lt=1)]
 Name = Annotated[str, Field(min_length=1)]  # of a file or a channel
-Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
 Unit = Annotated[FiniteFloat, Field(ge=0, le=1)]
 Kind = Literal[
     "forward-lagrange", "penalty", "newmark", "hht", "moreau-jean", "cd-lagrange", "paoli-schatzman",

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from contact.io.plausible import CHECKS
+from contact.io.tables import Angle, NotNegative, Number, Positive, table_of, value_of
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -21,16 +22,12 @@ from contact.scene.problems import Problems
 from contact.scene.rim import DiskFile, RimFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import (
-    Angle,
     Built,
     Density,
     Distance,
     Force,
     Modulus,
     Name,
-    NotNegative,
-    Number,
-    Positive,
     Ratio,
     SceneFile,
     SchemeTable,
@@ -183,39 +180,19 @@ class CantileverFile(SceneFile):
         return gap, law, scheme
 
 
+@table_of(Rod)
 class RodTable(Table):
     """[[rod]]: the fields of `Rod`."""
 
-    length: Positive = Field(description="length [m]")
-    area: Positive = Field(description="cross-section [m^2]")
-    E: Positive = Field(description="Young's modulus [Pa]")
-    rho: Positive = Field(description="density [kg/m^3]")
-    elements: Annotated[int, Field(ge=1)] = Field(default=100, description="number of elements")
-    x: Number = Field(default=0.0, description="left end at t = 0 [m]")
-    velocity: Number = Field(default=0.0, description="at t = 0 [m/s]")
-    fixed: Literal["none", "left", "right"] = Field(default="none", description="which end is held")
-    end_mass: NotNegative = Field(default=0.0, description="at the end that faces its neighbour [kg]")
-    damping: NotNegative = Field(default=0.0, description="of its mass [1/s]")
 
-
+@table_of(PointMass)
 class MassTable(Table):
     """[[mass]]: the fields of `PointMass`."""
 
-    mass: Positive = Field(description="mass [kg]")
-    x: Number = Field(default=0.0, description="place at t = 0 [m]")
-    velocity: Number = Field(default=0.0, description="at t = 0 [m/s]")
-    stiffness: NotNegative = Field(default=0.0, description="of a spring to the ground [N/m]")
-    anchor: Number | None = Field(default=None, description="where that spring is without force [m]; x if left out")
-    damping: NotNegative = Field(default=0.0, description="of a dashpot to the ground [N s/m]")
-    force: Number = Field(default=0.0, description="amplitude of a harmonic force [N]")
-    force_hz: NotNegative = Field(default=0.0, description="its frequency [Hz]")
-    force_deg: Angle = Field(default=0.0, description="its phase [degrees]")
 
-
+@table_of(Wall)
 class WallTable(Table):
     """[wall] or [[wall]]."""
-
-    x: Number = Field(default=0.0, description="where it stands [m]")
 
 
 class RodsHead(Table):
@@ -246,9 +223,9 @@ class RodsFile(SceneFile):
         """What the file describes; raises SceneError."""
         bodies: list[Body] = []
         with problems.at():
-            bodies += [PointMass(**mass.model_dump()) for mass in self.mass]
-            bodies += [Rod(**rod.model_dump()) for rod in self.rod]
-            bodies += [Wall(**wall.model_dump()) for wall in self.wall]
+            bodies += [value_of(mass, PointMass) for mass in self.mass]
+            bodies += [value_of(rod, Rod) for rod in self.rod]
+            bodies += [value_of(wall, Wall) for wall in self.wall]
             assemble(bodies, gravity=self.scene.gravity)
         with problems.at("scheme"):
             law, scheme = self.scheme.method()

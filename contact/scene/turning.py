@@ -8,12 +8,13 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import MANY
+from contact.io.tables import Number, Positive
 from contact.scene.laws import CoatingTable, SpringLaw, require_one
 from contact.scene.parts import radius_of
 from contact.scene.rim import BladeTable, CasingTable, DiskCasingTable, DiskTable, RimContact
 from contact.scene.roundness import GapTable
 from contact.scene.rub import RubBlade, RubCasing, RubContact, RubWhirl
-from contact.scene.scheme import CheckedFile, Friction, Gap, Number, Positive, Table, TurnsPerSecond
+from contact.scene.scheme import CheckedFile, Friction, Gap, Table, TurnsPerSecond
 from contact.scene.turns import MEANING, Side
 
 TWO = Field(min_length=2, max_length=2)

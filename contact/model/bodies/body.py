@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.base.arrays import Array, require_count, require_finite, require_not_negative, require_positive
+from contact.base.arrays import Array
 from contact.base.errors import InputError
+from contact.base.keyed import require_keyed
 from contact.io.brief import brief
+from contact.io.keys import Key
 from contact.model.rate import Rate
 
 Fixed = Literal["none", "left", "right"]
@@ -89,16 +91,16 @@ class Rod:
     (30.0, 30.0, 10.0)
     """
 
-    length: float
-    area: float
-    E: float
-    rho: float
-    elements: int = 100
-    x: float = 0.0
-    velocity: float = 0.0
-    fixed: Fixed = "none"
-    end_mass: float = 0.0
-    damping: float = 0.0
+    length: Annotated[float, Key("length [m]", "positive")]
+    area: Annotated[float, Key("cross-section [m^2]", "positive")]
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive")]
+    elements: Annotated[int, Key("number of elements")] = 100
+    x: Annotated[float, Key("left end at t = 0 [m]")] = 0.0
+    velocity: Annotated[float, Key("at t = 0 [m/s]")] = 0.0
+    fixed: Annotated[Fixed, Key("which end is held")] = "none"
+    end_mass: Annotated[float, Key("at the end that faces its neighbour [kg]", "not negative")] = 0.0
+    damping: Annotated[float, Key("of its mass [1/s]", "not negative")] = 0.0
     moves: ClassVar[bool] = True
     force: ClassVar[float] = 0.0
     force_hz: ClassVar[float] = 0.0
@@ -107,12 +109,7 @@ class Rod:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        require_positive(length=self.length, area=self.area, E=self.E, rho=self.rho)
-        require_finite(x=self.x, velocity=self.velocity)
-        require_not_negative(end_mass=self.end_mass, damping=self.damping)
-        require_count(elements=self.elements)
-        if self.fixed not in ("none", "left", "right"):
-            raise InputError(f"fixed: found {self.fixed!r}, expected 'none', 'left' or 'right'")
+        require_keyed(self)
 
     @property
     def wave_speed(self) -> float:
@@ -183,24 +180,20 @@ class PointMass:
     2.0
     """
 
-    mass: float
-    x: float = 0.0
-    velocity: float = 0.0
-    stiffness: float = 0.0
-    anchor: float | None = None
-    damping: float = 0.0
-    force: float = 0.0
-    force_hz: float = 0.0
-    force_deg: float = 0.0
+    mass: Annotated[float, Key("mass [kg]", "positive")]
+    x: Annotated[float, Key("place at t = 0 [m]")] = 0.0
+    velocity: Annotated[float, Key("at t = 0 [m/s]")] = 0.0
+    stiffness: Annotated[float, Key("of a spring to the ground [N/m]", "not negative")] = 0.0
+    anchor: Annotated[float | None, Key("where that spring is without force [m]; x if left out")] = None
+    damping: Annotated[float, Key("of a dashpot to the ground [N s/m]", "not negative")] = 0.0
+    force: Annotated[float, Key("amplitude of a harmonic force [N]")] = 0.0
+    force_hz: Annotated[float, Key("its frequency [Hz]", "not negative")] = 0.0
+    force_deg: Annotated[float, Key("its phase [degrees]", "turn")] = 0.0
     moves: ClassVar[bool] = True
     crossing_time: ClassVar[float] = math.inf
 
     def __post_init__(self) -> None:
-        require_positive(mass=self.mass)
-        require_finite(x=self.x, velocity=self.velocity, force=self.force, force_deg=self.force_deg)
-        require_not_negative(stiffness=self.stiffness, damping=self.damping, force_hz=self.force_hz)
-        if self.anchor is not None:
-            require_finite(anchor=self.anchor)
+        require_keyed(self)
 
     @property
     def stretch(self) -> float:
@@ -237,7 +230,7 @@ class Wall:
     0.0
     """
 
-    x: float = 0.0
+    x: Annotated[float, Key("where it stands [m]")] = 0.0
     moves: ClassVar[bool] = False
     velocity: ClassVar[float] = 0.0
     crossing_time: ClassVar[float] = math.inf
@@ -246,7 +239,7 @@ class Wall:
     force_deg: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
-        require_finite(x=self.x)
+        require_keyed(self)
 
     @property
     def end(self) -> float:

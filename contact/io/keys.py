@@ -1,0 +1,72 @@
+"""Meaning and range of a field, stated beside it: values are checked by them, files and docs are made from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import MISSING, dataclass, fields
+from functools import cache
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+Range = Literal["any", "positive", "not negative", "turn"]
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """Metadata of a dataclass's field: `length: Annotated[float, Key("length [m]", "positive")]`.
+
+    Attributes
+    ----------
+    text
+        Meaning, with the unit in brackets.
+    range
+        Of a number: "any", "positive", "not negative", or "turn", an angle that a file may state from -360 to 360.
+    check
+        Name of the check of plausibility that a file's number must pass (`contact.io.plausible`); none if empty.
+    """
+
+    text: str
+    range: Range = "any"
+    check: str = ""
+
+
+class Keyed(NamedTuple):
+    """A field with its key: name, type without metadata and None, whether it may be None, default or MISSING."""
+
+    name: str
+    key: Key
+    type: Any
+    optional: bool
+    default: Any
+
+
+@cache
+def keyed(kind: Any) -> tuple[Keyed, ...]:
+    """The fields of a dataclass that have a key, in its order.
+
+    >>> @dataclass
+    ... class Wall:
+    ...     x: Annotated[float, Key("place [m]")] = 0.0
+    >>> [(one.name, one.key.text, one.type, one.default) for one in keyed(Wall)]
+    [('x', 'place [m]', <class 'float'>, 0.0)]
+    """
+    return tuple(_found(kind))
+
+
+def _found(kind: Any) -> Iterator[Keyed]:
+    hints = get_type_hints(kind, include_extras=True)
+    for field in fields(kind):
+        if get_origin(hints[field.name]) is not Annotated:
+            continue
+        inside, *metadata = get_args(hints[field.name])
+        key = next((part for part in metadata if isinstance(part, Key)), None)
+        if key is None:
+            continue
+        parts = get_args(inside) if get_origin(inside) in (Union, UnionType) else (inside,)
+        bare = [part for part in parts if part is not NoneType]
+        yield Keyed(field.name, key, bare[0], len(bare) < len(parts), field.default)
+
+
+def required(one: Keyed) -> bool:
+    """Whether a field has no default."""
+    return one.default is MISSING

@@ -1,0 +1,87 @@
+"""Fields with their keys: a value refuses what they do not allow, and the table of a file has the same keys."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import BaseModel, ValidationError
+
+import contact as ct
+from contact.base.errors import InputError
+from contact.base.keyed import require_keyed
+from contact.io.keys import Key, keyed
+from contact.io.tables import keys, table_of, type_words, value_of
+
+CANDIDATES = (-400.0, -1.0, 0.0, 1e-30, 1e-20, 1.0, 400.0, 1e24, 1e26, float("inf"), float("nan"))
+GIVEN = {
+    ct.Rod: {"length": 1.0, "area": 1.0, "E": 1.0, "rho": 1.0},
+    ct.PointMass: {"mass": 1.0},
+    ct.Wall: {},
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spring:
+    """A value with one field of each sort, and one that no file states."""
+
+    stiffness: Annotated[float, Key("stiffness [N/m]", "positive", "stiffness")]
+    coils: Annotated[int, Key("number of coils")] = 3
+    rest: Annotated[float | None, Key("length at rest [m]", "not negative")] = None
+    end: Annotated[Literal["open", "closed"], Key("form of its ends")] = "open"
+    label: str = ""
+
+    def __post_init__(self):
+        require_keyed(self)
+
+
+@table_of(Spring)
+class SpringTable(BaseModel):
+    """[spring]"""
+
+    kind: Literal["spring"]
+
+
+def test_a_table_has_the_types_ranges_defaults_and_meanings_of_the_fields():
+    found = {name: (info.description, type_words(info), info.is_required()) for name, info in keys(SpringTable).items()}
+    assert found == {
+        "kind": (None, '"spring"', True),
+        "stiffness": ("stiffness [N/m]", "number > 0", True),
+        "coils": ("number of coils", "whole number >= 1", False),
+        "rest": ("length at rest [m]", "number >= 0", False),
+        "end": ("form of its ends", '"open", "closed"', False),
+    }
+    assert SpringTable.__doc__ == "[spring]"
+    assert SpringTable(kind="spring", stiffness=2.0).model_dump(exclude={"kind"}) == {
+        "stiffness": 2.0, "coils": 3, "rest": None, "end": "open"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"stiffness": 0.0}, "stiffness: found 0.0, expected a finite number > 0"),
+        ({"coils": 0}, "coils: found 0, expected a whole number >= 1"),
+        ({"rest": -1.0}, "rest: found -1.0, expected a finite number >= 0"),
+        ({"end": "bent"}, "end: found 'bent', expected 'open' or 'closed'"),
+    ],
+)
+def test_a_value_refuses_what_its_key_does_not_allow(wrong, words):
+    with pytest.raises(InputError) as raised:
+        Spring(**{"stiffness": 1.0, **wrong})
+    assert str(raised.value) == words
+
+
+@pytest.mark.parametrize("kind", GIVEN, ids=lambda kind: kind.__name__)
+def test_a_value_takes_every_number_that_its_table_takes(kind):
+    @table_of(kind)
+    class Stated(BaseModel):
+        pass
+
+    for one in keyed(kind):
+        for number in CANDIDATES if one.type is float else ():
+            given = {**GIVEN[kind], one.name: number}
+            try:
+                table = Stated.model_validate(given)
+            except ValidationError:
+                continue
+            assert getattr(value_of(table, kind), one.name) == number
