@@ -354,7 +354,7 @@ def test_doctor_names_a_numpy_that_cannot_multiply(monkeypatch, code, words):
 
 @pytest.mark.slow
 def test_schema_and_doctor_are_documents():
-    assert json.loads(invoke("schema").stdout).keys() == {"study", "scene"}
+    assert {"study", "scene"} < json.loads(invoke("schema", "--json").stdout).keys()
     doctor = json.loads(invoke("doctor", "--json").stdout)
     assert doctor["numba"]["compiles"] is True
     assert doctor["products"] == {"right": True}

@@ -40,7 +40,7 @@ def run_result(**keys):
     given = {
         "energy": energy, "steps": 30, "dt": 0.1, "impulse": np.array([[1.0, 2.0]]), "contact_steps": np.array([4, 9]),
         "windowed_force": lambda: np.array([[1.0, 7.0]]), "peak_force": np.array([11.0, 3.0]),
-        "residual": np.array([1e-9, 2e-9]),
+        "residual": np.array([1e-9, 2e-9]), "growth": None,
     }  # fmt: skip
     return SimpleNamespace(**given | keys)
 

@@ -377,7 +377,7 @@ def test_records_are_plain_json(split_modes):
 def test_repr_is_the_table(split_modes):
     lines = repr(split_modes).splitlines()
     assert len(lines) == 42
-    assert lines[0].split() == ["mode", "freq", "[Hz]", "n", "pure", "m", "split", "[%]", "angle", "[deg]"]
+    assert lines[0].split() == ["mode", "freq", "[Hz]", "n", "share", "of", "n", "m", "split", "[%]", "angle", "[deg]"]
     assert lines[1].split()[:3] == ["1", f"{split_modes.freq[0]:.3f}", "8"]
     assert "40 modes" in lines[-1]
     assert "Sturm count 40" in lines[-1]

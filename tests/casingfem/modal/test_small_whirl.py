@@ -108,7 +108,7 @@ def test_a_blade_has_no_waves_and_the_same_frequencies_for_all_observers(found):
     assert modes.sense.tolist() == [0] * COUNT
     np.testing.assert_array_equal(modes.freq_fixed, modes.freq)
     told = modes.columns()
-    assert told["mode"].tolist() == [1, 2, 3]
+    assert told["mode"] == [1, 2, 3]
     assert list(told) == ["mode", "freq_hz", "freq_fixed_hz", "n", "sense"]
 
 

@@ -84,7 +84,7 @@ def test_without_noise_every_parameter_is_recovered_to_1e_5(frustum, exact_fit):
     assert len(fit.history) - 1 <= 12  # steps from the start
     assert not any(fit.at_bound)
     assert fit.rms_after < 1e-7 < 1e-2 < fit.rms_before
-    printed = [line.split() for line in repr(fit).partition("sure\n")[2].splitlines()[:ROWS]]
+    printed = [line.split() for line in repr(fit).partition("confidence\n")[2].splitlines()[:ROWS]]
     told = [[row["mode"], row["n"], row["measured_hz"], row["before_hz"], row["after_hz"]] for row in fit.pairs()]
     np.testing.assert_allclose([[float(cell) for cell in line[:5]] for line in printed], told, atol=6e-4)
 
@@ -248,11 +248,12 @@ def test_result_tells_before_after_and_how(exact_fit):
     assert [p["name"] for p in data["parameters"]] == [p.name for p in VARY]
     assert len(data["pairs"]) == ROWS
     assert data["pairs"][0].keys() == {
-        "mode", "n", "measured_hz", "before_hz", "after_hz", "sigma_hz", "confidence"
+        "mode", "n", "measured_hz", "sigma_hz", "confidence",
+        "before_hz", "after_hz", "error_before_rel", "error_after_rel",
     }  # fmt: skip
     assert data["iterations"] == len(fit.history)
     text = repr(fit).splitlines()
-    assert text[0].split() == ["parameter", "start", "value", "sigma"]
+    assert text[0].split() == ["parameter", "start", "value", "sigma", "sigma", "in"]
     assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
     assert any("cannot tell" in line for line in text)  # E and thickness
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
