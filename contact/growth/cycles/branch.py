@@ -17,7 +17,7 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.result import Branch, Special
-from contact.growth.cycles.shooting import CLOSE, Orbit, made, map_of, orbit
+from contact.growth.cycles.shooting import CLOSE, EVEN, Orbit, made, map_of, orbit
 
 DIFFERENCE = 1e-7  # of the parameter, for the derivative of the map by it
 NEWTON = 8
@@ -124,8 +124,8 @@ def signs(at: Orbit, along: Tangent) -> Signs:
     mu = at.multipliers
     real = mu.imag == 0.0
     return Signs(
-        along.value > 0.0, int(np.sum(real & (mu.real > 1.0))), int(np.sum(real & (mu.real < -1.0))),
-        int(np.sum(~real & (np.abs(mu) > 1.0))),
+        along.value > 0.0, int(np.sum(real & (mu.real > 1.0))), int(np.sum(real & (mu.real < -1.0 - EVEN))),
+        int(np.sum(~real & (np.abs(mu) > 1.0 + EVEN))),
         tuple(-ends if ends else often for often, ends in zip(at.closings, at.rests, strict=True)),
     )  # fmt: skip
 

@@ -17,6 +17,7 @@ SETTLED = 1e-9  # of the state: change over a period of a run that has come to r
 HUGE = 1e30  # change over a period of a run that diverges
 CLOSE = 1e-8  # of the state: Newton's last step; the error is of the order of its square
 REST = 1e-6  # of the guess: a smaller state is rest, which nothing is small beside
+EVEN = 1e-7  # of a multiplier from 1 in size: without damping it is 1, and rounding moves double ones by 1e-8
 SHORT = 1e-3  # of a period: less time without rigid contact is none
 NEWTON = 15
 HALVINGS = 5
@@ -55,8 +56,8 @@ class Orbit:
 
     @property
     def stable(self) -> bool:
-        """Whether motions beside the orbit come back to it."""
-        return self.multiplier < 1.0
+        """Whether motions beside the orbit come back to it; without damping they do not."""
+        return self.multiplier < 1.0 - EVEN
 
     @property
     def contacts(self) -> int:

@@ -11,6 +11,7 @@ import contact as ct
 from contact.base import checkpoint
 from contact.growth.cycles import branch as way_along
 from contact.growth.cycles.branch import Signs, Tangent, kinds, signs
+from contact.growth.cycles.driven import DrivenBody
 from contact.growth.cycles.follow import Found
 from contact.growth.cycles.shooting import map_of
 from reports.contact.cycles import mass_on_stop, rod
@@ -81,6 +82,25 @@ def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
         assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=2e-3)
     if stiffness == 100.0:
         assert TURN * found.of("fold")[0].orbit.value == pytest.approx(1.5579, rel=3e-3)
+
+
+def test_without_damping_rounding_makes_no_special_points_and_no_orbit_is_stable():
+    """A multiplier of 1 in size lies on either side of 1 by rounding: the flips are those of hardly any damping."""
+    found = []
+    for zeta in (0.0, 1e-5):
+        body = ct.ModalBody(
+            omega=[40.0, 60.0], zeta=[zeta] * 2, channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2))
+        )
+        patch = ct.Patch(body=body, normal=("y",), tangent=(("x",),), slide=[[1.0]], clearance=1e-3)
+        driven = DrivenBody(patch=patch, channel="y", amplitude=10.0, stiffness=1e4, mu=0.3)
+        family = driven.over("freq_hz", freq_hz=5.2)
+        found.append(ct.growth.cycles.follow(family, (5.0, 5.15), longest=0.5).branches[0])
+    undamped, damped = found
+    assert [special.kind for special in undamped.specials] == ["flip"] == [special.kind for special in damped.specials]
+    assert undamped.of("flip")[0].orbit.value == pytest.approx(damped.of("flip")[0].orbit.value, rel=1e-9)
+    assert not undamped.stable.any()
+    assert damped.points[-1].stable
+    assert undamped.points[-1].multiplier == pytest.approx(1.0, abs=1e-9)
 
 
 def test_an_orbit_is_found_from_chaos():
