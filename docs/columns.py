@@ -20,6 +20,7 @@ RESULTS = {
     "Pairs of each random draw": "casingfem.modal.mistuning.DRAWS",
     "Pairs over all random draws": "casingfem.modal.mistuning.SUMMARY",
     "Identified modes": "casingfem.experiment.identify.mode_columns.COLUMNS",
+    "Dangerous speeds": "contact.interacting.COLUMNS",
     "Parameters of an update": "casingfem.updating.columns.PARAMETERS",
     "Paired modes of an update": "casingfem.updating.columns.PAIRS",
     "Rows predicted by the others": "casingfem.updating.uncertainty.prediction.COLUMNS",

@@ -26,7 +26,6 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.updating.uncertainty.posterior import Laplace
 from casingfem.updating.uncertainty.prediction import LeftOut, Prediction
 from casingfem.updating.uncertainty.sampling import PosteriorSamples
-from contact.confirmed import Confirmed, ConfirmingRun
 from contact.growth.cycles.basins import Attractor, Basins
 from contact.growth.cycles.result import Branch, Cycles, Special
 from contact.growth.cycles.shooting import Orbit
@@ -157,7 +156,7 @@ def interacting():
         casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
         compliance=1e-4,
     )  # fmt: skip
-    return ct.growth.interactions(pair, np.linspace(50.0, 55.0, 11))
+    return ct.interactions(pair, np.linspace(50.0, 55.0, 11))
 
 
 def run():
@@ -199,10 +198,9 @@ KINDS = {
     "Laplace": lambda: Laplace(names=("material.E",), log=(False,), covariance=np.eye(1), gauss_newton=np.ones(1),
                                bend=np.zeros(1)),
     "run": run,
-    "stability": lambda: interacting().map,
+    "stability": lambda: interacting().peaks.map,
+    "peaks of growth": lambda: interacting().peaks,
     "interactions": interacting,
-    "confirmed": lambda: Confirmed(
-        found=interacting(), run=ConfirmingRun(speed_hz=52.0, poles=3.0, run=3.1, seconds=1.0)),
     "cycles": orbits,
     "basins": basins,
     "wear": worn,

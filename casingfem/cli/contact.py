@@ -13,17 +13,16 @@ from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact import NumericsError, Result, Scene
-    from contact.confirmed import Confirmed
     from contact.growth.cycles.basins import Basins
     from contact.growth.cycles.result import Cycles
 
 STABILITY = (
-    "These are poles of a contact that stays closed. Where contact opens, a run grows faster or slower: "
-    "`casingfem rub` and `casingfem sweep` fit the growth of what really happens."
+    "This is a contact that stays closed. `casingfem interactions SCENE` runs the scene itself and lists the dangerous "
+    "speeds."
 )
-RELATED = (
-    "`casingfem stability` draws the same growth over speed. Where contact opens, a run grows faster or slower: "
-    "`casingfem rub` and `casingfem sweep` fit its growth, with its interval."
+ORBITS = (
+    "These are periodic motions. `casingfem interactions SCENE`, with a run in the scene, lists the dangerous speeds "
+    "of all motions."
 )
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
 NUMBERS = 20_000  # that the histories of a JSON document may have without --history
@@ -90,39 +89,31 @@ def stability(file: Path, as_json: bool, out: Path | None) -> None:
 
 @click.command()
 @SCENE
+@click.option("--runs", type=click.IntRange(2, 100_000), default=60, show_default=True, help="Evenly over the range.")
 @options
-def interactions(file: Path, as_json: bool, out: Path | None) -> None:
-    """At which speeds do casing and blade, or disk, interact? SCENE is a pair, a rim, a rub or a disk.
+def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None:
+    """Which speeds of SCENE are dangerous? SCENE is a pair, a rim, a rub or a disk.
 
-    One table of all coincidences with the speeds at which closed contact diverges, by theory, and a run in time at the
-    worst speed that confirms the growth. speed.scan says which speeds; without it, up to twice the scene's.
+    Poles of closed contact propose speeds, and say which motion grows. The scene is run at each of them and at --runs
+    speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice the scene's speed.
     """
     from contact.scene.stability import load_interactions
 
     scene = load_interactions(file)
     with ProgressMessage(f"interactions {file.name}"):
-        found = scene.solve()
+        found = scene.solve(runs)
     document = found.to_dict()
     files: dict[str, Content] = {"interactions.json": json_text(document)}
     if out is not None:
         from casingfem.plot.interaction import figure_interactions
         from casingfem.plot.style import png
 
-        files["interactions.csv"] = interaction_rows(found)
-        files["interactions.png"] = png(figure_interactions(found.found, found.run))
-    deliver(document, f"{found!r}\n{RELATED}", as_json=as_json, out=out, files=files)
-
-
-def interaction_rows(found: "Confirmed") -> str:
-    """The table as CSV, a card with what each column means above it."""
-    from dataclasses import asdict
-
-    from contact.growth.interaction_table import COLUMNS
-
-    rows = [asdict(row) | {"growth_1_s": row.growth} for row in found.found.rows]
-    card = ["COMPUTED: interactions by linear theory of closed contact", *(f"{n}: {m}" for n, m in COLUMNS.items())]
-    names = "n branch casing_hz blade_hz free_hz closed_hz wave_hz from_hz to_hz growth_1_s growth_hz turns pulses"
-    return csv_text(rows, "\n".join(card), names.split())
+        card = ["COMPUTED: dangerous speeds, by runs at speeds that poles of closed contact propose"]
+        card += [f"{column.name}: {column.text}" for column in found.COLUMNS]
+        names = [column.name for column in found.COLUMNS]
+        files["interactions.csv"] = csv_text(found.records(), "\n".join(card), names)
+        files["interactions.png"] = png(figure_interactions(found))
+    deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 
 @click.command()
@@ -153,6 +144,8 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
             found, lambda k: working.say(f"cycles {file.name}: {k} of {starts} random starts", k / starts)
         )
     document, words = found.to_dict(), repr(found)
+    if found.name == "speed_hz":
+        words += f"\n{ORBITS}"
     if reached is not None:
         document["basins"] = {"at": reached.value, "starts": len(reached.reached), "motions": reached.records()}
         words += f"\n{reached!r}"

@@ -168,9 +168,10 @@ def growth_numbers(result: "Result") -> dict[str, float]:
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
-    """The HTML page on a scene that was run; of rims, rubs and disks with the table of interactions and a film."""
+    """The HTML page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
     from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.interaction import figure_interactions
+    from casingfem.plot.page import Table
     from casingfem.plot.pages.contact import scene_page, scene_verdict
     from contact.base.errors import InputError
     from contact.histories import rub_film
@@ -179,16 +180,18 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     from contact.scene.stability import load_interactions
     from contact.version import versions
 
-    drawn, table = figures(scene, result), ""
+    drawn, table, words = figures(scene, result), None, ""
     rubs = isinstance(scene.what, RotatingRim | Rub)
     if rubs:
         say("interactions")
         try:
             found = load_interactions(file).solve()
         except InputError as error:
-            table = f"No table of interactions: {error}"
+            words = f"No table of dangerous speeds: {error}"
         else:
-            drawn["interactions"], table = figure_interactions(found.found, found.run), repr(found)
+            drawn["interactions"], words = figure_interactions(found), found.words
+            if found.rows:
+                table = Table.of("Dangerous speeds, the worst first.", found.COLUMNS, found.records())
     say("drawing")
     film = rub_film(scene.what, result)
     numbers = page_numbers(result)
@@ -198,6 +201,6 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     )  # fmt: skip
     text = text_of(read_bytes(file))
     return scene_page(
-        file.stem, text, repr(result), result.flags, numbers, drawn, table, verdict=verdict,
+        file.stem, text, repr(result), result.flags, numbers, drawn, table, words, verdict=verdict,
         source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
     )  # fmt: skip

@@ -15,6 +15,10 @@ from contact.io.outfiles import Content, json_text
 if TYPE_CHECKING:
     from casingfem.study import MeshStudy, Study
 
+CROSSINGS = (
+    "A crossing is a possible resonance. `casingfem interactions SCENE` runs the contact with the casing and lists the "
+    "dangerous speeds."
+)
 STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
 
 
@@ -126,7 +130,7 @@ def campbell(
         from casingfem.plot.style import png
 
         files |= {"campbell.csv": found.to_csv(), "campbell.png": png(found.plot(orders=orders))}
-    deliver(document, found.table(orders), as_json=as_json, out=out, files=files)
+    deliver(document, f"{found.table(orders)}\n{CROSSINGS}", as_json=as_json, out=out, files=files)
 
 
 @click.command()

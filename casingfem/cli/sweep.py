@@ -71,6 +71,8 @@ def words(found: "SweepResult", seconds: float) -> str:
     if found.resumed:
         lines.append(f"{counted(found.resumed)} {'was' if found.resumed == 1 else 'were'} there already")
     lines += motion_words(plan.keys, rows, [run.values for run in plan.runs])
+    if any(key.startswith("speed.") for key in plan.keys):
+        lines.append("`casingfem interactions` lists the dangerous speeds, and the motion that grows at each")
     for status in ("refused", "failed", "diverged"):
         reasons = [row["why"] for row in rows if row["status"] == status]
         if reasons:

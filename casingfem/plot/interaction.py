@@ -9,8 +9,14 @@ from matplotlib.figure import Figure
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
-from casingfem.plot.style import AFTER, BEFORE, MEASURED, PERFECT, SKY, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, styled
 
+MARKS: dict[str, dict[str, Any]] = {
+    "unstable": {"color": AFTER, "marker": "^", "linestyle": "", "markersize": 5.0},
+    "not decided": {"color": PERFECT, "marker": "x", "linestyle": "", "markersize": 4.5},
+    "resonance": {"color": PURPLE, "marker": "s", "linestyle": "", "markersize": 4.0},
+    "safe": {"color": GREEN, "marker": "o", "linestyle": "", "markersize": 3.5},
+}
 Blade = Sequence[float] | FloatArray | Campbell | DiskFrequencies
 
 
@@ -146,53 +152,53 @@ def figure_stability(found: Any) -> Figure:
 
 
 @styled
-def figure_interactions(found: Any, run: Any = None, *, orders: int = 8) -> Figure:
-    """Campbell in the blade's frame: poles of closed contact in the colour of their growth, waves, engine orders.
+def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
+    """The table of dangerous speeds: Campbell in the blade's frame, growth and amplitude over speed.
 
-    `found` as `contact.growth.interactions` gives it. Speeds that diverge are shaded, those at which an out-of-round
-    rim opens the contact hatched; below, growth over speed with the confirming run as a dot.
+    `found` as `contact.interactions` gives it. Ranges are shaded where the table says unstable, and nowhere else. A
+    row that closed contact proposed is marked at the frequency of its pole, with its nodal diameters.
     """
-    figure = new_figure(8.2, 6.4)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.4, 1.0))
-    met = [float(row.blade_hz) for row in found.rows if np.isfinite(row.blade_hz)]
-    speed, top = found.pole_speed_hz, 1.35 * max([*met, float(min(found.blade_hz, default=1.0))])
+    runs = len(found.runs) > 0
+    figure = new_figure(8.2, 7.4 if runs else 6.0)
+    ratios = (2.4, 1.0, 0.8) if runs else (2.4, 1.0)
+    upper, lower, *rest = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
+    peaks, growth = found.peaks, found.peaks.map
+    speed = growth.speed_hz
+    marked = [row for row in found.rows if row.peak is not None]
+    top = 1.35 * max([*(row.peak.freq_hz for row in marked), float(min(peaks.blade_hz, default=1.0))])
     _engine_orders(upper, speed, top, orders)
-    for wave in found.seen_hz.T:
+    for wave in peaks.wave_hz.T:
         if wave.min() < top:
             upper.plot(speed, wave, color=SKY, linewidth=0.6, zorder=2)
-    for freq in found.blade_hz:
+    for freq in peaks.blade_hz:
         if freq < top:
             upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)
-    at = np.broadcast_to(speed[:, None], found.pole_hz.shape)
-    least = 1e-6 * found.map.peak_growth if len(found.map.bands_hz) else np.inf  # less is round-off of what does not
-    grows = found.pole_growth > least
-    calm = ~grows
-    upper.plot(at[calm], found.pole_hz[calm], ",", color=PERFECT, zorder=3, rasterized=True)
-    if grows.any():
-        most = float(np.percentile(found.pole_growth[grows], 98.0))
-        drawn = upper.scatter(
-            at[grows], found.pole_hz[grows], c=found.pole_growth[grows], s=9.0, cmap="plasma_r", vmin=0.0, vmax=most,
-            zorder=4, linewidths=0.0,
-        )  # fmt: skip
-        figure.colorbar(drawn, ax=upper, label="growth [1/s], contact closed", extend="max")
-    for low, high in found.map.bands_hz:
-        upper.axvspan(low, high, color=AFTER, alpha=0.12, linewidth=0.0)
-    for low, high in found.opens_hz:
-        lower.axvspan(low, high, facecolor="none", edgecolor=PERFECT, hatch="//", linewidth=0.0, alpha=0.5)
-    for row in found.rows:
-        if row.branch == "sum" and row.blade_hz < top:
-            upper.annotate(f"n = {row.n}", (row.growth_hz, row.blade_hz), fontsize=7, zorder=5)
+    for row in marked:
+        upper.plot(row.at.speed_hz, row.peak.freq_hz, **MARKS[row.at.verdict], zorder=4)
+        where = (row.at.speed_hz, row.peak.freq_hz)
+        upper.annotate(f"{row.peak.n}", where, textcoords="offset points", xytext=(3, 4), fontsize=7, zorder=5)
     upper.set(ylim=(0.0, top), ylabel="frequency at the blade [Hz]")
-    for label, colour in (("|f_c - n f|", SKY), ("blade alone", BEFORE)):
+    lower.axhline(0.0, color="#777777", linewidth=0.8)
+    lower.plot(growth.seen_hz, growth.seen_growth, color=BEFORE, linewidth=1.0)
+    lower.set_ylabel("growth [1/s]")
+    for run in found.runs:
+        lower.plot(run.speed_hz, run.growth, **MARKS[run.verdict], zorder=4)
+        rest[0].plot(run.speed_hz, 1e3 * run.amplitude_m, **MARKS[run.verdict])
+    for row in found.rows:
+        if row.at.verdict == "unstable":
+            for axes in (upper, lower, *rest):
+                axes.axvspan(row.from_hz, row.to_hz, color=AFTER, alpha=0.12, linewidth=0.0)
+    touched = any(run.amplitude_m > 0.0 for run in found.runs)
+    for axes in rest:
+        axes.set(yscale="log" if touched else "linear", ylabel="rim [mm]")
+    for label, colour in (("|f_c - n f|", SKY), ("blade alone; growth of closed contact", BEFORE)):
         upper.plot([], [], color=colour, label=label)
     upper.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
-    upper.plot([], [], ".", color=PERFECT, markersize=3, label="closed contact, decays")
+    shown = {run.verdict for run in found.runs} | {row.at.verdict for row in found.rows}
+    for verdict in [name for name in MARKS if name in shown]:
+        upper.plot([], [], **MARKS[verdict], label=verdict)
     figure.legend(loc="outside upper left", ncols=4)
-    _growth(lower, found.map)
-    if run is not None:
-        lower.plot(run.speed_hz, run.run, "o", color="black", markersize=5, label="run", zorder=4)
-        lower.legend(fontsize=8)
-    lower.set(xlabel="speed [turns/s]", xlim=(float(speed[0]), float(speed[-1])))
+    figure.axes[-1].set(xlabel="speed [turns/s]", xlim=(float(speed[0]), float(speed[-1])))
     return figure
 
 

@@ -140,11 +140,6 @@ def cycles(result: Any) -> Figure:
     return by_name("sweep", "figure_cycles")(result.records(), marks=result.marks())
 
 
-def confirmed(result: Any, **options: Any) -> Figure:
-    """The map of interactions with the run that confirms it."""
-    return by_name("interaction", "figure_interactions")(result.found, run=result.run, **options)
-
-
 def over_modes(y: str, label: str) -> Draw:
     """A column over the mode numbers."""
     return partial(columns, x="mode", y=y, labels=("mode", label))
@@ -184,8 +179,10 @@ PICTURES: dict[str, Draw] = {
     "contact.record.wear.Wear": by_name("contact", "figure_wear"),
     "contact.sweep.sweep.SweepResult": sweep,
     "contact.growth.growth_map.StabilityMap": by_name("interaction", "figure_stability"),
-    "contact.growth.interaction_table.Interactions": by_name("interaction", "figure_interactions"),
-    "contact.confirmed.Confirmed": confirmed,
+    "contact.growth.peaks.Peaks": partial(
+        columns, x="speed_hz", y="growth", labels=("speed [turns/s]", "growth of closed contact [1/s]")
+    ),
+    "contact.interacting.Interactions": by_name("interaction", "figure_interactions"),
     "contact.growth.cycles.result.Cycles": cycles,
     "contact.growth.cycles.basins.Basins": partial(
         columns, x="periods", y="share", labels=("periods", "share of the starts")

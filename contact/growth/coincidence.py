@@ -100,26 +100,8 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
-def standing_speeds(contact: ClosedContact, speed_hz: Array) -> tuple[tuple[int, float, float], ...]:
-    """(n, f_c, f_c/n) of the casing's waves at the speed f_c/n [turns/s] at which the blade runs as fast, ascending.
-
-    Looked for up to `REACH` times the fastest of these speeds above 0.
-    """
-    seen, top = waves_of(contact), REACH * 2.0 * math.pi * float(np.max(speed_hz))
-    turn = 2.0 * math.pi
-    found = [
-        (n, n * speed / turn, speed / turn)
-        for speed, wave, _ in _crossings(seen, 1.0, top, at_rest=True)
-        if (n := round(float(seen.order_of(wave)))) > 0
-    ]
-    return tuple(sorted(found, key=lambda wave: wave[2]))
-
-
-def _crossings(seen: Waves, sense: float, top: float, *, at_rest: bool = False) -> list[tuple[float, int, int]]:
-    """(speed [rad/s], wave, mode) at which a wave's frequency in the blade's frame is a mode's, up to a speed `top`.
-
-    With `at_rest` the speeds at which it is zero.
-    """
+def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) at which a wave's frequency in the blade's frame is a mode's, up to a speed `top`."""
     at = sense * np.linspace(0.0, top, LOOKS)
     free = seen.poles(at, sense)
     if free is None:
@@ -130,7 +112,7 @@ def _crossings(seen: Waves, sense: float, top: float, *, at_rest: bool = False) 
     def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
         """Of waves and of what they shall meet, (speeds, waves), (speeds, modes)."""
         met = found.met(speed)
-        return met[:, waves], np.zeros((speed.size, 1)) if at_rest else met[:, modes]
+        return met[:, waves], met[:, modes]
 
     one, other = frequencies(free, at)
     apart = one[:, :, None] - other[:, None, :]
@@ -152,7 +134,7 @@ def _crossings(seen: Waves, sense: float, top: float, *, at_rest: bool = False) 
         before = middle * below > 0.0
         low, below = np.where(before, speed, low), np.where(before, middle, below)
         high, above = np.where(before, high, speed), np.where(before, above, middle)
-    return list(zip(speed.tolist(), waves[i].tolist(), [0] * k.size if at_rest else modes[j].tolist(), strict=True))
+    return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
 
 
 def _slope(seen: Waves, sense: float, speed: float, wave: int, mode: int) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
+from contact.base.remembered import remembered
 from contact.model.gaps.permanent import ClosedContact, equal_modes
 
 Complex = NDArray[np.complex128]
@@ -53,12 +54,16 @@ class FreePoles(NamedTuple):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Waves:
-    """Modes as waves e^(i k theta): shapes U (m, m), orders k (m,), and groups of waves that C or K couple."""
+    """Modes as waves e^(i k theta): shapes U (m, m), orders k (m,), and groups of waves that C or K couple.
+
+    `parts` are `ClosedContact.parts` between waves, (m, m) each.
+    """
 
     contact: ClosedContact
     U: Complex
     order: Array
     groups: tuple[Indices, ...]
+    parts: tuple[Complex, ...]
 
     def order_of(self, pole: int) -> float:
         """Order k of a column of `poles`."""
@@ -74,7 +79,7 @@ class Waves:
         seen, pushed = np.empty((speed.size, r, 2 * m), dtype=complex), np.empty((speed.size, 2 * m, r), dtype=complex)
         order, sign, casing = np.empty(2 * m), np.empty(2 * m), np.empty(2 * m, dtype=bool)
         rows, pushes = contact.Q @ self.U, self.U.conj().T @ contact.pushes(sense).T
-        C, c_by_speed, K, k_by_speed = (self.U.conj().T @ part @ self.U for part in contact.parts())
+        C, c_by_speed, K, k_by_speed = self.parts
         for size in sorted({group.size for group in self.groups}):
             same = [i for i, group in enumerate(self.groups) if group.size == size]
             at = np.array([self.groups[i] for i in same])  # (groups, size)
@@ -98,6 +103,7 @@ class Waves:
         return FreePoles(s, seen, pushed, order, sign, casing)
 
 
+@remembered
 def waves_of(contact: ClosedContact) -> Waves:
     """Eigenvectors of G within groups of equal modes, so that each is a wave of one mode wherever modes do not mix."""
     m = contact.omega.size
@@ -107,11 +113,12 @@ def waves_of(contact: ClosedContact) -> Waves:
         order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
     order = np.round(order)
     joined = np.zeros((m, m), dtype=bool)
-    for part in contact.parts():
-        size = np.abs(U.conj().T @ part @ U)
+    parts: tuple[Complex, ...] = tuple(U.conj().T @ part.astype(complex) @ U for part in contact.parts())
+    for part in parts:
+        size = np.abs(part)
         joined |= size > COUPLED * float(size.max(initial=0.0))
     joined &= order[:, None] == order
-    return Waves(contact, U, order, joined_groups(joined))
+    return Waves(contact, U, order, joined_groups(joined), parts)
 
 
 def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:

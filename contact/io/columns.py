@@ -142,8 +142,8 @@ def cells_of(columns: Columns, rows: Rows, *, printed: bool = False) -> tuple[li
     return list(used), [list(row) for row in zip(*used.values(), strict=True)]
 
 
-def table_lines(columns: Columns, rows: Rows) -> list[str]:
-    r"""Rows as lines of text under their headers, numbers to the right, words to the left.
+def table_lines(columns: Columns, rows: Rows, *, width: int = WIDTH) -> list[str]:
+    r"""Rows as lines of text of at most `width` under their headers, numbers to the right, words to the left.
 
     >>> print("\n".join(table_lines([Column("n", "Nodal diameters.", iter, format="d"),
     ...                              Column("freq_hz", "Frequency.", iter, head="freq", unit="Hz", format=".1f")],
@@ -154,23 +154,26 @@ def table_lines(columns: Columns, rows: Rows) -> list[str]:
     """
     shown, cells = cells_of(columns, rows, printed=True)
     texts = [[NONE if cell is None else cell for cell in row] for row in cells]
-    return laid_out([column.header for column in shown], texts, ["<" if column.words else ">" for column in shown])
+    sides = ["<" if column.words else ">" for column in shown]
+    return laid_out([column.header for column in shown], texts, sides, width)
 
 
-def laid_out(heads: Sequence[str], rows: Sequence[Sequence[str]], sides: Sequence[str]) -> list[str]:
-    """A table as lines of at most `WIDTH` characters; further columns follow below, after the first one again.
+def laid_out(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], sides: Sequence[str], width: int = WIDTH
+) -> list[str]:  # fmt: skip
+    """A table as lines of at most `width` characters; further columns follow below, after the first one again.
 
     A single column may be wider.
     """
     wide = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
     return [
         "  ".join(f"{line[k]:{sides[k]}{wide[k]}}" for k in block).rstrip()
-        for block in blocks_of(wide)
+        for block in blocks_of(wide, width)
         for line in (heads, *rows)
     ]
 
 
-def blocks_of(wide: Sequence[int]) -> list[list[int]]:
+def blocks_of(wide: Sequence[int], width: int = WIDTH) -> list[list[int]]:
     """Columns of each part of a table, by the widths of all columns.
 
     >>> blocks_of([4, 30, 40, 20])
@@ -179,7 +182,7 @@ def blocks_of(wide: Sequence[int]) -> list[list[int]]:
     blocks = [[0]] if wide else []
     for k in range(1, len(wide)):
         together = [*blocks[-1], k]
-        if len(blocks[-1]) > 1 and sum(wide[i] + 2 for i in together) - 2 > WIDTH:
+        if len(blocks[-1]) > 1 and sum(wide[i] + 2 for i in together) - 2 > width:
             blocks.append([0, k])
         else:
             blocks[-1] = together

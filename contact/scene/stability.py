@@ -10,14 +10,15 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.confirmed import Confirmed, interactions
 from contact.growth.closed_contact import rim_stability, stability
 from contact.growth.growth_map import StabilityMap
 from contact.growth.on_springs import Turning, on_springs
+from contact.interacting import RUNS, Interactions, interactions
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
+from contact.run import Scene
 from contact.scene.load import load_scene, read_scene
 from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError
@@ -67,15 +68,15 @@ def load_stability(path: str | Path) -> StabilityScene:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class InteractionScene:
-    """What may interact, the speeds [Hz] to look at, and friction."""
+    """A scene, or a pair by hand, and the speeds [Hz] to look at; `closed` has the springs of its law at the tips."""
 
-    what: HandPair | RotatingRim | Rub
+    scene: Scene | HandPair
     speed_hz: Array
-    mu: float = 0.0
+    closed: RotatingRim | Rub | None = None
 
-    def solve(self) -> Confirmed:
-        """The table, and the run at its worst speed."""
-        return interactions(self.what, self.speed_hz, mu=self.mu)
+    def solve(self, runs: int = RUNS) -> Interactions:
+        """The table of dangerous speeds, from so many runs evenly over the speeds and one at each peak."""
+        return interactions(self.scene, self.speed_hz, runs=runs, closed=self.closed)
 
 
 def load_interactions(path: str | Path) -> InteractionScene:
@@ -86,12 +87,16 @@ def load_interactions(path: str | Path) -> InteractionScene:
     file = Path(path)
     table, _ = read_scene(file)
     if table.scene.kind == "pair":
-        return InteractionScene(what=_pair(table, file), speed_hz=_speeds(table.speed))
+        return InteractionScene(scene=_pair(table, file), speed_hz=_speeds(table.speed))
     if table.scene.kind not in ("rim", "rub", "disk"):
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair', 'rim', 'rub' or 'disk'"])
     scene = load_scene(file)
-    what = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
-    top = float(np.max(np.abs(table.speed.hz)))
+    closed = _on_law(cast("RotatingRim | Rub", scene.what), table.law, file)
+    hz = np.atleast_1d(table.speed.hz)
+    if hz.min() < 0.0:
+        expected = "no speed below 0: mirror the scene (lean_deg and shape)"
+        raise SceneError([f"{file}: speed.hz: found {hz.min():g} turns/s, expected {expected}"])
+    top = float(hz.max())
     if table.speed.scan is not None:
         if not table.speed.scan.from_hz > 0.0:
             found = f"found {table.speed.scan.from_hz:g} turns/s, expected a speed above 0"
@@ -102,7 +107,7 @@ def load_interactions(path: str | Path) -> InteractionScene:
     else:
         expected = "{from_hz = ..., to_hz = ..., steps = ...} where the scene does not turn"
         raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
-    return InteractionScene(what=what, speed_hz=speeds, mu=(scene.law or Unilateral()).mu)
+    return InteractionScene(scene=scene, speed_hz=speeds, closed=closed)
 
 
 def _on_law(what: Turning, law: AnyLaw | None, file: Path) -> Turning:

@@ -17,7 +17,7 @@ WORDS = (".scheme",)  # name the friction of the direction that a rim turns to, 
 # command, key: why the answer is that of the file whatever the key holds
 NO_EFFECT = {
     ("rub", r"speed\.scan\..*"): "only stability and interactions read it",
-    ("interactions", r"scene\.t_end|speed\.hz|scheme\..*|record\..*"): "only a run reads it",
+    ("interactions", r"speed\.hz|record\..*"): "it runs its own speeds and stores its own states",
     ("sweep", r"mass\[1\]\.velocity"): "the sweep varies it",
     ("", r".*most_steps"): "a limit that the run does not reach",
     ("", r".*\.force_(hz|deg)"): "the force is 0",

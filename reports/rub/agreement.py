@@ -1,6 +1,6 @@
 """Do interactions, poles and runs agree? Three casings and blades, each at sixty speeds.
 
-`python -m reports.rub.agreement [--quick] [--out DIR]`. The bands of `ct.growth.interactions` (from its map of 301
+`python -m reports.rub.agreement [--quick] [--out DIR]`. The bands of `ct.growth.peaks` (from its map of 301
 speeds), eigenvalues of the full state matrix, and runs in time whose contact is pressed closed. One row a pair: at how
 many speeds all three have the same sign, by how much the growth of runs is off where it shows (|growth| > 0.5 1/s).
 Signs of a growth below 0.05 1/s cannot be told by a run of two seconds: they are counted apart.
@@ -13,15 +13,15 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from casingfem.plot.interaction import figure_interactions
+from casingfem.plot.interaction import figure_stability
 from casingfem.plot.style import png
-from contact.confirmed import confirming_run
 from contact.growth.closed_contact import poles
-from contact.growth.interaction_table import Interactions
+from contact.growth.peaks import Peaks
 from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import HandPair
 from reports.rub.bases import casing, steel_strip
+from reports.rub.closed_run import confirming_run
 from reports.rub.section_44 import make_casing
 from reports.tables import Row, command_line, show, write
 from reports.verification.interaction import digging
@@ -60,7 +60,7 @@ def rim(body: ct.ModalBody, tip: ct.ModalBody, lean_deg: float) -> ct.RotatingRi
 def compared(
     what: ct.RotatingRim | HandPair,
     mu: float,
-    found: Interactions,
+    found: Peaks,
     speeds: np.ndarray[tuple[int], np.dtype[np.float64]],
 ) -> list[Row]:
     """Each speed by its band, by eigenvalues, and by a run."""
@@ -85,21 +85,21 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     folder.mkdir(parents=True, exist_ok=True)
     rows: list[Row] = []
     for number, (name, (what, mu, (low, high))) in enumerate(pairs(folder).items(), 1):
-        found = ct.growth.interactions(what, np.linspace(low, high, 61 if quick else 301), mu=mu)
+        found = ct.growth.peaks(what, np.linspace(low, high, 61 if quick else 301), mu=mu)
         speeds = np.linspace(low, high, (6 if quick else SPEEDS) + 2)[1:-1]
         every = compared(what, mu, found, speeds)
         write(folder / f"speeds_{number}.csv", every)
         shown = [abs(float(str(row["off %"]))) for row in every if abs(float(str(row["pole 1/s"]))) > SEEN]
         agree = sum(bool(row["agree"]) for row in every)
-        worst = confirming_run(what, found.worst_hz, mu=mu)
+        worst = confirming_run(what, found.map.peak_speed_hz, mu=mu)
         rows.append({
             "pair": name, "speeds": len(every), "in bands": sum(bool(row["in a band"]) for row in every),
             "told by runs": sum(bool(row["told"]) for row in every), "agree": agree,
-            "growth off at most %": max(shown, default=0.0), "of": len(shown), "worst Hz": found.worst_hz,
+            "growth off at most %": max(shown, default=0.0), "of": len(shown), "worst Hz": found.map.peak_speed_hz,
             "growth there 1/s": worst.poles, "run there 1/s": worst.run,
             "verdict": "agree" if agree >= len(every) - 1 and max(shown, default=0.0) < 5.0 else "NOT",
         })  # fmt: skip
-        write_atomic(folder / f"interactions_{number}.png", png(figure_interactions(found, worst)))
+        write_atomic(folder / f"growth_{number}.png", png(figure_stability(found.map)))
     show("Interactions, eigenvalues and runs", rows)
     write(out / "agreement.csv", rows)
     return rows

@@ -8,7 +8,6 @@ from scipy.sparse import csc_array, csr_array, diags_array
 
 import contact as ct
 from contact.base.arrays import require_count
-from contact.confirmed import confirming_run
 from contact.io.units import units_of
 from contact.model.gaps.rod_modes import side
 from contact.recovery import rub_forces
@@ -169,9 +168,17 @@ REFUSED = {
         lambda: ct.growth.cycles.RimFamily(rim=RIM, name="mass"),
         "name: found 'mass', expected 'speed_hz', 'clearance' or 'friction'",
     ),
-    "what no run confirms": (
-        lambda: confirming_run([RIM], 5.0),
-        "what: found list, expected a RotatingRim, a Rub or a HandPair",
+    "dangerous speeds of a bare rim": (
+        lambda: ct.interactions(ct.Scene(what=[RIM], t_end=1.0), [1.0, 2.0]),
+        "scene: found list, expected a scene with a RotatingRim or a Rub",
+    ),
+    "dangerous speeds without an end": (
+        lambda: ct.interactions(ct.Scene(what=RIM, dt=1e-5), [1.0, 2.0]),
+        "t_end: found none, expected the end of the runs in seconds",
+    ),
+    "dangerous speeds of one run": (
+        lambda: ct.interactions(ct.Scene(what=RIM, t_end=1.0, dt=1e-5), [1.0, 2.0], runs=1),
+        "runs: found 1, expected at least 2: one at each end of the range",
     ),
     "forces on what is not there": (
         lambda: rub_forces(RIM, None, "blades"),

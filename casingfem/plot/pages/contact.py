@@ -17,7 +17,9 @@ CAPTIONS = {
     "spectrum_tip": "The same of the tip's motion along the contact's normal.",
     "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
     "energy": "Energy into the bodies by source, and strain energy over time.",
-    "interactions": "The blade over speed: poles of closed contact that grow in colour, speeds that diverge shaded.",
+    "interactions": "Top: frequencies that the blade meets; marks are motions that closed contact can feed, with their "
+    "n. Middle: growth of closed contact (line) and of the runs. Bottom: deflection of the rim. Unstable speeds are "
+    "shaded.",
 }
 SHOWN = {
     "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
@@ -40,10 +42,13 @@ ORDINARY = "grazing"  # a change that ends nothing
 
 def scene_page(
     name: str, scene: str, summary: str, flags: tuple[str, ...], numbers: Mapping[str, Cell],
-    figures: Mapping[str, Figure], table: str = "", *, verdict: Verdict, source: Mapping[str, Any],
-    films: Sequence[Picture] = (),
+    figures: Mapping[str, Figure], table: Table | None = None, words: str = "", *, verdict: Verdict,
+    source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> str:  # fmt: skip
-    """HTML of the page: the scene as written, flags first, the film of a rub, numbers, pictures, its interactions."""
+    """HTML of the page: the scene as written, flags first, the film of a rub, numbers, pictures, dangerous speeds.
+
+    `table` has the dangerous speeds, and `words` say what was run for it.
+    """
     rows = tuple(numbers.items())
     sections = [
         Section("What became of it", flags, tuple(films), (Table("The run in numbers.", ("quantity", "value"), rows),),
@@ -53,10 +58,11 @@ def scene_page(
     if shown:
         pictures = tuple(Picture.of(figures[key], CAPTIONS[key], kind="png") for key in shown)
         sections.append(Section("Pictures", figures=pictures))
-    if table:
+    if words:
         drawn = figures.get("interactions")
         seen = () if drawn is None else (Picture.of(drawn, CAPTIONS["interactions"], kind="png"),)
-        sections.append(Section("At which speed", figures=seen, preformatted=table))
+        tables = () if table is None else (table,)
+        sections.append(Section("Dangerous speeds", (words,), seen, tables))
     sections.append(Section("The scene", preformatted=scene))
     notice = flags[0] if flags else ""
     return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
@@ -87,7 +93,7 @@ def scene_verdict(
     else:
         further = "Run it with half the step, and with more modes, and compare the impulse: casingfem sweep does both."
     if rubs:
-        further += " The growth of contact that stays closed at other speeds: below, or casingfem interactions."
+        further += " Dangerous speeds: below, or casingfem interactions."
     return Verdict(found=found, sure=sure, further=further)
 
 

@@ -2,7 +2,7 @@
 
 import io
 import json
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,12 +15,11 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main, pictures
-from casingfem.cli.contact import interaction_rows
 from casingfem.modal.campbell import Campbell
 from casingfem.plot.interaction import figure_interactions
 from casingfem.plot.motion import figure_orbit, figure_spectrum, waterfall
 from casingfem.plot.sweep import figure_sweep
-from contact.growth.interaction_table import Interaction
+from contact.model.gaps.bladed_disk import pair_rim
 
 DATA = Path(__file__).parents[3] / "data"
 
@@ -30,37 +29,42 @@ def call(*words):
 
 
 @pytest.mark.slow
-def test_interactions_of_a_pair_are_confirmed_by_a_run(tmp_path):
+def test_interactions_print_write_and_draw_one_table(tmp_path):
     found = call("interactions", DATA / "scenes" / "pair.toml", "--out", tmp_path, "--json")
     assert found.exit_code == 0
     document = json.loads(found.stdout)
     (row,) = document["interactions"]
-    assert row["growth"] == pytest.approx(3.788, rel=1e-3)
-    assert abs(document["run"]["off_rel"]) < 0.05
-    assert set(document["columns"]) >= {"growth", "turns", "f_c/n"}
-    table = (tmp_path / "interactions.csv").read_text().splitlines()
-    assert table[0].startswith("# COMPUTED")
-    assert table[-2].split(",")[0] == "n"
-    assert float(table[-1].split(",")[9]) == row["growth"]
+    assert row["closed_1_s"] == pytest.approx(3.788, rel=1e-3)
+    assert (row["n"], row["wave"], row["verdict"]) == (8, "with", "unstable")
+    text = (tmp_path / "interactions.csv").read_text()
+    assert text.startswith("# COMPUTED")
+    table = pd.read_csv(io.StringIO(text), comment="#")
+    assert table.columns.tolist() == list(row)
+    assert table["closed_1_s"].tolist() == [row["closed_1_s"]]
+    assert all(f"# {name}: " in text for name in row)
     assert (tmp_path / "interactions.png").read_bytes()[1:4] == b"PNG"
-    closed = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
-    assert "These are poles of a contact that stays closed" in closed.stdout
+    printed = call("interactions", DATA / "scenes" / "pair.toml").stdout
+    assert "3.79" in printed
+    assert max(map(len, printed.splitlines()[:2])) <= 100
+    stability = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
+    assert "`casingfem interactions SCENE` runs the scene itself and lists the dangerous" in stability.stdout
     assert (tmp_path / "stability.png").exists()
 
 
-def test_a_table_of_interactions_has_every_figure_under_its_name():
-    """All numbers different; what there is none of is an empty cell."""
-    names = [field.name for field in fields(Interaction)]
-    row = {name: 2.0 + k for k, name in enumerate(names)} | {"n": 8, "branch": "sum"}
-    bare = row | {"branch": "friction", "from_hz": np.nan, "free_hz": np.nan}
-    found = SimpleNamespace(found=SimpleNamespace(rows=[Interaction(**row), Interaction(**bare)]))
-    table = pd.read_csv(io.StringIO(interaction_rows(found)), comment="#").rename(columns={"growth_1_s": "growth"})
-    assert table.to_dict("records")[0] == row
-    assert table["branch"].tolist() == ["sum", "friction"]
-    assert table.columns[table.isna().any()].tolist() == ["free_hz", "from_hz"]
-    assert (
-        table.loc[1].drop(["branch", "free_hz", "from_hz"]).equals(table.loc[0].drop(["branch", "free_hz", "from_hz"]))
-    )
+@pytest.mark.slow
+def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path):
+    from reports.robustness.diverging import RIM, at, bodies
+
+    bodies(tmp_path)
+    scene = tmp_path / "rim.toml"
+    scene.write_text(at(60.0, ("t_end = 2.0", "t_end = 0.1"), scene=RIM))
+    found = call("interactions", scene, "--runs", "6", "--json")
+    assert found.exit_code == 0
+    document = json.loads(found.stdout)
+    peaks = document["closed_contact"]["peaks"]
+    assert len(document["runs"]) <= 6 + len(peaks)
+    assert {row["verdict"] for row in document["interactions"]} >= {"unstable"}
+    assert call("interactions", scene, "--runs", "1").exit_code == 2
 
 
 @pytest.mark.parametrize(
@@ -91,21 +95,24 @@ def test_each_track_of_a_coating_has_its_own_picture(monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_picture_shows_growing_poles_bands_and_the_run():
-    pair = ct.gaps.HandPair(
-        casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
-        blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4,
-    )  # fmt: skip
-    found = ct.growth.interactions(pair, np.linspace(52.0, 54.0, 41))
-    upper, lower, bar = figure_interactions(found).axes
-    assert upper.get_ylabel() == "frequency at the blade [Hz]"
-    assert bar.get_ylabel() == "growth [1/s], contact closed"
-    coloured = upper.collections[0]
-    assert coloured.get_offsets()[:, 0].min() > 52.6  # those in the band alone have a colour
-    assert coloured.get_array().max() == pytest.approx(3.78, abs=0.02)
-    assert len(lower.patches) == 1
-    calm = ct.growth.interactions(pair, np.linspace(20.0, 30.0, 11))
-    assert len(figure_interactions(calm).axes) == 2  # no scale of what nothing has
+def test_the_picture_shades_the_ranges_that_the_table_calls_unstable_and_no_other():
+    tip = ct.ModalBody(omega=[240.0 * np.pi], zeta=[2e-4], channels=("span", "flap"), rows=[[0.4**-0.5], [0.0]],
+                       S=np.eye(2) * 1e-4)  # fmt: skip
+    casing = pair_rim(ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4), radius=0.5)
+    for clearance, shaded in ((-1e-5, 1), (1e-3, 0)):
+        rim = ct.RotatingRim(casing, tip, clearance=clearance, speed_hz=20.0)
+        found = ct.interactions(ct.Scene(what=rim, t_end=0.5, dt=1e-4), np.linspace(45.0, 60.0, 61), runs=6)
+        figure = figure_interactions(found)
+        for axes in figure.axes:
+            bands = [patch.get_extents().transformed(axes.transData.inverted()) for patch in axes.patches]
+            assert [(band.x0, band.x1) for band in bands] == [
+                pytest.approx((row.from_hz, row.to_hz)) for row in found.of("unstable")
+            ]
+            assert len(bands) == shaded
+        upper, lower, _ = figure.axes
+        assert upper.get_ylabel() == "frequency at the blade [Hz]"
+        points = [line for line in lower.lines if line.get_marker() in ("^", "o")]
+        assert sorted(line.get_xdata()[0] for line in points) == [run.speed_hz for run in found.runs]
 
 
 def test_campbell_of_a_study_at_rest_is_refused_and_a_turning_one_drawn(tmp_path):
@@ -220,7 +227,12 @@ def test_out_holds_pictures_and_the_forces(tmp_path):
     page = call("report", scene, "--out", out)
     assert page.exit_code == 0
     html = (out / "report.html").read_text()
-    for words in ("At which speed", "Orbits of the first tip", "f_c + f_b = n f", "kind = &#34;rim&#34;"):
+    for words in (
+        "Dangerous speeds",
+        "Orbits of the first tip",
+        "runs of the scene at constant",
+        "kind = &#34;rim&#34;",
+    ):
         assert words in html
     assert html.count("<img") == 6
 

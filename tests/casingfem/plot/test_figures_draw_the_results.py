@@ -87,13 +87,16 @@ def test_an_orbit_is_drawn_in_micrometres_along_the_rim_and_outwards():
 def test_growth_over_speed_is_that_of_the_map_and_of_the_table():
     pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
                     blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)  # fmt: skip
-    found = ct.growth.interactions(pair, np.linspace(52.0, 54.0, 11))
-    for figure in (figure_stability(found.map), figure_interactions(found)):
-        growth = figure.axes[0 if len(figure.axes) == 1 else 1]
+    found = ct.interactions(pair, np.linspace(52.0, 54.0, 11))
+    closed = found.peaks.map
+    for figure, speed, values in (
+        (figure_stability(closed), closed.speed_hz, closed.growth),
+        (figure_interactions(found), closed.seen_hz, closed.seen_growth),
+    ):
         require_units(figure)
-        curve, peak = growth.lines[1:3]
-        assert same(curve, found.map.speed_hz, found.map.growth)
-        assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (found.map.peak_speed_hz, found.map.peak_growth)
+        assert same(figure.axes[-1].lines[1], speed, values)
+    peak = figure_stability(closed).axes[0].lines[2]
+    assert (peak.get_xdata()[0], peak.get_ydata()[0]) == (closed.peak_speed_hz, closed.peak_growth)
 
 
 def test_cycles_are_drawn_from_their_rows_branch_by_branch():

@@ -1,4 +1,4 @@
-"""One answer to "at which speed?": the table of `contact.growth.interactions`, and a run beside it that confirms it."""
+"""Growth in time of a contact that is pressed closed, at one speed: what the poles of closed contact must give."""
 
 from __future__ import annotations
 
@@ -7,15 +7,11 @@ from dataclasses import dataclass, replace
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.growth.closed_contact import first_order, poles_each
-from contact.growth.interaction_table import Interactions
-from contact.growth.interaction_table import interactions as by_theory
 from contact.growth.split_casing import mean_contact, perfect_mean
-from contact.io.reported import Reported
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -65,34 +61,6 @@ class ConfirmingRun:
             f"run at {self.speed_hz:.5g} Hz, contact pressed closed: growth {self.run:.4g} 1/s over {self.seconds:.3g} "
             f"s, {self.poles:.4g} 1/s by poles ({100.0 * self.off:+.2g} %)"
         )
-
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class Confirmed(Reported):
-    """The table of interactions `found`, and the run at its worst speed; none where nothing diverges."""
-
-    found: Interactions
-    run: ConfirmingRun | None
-
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary an interaction."""
-        return self.found.records()
-
-    def to_dict(self) -> dict[str, object]:
-        """The document of `casingfem interactions --json`."""
-        return {**self.found.to_dict(), "run": None if self.run is None else self.run.to_dict()}
-
-    def __repr__(self) -> str:
-        return repr(self.found) + ("" if self.run is None else f"\n{self.run!r}")
-
-
-def interactions(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float = 0.0) -> Confirmed:
-    """Where a casing and its blade, or disk, interact over speeds [turns/s], confirmed by a run at the worst.
-
-    Parameters and errors as `contact.growth.interactions`, which leaves out the run.
-    """
-    found = by_theory(what, speed_hz, mu=mu)
-    return Confirmed(found=found, run=confirming_run(what, found.worst_hz, mu=mu) if found.map.diverges else None)
 
 
 def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: float = 0.0) -> ConfirmingRun:

@@ -1,6 +1,7 @@
 """How a confirming run starts, steps and is read: equilibrium and leading motion by matrices of the test's own."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,11 +9,13 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.confirmed import ConfirmingRun, _start, _step, closed_rub, exponent
 from contact.growth.closed_contact import first_order, poles
 from contact.growth.split_casing import mean_contact
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
+from reports.rub.closed_run import ConfirmingRun, _start, _step, closed_rub, confirming_run, exponent
+from tests.contact.growth.test_closed_poles import TWO_BLADES, rim
+from tests.contact.growth.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -164,3 +167,38 @@ def test_how_a_split_casing_starts_and_what_pulls_at_it_does_not_keep_it_from_it
     np.testing.assert_array_equal(contact.omega, other.omega)
     rim = ct.RotatingRim(odd, blade(), clearance=0.0, speed_hz=5.0, casing_velocity=np.ones(9))
     np.testing.assert_array_equal(mean_contact(rim, mu=0.2)[0].omega, contact.omega)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("what", "mu", "hz"),
+    [
+        (replace(PAIR, friction=0.0, lean_deg=0.0, compliance=1e-4), 0.0, 52.844),
+        (rim(), 0.3, 60.0),
+        (rim(ring(imperfect=1e-3)), 0.3, 20.0),
+        (TWO_BLADES, 0.3, 20.0),
+        (rim(turning_ring()), 0.3, 60.0),
+        (rim(turning_ring(), turning="blades"), 0.3, 20.0),
+        (replace(TWO_BLADES, casing=turning_ring()), 0.3, 20.0),
+    ],
+)
+def test_a_run_at_one_speed_confirms_the_poles(what, mu, hz):
+    run = confirming_run(what, hz, mu=mu)
+    assert run.run == pytest.approx(run.poles, rel=0.02)
+    assert run.poles > 1.0
+
+
+@pytest.mark.parametrize("hz", [5.0, 90.0, 400.0])
+def test_a_run_is_refused_where_one_of_two_tips_side_by_side_lifts_off(hz):
+    """The stiffer blade's tip presses the rim away from the other's, five degrees further."""
+    tips = [replace(tip, angle_deg=5.0 * k) for k, tip in enumerate(TWO_BLADES.tips)]
+    words = rf"^contact: found forces at rest from (\S+) to (\S+) N at {hz:g} Hz, expected all above 0: not every"
+    with pytest.raises(ct.InputError, match=words) as caught:
+        confirming_run(replace(TWO_BLADES, tips=tips), hz, mu=0.3)
+    low, high = (float(force) for force in re.match(words, str(caught.value)).groups())
+    assert low < 0.0 < high
+
+
+def test_only_what_turns_is_run_closed():
+    with pytest.raises(ct.InputError, match="what: found list, expected a RotatingRim, a Rub or a HandPair"):
+        confirming_run([PAIR], 5.0)

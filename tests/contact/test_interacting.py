@@ -1,0 +1,173 @@
+"""The table of dangerous speeds: closed forms, runs beside its rows, ranges, ranks, scenes of many tips."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.growth.coincidence import loaded
+from contact.interacting import COLUMNS, LONGER, Interactions, SpeedRun, at_speed
+from contact.io.columns import table_lines
+from contact.model.gaps.bladed_disk import pair_rim
+from contact.model.gaps.permanent import HandPair, ModalPair
+from tests.contact.synthetic_rim import blade, ring
+
+PAIR = HandPair(
+    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
+    blade=ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=2e-4), compliance=1e-4,
+)  # fmt: skip
+SPEEDS = np.linspace(45.0, 60.0, 61)
+
+
+def pair_scene(clearance=-1e-5, casing=None, t_end=0.5, **more):
+    """The pair as a rim and a blade that turns: f_c + f_b = n f at 52.5 turns/s without contact."""
+    tip = ct.ModalBody(
+        omega=[PAIR.blade.omega], zeta=[PAIR.blade.zeta], channels=("span", "flap"),
+        rows=[[PAIR.blade.modal_mass**-0.5], [0.0]], S=np.eye(2) * PAIR.compliance,
+    )  # fmt: skip
+    rim = ct.RotatingRim(casing or pair_rim(PAIR.casing, radius=0.5), tip, clearance=clearance, speed_hz=20.0, **more)
+    return ct.Scene(what=rim, t_end=t_end, dt=1e-4)
+
+
+def of_run(scene, row):
+    """A run beside a row."""
+    beside = replace(at_speed(scene, row.at.speed_hz), record=None)
+    try:
+        result = ct.run(beside, t_end=row.at.seconds)
+    except ct.NumericsError as error:
+        result = error.result
+    return result.growth
+
+
+def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed():
+    """A band of 0.3 turns/s between runs that are 1.4 turns/s apart: closed contact proposes it, its run decides."""
+    found, formula = ct.interactions(pair_scene(), SPEEDS, runs=12), loaded(PAIR)
+    (row,) = found.rows
+    assert row.at.verdict == "unstable"
+    assert row.at.speed_hz == pytest.approx(formula.speed_hz, rel=1e-4)
+    assert row.at.closed == pytest.approx(formula.growth, rel=0.01)
+    assert row.at.growth == pytest.approx(formula.growth, rel=0.02)
+    assert row.at.low < row.at.growth < row.at.high
+    assert (row.n, row.wave, row.body) == (8, "with", "casing")
+    assert (row.from_hz, row.to_hz) == (row.peak.from_hz, row.peak.to_hz)
+    assert {run.verdict for run in found.runs if run != row.at} == {"safe"}
+    assert len(found.runs) == 13
+    assert "13 runs of the scene at constant speeds from 45 to 60 Hz (2700 to 3600 rpm): 1 unstable" in found.words
+
+
+def test_where_nothing_touches_every_speed_is_safe():
+    found = ct.interactions(pair_scene(clearance=1e-3), SPEEDS, runs=12)
+    (row,) = found.rows
+    assert row.at.verdict == "safe"
+    assert row.at.closed > 3.0
+    assert all(run.verdict == "safe" and run.amplitude_m == 0.0 for run in found.runs)
+    assert "Every speed is safe." in found.words
+
+
+def test_a_pair_by_hand_is_decided_by_its_poles():
+    found = ct.interactions(PAIR, SPEEDS)
+    (row,) = found.rows
+    assert (row.at.verdict, found.runs) == ("unstable", ())
+    assert "closed by definition" in repr(found)
+    assert ct.interactions(PAIR, [20.0, 24.0]).rows == ()
+
+
+def test_a_split_pair_of_one_n_has_one_row():
+    """Two modes of n = 8 that are 0.02 % apart: two narrow bands of one motion."""
+    casing = pair_rim(PAIR.casing, radius=0.5).detuned(2e-4, seed=3)
+    found = ct.interactions(pair_scene(casing=casing), SPEEDS, runs=12)
+    assert [row.n for row in found.rows] == [8]
+    assert "Pairs of the casing are split" in found.words
+
+
+@pytest.mark.slow
+def test_the_table_and_a_run_beside_it_agree_at_each_row():
+    rim = ct.RotatingRim(
+        ring(), blade(), clearance=-1e-6, speed_hz=5.0, lean_deg=10.0, out_of_roundness=[{"p": 2, "cos": 1e-5}]
+    )
+    scene = ct.Scene(what=rim, law=ct.Coulomb(mu=0.3), t_end=0.4, dt=2e-5)
+    found = ct.interactions(scene, np.linspace(5.0, 60.0, 56), runs=12)
+    assert {row.at.verdict for row in found.rows} >= {"unstable"}
+    for row in found.rows:
+        beside = of_run(scene, row)
+        if row.at.verdict == "unstable" and np.isfinite(row.at.growth):
+            assert beside.rate > 0.0
+        assert (beside.state == "grows") <= (row.at.verdict in ("unstable", "not decided"))
+    ranges = sorted((row.from_hz, row.to_hz) for row in found.rows)
+    assert all(first[1] <= second[0] for first, second in pairwise(ranges))
+    for row in found.rows:  # every run in a range that is not safe has its verdict
+        inside = {run.verdict for run in found.runs if row.from_hz < run.speed_hz < row.to_hz}
+        assert inside <= {row.at.verdict}
+
+
+@pytest.mark.slow
+def test_several_tips_have_rows_of_the_disks_n():
+    disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
+    casing = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    kick = ct.gaps.Start(velocity=np.array([1e-2, 0.0]))
+    rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-3, casing_start=kick)
+    scene = ct.Scene(what=rub, t_end=0.2, dt=1e-4)
+    found = ct.interactions(scene, np.linspace(125.0, 145.0, 41), runs=6)
+    worst = found.rows[0]
+    assert (worst.at.verdict, worst.n) == ("unstable", 3)
+    assert 0.5 * worst.at.closed < worst.at.growth < worst.at.closed
+    assert all(run.verdict == "safe" for run in found.runs if run.closed < 1e-6)
+
+
+def speed_run(hz, verdict, **more):
+    given = {"closed": 0.0, "growth": 1.0, "low": 0.5, "high": 1.5, "amplitude_m": 1e-5, "half_wall_s": np.inf, "n": 4,
+             "wave": "with", "body": "casing"}  # fmt: skip
+    return SpeedRun(speed_hz=hz, verdict=verdict, **given | more)
+
+
+def test_runs_that_grow_without_a_peak_of_closed_contact_have_a_row():
+    """Contact that opens may feed what closed contact does not: an out-of-round rim, between the runs beside."""
+    from contact.interacting import _ranked, _table
+
+    runs = [speed_run(10.0, "safe"), speed_run(20.0, "unstable", growth=3.0), speed_run(24.0, "unstable", growth=5.0),
+            speed_run(30.0, "resonance"), speed_run(40.0, "not decided"), speed_run(50.0, "safe")]  # fmt: skip
+    rows = _ranked(_table(runs, ()))
+    assert [(row.at.verdict, row.from_hz, row.to_hz) for row in rows] == [
+        ("unstable", 15.0, 27.0), ("not decided", 35.0, 45.0), ("resonance", 27.0, 35.0),
+    ]  # fmt: skip
+    assert rows[0].at.growth == 5.0
+    assert rows[0].peak is None
+
+
+def test_a_scene_that_is_refused_at_a_speed_is_not_decided_there():
+    scene = replace(pair_scene(), scheme=ct.ExactModal(omega_h_limit=0.1))
+    found = ct.interactions(scene, SPEEDS, runs=2)
+    assert {run.verdict for run in found.runs} == {"not decided"}
+    assert "the scene is refused: dt: found omega_max dt" in found.words
+
+
+def test_runs_that_are_too_short_are_repeated_longer():
+    found = ct.interactions(pair_scene(t_end=2e-3), SPEEDS, runs=2)
+    assert all(run.seconds < 3e-3 or run.seconds > 2e-3 * LONGER * 0.95 for run in found.runs)
+    assert max(run.seconds for run in found.runs) == pytest.approx(2e-3 * LONGER, rel=0.05)
+
+
+def test_the_printed_table_has_at_most_a_hundred_characters_and_every_row_on_one_line():
+    found = ct.interactions(pair_scene(), SPEEDS, runs=4)
+    wide = {"n": 12, "closed_1_s": -1.23e-4, "growth_1_s": -2.34e-5, "amplitude_m": 1.23e-9, "verdict": "not decided",
+            "from_hz": 128.123, "to_hz": 133.123, "range_rpm": "7687-7987", "wave": "standing"}  # fmt: skip
+    lines = table_lines(COLUMNS, [found.records()[0] | wide], width=100)
+    assert len(lines) == 2
+    assert max(map(len, lines)) <= 100
+    assert len(repr(found).splitlines()) == 1 + len(found.rows) + 1
+    head = repr(found).splitlines()[0]
+    assert head.split("  ")[0] == "from [Hz]"
+
+
+def test_the_document_has_the_table_the_runs_and_closed_contact():
+    found = ct.interactions(pair_scene(), SPEEDS, runs=4)
+    document = found.to_dict()
+    assert [row["verdict"] for row in document["interactions"]] == ["unstable"]
+    assert set(document["interactions"][0]) == {column.name for column in COLUMNS}
+    assert document["interactions"][0]["half_wall_s"] is None  # no wall is known
+    assert len(document["runs"]) == len(found.runs) == 5
+    assert document["closed_contact"]["peaks"][0]["n"] == 8
+    assert isinstance(found, Interactions)
+    assert found.of("unstable") == found.rows
