@@ -72,25 +72,40 @@ def with_half_step(
 ) -> RunGrowth:
     """The growth of a run with that of its last stretch at half the step, begun at a mark of the run.
 
-    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that.
+    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that. Where
+    the growth differs the stretch is repeated at the same step too: its start differs from the run's by the round-off
+    of velocities read from a mark, after which an irregular motion takes another course.
     """
-    rub: Rub = rub_of(problem)
     end = taken * dt
     begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))
     before = [one for one in marks if one.taken * dt <= begin]
-    first = before[-1].taken if before else 0
-    starting, clock = _starting_at(problem, before[-1], dt) if before else (problem, 0)
+    at = before[-1] if before else None
+    share = 1.0 - (0 if at is None else at.taken) / taken
     try:
-        stepper = scheme.prepare(starting, law, dt=0.5 * dt, courant=None)
+        fine = _again(problem, law, scheme, dt, 2, at, taken, begin)
+        found = growth.checked(*fine, 2.0 * share)
+        if found.converged is not False or at is None:
+            return found
+        return replace(
+            found, same_step=_again(problem, law, scheme, dt, 1, at, taken, begin)[0], check_share=3.0 * share
+        )
     except InputError:
         return growth
+
+
+def _again(
+    problem: Problem, law: Law, scheme: Scheme, dt: float, parts: int, at: Mark | None, taken: int, begin: float
+) -> tuple[float, float]:
+    """Growth from `begin` [s] to the end of a run whose steps are divided into parts, and half its interval [1/s]."""
+    starting, clock = (problem, 0) if at is None else _starting_at(problem, at, dt)
+    first = 0 if at is None else at.taken
+    stepper = scheme.prepare(starting, law, dt=dt / parts, courant=None)
     limits = getattr(stepper, "limits", None)
     if limits is not None:
         limits[RIM] = limits[TIP] = math.inf
     with np.errstate(all="ignore"):
-        time, state = states(stepper, clock, 2 * (taken - first))
-        rate, width = _growth(rub, time + 0.5 * dt * (2 * first - clock), state, begin, end)
-    return growth.checked(rate, width, 2.0 * (taken - first) / taken)
+        time, state = states(stepper, parts * clock, parts * (taken - first))
+        return _growth(rub_of(problem), time + dt * (first - clock), state, begin, taken * dt)
 
 
 def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tuple[float, float]:
@@ -108,7 +123,7 @@ def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tu
 
 @singledispatch
 def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
-    """The rub that starts in the motion of a mark, and the number of that step where a step is half as long."""
+    """The rub that starts in the motion of a mark, and the number of the step at which its clock then stands."""
     rub: Rub = rub_of(problem)
     sizes = np.cumsum([body.omega.size for body in rub.bodies])[:-1]
     velocity = _velocity(rub, at, dt)
@@ -116,7 +131,7 @@ def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
         replace(start, displacement=readonly(q), velocity=readonly(v))
         for start, q, v in zip(rub.starts, np.split(at.q, sizes), np.split(velocity, sizes), strict=True)
     )
-    return replace(rub, casing_start=casing, blade_starts=tuple(blades)), 2 * at.taken
+    return replace(rub, casing_start=casing, blade_starts=tuple(blades)), at.taken
 
 
 @_starting_at.register

@@ -62,7 +62,8 @@ class RunGrowth:
     `since` [s] where that stretch begins. `time_to_half_wall` [s] from the start of the run, infinite where the motion
     does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step,
     `half_step_width` half its interval, and `check_share` the steps that took over those of the run; nan where
-    it was not run.
+    it was not run. `same_step` [1/s]: where half the step differs, the stretch once more at the same step, from a start
+    that differs by a small fraction.
     """
 
     rate: float
@@ -77,6 +78,7 @@ class RunGrowth:
     half_step: float = math.nan
     half_step_width: float = math.nan
     check_share: float = math.nan
+    same_step: float = math.nan
 
     @property
     def energy_rate(self) -> float:
@@ -102,15 +104,22 @@ class RunGrowth:
         >>> grows.converged, grows.checked(10.5, 0.1, 0.3).converged, grows.checked(2.0, 0.1, 0.3).converged
         (None, True, False)
         """
-        if not math.isfinite(self.half_step):
-            return None
+        return self._agrees(self.half_step) if math.isfinite(self.half_step) else None
+
+    def _agrees(self, other: float) -> bool:
         both = math.hypot(0.5 * (self.high - self.low), self.half_step_width)
-        return abs(self.half_step - self.rate) <= max(AGREED * abs(self.rate), both)
+        return abs(other - self.rate) <= max(AGREED * abs(self.rate), both)
+
+    @property
+    def irregular(self) -> bool:
+        """Whether the same step, from a slightly different start, gives another growth too: it tells no step apart."""
+        return self.converged is False and math.isfinite(self.same_step) and not self._agrees(self.same_step)
 
     @property
     def numerical(self) -> bool:
-        """Whether half the step gives less than half of the growth."""
-        return self.converged is False and self.half_step + self.half_step_width < 0.5 * self.rate
+        """Whether half the step gives less than half of the growth, of a motion that is not irregular."""
+        less = self.half_step + self.half_step_width < 0.5 * self.rate
+        return self.converged is False and less and not self.irregular
 
     def checked(self, half_step: float, width: float, share: float) -> RunGrowth:
         """The same with the growth at half the step, and the half width of its interval."""
@@ -155,7 +164,10 @@ class RunGrowth:
             return f"{at}: converged."
         if self.numerical:
             return f"{at}: the growth is numerical, reduce dt."
-        return f"{at}: the motion grows at both steps, but its rate depends on the step, reduce dt."
+        if self.irregular:
+            other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
+            return f"{at}, {other}: the motion is irregular, its growth differs from run to run."
+        return f"{at}: the growth depends on the step, reduce dt."
 
     def to_dict(self) -> dict[str, object]:
         """JSON-ready."""
@@ -163,7 +175,7 @@ class RunGrowth:
             "growth_1_s": self.rate, "growth_low_1_s": self.low, "growth_high_1_s": self.high,
             "amplitude_m": self.amplitude, "steady_rel": self.steady, "since_s": self.since,
             "time_to_half_wall_s": self.time_to_half_wall, "growth_half_step_1_s": self.half_step,
-            "growth_half_step_width_1_s": self.half_step_width,
+            "growth_half_step_width_1_s": self.half_step_width, "growth_same_step_1_s": self.same_step,
             "check_share": self.check_share,
         }  # fmt: skip
         cause = self.cause

@@ -4,7 +4,7 @@
 nodal diameters before one blade, several blades or a bladed disk: with and without friction, damping, clearance, lean
 and out-of-roundness. A run of half a second gives its verdict. A run three times as long at a tenth of the step, which
 goes on to a tenth of the radius, shows what becomes of the motion: its level, sqrt(mean omega^2 (q - mean q)^2) of all
-modes over windows of 1/60 of it, is read beside the verdict. It grows where it passes the limit, or where the level at
+modes over windows of 1/480 of it, is read beside the verdict. It grows where it passes the limit, or where the level at
 the end is more than e^0.5 times that at the end of the short run; it decays below e^-0.5; else it is bounded: levels of
 irregular motions wander by as much. A verdict of growth that half the step calls numerical counts as none. Where the
 short run grows by e or more in its last stretch and its interval is within 10 %, the rates of both in that stretch are
@@ -26,7 +26,7 @@ KINDS = ("rim", "rub", "disk")
 RADIUS, WALL = 0.25, 4e-3
 END, STEP = 0.5, 2e-5  # s
 LONGER, FINER = 3, 10
-WINDOWS, CHANGED = 60, 0.5
+WINDOWS, CHANGED = 480, 0.5
 WITHIN, CLOSED = 0.1, 0.99
 
 

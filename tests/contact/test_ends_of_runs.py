@@ -73,7 +73,12 @@ def test_growth_stands_beside_the_limit_and_the_source_of_its_energy():
     numerical = divergence(bodies, 0.0, result(growth=GROWTH.checked(0.3, 0.1, 0.5)), ("wall", 3e-3, 2e-3))
     assert numerical.words.endswith("At half the step it grows by 0.3 1/s: the growth is numerical, reduce dt.")
     faster = divergence(bodies, 0.0, result(growth=GROWTH.checked(4.0, 0.1, 0.5)), ("wall", 3e-3, 2e-3))
-    assert "the motion grows at both steps, but its rate depends on the step" in faster.words
+    assert "At half the step it grows by 4 1/s: the growth depends on the step, reduce dt." in faster.words
+    irregular = divergence(
+        bodies, 0.0, result(growth=replace(GROWTH.checked(0.3, 0.1, 0.5), same_step=7.0)), ("wall", 3e-3, 2e-3)
+    )
+    assert "at the same step from a slightly different start by 7 1/s: the motion is irregular" in irregular.words
+    assert irregular.words.endswith(IN_REALITY)
 
 
 def test_impacts_are_the_cause_only_of_what_closed_contact_does_not_feed():
