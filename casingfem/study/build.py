@@ -26,6 +26,7 @@ from casingfem.study.supports import build_masses, build_stiffeners, build_suppo
 from casingfem.study.tables import shapes
 from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.tasks import StudyFile
+from contact.io.tables import value_of
 
 CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
@@ -115,7 +116,7 @@ def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> t
     strips: list[Strip] = []
     for k, table in enumerate(study.strip):
         with problems.at(f"strip[{k + 1}]"):
-            material = None if table.material is None else Material(**table.material.model_dump())
+            material = None if table.material is None else value_of(table.material, Material)
             strips.append(Strip(start=table.start, end=table.end, thickness=table.thickness, material=material))
     if chart is not None and len(strips) == len(study.strip):
         strips += piece_strips(study, chart)
@@ -136,7 +137,7 @@ def piece_strips(study: StudyFile, chart: Chart) -> list[Strip]:
             start=start,
             end=end,
             thickness=part.thickness or study.shell.thickness,
-            material=None if part.material is None else Material(**part.material.model_dump()),
+            material=None if part.material is None else value_of(part.material, Material),
         )
         for part, (start, end) in zip(table.piece, chart.profile.owners, strict=True)
         if part.thickness is not None or part.material is not None

@@ -23,6 +23,7 @@ from casingfem.study.tables.shapes import ImportTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 from casingfem.study.tables.tasks import ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter
+from contact.io.tables import value_of
 
 # tables of an imported part; others need a chart
 OWN = ("material", "solid", "shell", "support", "modes", "rotation", "update", "reduce", "cyclic", "checks")
@@ -89,7 +90,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
         return None
     with problems.at(key):
         if tables.solid is not None:
-            own = {name: Material(**part.model_dump()) for name, part in tables.solid.material.items()}
+            own = {name: value_of(part, Material) for name, part in tables.solid.material.items()}
             return Solid(mesh=mesh, material=material, materials=own, supports=supports, rotation=rotation)
         if tables.shell is not None:
             return MeshShell(
@@ -97,7 +98,7 @@ def build_imported(tables: StudyFile, data: Mapping[str, Any], problems: Problem
                 thickness=tables.shell.thickness,
                 thicknesses=tables.shell.thicknesses,
                 material=material,
-                materials={name: Material(**part.model_dump()) for name, part in tables.shell.material.items()},
+                materials={name: value_of(part, Material) for name, part in tables.shell.material.items()},
                 supports=supports,
                 rotation=rotation,
                 wall=tables.shell.wall,

@@ -9,11 +9,13 @@ from pydantic import BaseModel
 from casingfem.errors import with_code
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
+from casingfem.structure.material import Material
 from casingfem.structure.shell.plausible import sampled
 from casingfem.structure.shell.shell import Shell
 from casingfem.study.problems import Problems
 from casingfem.study.tables.tasks import ParameterTable, StudyFile
 from contact.io.plausible import CHECKS, Check, Implausible, declared, implausible, numbers, refused, speed_fault
+from contact.io.tables import value_of
 
 ADDRESSES = {"E": "E", "rho": "rho", "nu": "nu", "thickness": "thickness"}  # last part of a parameter's name -> check
 UNITLESS = ("E", "rho", "sound", "size", "thickness")  # not asked of a study with E = rho = 1
@@ -32,7 +34,10 @@ def add_implausible(tables: StudyFile, structure: Shell | Solid | MeshShell | No
 
 def unitless(tables: StudyFile) -> bool:
     """Whether a study is in reduced units: E = rho = 1."""
-    return tables.material is not None and tables.material.E == tables.material.rho == 1.0
+    if tables.material is None:
+        return False
+    material = value_of(tables.material, Material)
+    return material.E == material.rho == 1.0
 
 
 def of_chart(tables: StudyFile) -> Iterator[Implausible]:

@@ -18,6 +18,7 @@ from casingfem.study.tables import supports as kinds
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MassTable
 from contact.io.names import hint
+from contact.io.tables import value_of
 
 
 def build_supports(
@@ -90,7 +91,7 @@ def build_section(table: kinds.SectionTable) -> dict[str, Any]:
         assert table.width is not None  # the table has seen to it
         assert table.depth is not None
         section = Section.rectangle(width=table.width, depth=table.depth)
-    material = None if table.material is None else Material(**table.material.model_dump())
+    material = None if table.material is None else value_of(table.material, Material)
     return {"section": section, "material": material}
 
 

@@ -8,7 +8,7 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-Range = Literal["any", "positive", "not negative", "turn"]
+Range = Literal["any", "positive", "not negative", "turn", "below a turn", "ratio", "length", "poisson"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,8 @@ class Key:
     text
         Meaning, with the unit in brackets.
     range
-        Of a number: "any", "positive", "not negative", or "turn", an angle that a file may state from -360 to 360.
+        Of a number; what a file may state is `RANGES` of `contact.io.tables`. A "length" of a structure is at most a
+        kilometre in a file, an angle of "turn" lies from -360 to 360 degrees, one "below a turn" between 0 and 2 pi.
     check
         Name of the check of plausibility that a file's number must pass (`contact.io.plausible`); none if empty.
     """

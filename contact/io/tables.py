@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from contact.io.keys import Keyed, keyed, required
 from contact.io.names import hint
-from contact.io.plausible import CHECKS
+from contact.io.plausible import CHECKS, REACH
 from contact.io.toml import entries
 
 Model = type[BaseModel]
@@ -35,7 +35,18 @@ Number = Annotated[FiniteFloat, Field(ge=-1e25, le=1e25)]
 Positive = Annotated[FiniteFloat, Field(gt=0, le=1e25), at_least(1e-25)]
 NotNegative = Annotated[FiniteFloat, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
 Angle = Annotated[FiniteFloat, Field(ge=-360, le=360)]
-RANGES: dict[str, Any] = {"any": Number, "positive": Positive, "not negative": NotNegative, "turn": Angle}
+Length = Annotated[FiniteFloat, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
+RANGES: dict[str, Any] = {
+    "any": Number,
+    "positive": Positive,
+    "not negative": NotNegative,
+    "turn": Angle,
+    "below a turn": Annotated[Positive, Field(lt=6.283185307179586)],
+    "ratio": Annotated[FiniteFloat, Field(ge=0, lt=1)],
+    "length": Length,
+    "poisson": Annotated[FiniteFloat, Field(gt=-1, lt=0.5)],
+}
+PLAUSIBLE = {**CHECKS, "reach": REACH}
 Value = TypeVar("Value")
 Derived = TypeVar("Derived", bound=BaseModel)
 
@@ -65,7 +76,7 @@ def table_of(kind: Any, *names: str) -> Callable[[type[Derived]], type[Derived]]
 def _annotation(one: Keyed) -> Any:
     """The type of a field as a file states it."""
     found = {float: RANGES[one.key.range], int: Annotated[int, Field(ge=1)]}.get(one.type, one.type)
-    found = Annotated[found, CHECKS[one.key.check]] if one.key.check else found
+    found = Annotated[found, PLAUSIBLE[one.key.check]] if one.key.check else found
     return found | None if one.optional else found
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from contact.io.plausible import CHECKS
-from contact.io.tables import Angle, NotNegative, Number, Positive, table_of, value_of
+from contact.io.tables import NotNegative, Number, Positive, table_of, value_of
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -28,7 +28,6 @@ from contact.scene.scheme import (
     Force,
     Modulus,
     Name,
-    Ratio,
     SceneFile,
     SchemeTable,
     Size,
@@ -46,23 +45,9 @@ class BeamHead(Table):
     t_end: Positive = Field(description="time at which the run ends [s]")
 
 
-class SectionTable(Table):
-    """A straight beam of rectangular section."""
-
-    length: Size = Field(description="length [m]")
-    width: Thickness = Field(description="width of the section [m]")
-    height: Thickness = Field(description="height of the section in the plane of motion [m]")
-    E: Modulus = Field(description="Young's modulus [Pa]")
-    rho: Density = Field(description="density [kg/m^3]")
-
-
-class BeamTable(SectionTable):
+@table_of(HingedBeam)
+class BeamTable(Table):
     """[beam]: the fields of `HingedBeam`."""
-
-    elements: Annotated[int, Field(ge=1)] = Field(default=40, description="number of elements")
-    torque: Force = Field(default=0.0, description="on the hinge [N m]")
-    angle_deg: Angle = Field(default=0.0, description="angle at t = 0 [degrees]")
-    spin: Number = Field(default=0.0, description="rate of turning at t = 0 [rad/s]")
 
 
 class CircleTable(Table):
@@ -118,7 +103,7 @@ class BeamFile(SceneFile):
         """What the file describes; raises SceneError."""
         circle = self.circle
         with problems.at("beam"):
-            beam = HingedBeam(**self.beam.model_dump())
+            beam = value_of(self.beam, HingedBeam)
         with problems.at("ring"):
             ring = None if self.ring is None else self.ring.body(folder, circle.radius)
         with problems.at("scheme"):
@@ -137,10 +122,14 @@ class CantileverHead(Table):
     t_end: Positive = Field(description="time at which the run ends [s]")
 
 
-class CantileverTable(SectionTable):
+@table_of(Cantilever)
+class UniformBeamTable(Table):
+    """The fields of `Cantilever`."""
+
+
+class CantileverTable(UniformBeamTable):
     """[beam] of a cantilever: the fields of `Cantilever`, a line load [N/m] and a velocity [m/s] towards the stop."""
 
-    zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
     load: Force = Field(default=0.0, description="line load towards the stop [N/m]")
     velocity: Velocity = Field(default=0.0, description="of all of it at t = 0, towards the stop [m/s]")
 

@@ -10,13 +10,14 @@ so that the metric of the imperfect surface is not linearised. A user's own char
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Annotated, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
 from casingfem.structure.field.field import FieldValues
+from contact.io.keys import Key
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 
@@ -194,9 +195,9 @@ class Frustum(ClosedOfRevolution):
     {'base': (0, 0), 'top': (0, 1)}
     """
 
-    r_base: float
-    r_top: float
-    height: float
+    r_base: Annotated[float, Key("mean radius at z = 0 [m]", "length", "reach")]
+    r_top: Annotated[float, Key("mean radius at z = height [m]", "length", "reach")]
+    height: Annotated[float, Key("length along the axis [m]", "length", "reach")]
 
     def __post_init__(self) -> None:
         require_positive("chart", r_base=self.r_base, r_top=self.r_top, height=self.height)
@@ -223,8 +224,8 @@ class Cylinder(ClosedOfRevolution):
     (0.0, 2.0)
     """
 
-    radius: float
-    height: float
+    radius: Annotated[float, Key("mean radius [m]", "length", "reach")]
+    height: Annotated[float, Key("length along the axis [m]", "length", "reach")]
 
     def __post_init__(self) -> None:
         require_positive("chart", radius=self.radius, height=self.height)
@@ -249,9 +250,9 @@ class Panel(Open):
     False
     """
 
-    radius: float
-    length: float
-    angle: float
+    radius: Annotated[float, Key("mean radius [m]", "length", "reach")]
+    length: Annotated[float, Key("length along the axis [m]", "length", "reach")]
+    angle: Annotated[float, Key("opening angle [rad]", "below a turn")]
 
     def __post_init__(self) -> None:
         require_positive("chart", radius=self.radius, length=self.length, angle=self.angle)
@@ -279,8 +280,8 @@ class Plate(Open):
     (0, 1)
     """
 
-    length: float
-    width: float
+    length: Annotated[float, Key("length from root to tip [m]", "length", "reach")]
+    width: Annotated[float, Key("width [m]", "length", "reach")]
 
     def __post_init__(self) -> None:
         require_positive("chart", length=self.length, width=self.width)

@@ -1,11 +1,13 @@
 """Of what a wall is made: isotropic, linear elastic."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
+from contact.io.keys import Key
 
 NAMES = {"E": "modulus", "rho": "density"}
 
@@ -26,9 +28,9 @@ class Material:
     80.77
     """
 
-    E: float
-    nu: float
-    rho: float
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
+    nu: Annotated[float, Key("Poisson's ratio [-]", "poisson", "nu")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
 
     def __post_init__(self) -> None:
         for name in ("E", "rho"):

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from casingfem.study.tables.table import Axis, Edge, Positive, Relative, Table, Vector
+from casingfem.study.tables.table import Axis, Edge, Relative, Table, Vector
+from contact.io.tables import Positive
 
 
 class Harmonic(Table):

@@ -5,8 +5,9 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from casingfem.experiment.rig.rig import LEAST_ZETA
-from casingfem.study.tables.table import Angle, NotNegative, Pair, Positive, Table
+from casingfem.study.tables.table import Angle, Pair, Table
 from contact.io.plausible import CHECKS, REACH
+from contact.io.tables import NotNegative, Positive
 
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
 Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]

@@ -4,66 +4,56 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
+from casingfem.structure.material import Material
 from casingfem.study.tables.table import (
     Angle,
     Axis,
     Density,
     Edge,
-    Length,
     Modulus,
-    NotNegative,
     Pair,
     Place,
-    Poisson,
-    Positive,
     Size,
     Table,
     Thickness,
     Vector,
 )
 from contact.io.plausible import REACH
+from contact.io.tables import Length, NotNegative, Positive, table_of
 
 
+@table_of(Material)
 class MaterialTable(Table):
     """[material]: the fields of `Material`."""
 
-    E: Modulus = Field(description="Young's modulus [Pa]")
-    nu: Poisson = Field(description="Poisson's ratio [-]")
-    rho: Density = Field(description="density [kg/m^3]")
 
-
+@table_of(Frustum)
 class FrustumTable(Table):
     """[chart] of kind "frustum"."""
 
     kind: Literal["frustum"] = Field(description="which surface it is")
-    r_base: Size = Field(description="mean radius at z = 0 [m]")
-    r_top: Size = Field(description="mean radius at z = height [m]")
-    height: Size = Field(description="length along the axis [m]")
 
 
+@table_of(Cylinder)
 class CylinderTable(Table):
     """[chart] of kind "cylinder"."""
 
     kind: Literal["cylinder"] = Field(description="which surface it is")
-    radius: Size = Field(description="mean radius [m]")
-    height: Size = Field(description="length along the axis [m]")
 
 
+@table_of(Panel)
 class PanelTable(Table):
     """[chart] of kind "panel"."""
 
     kind: Literal["panel"] = Field(description="which surface it is")
-    radius: Size = Field(description="mean radius [m]")
-    length: Size = Field(description="length along the axis [m]")
-    angle: Positive = Field(lt=6.283185307179586, description="opening angle [rad]")
 
 
+@table_of(Plate)
 class PlateTable(Table):
     """[chart] of kind "plate"."""
 
     kind: Literal["plate"] = Field(description="which surface it is")
-    length: Size = Field(description="length from root to tip [m]")
-    width: Size = Field(description="width [m]")
 
 
 class DomeTable(Table):

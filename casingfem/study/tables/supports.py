@@ -7,8 +7,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MaterialTable
-from casingfem.study.tables.table import NotNegative, Pair, Place, Size, Table
+from casingfem.study.tables.table import Pair, Place, Size, Table
 from contact.io.plausible import REACH
+from contact.io.tables import NotNegative
 
 
 class SpringsAround(Table):

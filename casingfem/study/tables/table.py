@@ -5,11 +5,8 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 from contact.io.plausible import CHECKS, REACH
-from contact.io.tables import at_least
+from contact.io.tables import Length, Positive
 
-Positive = Annotated[float, Field(gt=0, le=1e25), at_least(1e-25)]
-NotNegative = Annotated[float, Field(ge=0, le=1e25), at_least(1e-25, zero=True)]
-Length = Annotated[float, Field(gt=0, le=1e3), at_least(1e-7)]  # more than a kilometre is meant in mm
 Size = Annotated[Length, REACH]
 Place = Annotated[float, Field(ge=-1e3, le=1e3), REACH]
 Thickness = Annotated[Length, CHECKS["thickness"]]

@@ -14,8 +14,9 @@ from casingfem.study.tables import shapes
 from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import RigTable
 from casingfem.study.tables.supports import StiffenerTable, SupportTable
-from casingfem.study.tables.table import Axis, Edge, NotNegative, Pair, Positive, Table, Vector
+from casingfem.study.tables.table import Axis, Edge, Pair, Table, Vector
 from contact.io.plausible import CHECKS, REACH, CheckName
+from contact.io.tables import NotNegative, Positive
 
 REQUIRED = ("material", "chart", "shell")
 

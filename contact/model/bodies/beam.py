@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass
+from typing import Annotated
 
 import numpy as np
 
-from contact.base.arrays import Array, readonly, require_count, require_finite, require_not_negative, require_positive
+from contact.base.arrays import Array, readonly, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.base.keyed import require_keyed
 from contact.io.brief import brief
+from contact.io.keys import Key
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.rate import Rate
 from contact.model.trig import harmonics
@@ -31,20 +34,18 @@ class HingedBeam:
     (0.39, 0.0325)
     """
 
-    length: float
-    width: float
-    height: float
-    E: float
-    rho: float
-    elements: int = 40
-    torque: float = 0.0
-    angle_deg: float = 0.0
-    spin: float = 0.0
+    length: Annotated[float, Key("length [m]", "positive", "size")]
+    width: Annotated[float, Key("width of the section [m]", "positive", "thickness")]
+    height: Annotated[float, Key("height of the section in the plane of motion [m]", "positive", "thickness")]
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
+    elements: Annotated[int, Key("number of elements")] = 40
+    torque: Annotated[float, Key("on the hinge [N m]", "any", "force")] = 0.0
+    angle_deg: Annotated[float, Key("angle at t = 0 [degrees]", "turn")] = 0.0
+    spin: Annotated[float, Key("rate of turning at t = 0 [rad/s]")] = 0.0
 
     def __post_init__(self) -> None:
-        require_positive(length=self.length, width=self.width, height=self.height, E=self.E, rho=self.rho)
-        require_finite(torque=self.torque, angle_deg=self.angle_deg, spin=self.spin)
-        require_count(elements=self.elements)
+        require_keyed(self)
 
     @property
     def area(self) -> float:

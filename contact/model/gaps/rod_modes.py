@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import singledispatch
+from typing import Annotated
 
 import numpy as np
 
 from contact.base.arrays import Array, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.base.keyed import require_keyed
+from contact.io.keys import Key
 from contact.model.bodies.body import Body, PointMass, Rod
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.modal_body import ModalBody
@@ -155,16 +158,15 @@ class Cantilever:
     [16.76, 105.06, 294.16]
     """
 
-    length: float
-    width: float
-    height: float
-    E: float
-    rho: float
-    zeta: float = 0.0
+    length: Annotated[float, Key("length [m]", "positive", "size")]
+    width: Annotated[float, Key("width of the section [m]", "positive", "thickness")]
+    height: Annotated[float, Key("height of the section in the plane of motion [m]", "positive", "thickness")]
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
+    zeta: Annotated[float, Key("damping ratio of all modes [-]", "ratio", "zeta")] = 0.0
 
     def __post_init__(self) -> None:
-        require_positive(length=self.length, width=self.width, height=self.height, E=self.E, rho=self.rho)
-        require_not_negative(zeta=self.zeta)
+        require_keyed(self)
 
     @property
     def line_mass(self) -> float:

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import BaseModel, ValidationError
 
+import casingfem as cf
 import contact as ct
 from contact.base.errors import InputError
 from contact.base.keyed import require_keyed
@@ -13,10 +14,18 @@ from contact.io.keys import Key, keyed
 from contact.io.tables import keys, table_of, type_words, value_of
 
 CANDIDATES = (-400.0, -1.0, 0.0, 1e-30, 1e-20, 1.0, 400.0, 1e24, 1e26, float("inf"), float("nan"))
+SECTION = {"length": 1.0, "width": 0.1, "height": 0.1, "E": 1e9, "rho": 1e3}
 GIVEN = {
     ct.Rod: {"length": 1.0, "area": 1.0, "E": 1.0, "rho": 1.0},
     ct.PointMass: {"mass": 1.0},
     ct.Wall: {},
+    ct.bodies.HingedBeam: SECTION,
+    ct.gaps.Cantilever: SECTION,
+    cf.Material: {"E": 2e11, "nu": 0.3, "rho": 7800.0},
+    cf.Frustum: {"r_base": 0.5, "r_top": 0.4, "height": 0.2},
+    cf.Cylinder: {"radius": 0.5, "height": 0.2},
+    cf.Panel: {"radius": 0.5, "length": 0.2, "angle": 1.0},
+    cf.Plate: {"length": 0.2, "width": 0.1},
 }
 
 
