@@ -12,7 +12,7 @@ from contact.record.record import Record, Samples
 from contact.result import Result
 from contact.run import Prepared, Scene, completed, finished, prepared
 from contact.scheme.modal.batch import WIDTH, Events, Job, Shape, batch, shape_of
-from contact.scheme.modal.modal_run import ModalRun
+from contact.scheme.modal.rub_stepper import RubStepper
 
 Outcome = Result | InputError | NumericsError
 Ended = Callable[[int, Outcome], None]
@@ -89,7 +89,7 @@ def _alone(ready: Prepared) -> Outcome:
 def _fits(ready: Prepared) -> Shape | None:
     """Shape of what the lanes take of this run; None where it runs singly."""
     stepper, record = ready.stepper, ready.record
-    if not isinstance(stepper, ModalRun) or record.at is not None or record.channels is not None:
+    if not isinstance(stepper, RubStepper) or record.at is not None or record.channels is not None:
         return None
     stored = 4.0 * ready.count / record.every
     stored += ready.count / record.state_every * stepper.size if record.state_every else 0.0
@@ -98,7 +98,7 @@ def _fits(ready: Prepared) -> Shape | None:
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
     """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found."""
-    jobs = [Job(run=cast(ModalRun, one.stepper), steps=one.count, record=one.record) for _, one in group]
+    jobs = [Job(run=cast(RubStepper, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
     lanes: dict[int, int] = {}

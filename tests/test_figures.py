@@ -156,7 +156,7 @@ def test_every_campaign_is_a_report_with_a_subject_that_exists():
 
 def test_every_report_is_a_campaign_or_says_why_not():
     parts = {f"verification.{name}" for name in ("cone", "twisted_plate", "splitting", "locking")}  # rows of the table
-    tools = {"campaign", "frozen", "modes.calculix", "rig.synthetic", "structure", "speed.runs_of_one_tip"}
+    tools = {"campaign", "frozen", "modes.calculix", "rig.synthetic", "structure", "speed.runs_of_tips"}
     assert COMMANDS - {one.name for one in CAMPAIGNS} == parts | tools
 
 

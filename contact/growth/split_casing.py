@@ -22,14 +22,14 @@ from contact.growth.waves import COUPLED, joined_groups
 from contact.io.progress import each
 from contact.model.bodies.modal_body import SQUARES, ModalBody
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import ModalSystem, rim_system
 from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
 from contact.model.gaps.rub import Rub, Start, rub_of
 from contact.model.gaps.rub_system import matrices_of
+from contact.scheme.modal.blocks import row_blocks, whole
 
 if TYPE_CHECKING:
-    from contact.loop.revolve import Drifts
+    from contact.loop.revolve import Drifts, TurnRows
 
 P = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))  # five steps of order two make one of order four (Suzuki, Phys. Lett. A 146, 1990)
 KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
@@ -187,7 +187,6 @@ def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float =
     C [1/s] and K [1/s^2] (m, m) of the bodies at the speed of the system.
     """
     from contact.loop.revolve import revolve
-    from contact.scheme.modal.modal_stepper import padded, rim_rows
 
     m, period = system.omega.size, 2.0 * math.pi / abs(system.speed)
     scale = float(system.omega.max())
@@ -197,12 +196,27 @@ def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float =
     h = period / steps
     q, v = np.hstack([np.eye(m), np.zeros((m, m))]), np.hstack([np.zeros((m, m)), scale * np.eye(m)])
     times = np.cumsum(KICKS) - 0.5 * KICKS
-    rows = rim_rows(system, mu, *system.sums(), motion_limits(0.0, 0.0))
-    Q, T = aligned(2, padded(m))
+    rows = _rows(system, mu)
+    Q, T = aligned(2, whole(m + 4))
     edges = np.concatenate(([0.0], KICKS, [0.0]))
     parts = _drifts(C, K, np.array([0.5 * (a + b) * h for a, b in pairwise(edges)]))
     revolve(q, v, rows, Q, T, np.zeros(2 * m), parts, times, KICKS, h, steps)
     return np.vstack([q, v / scale])
+
+
+def _rows(system: ModalSystem, mu: float) -> TurnRows:
+    from contact.loop.modal.rows import RowBlocks
+    from contact.loop.revolve import TurnRows
+
+    m, (normal, tangent) = system.omega.size, system.sums()
+    count = whole(max(int(part.wave.max(initial=0)) for part in (normal, tangent)) // 2 + 1)
+    blocks = np.zeros((2, whole(m + 4), 2 * count))
+    for block, part in zip(blocks, (normal, tangent), strict=True):
+        block[: part.sums] = part.full(2 * count)
+    return TurnRows(
+        RowBlocks(*row_blocks(blocks[:1])), RowBlocks(*row_blocks(blocks[1:])), m, system.angle, system.speed, mu,
+        aligned(2, count),
+    )  # fmt: skip
 
 
 def _drifts(C: Array, K: Array, times: Array) -> Drifts:

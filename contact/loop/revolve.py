@@ -6,7 +6,19 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_entry
-from contact.loop.modal.rows import RimRows, fill, rotate
+from contact.loop.modal.rows import RowBlocks, fill_some, rotate
+
+
+class TurnRows(NamedTuple):
+    """Rows of the modes of a rim with the compliance at the contact, where it stands, and work space."""
+
+    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
+    tangent: RowBlocks
+    modes: int
+    angle: float
+    speed: float
+    mu: float
+    waves: Array  # (2, harmonics)
 
 
 class Drifts(NamedTuple):
@@ -58,7 +70,7 @@ def kick(q: Array, v: Array, Q: Array, T: Array, pull: float, strength: float, y
 
 @jit_entry
 def revolve(
-    q: Array, v: Array, rows: RimRows, Q: Array, T: Array, y: Array,
+    q: Array, v: Array, rows: TurnRows, Q: Array, T: Array, y: Array,
     drifts: Drifts, times: Array, kicks: Array, h: float, steps: int,
 ) -> None:  # fmt: skip
     """Splitting of order four: six free motions around kicks at `times` (5,) of a step, weights `kicks` (5,)."""
@@ -66,9 +78,9 @@ def revolve(
         for k in range(times.size):
             drift(q, v, drifts, k)
             rotate(rows.waves, rows.angle - rows.speed * (step + times[k]) * h)
-            fill(rows.normal, rows.waves, Q)
+            fill_some(rows.normal, rows.waves, 0, Q)
             if rows.mu != 0.0:
-                fill(rows.tangent, rows.waves, T)
+                fill_some(rows.tangent, rows.waves, 0, T)
             S = Q[rows.modes + 1] - rows.mu * Q[rows.modes + 2]
             kick(q, v, Q, T, rows.mu, kicks[k] * h / S, y)
         drift(q, v, drifts, times.size)

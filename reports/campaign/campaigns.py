@@ -111,7 +111,7 @@ CAMPAIGNS = (
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("speed.sweeps", "times of sweeps", ("contact",)),
     Campaign("speed.tips", "microseconds a step of a rub by its tips", RUBS),
-    Campaign("speed.one_tip", "one tip through the loop of many beside that of a rim", RUBS),
+    Campaign("speed.tips_beside", "microseconds a step of tips, beside another checkout", RUBS),
     Campaign("robustness.diverging", "scenes that diverge stop with the cause named, mistyped ones are refused", RUBS),
     Campaign("robustness.sweep_kills", "sweeps under kill -9 lose nothing", ("contact/sweep",)),
     Campaign("robustness.set_kills", "sets under kill -9 are the old or the new", ("contact/io", "casingfem/cli")),

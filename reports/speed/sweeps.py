@@ -15,10 +15,9 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
+from contact.model.gaps.modal_system import rim_system
 from contact.run import completed, prepared
 from contact.run_many import together
-from contact.scheme.modal.exact_modal import ExactModal
-from contact.scheme.modal.modal_run import ModalRun
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
 from reports.modes.frustum import reference_frustum
@@ -114,12 +113,11 @@ def _speeds(name: str, scene: ct.Scene, repeats: int, peak: dict[str, float]) ->
 
 def _size(scene: ct.Scene) -> tuple[int, int, int]:
     """Modes, and terms (cosines and sines) of their normal and their tangential rows."""
-    stepper = ExactModal().prepare(scene.what, scene.law or ct.Unilateral(), dt=DT, courant=None)
-    assert isinstance(stepper, ModalRun)
-    table = stepper.system.table
-    assert table is not None
-    normal, tangent = table.terms()
-    return stepper.size, normal.value.size, tangent.value.size
+    assert isinstance(scene.what, ct.RotatingRim)
+    system = rim_system(scene.what)
+    assert system.table is not None
+    normal, tangent = system.table.terms()
+    return system.omega.size, normal.value.size, tangent.value.size
 
 
 def contacts(steps: int, repeats: int, peak: dict[str, float]) -> list[Row]:

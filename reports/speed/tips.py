@@ -1,4 +1,4 @@
-"""Microseconds a step of a rub: tips around the rim by modes, free, without and with friction; one tip both ways.
+"""Microseconds a step of a rub: tips around the rim by modes, free, without and with friction.
 
 `python -m reports.speed.tips [--quick] [--out DIR]`. Processor time of one core, the least of several runs: on a
 machine that others use, compare commits in turns. The casing of `reports.speed.sweeps` with its blade of two modes in
@@ -35,7 +35,7 @@ def rub(pair: tuple[ct.ModalBody, ct.ModalBody], tips: int, clearance: float) ->
     )  # fmt: skip
 
 
-def least(what: ct.Rub | ct.RotatingRim, mu: float, steps: int, repeats: int) -> tuple[float, float, ct.Result]:
+def least(what: ct.Rub, mu: float, steps: int, repeats: int) -> tuple[float, float, ct.Result]:
     """Least milliseconds to prepare and microseconds a step of so many runs, and the last result.
 
     A first one compiles and is not counted.
@@ -62,9 +62,9 @@ def shares(what: ct.Rub, mu: float, closed: float, taken: float, peak: dict[str,
     stepper = ct.ExactModal().prepare(what, law, dt=DT, courant=None)
     assert isinstance(stepper, RubStepper)
     m, d = stepper.system.omega.size, stepper.dimensions
-    terms = stepper.rows.casing.value.size / stepper.system.directions
+    terms = stepper.arrays.rows.casing.value.size / stepper.system.directions
     size = closed * len(what.tips) * d
-    flops = 14.0 * m + 2.0 * size * terms + size * stepper.rows.width * (2.0 * size + 4.0) + 2.0 * size**3 / 3.0
+    flops = 14.0 * m + 2.0 * size * terms + size * stepper.arrays.rows.width * (2.0 * size + 4.0) + 2.0 * size**3 / 3.0
     return {
         "% of peak flops": 1e-1 * flops / taken / peak["GFlop/s"],
         "% of cache bandwidth": 1e-1 * 8.0 * (14.0 * m + size * terms) / taken / peak["GB/s, 12 kB"],
@@ -86,11 +86,8 @@ def table(modes: int, pair: tuple[ct.ModalBody, ct.ModalBody], peak: dict[str, f
             closed = float(result.contact_steps.mean()) / result.steps
             row: Row = {
                 "modes": modes, "tips": tips, "case": name, "closed": closed, "prepared [ms]": before,
-                "us/step": taken, "as RotatingRim us/step": None, **shares(what, mu, closed, taken, peak),
+                "us/step": taken, **shares(what, mu, closed, taken, peak),
             }  # fmt: skip
-            if tips == 1:
-                rim = ct.RotatingRim(*pair, clearance=clearance, speed_hz=5.0, lean_deg=LEAN, out_of_roundness=ROUGH)
-                _, row["as RotatingRim us/step"], _ = least(rim, mu, steps, repeats)
             rows.append(row)
     return rows
 

@@ -14,7 +14,7 @@ from contact.judged import judged, too_much
 from contact.model.bodies.chain import assemble
 from contact.model.gaps.rub import rub_of
 from contact.run import steps
-from contact.scheme.modal.modal_run import ModalRun
+from contact.scheme.modal.rub_stepper import RubStepper
 from tests.contact.synthetic_rim import blade, ring
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0, velocity=-10.0, elements=40)
@@ -126,17 +126,15 @@ def test_intervals_can_be_joined():
 
 
 def test_a_failed_run_keeps_what_it_recorded(monkeypatch):
-    advance, last = ModalRun.advance, 500
+    advance, last = RubStepper.advance, 500
 
     def fails(run, out, first, steps):
         advance(run, out, first, max(min(steps, last - first), 0))
         return last if first + steps > last else -1
 
-    monkeypatch.setattr(ModalRun, "advance", fails)
+    monkeypatch.setattr(RubStepper, "advance", fails)
     scene = ct.RotatingRim(ring(S=0.0), blade(S=0.0), clearance=1e-5, speed_hz=5.0, blade_velocity=[0.01, 0.0])
-    with pytest.raises(
-        ct.NumericsError, match=r"step 500 \(t = 0.005 s\): the contact jams: Delassus number"
-    ) as caught:
+    with pytest.raises(ct.NumericsError, match=r"step 500 \(t = 0.005 s\): no forces found that obey") as caught:
         ct.run(scene, t_end=1.0, dt=1e-5)
     kept = caught.value.result
     assert kept.steps == kept.time.size == last

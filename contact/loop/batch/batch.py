@@ -1,4 +1,4 @@
-"""Compiled step loop of eight rotating rims at once: `advance_rim` with the runs, lanes, as innermost index.
+"""Compiled step loop of eight rotating rims with one tip at once: runs, lanes, are the innermost index.
 
 Lanes do not wait for each other: each has its own step, skips alone, and ends alone. No sum runs across lanes, so that
 a run's numbers do not depend on its neighbours.
@@ -37,6 +37,11 @@ from contact.record.record import Samples, Tally
 def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, before: float, k: int) -> None:
     """Events and samples of one step of lane k; the gap was `before`."""
     force, h, step = s.work[FORCE, k], s.h[k], s.step[k]
+    if s.mu[k] > 0.0 and (force > 0.0 or sums.closed[k] == 1):
+        along = 0.0
+        for i in range(s.casing[k], s.q.shape[0]):
+            along += s.T[i, k] * s.q[i, k]
+        s.peaks[k] = max(s.peaks[k], abs(along))
     if force > 0.0:
         sums.contact_steps[k] += 1
         if s.mu[k] > 0.0 and s.work[PULL, k] * s.surface[k] < 0.0 and abs(s.work[PULL, k]) == s.mu[k]:

@@ -30,7 +30,7 @@ from contact.loop.batch.waves import (
     BatchState,
     fill_lanes,
 )
-from contact.loop.modal.free_flight import PAUSE
+from contact.loop.rub.free_flight import PAUSE
 from contact.model.gaps.limits import REACHED, TIP
 from contact.record.record import Tally
 from contact.solver.friction.one_contact import drag_ratio

@@ -10,7 +10,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.modal.free_flight import LEAST, FreeFlight, largest_share, open_steps
+from contact.loop.rub.free_flight import LEAST, FreeFlight, largest_share, open_steps
 from contact.record.record import Tally
 
 FREE, TEST, FORCE, PULL, DRAG, H_, SCALE, NORMAL, TANGENT, DAMPING, SLIDE, ANGLE, N_T, BEFORE, GAP = range(15)
@@ -94,9 +94,11 @@ class BatchState(NamedTuple):
     end: Indices
     retry: Indices
     failed: Indices  # 1 no force was found, 2 the motion passed a limit
-    reach: Array  # (m, 8), as `RimRows.reach`
+    casing: Indices  # modes of the casing, which come first
+    reach: Array  # (m, 8), how far each of the casing's modes moves the rim at most, zero for others
+    peaks: Array  # largest motion of the blade's tip along the rim
     limits: Array  # (4, 8), of `motion_limits`
-    memory: Array  # (10, 8), as on a rim alone
+    memory: Array  # (10, 8), as in `Lane`
     Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array
     T: Array  # (m + 1, 8)

@@ -15,7 +15,7 @@ from contact.solver.yielding.yields import Yielding, paced, press
 
 
 class ModalState(NamedTuple):
-    """q_n, D = q_n - q_{n-1} (m,), coefficients, `memory` = (g_n, g_{n-1} of q, force), more on a rim."""
+    """q_n, D = q_n - q_{n-1} (m,), coefficients, `memory` = (g_n, g_{n-1} of q, force)."""
 
     q: Array
     d: Array

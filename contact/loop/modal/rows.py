@@ -23,24 +23,6 @@ class RowBlocks(NamedTuple):
     alike: Indices
 
 
-class RimRows(NamedTuple):
-    """Rows of the modes with clearance and compliance, the speeds of the rim, and work space."""
-
-    normal: RowBlocks  # rows of the modes, then clearance, S_nn, S_nt, S_tt
-    tangent: RowBlocks
-    modes: int
-    reach: Array  # how far each of the casing's modes moves the rim at most, zero for others
-    S_turns: bool  # S depends on the angle
-    angle: float
-    speed: float
-    surface: float  # R Omega
-    mu: float
-    seen: Array  # what is stored of an instant: displacements, forces
-    limits: Array  # of `motion_limits`
-    waves: Array  # (2, harmonics): cos n phi, sin n phi, n = 0, 1, ..., whole vectors of them
-    waves_next: Array
-
-
 @jit_inside
 def rotate(waves: Array, phi: float) -> None:
     """Cos n phi and sin n phi."""
@@ -65,12 +47,6 @@ def multiples(waves: Array, c: float, s: float) -> None:
         a8, b8 = c8 * a8 - s8 * b8, s8 * a8 + c8 * b8
         put(waves, n, a8)
         put(waves, count + n, b8)
-
-
-@jit_inside
-def fill(rows: RowBlocks, waves: Array, row: Array) -> None:
-    """All sums at the angle of `waves`."""
-    fill_some(rows, waves, 0, row)
 
 
 @jit

@@ -14,6 +14,7 @@ from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
 from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
+from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
 from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
@@ -87,8 +88,8 @@ def pace(s: RubState, y: Yielding, h: float) -> None:
 
 
 @jit
-def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, sums: Tally, out: Samples, h: float,
-         time: float) -> None:  # fmt: skip
+def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, slid: float, sums: Tally, out: Samples,
+         h: float, time: float) -> None:  # fmt: skip
     """Forces, gaps and events of this step; the gaps of q move on."""
     for j in range(s.mu.size):
         R = j * dim
@@ -110,7 +111,10 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, sums
             note_yielding(sums, out, y, j, h, time, s.force[j], s.gap[j], depth, before, predicted)
             note_slope(y, j, depth)
         if dim > 1:
-            note_stick(sums, out, j, int(sticks(s, R, dim, j)), time)
+            stuck = sticks(s, R, dim, j)
+            note_stick(sums, out, j, int(stuck), time)
+            if s.mu.size == 1 and not stuck and s.force[j] > 0.0 and s.lam[R + 1] * slid > 0.0:
+                sums.reversals[j] += 1
 
 
 @jit
@@ -159,15 +163,31 @@ def settle(s: RubState, rows: RubRows, coats: Coats | None, blocks: ModalBlocks 
 
 @jit_vectors
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
-                blocks: ModalBlocks | None, w: Work, dim: int, averaged: bool, sums: Tally, out: Samples, h: float,
-                first: int, steps: int) -> int:  # fmt: skip
-    """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step."""
+                blocks: ModalBlocks | None, flight: FreeFlight, w: Work, dim: int, averaged: bool, sums: Tally,
+                out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+    """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
+
+    Contact-free time is skipped to the next step that is stored; what a coating has lost only widens the gap.
+    """
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
     angle, omega = turned(laws.speed, first * h)
     look_at(w.angles, BEFORE, before)
     look_at(w.angles, NOW, angle)
-    for step in range(first, first + steps):
+    step, end, retry = first, first + steps, first if flight.powers.shape[0] > 0 else first + steps
+    while step < end:
+        if step >= retry and may_skip(s, sums):
+            room = min(end - step, untouched(out, sums, step))
+            skipped = skip_ahead(s, rows, flight, w, angle, omega * h, room, sums) if room > 0 else -1
+            retry = step - skipped
+            if skipped > 0:
+                step += skipped
+                retry = step
+                before, _ = turned(laws.speed, (step - 1) * h)
+                angle, omega = turned(laws.speed, step * h)
+                look_at(w.angles, BEFORE, before)
+                look_at(w.angles, NOW, angle)
+                continue
         t = step * h
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
         look_at(w.angles, AHEAD, ahead)
@@ -197,6 +217,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
                 assign(s.strain, w.strain, w.strain.size)
         if closing > 0:
             s.counts[2] += 1.0
+            retry = max(retry, step + PAUSE)
         pressed = closing > 0
         if state_due(sums, out, step):
             modes = s.seen.size - s.lam.size
@@ -207,7 +228,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if blocks is not None:
             works_of_coupling(s, blocks, w, sums)
         advance_modes(s, sums)
-        note(s, rows, w, y, dim, sums, out, h, t)
+        note(s, rows, w, y, dim, omega * h, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         angle, omega = ahead, omega_ahead
         for i in range(3):
@@ -216,6 +237,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if step % LOOK == 0:
             for line in range(rows.reach.shape[0]):
                 rim_amplitude(s.limits, rows.reach[line], s.q)
+        step += 1
         if outgrown(s.limits):
-            return step + 1
+            return step
     return -1

@@ -10,10 +10,12 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.errors import InputError
+from contact.base.remembered import remembered
 from contact.model.bodies.body_matrices import BodyMatrices
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.modal_system import NOISE
-from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub import ContactPoint, Rub
 from contact.model.trig import harmonics
 
 SPREAD = 10.0  # degrees between the tips of a blade that still stands in one place
@@ -179,32 +181,50 @@ class RubSystem:
 
 def rub_system(rub: Rub, dimensions: int) -> RubSystem:
     """Arrays of a rub whose contacts are seen in `dimensions` (1: frictionless, else those of the rub)."""
-    sizes = [body.omega.size for body in rub.bodies]
-    first = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
-    tips = rub.tips
-    own = np.array([[first[t.blade + 1], first[t.blade + 2]] for t in tips], dtype=np.int64)
-    rows = np.zeros((len(tips), dimensions, max(sizes[1:])))
-    along = [tip.directions(rub.blades[tip.blade])[:dimensions] for tip in tips]
-    for j, tip in enumerate(tips):
-        body = rub.blades[tip.blade]
-        rows[j, :, : body.omega.size] = -(along[j] @ body.rows)
-    angle = np.radians([t.angle_deg for t in tips])
-    S, still = _residual(rub, along, angle)
+    still = _still_rub(rub.casing, rub.blades, rub.tips, dimensions)
+    none, sizes = still.load, np.diff(still.first)
 
     def joined(name: str) -> Array:
         parts = [getattr(start, name) for start in rub.starts]
-        return np.concatenate([np.zeros(n) if p is None else p for p, n in zip(parts, sizes, strict=True)])
+        if all(part is None for part in parts):
+            return none
+        return readonly(np.concatenate([np.zeros(n) if p is None else p for p, n in zip(parts, sizes, strict=True)]))
 
+    load = joined("load")
+    return replace(
+        still, load=readonly(load + axial_load(rub)) if rub.forces else load, displacement=joined("displacement"),
+        velocity=joined("velocity"), names=rub.names, matrices=matrices_of(rub),
+        clearance=rub.clearance + still.clearance,
+    )  # fmt: skip
+
+
+@remembered
+def _still_rub(
+    casing: ModalBody, blades: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], dimensions: int
+) -> RubSystem:
+    """What runs of the same bodies have in common: at rest, round, without clearance but the tips' own."""
+    bodies = (casing, *blades)
+    sizes = [body.omega.size for body in bodies]
+    first = np.concatenate(([0], np.cumsum(sizes))).astype(np.int64)
+    own = np.array([[first[t.blade + 1], first[t.blade + 2]] for t in tips], dtype=np.int64)
+    rows = np.zeros((len(tips), dimensions, max(sizes[1:])))
+    along = [tip.directions(blades[tip.blade])[:dimensions] for tip in tips]
+    for j, tip in enumerate(tips):
+        body = blades[tip.blade]
+        rows[j, :, : body.omega.size] = -(along[j] @ body.rows)
+    angle, none = readonly(np.radians([t.angle_deg for t in tips])), readonly(np.zeros(first[-1]))
+    line = np.array([t.line for t in tips], dtype=np.int64)
+    for whole in (line, own, first):
+        whole.setflags(write=False)
+    S, still = _residual(casing, blades, tips, along, angle)
     return RubSystem(
-        omega=np.concatenate([b.omega for b in rub.bodies]), zeta=np.concatenate([b.zeta for b in rub.bodies]),
-        load=joined("load") + axial_load(rub), displacement=joined("displacement"), velocity=joined("velocity"),
-        first=first, matrices=matrices_of(rub),
-        names=rub.names, rim=_rim_table(rub), directions=rub.casing.directions,
-        line=np.array([t.line for t in tips], dtype=np.int64),
-        radius=np.array([rub.casing.line_radius(t.line) for t in tips]), angle=angle,
-        clearance=np.array([rub.clearance + t.clearance for t in tips]),
-        blade_rows=np.ascontiguousarray(rows.reshape(-1, rows.shape[2])), own=own,
-        S=S, still=still,
+        omega=readonly(np.concatenate([b.omega for b in bodies])),
+        zeta=readonly(np.concatenate([b.zeta for b in bodies])), load=none, displacement=none, velocity=none,
+        first=first, matrices=BodyMatrices(bodies=bodies, senses=(0,) * len(bodies)), names=(),
+        rim=_rim_table(casing), directions=casing.directions, line=line,
+        radius=readonly([casing.line_radius(t.line) for t in tips]), angle=angle,
+        clearance=readonly([t.clearance for t in tips]), blade_rows=readonly(rows.reshape(-1, rows.shape[2])), own=own,
+        S=readonly(S), still=readonly(still),
     )  # fmt: skip
 
 
@@ -218,9 +238,9 @@ def matrices_of(rub: Rub) -> BodyMatrices:
     return BodyMatrices(bodies=(rub.casing, *blades), senses=(casing, *(others for _ in blades)))
 
 
-def _rim_table(rub: Rub) -> RimTable:
+def _rim_table(casing: ModalBody) -> RimTable:
     """Keep, per mode, the harmonics above the noise of an eigen solver."""
-    casing, N = rub.casing, rub.casing.n_max
+    N = casing.n_max
     m = casing.omega.size
     blocks = casing.rows.reshape(-1, 2 * N + 1, m)
     cos = blocks[:, : N + 1]
@@ -228,17 +248,20 @@ def _rim_table(rub: Rub) -> RimTable:
     size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=0, initial=0.0)  # (N + 1, m)
     kept = size > NOISE * size.max(initial=0.0)
     top = int(np.flatnonzero(kept.any(axis=1)).max(initial=0)) + 1
-    return RimTable(cos=np.where(kept, cos, 0.0)[:, :top], sin=np.where(kept, sin, 0.0)[:, :top])
+    cos, sin = (readonly(np.where(kept, part, 0.0)[:, :top]) for part in (cos, sin))
+    return RimTable(cos=cos, sin=sin)
 
 
-def _residual(rub: Rub, along: Sequence[Array], angle: Array) -> tuple[Array, Array]:
+def _residual(
+    casing: ModalBody, blades: Sequence[ModalBody], tips: Sequence[ContactPoint], along: Sequence[Array], angle: Array
+) -> tuple[Array, Array]:
     """`S` and `still` of a rub's system; `along` the directions of each tip over the channels of its blade."""
-    casing, size, d = rub.casing, 2 * rub.casing.n_max + 1, len(along[0])
+    size, d = 2 * casing.n_max + 1, len(along[0])
     blocks = [line * casing.directions + i for line in range(casing.rim_lines) for i in range(d)]
     full = casing.S.reshape(-1, size, casing.directions * casing.rim_lines, size)
     S = full[blocks][:, :, blocks]
     S = np.where(np.abs(S) > NOISE * np.abs(S).max(initial=0.0), S, 0.0)
-    still, line = _blade_residual(rub, along), np.array([t.line for t in rub.tips], dtype=np.int64)
+    still, line = _blade_residual(blades, tips, along), np.array([t.line for t in tips], dtype=np.int64)
     if _turned(S, TURN, d, line) or _turned(S, TURN * TURN, d, line):
         return S, still
     E = waves_of_tips(angle, line, d, S.shape[:2])
@@ -269,15 +292,15 @@ def _turned(S: Array, by: float, d: int, line: Indices) -> bool:
     )
 
 
-def _blade_residual(rub: Rub, along: Sequence[Array]) -> Array:
+def _blade_residual(blades: Sequence[ModalBody], tips: Sequence[ContactPoint], along: Sequence[Array]) -> Array:
     """Residual compliance between tips of the same blade, (K d, K d)."""
     d, K = len(along[0]), len(along)
     total = np.zeros((K * d, K * d))
     own: dict[int, list[int]] = {}
-    for j, tip in enumerate(rub.tips):
+    for j, tip in enumerate(tips):
         own.setdefault(tip.blade, []).append(j)
     for blade, here in own.items():
         weights = np.concatenate([along[j] for j in here])
         place = (d * np.array(here)[:, None] + np.arange(d)).ravel()
-        total[np.ix_(place, place)] = weights @ rub.blades[blade].S @ weights.T
+        total[np.ix_(place, place)] = weights @ blades[blade].S @ weights.T
     return total

@@ -17,11 +17,12 @@ from contact.base.arrays import Array, Indices, aligned
 from contact.base.remembered import remembered
 from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
-from contact.scheme.modal.modal_run import ModalRun, RimRun
+from contact.scheme.modal.lane import Lane, give_back, lane_of
+from contact.scheme.modal.rub_stepper import RubStepper
 
 if TYPE_CHECKING:
     from contact.loop.batch.waves import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
-    from contact.loop.modal.modal import ModalState
+    from contact.loop.rub.state import RubState
 
 WIDTH = 8
 BUDGET = 20_000  # steps a call takes at most: room for the events of so many
@@ -32,14 +33,13 @@ SUMS = (
 )  # fmt: skip
 SHARED = ("al", "be", "c", "weight")
 OF_MODES = ("q", "d", *SHARED)
-STEPS = ("live", "step", "end", "retry", "failed")
-NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns")
+STEPS = ("live", "step", "end", "retry", "failed", "casing")
+NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns", "peaks")
 TERMS = ("normal", "tangent")
 FOUR = 4  # rows that are summed at once where lanes share their coefficients
 NONE = np.array([np.inf, np.inf, 0.0, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
-LENGTHS_VARY = {"wave", "row", "value", "reach", "powers"}  # of terms and free flights: lanes take any length
-Shape = tuple[tuple[str, tuple[int, ...]], ...]
+Shape = int
 Events = tuple[Indices, Array]  # kinds, times
 NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 
@@ -48,32 +48,23 @@ NO_EVENTS: Events = (np.zeros(0, dtype=np.int64), np.zeros(0))
 class Job:
     """A run for the lanes: `steps` steps, stored as `record` says (every, state_every)."""
 
-    run: ModalRun
+    run: RubStepper
     steps: int
     record: Record
+    lane: Lane = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lane", lane_of(self.run))
 
     @property
-    def rim(self) -> RimRun:
-        """What its lane works on."""
-        assert self.run.rim is not None
-        return self.run.rim
+    def mu(self) -> float:
+        """Friction."""
+        return float(self.run.state.mu[0])
 
 
-def shape_of(run: ModalRun) -> Shape | None:
-    """Name and shape of every array that a run hands to its lane; None for a run that lanes do not take.
-
-    Runs share lanes only where all of these are equal. Lengths that lanes may differ in are left out: terms of a row,
-    skips over free flight.
-    """
-    rim = run.rim
-    if rim is None or run.tracks is not None:
-        return None
-    parts = {"state": rim.state._asdict(), "flight": rim.flight._asdict(), "limits": {"limits": rim.limits}}
-    parts |= {name: {"start": getattr(rim, name).start} for name in TERMS} | {"reach": {"modes": rim.reach}}
-    return tuple(
-        (f"{part}.{name}", np.shape(values))
-        for part, arrays in parts.items() for name, values in arrays.items() if name not in LENGTHS_VARY
-    )  # fmt: skip
+def shape_of(run: RubStepper) -> Shape | None:
+    """Number of modes of a run, which all that share the lanes have; None for a run that lanes do not take."""
+    return None if run.rim is None else run.system.omega.size
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -179,18 +170,25 @@ class Batch:
 
     def load(self, k: int, job: Job) -> None:
         """Put a run at its start into lane k."""
-        rim, system, lanes = job.rim, job.run.system, self.lanes
+        lane, run, system, lanes = job.lane, job.run, job.lane.system, self.lanes
         for name in OF_MODES:
-            getattr(lanes, name)[:, k] = getattr(rim.state, name)
+            getattr(lanes, name)[:, k] = getattr(run.state, name)
         for name, layout in self.layouts.items():
-            layout.load(getattr(lanes, name), getattr(rim, name), k)
-        own = {"angle": system.angle, "speed": system.speed, "surface": system.radius * system.speed, "mu": rim.mu}
-        own |= {"h": job.run.dt, "averaged": rim.averaged, "turns": system.compliance_turns, "away": 0.0}
-        own |= {"live": 1, "step": 0, "end": job.steps, "retry": 0, "failed": 0}
+            layout.load(getattr(lanes, name), getattr(lane, name), k)
+        own = {"angle": system.angle, "speed": system.speed, "surface": system.radius * system.speed, "mu": job.mu}
+        own |= {"h": run.dt, "averaged": run.averaged, "turns": system.compliance_turns, "away": 0.0}
+        own |= {
+            "live": 1,
+            "step": 0,
+            "end": job.steps,
+            "retry": 0,
+            "failed": 0,
+            "casing": system.first[1],
+            "peaks": 0.0,
+        }
         for name, value in own.items():
             getattr(lanes, name)[k] = value
-        lanes.memory[:, k], lanes.limits[:, k] = rim.state.memory, rim.limits
-        lanes.reach[:, k] = rim.reach[: len(lanes.reach)]
+        lanes.memory[:, k], lanes.limits[:, k], lanes.reach[:, k] = lane.memory, run.limits, lane.reach
         self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
@@ -199,25 +197,25 @@ class Batch:
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
 
     def _load_free_flight(self, k: int, job: Job) -> None:
-        flight = job.rim.flight
-        for name in ("fade", "cos", "sin", "floor"):
-            getattr(self.flights, name)[k] = getattr(flight, name)
+        flight = job.run.flight
+        self.flights.taken[k], self.flights.open[k] = 0, 0
         if not flight.powers.size:
             self.lanes.retry[k] = NEVER
-        elif len(self.flights.powers) == WIDTH:
+            return
+        for name in ("fade", "cos", "sin", "floor", "start"):
+            getattr(self.flights, name)[k] = getattr(flight, name)
+        if len(self.flights.powers) == WIDTH:
             self.flights.powers[k] = flight.powers
-        self.flights.start[k] = flight.start
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
-        self.flights.taken[k], self.flights.open[k] = 0, 0
 
     def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
         """Write lane k's state and sums back into its run; what it stored, views until the next load, with `events`."""
-        rim, lanes, kept = job.rim, self.lanes, self.kept
-        rim.state.q[:], rim.state.d[:], rim.state.memory[:] = lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k]
-        rim.flight.taken[:], rim.limits[:] = self.flights.taken[k], lanes.limits[:, k]
+        run, lanes, kept = job.run, self.lanes, self.kept
+        run.flight.taken[:], run.limits[:] = self.flights.taken[k], lanes.limits[:, k]
         for name in SUMS:
-            getattr(job.run.sums, name)[0] = getattr(self.sums, name)[k]
-        job.run.steps[0] = int(lanes.step[k])
+            getattr(run.sums, name)[0] = getattr(self.sums, name)[k]
+        run.steps[0], run.state.peaks[0] = int(lanes.step[k]), lanes.peaks[k]
+        give_back(run, job.lane, lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k])
         n, states = (int(value) for value in kept.filled[:, k])
         lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
         kind, when = (np.concatenate(part) for part in zip(NO_EVENTS, *events, strict=True))
@@ -225,7 +223,7 @@ class Batch:
             event_contact=np.zeros(kind.size, dtype=np.int64), event_kind=kind, event_time=when,
             time=kept.time[k, :n], force=kept.force[k, :n, None], gap=kept.gap[k, :n, None],
             impulse=kept.impulse[k, :n, None], state_time=kept.state_time[k, :states],
-            state=kept.state[k, :states, : job.run.size],
+            state=kept.state[k, :states, : run.size],
         )  # fmt: skip
 
 
@@ -234,10 +232,10 @@ def batch(jobs: Sequence[Job]) -> Batch:
     from contact.loop.batch.waves import BatchState
 
     m = jobs[0].run.system.omega.size
-    layouts = {name: Layout.of([getattr(job.rim, name) for job in jobs]) for name in TERMS}
-    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].rim, name)) for name, layout in layouts.items()}
+    layouts = {name: Layout.of([getattr(job.lane, name) for job in jobs]) for name in TERMS}
+    arrays: dict[str, Any] = {name: layout.empty(getattr(jobs[0].lane, name)) for name, layout in layouts.items()}
     arrays |= {name: aligned(m, WIDTH) for name in (*OF_MODES, "old", "reach")}
-    arrays["alike"] = _alike([job.rim.state for job in jobs])
+    arrays["alike"] = _alike([job.run.state for job in jobs])
     arrays |= {"Q": aligned(m + 5, WIDTH), "Q_next": aligned(m + 5, WIDTH), "T": aligned(m + 1, WIDTH)}
     arrays |= {name: aligned(WIDTH) for name in NUMBERS}
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
@@ -250,11 +248,11 @@ def batch(jobs: Sequence[Job]) -> Batch:
         lanes=lanes, layouts=layouts, flights=_free_flights(jobs, m),
         sums=tally(WIDTH)._replace(damping=np.zeros(WIDTH)),
         events=samples(Record(every=BUDGET), BUDGET, WIDTH, 0), kept=_kept(jobs),
-        rubs=any(job.rim.mu > 0.0 for job in jobs),
+        rubs=any(job.mu > 0.0 for job in jobs),
     )  # fmt: skip
 
 
-def _alike(states: Sequence[ModalState]) -> Array:
+def _alike(states: Sequence[RubState]) -> Array:
     """Coefficients of the modes (4, m) that all runs share; none where they differ."""
     parts = [[getattr(state, name) for name in SHARED] for state in states]
     if all(np.array_equal(a, b) for part in parts[1:] for a, b in zip(part, parts[0], strict=True)):
@@ -265,13 +263,13 @@ def _alike(states: Sequence[ModalState]) -> Array:
 def _free_flights(jobs: Sequence[Job], m: int) -> BatchFreeFlight:
     from contact.loop.batch.waves import BatchFreeFlight
 
-    kinds = [job.rim.flight for job in jobs]
+    kinds = [job.run.flight for job in jobs]
     size, powers = max(flight.row.size for flight in kinds), [flight.powers for flight in kinds if flight.powers.size]
     alike = all(one is powers[0] for one in powers)
     shared = np.array([powers[0]] * (1 if alike else WIDTH) if powers else np.zeros((1, 0, 4, m)))
     arrays: dict[str, Any] = {name: np.zeros((WIDTH, m)) for name in ("fade", "cos", "sin")}
     return BatchFreeFlight(
-        powers=shared, floor=np.zeros((WIDTH, kinds[0].floor.size)),
+        powers=shared, floor=np.zeros((WIDTH, max(flight.floor.size for flight in kinds))),
         start=np.zeros((WIDTH, m + 1), dtype=np.int64), wave=np.zeros((WIDTH, size), dtype=np.int64),
         row=np.zeros((WIDTH, size)), reach=np.zeros(max(flight.reach.size for flight in kinds)),
         taken=np.zeros((WIDTH, 2), dtype=np.int64), open=np.zeros(WIDTH, dtype=np.int64), **arrays,

@@ -21,27 +21,25 @@ from typing import Literal, cast
 
 import numpy as np
 
-from contact.base.arrays import Array, require_positive
+from contact.base.arrays import require_positive
 from contact.base.errors import InputError, LimitError, rounded_down
-from contact.base.remembered import remembered
 from contact.model.bodies.body_matrices import BodyMatrices
 from contact.model.bodies.chain import Chain
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
-from contact.model.gaps.modal_system import ModalSystem, RowTable, point_system, rim_system
+from contact.model.gaps.modal_system import ModalSystem, point_system
 from contact.model.gaps.rod_modes import chain_gap
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import matrices_of, rub_system
 from contact.model.law import Law
-from contact.model.trig import Trig
 from contact.scheme.modal.at_speeds import at_speeds
 from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
 from contact.scheme.modal.propagator import Propagator, propagator
-from contact.scheme.modal.rub_stepper import rub_delassus, rub_stepper
+from contact.scheme.modal.rub_delassus import rub_delassus
+from contact.scheme.modal.rub_stepper import rub_stepper
 from contact.scheme.protocol import Modal, Problem, Stepper
 
-ANGLES = 180  # where rho is sampled around a rim
 Numbers = tuple[float, float, float]
 LAWS = ("auto", "forward", "averaged", "energy")
 AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
@@ -53,8 +51,8 @@ class ExactModal:
 
     `law` "forward", "averaged" (refused when rho = H_d/S > 1), "auto" (averaged up to rho = .1, else forward; the
     result says which) or "energy", the discrete gradient of `energy_stepper`, for undamped fixed points.
-    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: on a rotating rim, skip
-    over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.modal_stepper`).
+    `omega_h_limit` is the largest omega_max h accepted by the first two, below pi. `skip`: of one tip on a rim, skip
+    over time in which no contact is possible, from one stored step to the next (`contact.scheme.modal.free_flight`).
 
     >>> ExactModal(law="averaged").modes
     50
@@ -87,7 +85,7 @@ class ExactModal:
     def one_contact(self, system: ModalSystem, law: Law, dt: float | None, courant: float | None) -> Stepper:
         """Stepper of one contact in modal form."""
         mu = law.mu
-        if mu > 0.0 and system.table is None:
+        if mu > 0.0:
             raise InputError("law: found Coulomb friction on a scene without tangential motion, expected a rim")
         h = _step(float(system.omega.max(initial=0.0)), dt, courant)
         parts = propagator(system.omega, system.zeta, system.load, h)
@@ -98,16 +96,13 @@ class ExactModal:
                 )
             return energy_stepper(system, parts)
         self._require_slow(parts.top, h)
-        if system.table is not None:
-            n_max = int(max(system.table.harmonic.max(initial=0), system.clearance.degree))
-            _require_slow_turn(n_max, system.speed, h)
-        H, S, rho = delassus(system, parts, mu)
+        H, S, rho = _delassus(system, parts)
         averaged = self._averaged(H, S, rho) if law.response is None else self.law != "forward"
         top = float(system.omega.max(initial=0.0))
         chosen = "averaged" if averaged else "forward"
         reached = f"dt omega_max = {h * top:.3g} (limit {self.omega_h_limit:g}), rho = {rho:.3g}"
         label = f"exact modal, {chosen} law, {reached}"
-        return modal_stepper(system, parts, averaged=averaged, law=law, label=label, skip=self.skip)
+        return modal_stepper(system, parts, averaged=averaged, law=law, label=label)
 
     def patch(self, problem: Patch, law: Law, dt: float | None, courant: float | None) -> Stepper:
         """Stepper of several contacts of one body."""
@@ -129,8 +124,10 @@ class ExactModal:
         label = f"exact modal, {'averaged' if averaged else 'forward'} law in every contact, {reached}"
         return patch_stepper(problem, parts, law, label, averaged=averaged)
 
-    def rub(self, rub: Rub, law: Law, dt: float | None, courant: float | None) -> Stepper:
-        """Stepper of tips before a turning rim."""
+    def rub(
+        self, rub: Rub, law: Law, dt: float | None, courant: float | None, rim: RotatingRim | None = None
+    ) -> Stepper:
+        """Stepper of tips before a turning rim; `rim` is the same scene where several runs may share their steps."""
         if self.law == "energy":
             raise InputError("law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'")
         mu = law.mu
@@ -150,13 +147,15 @@ class ExactModal:
         averaged = self._averaged(H, S, rho) if law.response is None else self.law != "forward"
         top = h * speeds.top
         label = (
-            f"exact modal, {'averaged' if averaged else 'forward'} law at {system.contacts} tips, dt omega_max = "
+            f"exact modal, {'averaged' if averaged else 'forward'} law at {system.contacts} "
+            f"{'tip' if system.contacts == 1 else 'tips'}, dt omega_max = "
             f"{top:.3g} (limit {self.omega_h_limit:g}), n_max Omega dt = {n_max * rub.speed.fastest * h:.3g} "
             f"(limit 0.3), rho = {rho:.3g}"
         )
         return rub_stepper(
-            rub, system, speeds, law=law, dimensions=dimensions, averaged=averaged, label=label, stiffest=H
-        )
+            rub, system, speeds, law=law, dimensions=dimensions, averaged=averaged, label=label, stiffest=H,
+            skip=self.skip, rim=rim,
+        )  # fmt: skip
 
     def _averaged(self, H: float, S: float, rho: float) -> bool:
         """Whether the averaged law is to be taken; raises LimitError where it is asked for and not stable."""
@@ -184,47 +183,12 @@ def _require_slow_turn(n_max: int, speed: float, h: float) -> None:
         raise LimitError(f"dt: found {found}, expected <= 0.3: take dt <= {rounded_down(0.3 * h / angle, 4)} s")
 
 
-def delassus(system: ModalSystem, parts: Propagator, mu: float) -> Numbers:
-    """Return H_d, S and rho = |H_d|/S where rho is largest over the contact angle (rho = inf when S is 0).
-
-    Raises LimitError where sliding friction turns H_d + S negative: the blade digs in and no force opens it.
-    """
-    sign = math.copysign(mu, system.speed) if system.speed else 0.0
-    if system.table is None:
-        angle = np.zeros(1)
-        return _largest(angle, np.array([parts.c @ system.Q**2]), system.S_nn.at(angle), mu)
-    return _on_a_rim(system.table, parts, system.S_nn, system.S_nt, mu, sign)
-
-
-@remembered
-def _on_a_rim(table: RowTable, parts: Propagator, S_nn: Trig, S_nt: Trig, mu: float, sign: float) -> Numbers:
-    """What `delassus` returns where the contact goes around a rim."""
-    angle, along, across = _around(table, parts, S_nn, S_nt)
-    H, S = along - sign * across
-    return _largest(angle, H, S, mu)
-
-
-def _largest(angle: Array, H: Array, S: Array, mu: float) -> Numbers:
-    """H_d, S and rho where rho is largest; raises LimitError where the sum is not positive."""
-    jammed = np.flatnonzero(H + S <= 0.0)
-    if jammed.size:
-        k = int(jammed[0])
-        found = f"H_d + S = {H[k] + S[k]:.4g} m/N at {math.degrees(angle[k]):.0f} deg, mu = {mu:g}"
-        expected = "> 0: the blade jams (friction exceeds the lean); reduce mu or the lean, or trail the blade"
-        raise LimitError(f"law: found {found}, expected {expected}")
-    rho = np.divide(np.abs(H), S, out=np.full(H.shape, math.inf), where=S > 0.0)
-    k = int(rho.argmax())
-    return float(H[k]), float(S[k]), float(rho[k])
-
-
-@remembered
-def _around(table: RowTable, parts: Propagator, S_nn: Trig, S_nt: Trig) -> tuple[Array, Array, Array]:
-    """Angles, and H_d and S there: along the normal, and what sliding takes of each, (2, angles) both."""
-    angle = np.linspace(0.0, 2.0 * math.pi, ANGLES, endpoint=False)
-    Q, T = table.rows_at(angle)
-    pushed = Q * parts.c
-    along, across = (np.einsum("ij,ij->i", pushed, rows) for rows in (Q, T))
-    return angle, np.array([along, S_nn.at(angle)]), np.array([across, S_nt.at(angle)])
+def _delassus(system: ModalSystem, parts: Propagator) -> Numbers:
+    """Return H_d, S and rho = H_d/S of a fixed contact point (rho = inf when S is 0)."""
+    H, S = float(parts.c @ system.Q**2), system.S_nn(0.0)
+    if H + S <= 0.0:
+        raise LimitError(f"law: found H_d + S = {H + S:.4g} m/N, expected > 0: no force opens the gap")
+    return H, S, H / S if S > 0.0 else math.inf
 
 
 @singledispatch
@@ -245,9 +209,8 @@ def _(problem: Rub, scheme: ExactModal, law: Law, dt: float | None, courant: flo
 @_prepared.register
 def _(problem: RotatingRim, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
     rub = rub_of(problem)
-    if matrices_of(rub).coupled or law.response is not None:
-        return scheme.rub(rub, law, dt, courant)
-    return scheme.one_contact(rim_system(problem), law, dt, courant)
+    alone = matrices_of(rub).coupled or law.response is not None or law.coating is not None
+    return scheme.rub(rub, law, dt, courant, rim=None if alone else problem)
 
 
 @singledispatch

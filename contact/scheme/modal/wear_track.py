@@ -12,7 +12,6 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices
 from contact.base.errors import InputError
-from contact.model.gaps.modal_system import ModalSystem
 from contact.model.gaps.rub import Rub
 from contact.model.law import Abradable
 from contact.record.wear import Wear
@@ -23,13 +22,6 @@ if TYPE_CHECKING:
 MOST_MAPS = 400  # stored maps: beyond, every second one is dropped
 FIRST_EVERY = 100  # steps between maps at first
 MOST_AROUND = 1_000_000  # bars of a track: the maps of more fill the memory
-
-
-def bare() -> Coating:
-    """No coating."""
-    from contact.solver.abradable.tips import Coating
-
-    return Coating(np.zeros(0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1, np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -110,11 +102,6 @@ class Tracks:
     def memory(self) -> tuple[Any, ...]:
         """What a run changes of it."""
         return self.pace, self.times, self.depths, *((track.coating.worn, track.memory) for track in self.tracks)
-
-    @staticmethod
-    def of(system: ModalSystem, law: Abradable) -> Tracks:
-        """The one track of a rim's one tip; raises as `Track.of`."""
-        return Tracks(tracks=(Track.of(law, system.radius, system.clearance, (0,), np.zeros((1, 3))),))
 
     @property
     def elastic(self) -> float:

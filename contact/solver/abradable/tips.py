@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
-from contact.solver.friction.one_contact import JAMMED
 
 MOST_ALONE = 100  # Newton steps: piecewise linear, so a few do
 ROUND_OFF = 1e-14
@@ -99,22 +98,6 @@ def settled(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
         if not low < depth < high:
             depth = 0.5 * (low + high)
     return depth
-
-
-@jit
-def crush(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
-    """Force of the tip on the bars under it, which flow; JAMMED where D <= 0."""
-    if not D > 0.0:
-        return JAMMED
-    depth = settled(c, first, cut, D, gap)
-    wear(c, first, cut, depth)
-    return max(-(gap + depth) / D, 0.0)
-
-
-@jit
-def force_on(c: Coating, first: int, cut: float, D: float, gap: float) -> float:
-    """Force of the tip; nothing flows yet."""
-    return max(-(gap + settled(c, first, cut, D, gap)) / D, 0.0)
 
 
 @jit

@@ -1,14 +1,13 @@
 """What skips a rim's free flight, and a turn of a rim in closed contact, against loops and whole matrices."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from tests.contact.plain import names, plain
+from tests.contact.plain import names
 
-FLIGHT = names("loop.modal.free_flight")
+FLIGHT = names("loop.rub.free_flight")
 
 
 @pytest.mark.parametrize("turn", [0.013, -0.013, 0.11, -0.11])
@@ -111,15 +110,3 @@ def test_the_discrete_energy_is_kept_without_damping_and_is_that_of_both_gaps():
     exact = sum(0.5 * d[i] ** 2 / c[i] + 0.5 * be[i] / c[i] * (q[i] - d[i]) * q[i] for i in (0, 1))
     assert FLIGHT.discrete_energy(q, d, be, c) == pytest.approx(exact, rel=1e-14)
     assert FLIGHT.discrete_energy(*free(9, q, d, al, be), be, c) == pytest.approx(exact, rel=1e-12)
-
-
-def test_where_no_step_is_skipped_a_rim_is_left_as_it_is(monkeypatch):
-    with plain() as module:
-        rim = module("contact.loop.modal.rim")
-    s = SimpleNamespace(q=np.array([1.0, 2.0]), be=np.ones(2), c=np.ones(2), memory=np.arange(10.0))
-    rows, sums = SimpleNamespace(modes=2, angle=0.3, speed=20.0), SimpleNamespace(damping=np.zeros(1))
-    for steps in (0, -5):
-        monkeypatch.setattr(rim, "skip_free_flight", lambda *given, steps=steps: steps)
-        assert rim.skip_on_rim(s, rows, None, np.zeros(6), np.zeros(2), True, sums, 1e-5, 7, 20) == steps
-    np.testing.assert_array_equal(s.memory, np.arange(10.0))
-    assert sums.damping[0] == 0.0

@@ -16,7 +16,15 @@ def noted(*, force=2.0, mu=0.3, pull=0.1, surface=15.0):
     work = np.zeros((15, 1))
     work[N.FORCE], work[N.PULL], work[N.GAP] = force, pull, 1e-3
     state = SimpleNamespace(
-        work=work, h=np.array([1e-3]), step=np.array([4]), mu=np.array([mu]), surface=np.array([surface])
+        work=work,
+        h=np.array([1e-3]),
+        step=np.array([4]),
+        mu=np.array([mu]),
+        surface=np.array([surface]),
+        casing=np.array([1]),
+        q=np.array([[9.0], [2e-4]]),
+        T=np.array([[9.0], [-0.5]]),
+        peaks=np.array([0.5e-4]),
     )
     sums = SimpleNamespace(
         contact_steps=np.zeros(1, int), reversals=np.zeros(1, int), closed=np.array([1]), stuck=np.array([0]),
@@ -25,6 +33,7 @@ def noted(*, force=2.0, mu=0.3, pull=0.1, surface=15.0):
     out = SimpleNamespace(event_contact=np.zeros(8, int), event_kind=np.zeros(8, int), event_time=np.zeros(8))
     kept = SimpleNamespace(due=np.array([[9]]))
     N.note_lane(state, sums, out, kept, 1e-4, 0)
+    assert state.peaks[0] == pytest.approx(1e-4 if mu else 0.5e-4, rel=1e-12)
     return sums.reversals[0], sums.stuck[0], sums.contact_steps[0], out.event_kind[: sums.filled[2]].tolist()
 
 

@@ -48,6 +48,6 @@ def test_tips_that_are_far_are_marked_so_with_a_bound_of_their_gap():
 def test_a_start_for_sliding_tips_is_there_for_several_with_friction(count, mu, used):
     with plain() as module:
         run = prepared(module, [10.0, 80.0][:count], clearance=1e-3, mu=mu)
-        work = module("contact.loop.rub.state").work_space(run.state, run.rows)
+        work = module("contact.loop.rub.state").work_space(run.state, run.arrays.rows)
     assert work.all_sliding.used == used
     assert np.array_equal(work.S_at, np.full(work.S_at.size, -2))

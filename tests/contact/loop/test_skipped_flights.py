@@ -26,13 +26,12 @@ def prepared(module, skip, *, mu=0.3, law="forward", **rim):
 
 def told(run, out, samples, states, events):
     """Where a run ends, what it noted, its sums and how many steps it skipped."""
-    m = run.rim.state.memory
-    ends = [run.rim.state.q, run.rim.state.d, m[:2], m[4:7], m[8:]]
+    ends = [run.state.q, run.state.d, run.state.lam, run.state.heat, run.state.drive]
     seen = [
         out.time[:samples], out.force[:samples], out.gap[:samples], out.impulse[:samples], out.state_time[:states],
         out.state[:states], out.event_kind[:events], out.event_time[:events],
     ]  # fmt: skip
-    return ends, seen, run.sums, run.rim.flight.taken
+    return ends, seen, run.sums, run.flight.taken
 
 
 def followed(module, skip, record, split=STEPS, **case):

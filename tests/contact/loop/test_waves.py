@@ -20,12 +20,10 @@ from contact.loop.batch.waves import (
     skip_in_batch,
     within,
 )
-from contact.loop.modal.rows import fill, rotate
-from contact.model.gaps.limits import REACHED, TIP, motion_limits
+from contact.model.gaps.limits import REACHED, TIP
 from contact.model.gaps.modal_system import NOISE, rim_system
 from contact.model.trig import Terms
 from contact.scheme.modal.batch import WIDTH, Job, Layout, batch
-from contact.scheme.modal.modal_stepper import rim_rows
 from tests.contact.synthetic_rim import blade, ring
 
 
@@ -53,13 +51,6 @@ def both(phi, found):
 
 
 @jit_entry
-def turn_and_fill(rows, waves, phi, found):
-    """Rows at one angle."""
-    rotate(waves, phi)
-    fill(rows, waves, found)
-
-
-@jit_entry
 def sum_lanes(terms, waves, found):
     """Rows of eight runs."""
     fill_lanes(terms, waves, found)
@@ -72,20 +63,6 @@ def test_eight_cosines_and_sines_to_round_off(largest):
         phi = rng.uniform(-largest, largest, WIDTH)
         both(phi, found)
         assert np.abs(found - [np.cos(phi), np.sin(phi)]).max() < 4e-16
-
-
-@pytest.mark.parametrize("imperfect", [0.0, 0.05])
-def test_blocks_of_a_rim_are_its_rows_its_clearance_and_its_compliance(imperfect):
-    one = system(imperfect)
-    rows, m = rim_rows(one, 0.2, *one.sums(), motion_limits(0.0, 0.0)), one.omega.size
-    found = np.zeros(8 * (rows.normal.start.size - 1))
-    for phi in (0.0, 1.234, -7.5):
-        turn_and_fill(rows.normal, rows.waves, phi, found)
-        assert np.allclose(found[: m + 4], rows_at(one, phi), rtol=0.0, atol=1e-14 * np.abs(found).max())
-        assert not found[m + 4 :].any()
-        turn_and_fill(rows.tangent, rows.waves, phi, found)
-        assert np.allclose(found[:m], one.table.rows(phi)[1], rtol=0.0, atol=1e-14 * np.abs(found).max())
-        assert not found[m:].any()
 
 
 def in_lanes(layout, lanes, sums, phi):

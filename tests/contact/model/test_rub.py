@@ -12,7 +12,7 @@ from contact.loop.rub.solve import gather
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import harmonics
 from contact.record.record import samples
-from contact.scheme.modal import rub_stepper
+from contact.scheme.modal import rub_arrays, rub_delassus, rub_stepper
 from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.propagator import propagator
 from contact.solver.friction.coulomb import coulomb
@@ -181,8 +181,8 @@ def test_several_tips_in_three_directions_against_a_dense_reference(mu, speed_hz
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_many_tips_take_compliance_between_waves_and_move_as_few_do(mu, apart, monkeypatch):
     found = []
-    for few in (rub_stepper.FEW, 0):
-        monkeypatch.setattr(rub_stepper, "FEW", few)
+    for few in (rub_arrays.FEW, 0):
+        monkeypatch.setattr(rub_arrays, "FEW", few)
         rub = ct.Rub(
             rim3(), [nodes(2), nodes(2, seed=6)], [*tips(2), *tips(2, blade=1, angle=14.0 if apart else 10.0)],
             clearance=-3e-5, closing=ct.gaps.Closing([0.0, 0.01], [0.0, 4e-4]), speed=ct.Speed.constant(7.0),
@@ -211,7 +211,7 @@ def test_the_only_one_of_many_tips_that_rubs_moves_as_the_dense_reference_of_it_
         )
         for points in ([first], [first, *far])
     )  # fmt: skip
-    assert one.dimensions * len(many.tips) > rub_stepper.FEW
+    assert one.dimensions * len(many.tips) > rub_arrays.FEW
     result = ct.run(
         many, law=law(mu), scheme=ct.ExactModal(law="averaged"), t_end=steps * h, dt=h,
         record=ct.Record(state_every=1),
@@ -554,7 +554,7 @@ def test_the_stiffest_tip_and_angle_are_those_of_rows_and_compliances(mu):
     rub = ct.Rub(rim3(), (nodes(3),), tips(3), clearance=1e-4, speed=ct.Speed.constant(4.0))
     system, d = rub_system(rub, rub.dimensions if mu else 1), rub.dimensions if mu else 1
     parts = propagator(system.omega, system.zeta, system.load, 1e-5)
-    blade, worst = rub_stepper.blade_delassus(system, parts), (0.0, 0.0, 0.0)
+    blade, worst = rub_delassus.blade_delassus(system, parts), (0.0, 0.0, 0.0)
     for turned in np.arange(60) * (2.0 * np.pi / 60):
         S = system.compliance(turned)
         for j in range(3):
@@ -563,7 +563,7 @@ def test_the_stiffest_tip_and_angle_are_those_of_rows_and_compliances(mu):
             yields = (Q * parts.c[: Q.shape[1]]) @ Q[0] + blade[j * d : j * d + min(d, 2), j * d]
             along = [float(A[0] - mu * (A[1] if mu else 0.0)) for A in (yields, S[j * d : j * d + 2, j * d])]
             worst = max(worst, (abs(along[0]) / along[1], *along))
-    found = rub_stepper.rub_delassus(rub, system, parts, mu)
+    found = rub_delassus.rub_delassus(rub, system, parts, mu)
     assert found == pytest.approx((worst[1], worst[2], worst[0]), rel=1e-12)
 
 
@@ -571,7 +571,7 @@ def test_waves_of_the_residual_are_sums_and_differences_of_the_harmonics_that_it
     """Whatever directions couple them, and whatever other harmonics it does not yield to."""
     S = np.zeros((2, SIZE, 2, SIZE))
     S[0, 2, 1, 3] = S[1, N_MAX + 1, 1, N_MAX + 1] = 1.0  # cos 2 with cos 3; sin 1 with itself
-    assert rub_stepper._products(S).tolist() == [0, 1, 2, 5]
+    assert rub_arrays._products(S).tolist() == [0, 1, 2, 5]
 
 
 def at_start(rub, *, mu=0.0):
@@ -598,10 +598,10 @@ def test_a_failed_step_of_a_rub_says_whether_the_motion_or_the_forces_failed():
 @pytest.mark.parametrize("away", [0, 1, 2])
 def test_tips_that_are_not_solved_for_bear_no_force_in_any_direction(away):
     stepper = at_start(ct.Rub(rim3(), [nodes(3)], tips(3)), mu=0.2)
-    state, work, before = stepper.wide, stepper.work, np.arange(1.0, 10.0).reshape(3, 3)
+    state, work, before = stepper.wide, stepper.arrays.work, np.arange(1.0, 10.0).reshape(3, 3)
     state.inside[:], state.lam[:] = 2, before.ravel()
     state.inside[away] = 1
-    assert gather(state, stepper.rows, None, work, 3, 1.0) == 2
+    assert gather(state, stepper.arrays.rows, None, work, 3, 1.0) == 2
     stay = np.arange(3) != away
     assert np.array_equal(state.lam.reshape(3, 3), before * stay[:, None])
     assert np.array_equal(work.chosen[:2], np.flatnonzero(stay))

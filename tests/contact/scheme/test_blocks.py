@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.modal_system import rim_system
 from contact.model.trig import Terms
 from contact.scheme.modal.batch import AWAY, NEVER, WIDTH, Job, Layout, _blocks, batch
 from contact.scheme.modal.blocks import _alike, row_blocks, rows_of_waves
-from contact.scheme.modal.modal_stepper import rim_reach, rim_rows
 from tests.contact.synthetic_rim import blade, ring
 
 
@@ -141,7 +139,7 @@ def test_a_run_in_a_lane_has_its_own_numbers_and_others_are_away():
     found = [float(getattr(state, name)[3]) for name in ("angle", "speed", "surface", "mu", "h")]
     assert found == pytest.approx([math.pi / 4.0, speed, 0.45 * speed, 0.2, 2e-5], rel=1e-12)
     for name in ("q", "d", "al", "be", "c", "weight"):
-        assert getattr(state, name)[:, 3].tolist() == getattr(own.rim.state, name).tolist()
+        assert getattr(state, name)[:, 3].tolist() == getattr(own.state, name).tolist()
     assert (lanes.kept.every[:, 3].tolist(), lanes.kept.due[:, 3].tolist()) == ([4, 8], [0, 0])
     assert lanes.kept.time.shape == (WIDTH, 101)
     assert lanes.kept.state.shape == (WIDTH, 6, own.size)
@@ -161,9 +159,9 @@ def test_a_run_that_skips_nothing_never_looks_for_a_flight():
     lanes = batch(two)
     lanes.load(1, two[1])
     assert lanes.flights.powers.shape[0] == WIDTH
-    np.testing.assert_array_equal(lanes.flights.powers[1], two[1].rim.flight.powers)
+    np.testing.assert_array_equal(lanes.flights.powers[1], two[1].run.flight.powers)
     assert lanes.lanes.alike.size == 0
-    np.testing.assert_array_equal(batch(two[:1] * 2).lanes.alike[2], two[0].rim.state.c)
+    np.testing.assert_array_equal(batch(two[:1] * 2).lanes.alike[2], two[0].run.state.c)
 
 
 def test_a_run_read_back_has_what_its_lane_has_now():
@@ -175,8 +173,10 @@ def test_a_run_read_back_has_what_its_lane_has_now():
     lanes.kept.filled[:, 2] = 5, 2
     lanes.kept.force[2, :5], lanes.kept.state[2, :2] = np.arange(5.0), 8.0
     out = lanes.unload(2, one, [(np.array([1, 0]), np.array([0.1, 0.2])), (np.array([1]), np.array([0.3]))])
-    assert set(one.rim.state.q) | set(one.rim.state.d) | set(one.rim.state.memory) == {3.0, 4.0, 5.0}
-    assert (one.run.steps, one.run.sums.impulse[0], one.rim.flight.taken.tolist()) == ([17], 6.0, [2, 9])
+    s = one.run.state
+    assert set(s.q) | set(s.d) | set(s.heat) | set(s.drive) == {3.0, 4.0, 5.0}
+    assert s.lam.tolist() == [5.0, -25.0]
+    assert (one.run.steps, one.run.sums.impulse[0], one.run.flight.taken.tolist()) == ([17], 6.0, [2, 9])
     assert out.force[:, 0].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert out.state.tolist() == [[8.0] * one.run.size] * 2
     assert (out.event_kind.tolist(), out.event_time.tolist()) == ([1, 0, 1], [0.1, 0.2, 0.3])
@@ -191,30 +191,3 @@ def test_events_are_told_by_lane():
     lanes.events.event_time[:4] = 0.5, 0.6, 0.7, 0.8
     found = {k: (kind.tolist(), when.tolist()) for k, (kind, when) in lanes._events().items()}
     assert found == {5: ([1, 3], [0.5, 0.7]), 1: ([2], [0.6])}
-
-
-def test_rows_of_a_rim_are_its_modes_clearance_and_compliance():
-    system = rim_system(rim())
-    normal, tangent = system.sums()
-    rows = rim_rows(system, 0.2, normal, tangent, np.zeros(4))
-    m, count = system.omega.size, rows.waves.shape[1]
-    assert (rows.modes, rows.seen.size, rows.mu) == (m, m + 2, 0.2)
-    assert rim_rows(system, 0.0, normal, tangent, np.zeros(4)).seen.size == m + 1
-    assert rows.surface == pytest.approx(0.45 * 40.0 * math.pi, rel=1e-12)
-    assert count % 8 == 0
-    assert rows.waves.shape == rows.waves_next.shape == (2, count)
-    phi = 0.7
-    Q, T = system.table.rows(phi)
-    exact = {"normal": [*Q, *(part(phi) for part in (system.clearance, system.S_nn, system.S_nt, system.S_tt))]}
-    exact["tangent"] = [*T, 0.0, 0.0, 0.0, 0.0]
-    waves = np.concatenate([np.cos(phi * np.arange(count)), np.sin(phi * np.arange(count))])
-    for name, values in exact.items():
-        blocks = getattr(rows, name)
-        found = [
-            blocks.value[a:b].T @ waves[blocks.wave[a:b]] for a, b in zip(blocks.start, blocks.start[1:], strict=False)
-        ]
-        np.testing.assert_allclose(np.ravel(found)[: m + 4], values, rtol=1e-10, atol=1e-12 * np.abs(values).max())
-    reach = rim_reach(system.table, int(system.first[1]))
-    sampled = np.max([np.abs(system.table.rows(phi)[0]) for phi in np.linspace(0.0, 2.0 * np.pi, 721)], axis=0)
-    np.testing.assert_allclose(reach[:10], sampled[:10], rtol=1e-3)
-    assert not reach[10:].any()

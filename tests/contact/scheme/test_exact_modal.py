@@ -5,11 +5,12 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.rub import rub_of
+from contact.model.gaps.rub_system import rub_system
 from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
-from contact.scheme.modal.exact_modal import _around, delassus
 from contact.scheme.modal.propagator import propagator
-from tests.contact.synthetic_rim import N_MAX, SIZE, blade, flap_blade, ring
+from contact.scheme.modal.rub_delassus import rub_delassus
+from tests.contact.synthetic_rim import N_MAX, SIZE, flap_blade, ring
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 
@@ -68,9 +69,10 @@ def test_rho_is_the_size_of_the_modes_share_whatever_its_sign():
         omega=[1e3], zeta=[0.0], channels=ring().channels, rows=np.zeros((2 * SIZE, 1)), S=np.zeros((2 * SIZE,) * 2),
         kind="rim", n_max=N_MAX, radius=0.45,
     )  # fmt: skip
-    system = rim_system(ct.RotatingRim(still, flap_blade(S=S), clearance=0.0, speed_hz=5.0, lean_deg=20.0))
+    rub = rub_of(ct.RotatingRim(still, flap_blade(S=S), clearance=0.0, speed_hz=5.0, lean_deg=20.0))
+    system = rub_system(rub, 2)
     parts = propagator(system.omega, system.zeta, np.zeros(2), h)
-    H, compliance, rho = delassus(system, parts, mu)
+    H, compliance, rho = rub_delassus(rub, system, parts, mu)
     own = parts.c[1] * np.sin(a) * (np.sin(a) - mu * np.cos(a))
     assert H == pytest.approx(own, rel=1e-12)
     assert H < 0.0
@@ -226,20 +228,6 @@ def test_static_push_is_exact():
         result = ct.run(gap, t_end=3.0, dt=2e-4, scheme=ct.ExactModal(law=law))
         compliance = 1.0 / 40.0**2 + 4.0 / 90.0**2 + 1e-4
         assert result.force[-1, 0] == pytest.approx(3.0 / 40.0**2 / compliance, rel=1e-10)
-
-
-def test_limits_are_looked_for_all_around_a_rim_once():
-    """H_d = sum c Q^2 and what sliding takes of it, sum c Q T, at even angles of one turn."""
-    rim = ct.RotatingRim(ring(imperfect=0.05), blade(), clearance=0.0, speed_hz=5.0, lean_deg=20.0)
-    system = rim_system(rim)
-    parts = propagator(system.omega, system.zeta, system.load, 1e-5)
-    angle, along, across = _around(system.table, parts, system.S_nn, system.S_nt)
-    np.testing.assert_allclose(angle, 2.0 * np.pi * np.arange(angle.size) / angle.size, rtol=1e-14)
-    for k in (0, 1, angle.size // 3, angle.size - 1):
-        Q, T = system.table.rows(float(angle[k]))
-        assert along[:, k] == pytest.approx([parts.c @ Q**2, system.S_nn(float(angle[k]))], rel=1e-12)
-        assert across[:, k] == pytest.approx([parts.c @ (Q * T), system.S_nt(float(angle[k]))], rel=1e-12)
-    assert np.ptp(along[0]) > 1e-3 * along[0].max()
 
 
 def test_limits_are_refused_with_their_numbers():

@@ -5,10 +5,11 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.loop.modal.free_flight import FOREVER, WAIT, largest_share, open_steps, propagate
-from contact.model.gaps.modal_system import rim_system
+from contact.loop.rub.free_flight import FOREVER, WAIT, largest_share, open_steps, propagate
+from contact.model.gaps.rub import rub_of
+from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import fourier
-from contact.scheme.modal.modal_stepper import BITS, CELLS, least_clearance, powers, rim_free_flight
+from contact.scheme.modal.free_flight import BITS, CELLS, free_flight, least_clearance, powers
 from contact.scheme.modal.propagator import propagator
 from tests.contact.synthetic_rim import blade, ring
 
@@ -103,17 +104,17 @@ def test_open_steps_count_what_the_cells_allow():
 
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])
 def test_no_angle_and_no_time_sees_more_than_the_largest_share(imperfect):
-    scene = lobed(imperfect=imperfect)
-    system = rim_system(scene)
+    rub = rub_of(lobed(imperfect=imperfect))
+    system = rub_system(rub, 2)
     parts = propagator(system.omega, system.zeta, system.load, DT)
     rng = np.random.default_rng(11)
-    flight = rim_free_flight(system, parts, system.sums()[0], skip=True)
+    flight = free_flight(rub, system, parts, skip=True)
     q, d = rng.standard_normal((2, system.omega.size)) * 1e-4
     d *= system.omega * DT
     bound = largest_share(flight, q, d)
     worst = 0.0
     for phi in rng.uniform(0.0, 2.0 * np.pi, 400):
-        worst = max(worst, abs(system.table.rows(phi)[0] @ q))
+        worst = max(worst, abs(system.rim.rows(0, phi) @ q[:10] + system.blade_rows[0] @ q[10:]))
         propagate(q, d, flight.powers, 7)
     assert 0.2 * bound < worst < bound
 
@@ -142,7 +143,7 @@ def test_leaps_are_taken_and_none_when_every_step_is_stored():
     for record, few in ((SPARSE, True), (ct.Record(), False)):
         stepper = ExactModal().prepare(lobed(), ct.Unilateral(), dt=DT, courant=None)
         stepper.advance(samples(record, 5000, 1, stepper.size), 0, 5000)
-        taken, over = stepper.rim.flight.taken
+        taken, over = stepper.flight.taken
         assert (over > 2000) == few
         assert (taken > 3) == few
 
@@ -161,6 +162,6 @@ def test_a_blade_out_of_reach_leaps_from_one_stored_step_to_the_next():
 
     stepper = ExactModal().prepare(lobed(clearance=0.03), ct.Unilateral(), dt=DT, courant=None)
     stepper.advance(samples(SPARSE, 5000, 1, stepper.size), 0, 5000)
-    taken, over = stepper.rim.flight.taken
+    taken, over = stepper.flight.taken
     assert taken == 10  # one step is taken plainly where a sample is stored
     assert over == 5000 - 10

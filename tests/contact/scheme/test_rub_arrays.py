@@ -11,7 +11,7 @@ from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.rub import Start, Stiffening
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import fourier
-from contact.scheme.modal import rub_stepper as made
+from contact.scheme.modal import rub_arrays, rub_delassus, rub_stepper
 from contact.scheme.modal.propagator import propagator
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -40,7 +40,7 @@ def waves(blocks, harmonic, cos, sin, phi):
 @pytest.mark.parametrize("dimensions", [1, 2, 3])
 def test_waves_between_tips_sum_to_their_compliance_at_every_angle(dimensions):
     system, _ = arrays(scene(), dimensions)
-    harmonic, cos, sin = made._between_tips(system)
+    harmonic, cos, sin = rub_arrays._between_tips(system.S, system.still, system.angle, system.line)
     size = system.contacts * dimensions
     assert cos.shape == sin.shape == (system.contacts, harmonic.size, dimensions * size)
     assert sorted(set(harmonic.tolist())) == harmonic.tolist()
@@ -56,13 +56,13 @@ def test_waves_that_compliance_can_make_are_sums_and_differences_of_those_it_cou
     S = np.zeros((2, 9, 2, 9))  # waves 1, cos 1 .. cos 4, sin 1 .. sin 4
     S[0, 2, 1, 8] = S[1, 1, 1, 1] = S[1, 5, 0, 3] = S[0, 4, 0, 4] = 1.0
     # cos 2 with sin 4, cos 1 with cos 1, sin 1 with cos 3, cos 4 with cos 4
-    assert made._products(S).tolist() == [0, 2, 4, 6, 8]
+    assert rub_arrays._products(S).tolist() == [0, 2, 4, 6, 8]
 
 
 def test_rows_of_compliance_between_waves_are_those_of_the_matrix():
     rng = np.random.default_rng(3)
     S = rng.standard_normal((2, 7, 2, 7))
-    harmonic, cos, sin = made._between_waves(S, 8)
+    harmonic, cos, sin = rub_arrays._between_waves(S, 8)
     assert harmonic.tolist() == [0, 1, 2, 3]
     phi = 0.37
     h = np.concatenate([np.cos(phi * np.arange(4)), np.sin(phi * np.arange(1, 4))])
@@ -79,8 +79,8 @@ def dense_delassus(rub, system, parts, mu):
     """H_d and S of every tip at every sampled angle, from the rows of all bodies."""
     d, found = len(system.blade_rows) // system.contacts, []
     pull = math.copysign(mu, rub.speed.hz[np.abs(rub.speed.hz).argmax()])
-    for step in range(made.ANGLES):
-        turned = step * 2.0 * math.pi / made.ANGLES
+    for step in range(rub_delassus.ANGLES):
+        turned = step * 2.0 * math.pi / rub_delassus.ANGLES
         S = system.compliance(turned)
         for j in range(system.contacts):
             rows = np.zeros((2, system.omega.size))
@@ -100,7 +100,7 @@ def test_delassus_numbers_are_those_of_the_tip_and_angle_with_the_largest_ratio(
     rub = scene(hz=hz)
     system, parts = arrays(rub, dimensions)
     exact = max(dense_delassus(rub, system, parts, mu), key=lambda pair: abs(pair[0]) / pair[1])
-    found = made.rub_delassus(rub, system, parts, mu)
+    found = rub_delassus.rub_delassus(rub, system, parts, mu)
     assert found == pytest.approx((*exact[:2], abs(exact[0]) / exact[1]), rel=1e-9)
 
 
@@ -110,24 +110,24 @@ def test_a_tip_that_jams_is_named_with_its_angle_and_numbers():
     H_d, S, tip = next(each for each in dense_delassus(rub, system, parts, 30.0) if each[0] + each[1] <= 0.0)
     words = rf"found H_d \+ S = {H_d + S:.4g} m/N at tip {tip}, .* deg, mu = 30, expected > 0"
     with pytest.raises(ct.LimitError, match=words):
-        made.rub_delassus(rub, system, parts, 30.0)
+        rub_delassus.rub_delassus(rub, system, parts, 30.0)
 
 
 def test_delassus_numbers_without_a_turn_or_residual_compliance():
     still = scene(hz=0.0)
     system, parts = arrays(still, 2)
-    assert made.rub_delassus(still, system, parts, 0.3) == made.rub_delassus(still, system, parts, 0.0)
+    assert rub_delassus.rub_delassus(still, system, parts, 0.3) == rub_delassus.rub_delassus(still, system, parts, 0.0)
     hard = replace(system, still=0.0 * system.still, S=np.zeros((0, 0, 0, 0)))
-    assert made.rub_delassus(still, hard, parts, 0.0)[1:] == (0.0, math.inf)
+    assert rub_delassus.rub_delassus(still, hard, parts, 0.0)[1:] == (0.0, math.inf)
 
 
 def test_speed_stiffens_the_modes_of_each_blade_by_its_own_basis():
     K, hz = np.array([[3.0, 1.0, 0.5], [1.0, 2.0, 0.0], [0.5, 0.0, 1.0]]), 7.0
     rub = scene()
     system, _ = arrays(rub, 1)
-    assert [part.shape for part in made._stiffening(rub, system)] == [(0, 0), (0, 0)]
+    assert [part.shape for part in rub_arrays._stiffening(rub, system)] == [(0, 0), (0, 0)]
     rub = replace(rub, stiffening=(Stiffening(blade=1, stiffness_by_speed=K, at_hz=hz),))
-    plain, squared = made._stiffening(rub, system)
+    plain, squared = rub_arrays._stiffening(rub, system)
     exact = np.zeros((6, 6))
     exact[3:, 3:] = K
     assert plain.tolist() == exact.tolist()
@@ -137,7 +137,7 @@ def test_speed_stiffens_the_modes_of_each_blade_by_its_own_basis():
 def test_a_rub_is_measured_by_its_largest_gap_law():
     def play(own=0.0, **parts):
         places = [replace(tips(1)[0], clearance=own)]
-        return made._play(
+        return rub_stepper._play(
             ct.Rub(rim3(), (nodes(1),), places, **{"clearance": 0.0, "speed": ct.Speed.constant(1.0)} | parts)
         )
 
@@ -153,8 +153,8 @@ def test_a_tip_that_moves_far_along_the_rim_is_flagged():
     rub = ct.Rub(rim3(), (nodes(1),), tips(1), clearance=-3e-5, speed=ct.Speed.constant(1.0))
     system, _ = arrays(rub, 1)
     edge = math.sqrt(0.1 * 3e-5 * 2.0 * 0.4)  # curvature changes the gap by a tenth of 3e-5 m
-    assert made._flags(rub, system, 0.999 * edge) == ()
-    (said,) = made._flags(rub, system, 1.001 * edge)
+    assert rub_stepper._flags(rub, system, 0.999 * edge) == ()
+    (said,) = rub_stepper._flags(rub, system, 1.001 * edge)
     assert said.startswith("a tip moved 0.00155 m along the rim")
     assert f"by {3.0e-6 * 1.001**2:.3g} m" in said
 
@@ -210,7 +210,7 @@ def test_a_rub_starts_with_weights_of_damping_and_the_limit_of_its_smaller_rim()
     rub = scene(casing_start=Start(load=load))
     system, parts = arrays(rub, 1)
     narrow = replace(system, radius=np.array([0.5, 0.4, 0.45]))
-    s = made._state(rub, narrow, parts, 0.3, 1)
+    s = rub_arrays.rub_state(rub, narrow, parts, 0.3, 1)
     np.testing.assert_allclose(s.kick[:10], parts.c[:10] * load, rtol=1e-13)
     np.testing.assert_allclose(s.weight, (1.0 - parts.al) / (2.0 * parts.c), rtol=1e-13)
     np.testing.assert_allclose(s.d, parts.backward(np.zeros(16), np.zeros(16)), rtol=1e-13)
@@ -222,9 +222,9 @@ def test_turning_terms_whirl_and_closing_are_tables_of_the_loop():
     whirl = ct.gaps.Whirl(amplitude=4e-6, per_rev=-2.0, hz=3.0, phase_deg=25.0)
     profile = ct.RimProfile.fourier([{"p": 2, "cos": 2e-5, "sin": -1e-5}])
     rub = scene(whirl=(whirl,), closing=ct.gaps.Closing([0.0, 1.0], [2e-6, 5e-6]), profile=profile)
-    laws = made._laws(rub, arrays(rub, 1)[0])
+    laws = rub_arrays.rub_laws(rub, arrays(rub, 1)[0])
     np.testing.assert_allclose(laws.whirl, [[4e-6, -2.0, 6.0 * math.pi, math.radians(25.0)]], rtol=1e-13)
     assert laws.closing.tolist() == [[0.0, 2e-6], [1.0, 5e-6]]
     assert (laws.terms.harmonic.tolist(), laws.terms.cos.tolist(), laws.terms.sin.tolist()) == ([2], [2e-5], [-1e-5])
     assert laws.pulls.laws.shape == (0, 8)
-    assert made._laws(scene(), arrays(scene(), 1)[0]).whirl.shape == (0, 4)
+    assert rub_arrays.rub_laws(scene(), arrays(scene(), 1)[0]).whirl.shape == (0, 4)

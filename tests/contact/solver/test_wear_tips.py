@@ -30,29 +30,6 @@ def one_blade(*angles, S=1e-8, speed_hz=5.0, **options):
     return ct.Rub(ring(S=S, zeta=0.01), bodies, stand, speed=ct.Speed.constant(speed_hz), **given)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("S", "mu", "machined"), [(1e-8, 0.1, 0.0), (1e-8, 0.0, 3e-5), (0.0, 0.1, 3e-5)])
-def test_one_tip_is_the_rotating_rim(S, mu, machined):
-    law, clearance = coating(mu=mu, machined=machined), -2e-5 - 0.5 * machined
-    rim = ct.RotatingRim(
-        ring(S=S, zeta=0.01), blade(S=2.0 * S, zeta=0.01), clearance=clearance, speed_hz=5.0, lean_deg=20.0,
-        out_of_roundness=WAVES, angle_deg=13.0,
-    )  # fmt: skip
-    one = ct.run(rim, law=law, t_end=0.1, dt=1e-5)
-    rub = ct.run(one_blade(13.0, S=S, clearance=clearance), law=law, t_end=0.1, dt=1e-5)
-    assert ("averaged" in one.scheme) == ("averaged" in rub.scheme) == (S > 0.0)
-    assert one.wear.worn.max() > 1e-5
-    assert np.abs(rub.wear.worn - one.wear.worn).max() <= 1e-11 * one.wear.worn.max()
-    assert np.abs(rub.wear.map - one.wear.map).max() <= 1e-11 * one.wear.worn.max()
-    assert np.allclose(rub.wear.cut, one.wear.cut, rtol=0.0, atol=1e-18)
-    assert np.abs(rub.force - one.force).max() <= 1e-10 * one.force.max()
-    assert np.abs(rub.gap - one.gap).max() <= 1e-16
-    assert len(rub.intervals[0]) == len(one.intervals[0])
-    assert rub.wear.dissipated == pytest.approx(one.wear.dissipated, rel=1e-10)
-    assert rub.energy.end.residual == pytest.approx(one.energy.end.residual, rel=1e-8)
-    assert abs(rub.energy.unaccounted) <= 1e-11 * rub.energy.scale
-
-
 def coupled(rng):
     """A Delassus matrix of up to six tips, bars in every state under each, free gaps and slips."""
     K, dim = int(rng.integers(1, 7)), int(rng.integers(1, 4))

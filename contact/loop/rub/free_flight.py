@@ -10,7 +10,10 @@ import math
 from typing import NamedTuple
 
 from contact.base.arrays import Array, Indices
-from contact.jit.compiled import jit, jit_vectors
+from contact.jit.compiled import jit, jit_inside, jit_vectors
+from contact.loop.rub.rows import RubRows
+from contact.loop.rub.state import RubState, Work
+from contact.record.record import Samples, Tally
 
 LEAST = 6  # steps: what a shorter skip saves, looking for it costs
 PAUSE = 16  # steps after a contact before a skip is tried
@@ -124,3 +127,45 @@ def skip_free_flight(flight: FreeFlight, q: Array, d: Array, phi: float, turn: f
     flight.taken[0] += 1
     flight.taken[1] += steps
     return steps
+
+
+@jit_inside
+def untouched(out: Samples, sums: Tally, step: int) -> int:
+    """Steps from `step` to the next that is stored; none when it is one."""
+    if out.every == 0:
+        row = max(sums.filled[0], sums.filled[1])
+        return int(out.at[row] - step) if row < out.at.size else FOREVER
+    return int(-step % out.every)  # state_every is a multiple
+
+
+@jit
+def may_skip(s: RubState, sums: Tally) -> bool:
+    """Whether the only tip was open in the last two steps."""
+    return bool(sums.closed[0] == 0 and (s.known[0] == 0 or (s.now[0] > 0.0 and s.last[0] > 0.0)))
+
+
+@jit
+def skip_ahead(s: RubState, rows: RubRows, flight: FreeFlight, w: Work, angle: float, turn: float, room: int,
+               sums: Tally) -> int:  # fmt: skip
+    """Skip over steps without contact, at most `room`; `angle` is turned so far, `turn` in a step. Negative: wait."""
+    m = flight.fade.size
+    q, own, be, c = s.q[:m], s.d[:m], s.be[:m], s.c[:m]
+    before = discrete_energy(q, own, be, c)
+    steps = skip_free_flight(flight, q, own, rows.angle[0] - (angle + turn), -turn, room)
+    if steps <= 0:
+        return steps
+    if loses(s.weight):
+        sums.damping[0] += discrete_energy(q, own, be, c) - before
+    s.known[0], s.inside[0] = 0, 0
+    for side in range(2):
+        w.fresh[side, 0] = 0
+    return steps
+
+
+@jit
+def loses(weight: Array) -> bool:
+    """Whether some mode is damped."""
+    found = False
+    for i in range(weight.size):
+        found |= weight[i] != 0.0
+    return found

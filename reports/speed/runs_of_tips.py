@@ -1,4 +1,4 @@
-"""Time runs of one tip on a rim as they are asked for on stdin; for `reports.speed.one_tip`, in any checkout.
+"""Time runs of tips on a rim as they are asked for on stdin; for `reports.speed.tips_beside`, in any checkout.
 
 It imports `contact` alone, from wherever PYTHONPATH says, and knows what former versions of it do not have.
 """
@@ -10,24 +10,27 @@ from pathlib import Path
 from typing import Any
 
 import contact as ct
-from contact.run import completed, prepared
+from contact.record.record import samples
+from contact.run import prepared, steps
 
 DT, SPEED, LEAN = 1e-5, 5.0, 10.0
 ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
 
 
 def scene(asked: dict[str, Any]) -> ct.Scene:
-    """The rub that is asked for, as a rim or as a rub of one tip."""
+    """The rub that is asked for: a rim with one tip, or as many blades as tips."""
     casing, blade = (ct.ModalBody.load(Path(asked["folder"]) / f"{name}.npz") for name in asked["bodies"])
     blade = blade.truncated(float(sorted(blade.omega)[1]) * 1.01)
     what: Any
-    if asked["form"] == "RotatingRim":
+    tips = asked["tips"]
+    if tips == 1:
         what = ct.RotatingRim(
             casing, blade, clearance=asked["clearance"], speed_hz=SPEED, lean_deg=LEAN, out_of_roundness=ROUGH
         )
     else:
+        points = [ct.ContactPoint(blade=j, lean_deg=LEAN, angle_deg=360.0 * j / tips) for j in range(tips)]
         what = ct.Rub(
-            casing, (blade,), [ct.ContactPoint(blade=0, lean_deg=LEAN)], clearance=asked["clearance"],
+            casing, (blade,) * tips, points, clearance=asked["clearance"],
             speed=ct.Speed.constant(SPEED), profile=ct.RimProfile.fourier(list(ROUGH)),
         )  # fmt: skip
     law = ct.Coulomb(mu=asked["mu"]) if asked["mu"] else ct.Unilateral()
@@ -38,13 +41,15 @@ def scene(asked: dict[str, Any]) -> ct.Scene:
 
 
 def timed(asked: dict[str, Any]) -> dict[str, float]:
-    """Microseconds of processor time a step, steps in contact over all, and the impulse."""
+    """Microseconds of processor time a step of the loop alone, steps in contact over all, and the impulse."""
     ready = prepared(scene(asked))
+    stepper, record = ready.stepper, ready.record
+    stepper.advance(samples(record, 0, stepper.sums.closed.size, stepper.size), 0, 0)  # compiles, takes no step
     began = time.process_time()
-    result = completed(ready)
-    taken = time.process_time() - began
-    closed, impulse = float(result.contact_steps[0]) / result.steps, float(result.impulse[0])
-    return {"us/step": 1e6 * taken / result.steps, "closed": closed, "impulse": impulse}
+    taken = sum(chunk.steps for chunk in steps(stepper, ready.count, record=record))
+    spent = time.process_time() - began
+    closed = float(stepper.sums.contact_steps.mean()) / taken
+    return {"us/step": 1e6 * spent / taken, "closed": closed, "impulse": float(stepper.sums.impulse.sum())}
 
 
 if __name__ == "__main__":

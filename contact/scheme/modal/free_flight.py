@@ -1,0 +1,120 @@
+"""What skipping over contact-free time needs of a rub: maps over many steps, amplitudes by wave, least clearances."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, readonly
+from contact.base.remembered import remembered
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_system import RimTable, RubSystem
+from contact.model.trig import Terms, Trig, fourier, terms
+from contact.scheme.modal.propagator import Propagator
+
+if TYPE_CHECKING:
+    from contact.loop.rub.free_flight import FreeFlight
+
+BITS = 24  # a skip is shorter than 2^BITS steps
+CELLS = 720  # of the contact angle
+POINTS = 8  # where the clearance is looked at in each cell
+
+
+def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -> FreeFlight:
+    """What skipping needs; no powers unless `skip`, or where the gap is not one of free modes and one angle.
+
+    It is that of one tip without whirl, closing, gravity, loads and stiffening by speed, at constant speed, of modes
+    that are not coupled. A skip over k steps is the k-th power of the modal map (q, D) -> (q + al D - be q,
+    al D - be q). The powers are formed in extended precision from the very coefficients that the steps use, so that a
+    run with skips and a run without differ by the round-off of the steps alone.
+    """
+    from contact.loop.rub.free_flight import FreeFlight
+
+    m = system.omega.size
+    if not (skip and _is_free(rub, system, parts)):
+        none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
+        return FreeFlight(
+            powers=readonly(np.zeros((0, 4, m))), fade=parts.fade, cos=none, sin=none, start=whole, wave=whole,
+            row=none, floor=readonly(none), reach=none, taken=np.zeros(2, dtype=np.int64),
+        )  # fmt: skip
+    rows = _normal(system.rim, system.blade_rows, system.own, system.line, system.directions, m)
+    return FreeFlight(
+        powers=powers(parts.al, parts.be), fade=parts.fade, cos=np.cos(parts.turn), sin=np.sin(parts.turn),
+        start=rows.start, wave=rows.wave, row=rows.value, floor=_floor(rub, float(system.clearance[0])),
+        reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
+    )  # fmt: skip
+
+
+def _is_free(rub: Rub, system: RubSystem, parts: Propagator) -> bool:
+    still = len(np.unique(rub.speed.hz)) == len(np.unique(rub.closing.by)) == 1
+    return (
+        system.contacts == 1 and still and parts.coupled is None and not system.load.any()
+        and not (rub.whirl or rub.forces or rub.stiffening)
+    )  # fmt: skip
+
+
+def _floor(rub: Rub, clearance: float) -> Array:
+    """Least clearance in each cell of the angle; of a measured profile its least everywhere."""
+    least = clearance - float(rub.closing.by[0])
+    if rub.profile.theta is not None:
+        return readonly(np.full(CELLS, least + rub.profile.lowest))
+    return least_clearance(_clearance(least, *rub.profile.terms))
+
+
+@remembered
+def _clearance(least: float, *terms: tuple[int, float, float]) -> Trig:
+    return fourier([(0, least, 0.0), *terms])
+
+
+@remembered
+def _normal(rim: RimTable, blade_rows: Array, own: Indices, line: Indices, directions: int, m: int) -> Terms:
+    """Normal row of the only tip as sums of waves, a mode each: those of the casing, then its blade's."""
+    block, casing = int(line[0]) * directions, rim.cos.shape[2]
+    cos, sin = np.zeros((2, m, rim.n_max + 1))
+    cos[:casing], sin[:casing] = rim.cos[block].T, rim.sin[block].T
+    cos[own[0, 0] : own[0, 1], 0] = blade_rows[0, : own[0, 1] - own[0, 0]]
+    mode, n = np.nonzero((cos != 0.0) | (sin != 0.0))
+    return terms(mode, n, cos[mode, n], sin[mode, n], m)
+
+
+@remembered
+def powers(al: Array, be: Array) -> Array:
+    """Maps over 1, 2, 4, ... 2^(BITS-1) steps, (BITS, 4, m): entries 11, 12, 21, 22.
+
+    >>> powers(np.array([1.0]), np.array([0.0]))[3, :2].ravel().tolist()
+    [1.0, 8.0]
+    """
+    fade, stiff = al.astype(np.longdouble), be.astype(np.longdouble)
+    a, b, c, d = 1 - stiff, fade, -stiff, fade
+    found = np.empty((BITS, 4, al.size))
+    for j in range(BITS):
+        found[j] = np.array([a, b, c, d], dtype=np.float64)
+        a, b, c, d = a * a + b * c, a * b + b * d, c * a + d * c, c * b + d * d
+    return readonly(found)
+
+
+@remembered
+def least_clearance(clearance: Trig) -> Array:
+    """A lower bound of the clearance in each cell of the contact angle, (CELLS,).
+
+    Between two points h apart a function lies above the lower one by no less than -h^2 max|f''|/8.
+
+    >>> from contact.model.trig import fourier
+    >>> floor = least_clearance(fourier([(0, 1.0, 0.0), (2, 0.25, 0.0)]))
+    >>> round(float(floor.min()), 6), round(float(floor.max()), 6)
+    (0.75, 1.249962)
+    """
+    cos, sin = _waves(tuple(clearance.harmonic.tolist()))
+    values = clearance.cos @ cos + clearance.sin @ sin
+    bend = float(np.sum(clearance.harmonic**2 * np.hypot(clearance.cos, clearance.sin)))
+    low = np.minimum(values[:-1], values[1:]).reshape(CELLS, POINTS).min(axis=1)
+    return readonly(low - bend * (2.0 * np.pi / (CELLS * POINTS)) ** 2 / 8.0)
+
+
+@remembered
+def _waves(harmonics: tuple[int, ...]) -> tuple[Array, Array]:
+    """Cosines and sines at all points of all cells, (harmonics, points) each."""
+    points = CELLS * POINTS
+    phases = np.multiply.outer(harmonics, 2.0 * np.pi * np.arange(points + 1) / points)
+    return np.cos(phases), np.sin(phases)

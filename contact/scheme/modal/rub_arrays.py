@@ -1,0 +1,207 @@
+"""Arrays of a rub as its compiled loop takes them: state at t = 0, laws of time and angle, rows by blocks of waves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array, Indices, aligned, readonly
+from contact.base.remembered import remembered
+from contact.model.gaps.limits import motion_limits
+from contact.model.gaps.modal_system import NOISE
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_system import RimTable, RubSystem, force_at_start, plane_participation, waves_of_tips
+from contact.model.trig import PRUNE, fourier, turned_back
+from contact.scheme.modal.blocks import row_blocks, rows_of_waves, whole
+from contact.scheme.modal.propagator import Propagator
+from contact.scheme.modal.rub_delassus import blade_delassus
+
+if TYPE_CHECKING:
+    from contact.loop.modal.rows import RowBlocks
+    from contact.loop.rub.rows import RubLaws, RubRows
+    from contact.loop.rub.state import RubState, Work
+
+FEW = 32  # directions of all tips, up to which S between them is a table by the angle
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LoopArrays:
+    """What the compiled loop takes beside the state."""
+
+    laws: RubLaws
+    rows: RubRows
+    work: Work
+
+    @staticmethod
+    def of(rub: Rub, system: RubSystem, parts: Propagator, state: RubState) -> LoopArrays:
+        """Those of a rub."""
+        from contact.loop.rub.state import work_space
+
+        rows = rub_rows(rub, system, parts)
+        return LoopArrays(rub_laws(rub, system), rows, work_space(state, rows))
+
+
+def rub_state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
+    """State at t = 0."""
+    from contact.loop.rub.state import RubState
+
+    K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
+    stiff, stiff_at = _stiffening(rub, system)
+    q = system.displacement.copy()
+    body = force_at_start(rub) if rub.forces else np.zeros(0)
+    loaded = replace(parts, load=parts.load + body) if rub.forces else parts  # under what pulls at t = 0
+
+    def none(size: int) -> Array:
+        return np.zeros(size)
+
+    return RubState(
+        q=q, d=loaded.backward(q, system.velocity), old=none(m), al=parts.al, be=parts.be, c=parts.c,
+        kick=parts.push(parts.load), weight=parts.weight, stiff=stiff, stiff_at=stiff_at,
+        push=none(m), contact=none(m), body=body, mu=np.full(K, mu), lam=none(R), strain=none(R), motion=none(R),
+        scale=none(K), now=none(K),
+        last=none(K), known=np.zeros(K, dtype=np.int64), inside=np.zeros(K, dtype=np.int64), free=none(K),
+        test=none(K), skin=none(K), force=none(K), gap=none(K), seen=none(m + R), heat=none(K), drive=none(K),
+        peaks=none(1), limits=motion_limits(float(system.radius.min()), rub.wall), counts=none(4),
+    )  # fmt: skip
+
+
+def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
+    """stiffness_by_speed of all blades' modes, plain and times the squared speed of each basis; empty without any."""
+    if not rub.stiffening:
+        return np.zeros((0, 0)), np.zeros((0, 0))
+    begin = int(system.first[1])
+    total = np.zeros((2, system.omega.size - begin, system.omega.size - begin))
+    for stiff in rub.stiffening:
+        own = slice(int(system.first[stiff.blade + 1]) - begin, int(system.first[stiff.blade + 2]) - begin)
+        total[0, own, own] += stiff.stiffness_by_speed
+        total[1, own, own] += (2.0 * math.pi * stiff.at_hz) ** 2 * stiff.stiffness_by_speed
+    return total[0], total[1]
+
+
+def rub_laws(rub: Rub, system: RubSystem) -> RubLaws:
+    """Speed, closing, whirl, profile and body forces."""
+    from contact.loop.rub.rows import Pulls, RubLaws, Terms
+
+    terms = fourier(list(rub.profile.terms))
+    whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
+    pulls = Pulls(
+        laws=np.array([force.row for force in rub.forces], dtype=float).reshape(-1, 8),
+        plane=plane_participation(rub), casing=int(system.first[1]),
+    )  # fmt: skip
+    return RubLaws(
+        speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
+        whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
+        table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls,
+    )  # fmt: skip
+
+
+def rub_rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
+    """Rows of the casing, tips and residual compliance."""
+    from contact.loop.rub.rows import RubRows
+
+    rim, m = system.rim, int(system.first[1])
+    width = joined(system)
+    top = max([rim.n_max, *(p for p, _, _ in rub.profile.terms)])
+    size = np.hypot(rim.cos, rim.sin)[:: system.directions].sum(axis=1)
+    _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
+    reach = aligned(len(size), whole(m))
+    reach[:, :m] = size
+    few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
+    harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
+    if system.turns:
+        if few:
+            harmonic, S_cos, S_sin = _between_tips(system.S, system.still, system.angle, system.line)
+        else:
+            harmonic, S_cos, S_sin = _between_waves(system.S, count)
+        count = max(count, whole(int(harmonic.max(initial=0)) + 1))
+    apart = system.own if width == m else 0 * system.own
+    apart.setflags(write=False)
+    return RubRows(
+        casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
+        width=whole(width), reach=reach, directions=system.directions, line=system.line,
+        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
+        clearance=system.clearance, blade=system.blade_rows, own=system.own,
+        apart=apart, fixed=fixed_delassus(system, parts),
+        still=system.still, turns=system.turns, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
+        harmonics=count,
+    )  # fmt: skip
+
+
+def joined(system: RubSystem) -> int:
+    """How many modes the rows of the casing take: of a single tip, its blade's with them."""
+    return system.omega.size if system.contacts == 1 else int(system.first[1])
+
+
+@remembered
+def _casing(
+    rim: RimTable, blade_rows: Array, own: Indices, line: Indices, directions: int, width: int, count: int
+) -> RowBlocks:
+    """Rows of the casing of so many modes: of a single tip, with those of its blade, which do not turn."""
+    m = rim.cos.shape[2]
+    cos, sin = np.zeros((2, *rim.cos.shape[:2], width))
+    cos[..., :m], sin[..., :m] = rim.cos, rim.sin
+    if width > m:
+        begin, end = own[0]
+        first = int(line[0]) * directions
+        cos[first : first + len(blade_rows), 0, begin:end] = blade_rows[:, : end - begin]
+    return _blocks(np.arange(rim.n_max + 1), cos, sin, count)
+
+
+@remembered
+def _blocks(harmonic: Indices, cos: Array, sin: Array, count: int) -> RowBlocks:
+    from contact.loop.modal.rows import RowBlocks
+
+    return RowBlocks(*row_blocks(rows_of_waves(harmonic, cos, sin, count)))
+
+
+def fixed_delassus(system: RubSystem, parts: Propagator) -> Array:
+    """What the blades yield, but for a blade that the casing's rows hold."""
+    found = blade_delassus(system, parts)
+    return 0.0 * found if system.contacts == 1 else found
+
+
+def _between_waves(S: Array, harmonics: int) -> tuple[Indices, Array, Array]:
+    """Harmonics, and cos and sin as in `rows_of_waves`, of the rows of S; all its waves filled up to `harmonics`."""
+    blocks, N = len(S), S.shape[1] // 2
+    rows = np.zeros((blocks, 2 * N + 1, blocks, 2, harmonics))
+    rows[..., 0, : N + 1], rows[..., 1, 1 : N + 1] = S[..., : N + 1], S[..., N + 1 :]
+    rows = rows.reshape(blocks, 2 * N + 1, -1)
+    sin = np.concatenate([np.zeros((blocks, 1, rows.shape[2])), rows[:, N + 1 :]], axis=1)
+    return np.arange(N + 1), rows[:, : N + 1], sin
+
+
+@remembered
+def _between_tips(S: Array, still: Array, angle: Array, line: Indices) -> tuple[Indices, Array, Array]:
+    """The same of the d rows of S of each tip, as one, polynomials of its angle: sampled, exact to round-off."""
+    blocks, N, contacts = len(S), S.shape[1] // 2, angle.size
+    K, points = len(still), 4 * N + 4
+    phi = np.arange(points) * (2.0 * math.pi / points)
+    tips = waves_of_tips(angle, line, K // contacts, S.shape[:2])
+    E = turned_back(tips.reshape(K, blocks, -1), phi).reshape(points, K, -1)
+    turned = E @ S.reshape(E.shape[2], -1) @ E.transpose(0, 2, 1)
+    some = _products(S)
+    waves = np.multiply.outer(some, phi)
+    cos, sin = (np.tensordot(part, turned, axes=1) * (2.0 / points) for part in (np.cos(waves), np.sin(waves)))
+    cos[some == 0] /= 2.0
+    size = np.maximum(np.abs(cos), np.abs(sin)).max(axis=(1, 2))
+    kept = size > NOISE * np.abs(turned).max()
+    d = K // contacts
+    cos, sin = (part[kept].reshape(-1, contacts, d * K).transpose(1, 0, 2) for part in (cos, sin))
+    turn = np.multiply.outer(angle, some[kept])[..., None]
+    c, s, least = np.cos(turn), np.sin(turn), PRUNE * np.abs(turned).max()
+    cos, sin = c * cos + s * sin, s * cos - c * sin
+    cos, sin = (readonly(np.where(np.abs(part) > least, part, 0.0)) for part in (cos, sin))
+    some = some[kept]
+    some.setflags(write=False)
+    return some, cos, sin
+
+
+def _products(S: Array) -> Indices:
+    """Waves of the angle turned that S can make: sums and differences of those that it couples."""
+    N = S.shape[1] // 2
+    first, second = (np.where(i > N, i - N, i) for i in np.nonzero(S.any(axis=(0, 2))))
+    return np.unique(np.concatenate([first + second, np.abs(first - second)]))
