@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 Model = TypeVar("Model", bound="BaseModel")
+LONG = re.compile(r"\b[1-9]0{8,}\b")  # a bound that pydantic writes out in all its zeros
 
 
 class SceneError(InputError):
@@ -84,7 +86,7 @@ def problem_text(file: Path, detail: Any, data: Any, model: type[BaseModel], tab
     message = detail["msg"].removeprefix("Value error, ")
     if isinstance(detail["input"], dict) or detail["type"] == "value_error":
         return f"{file}: {key}: {message}"
-    expected = message.removeprefix("Input should be ")
+    expected = LONG.sub(lambda digits: f"{float(digits[0]):g}", message.removeprefix("Input should be "))
     if detail["type"] == "string_too_short":
         expected = "a name that is not empty"
     asked = question([keys(m)[str(path[-1])] for m in models if path and str(path[-1]) in keys(m)], detail["input"])

@@ -80,7 +80,10 @@ def load_sweep(path: str | Path) -> SweepPlan:
         tuple(_as_in_scene(value, w) for value, w in zip(row, whole, strict=True)) for row in _combinations(table, file)
     ]
     first = changed(base, keys, values[0], file=file)
-    scene_of(first, file)
+    try:
+        scene_of(first, file)
+    except SceneError as error:
+        raise SceneError([_of_vary(problem, table, file) for problem in error.problems]) from error
     run_on, contents = versions(), dict[Path, str]()
     runs = tuple(
         SweepRun(values=row, digest=digest_of(_definition(changed(base, keys, row), file, run_on, contents)))
@@ -90,6 +93,15 @@ def load_sweep(path: str | Path) -> SweepPlan:
     if table.seed is not None:
         source["seed"] = str(table.seed)
     return SweepPlan(file=file, base=base, keys=keys, runs=runs, source=source)
+
+
+def _of_vary(problem: str, table: SweepTable, file: Path) -> str:
+    """A problem of the first run; where its key is varied, the place of its value in [sweep] stands before it."""
+    for k, vary in enumerate(table.vary, 1):
+        if problem.startswith(f"{file}: {vary.key}: "):
+            place = "key" if ": unknown key" in problem else "from" if vary.values is None else "values"
+            return f"{file}: sweep.vary[{k}].{place}: {problem.removeprefix(f'{file}: ')}"
+    return problem
 
 
 def _table(data: object, file: Path) -> SweepTable:

@@ -106,6 +106,11 @@ def test_a_rod_whose_other_number_is_that_of_a_solid_is_refused(tmp_path, E, rho
     assert words in refused(tmp_path, RODS.format(E=E, rho=rho))
 
 
+def test_a_bound_is_written_with_its_power_of_ten(tmp_path):
+    text = RODS.format(E=1.0, rho=1.0) + "[[mass]]\nmass = 1.0\nx = 1.0\nvelocity = 1e30\n"
+    assert "mass[1].velocity: found 1e+30, expected less than or equal to 1e+25" in refused(tmp_path, text)
+
+
 def test_rods_in_reduced_units_are_taken(tmp_path):
     for E, rho in (("900.0", "1.0"), ("1.0", "1.0"), ("210e9", "7800.0"), ("30e6", "7.34e-4")):
         (tmp_path / "scene.toml").write_text(RODS.format(E=E, rho=rho))
