@@ -254,7 +254,7 @@ def is_scene(file: Path) -> bool:
 
 def scene_report(file: Path, as_json: bool, folder: Path) -> None:
     """Run a scene and write its page; of a run that failed or diverged too, which then ends with exit code 3."""
-    from casingfem.cli.pictures import page
+    from casingfem.cli.scene_page import page
     from contact import load_scene
 
     scene = load_scene(file)

@@ -1,6 +1,5 @@
-"""What `--out` of a contact command shows: pictures, the forces as a table, the motion of --vtu, a scene's page."""
+"""What `--out` of a contact command shows: pictures, the forces as a table, the motion of --vtu."""
 
-from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,19 +7,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from casingfem.cli.tables import of_columns
-from contact.io.infiles import read_bytes, text_of
 from contact.io.outfiles import Content
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from casingfem.plot.waves import Mark
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
     from contact.record.wear import Wear
     from contact.result import Result
+    from contact.rim_motion import RimMotion
     from contact.run import Prepared, Scene
 
 STATES = 4_000_000  # numbers that stored states may hold where the scene does not say what to record
+PAIR = 0.03  # of a frequency: modes of one n that lie closer are a pair
 TOP = 1.2  # times the highest mode: frequencies drawn
 
 
@@ -35,26 +36,79 @@ def with_states(ready: "Prepared") -> "Prepared":
     return replace(ready, record=Record(every=every, state_every=every * -(-wanted // every)))
 
 
-def figures(scene: "Scene", result: "Result") -> dict[str, "Figure"]:
-    """All pictures that the run has the data for, by name."""
+def figures(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) -> dict[str, "Figure"]:
+    """All pictures that the run has the data for, by name; `rim` is its `rim_motion` where that is known already."""
     from casingfem.plot.contact import figure_contact
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
+    from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
     from contact.histories import strain_energy, tip_motion
+    from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
 
     if not result.time.size or not result.force.shape[1]:
         return {}
+    rim = rim_motion(scene.what, result) if rim is None else rim
     top = TOP / result.window
-    found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()))}
-    if result.time.size > 1 and result.every:
-        found["spectrum"] = figure_spectrum(
-            result.time, result.windowed_force().sum(axis=1), label="force", unit="N", top_hz=top
-        )
+    found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()), rim=rim)}
+    marks, turn_hz = marks_of(scene.what), turn_of(scene.what)
     moved = tip_motion(scene.what, result)
+    if result.time.size > 1 and result.every:
+        total = result.windowed_force().sum(axis=1)
+        found["spectrum"] = figure_spectrum(
+            result.time, total, label="force", unit="N", top_hz=top, marks=marks, turn_hz=turn_hz,
+            waterfall=moved is None,
+        )  # fmt: skip
     if moved is not None:
-        found["spectrum_tip"] = figure_spectrum(moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top)
+        found["spectrum_tip"] = figure_spectrum(
+            moved.time, moved.tip[:, 0], label="tip, normal", unit="m", top_hz=top, marks=marks, turn_hz=turn_hz
+        )
         found["orbit"] = figure_orbit(moved)
+    if rim is not None:
+        found["waves"] = figure_waves(rim, pairs_of(scene.what), top_hz=top)
+    over_angle = force_over_angle(scene.what, result)
+    if over_angle is not None:
+        found["angle"] = figure_force_map(over_angle)
+    section = once_a_turn(scene.what, result)
+    if section is not None:
+        found["section"] = figure_section(section)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
     return found
+
+
+def pairs_of(what: object) -> list[tuple[int, float]]:
+    """Nodal diameters and frequency [Hz] of the casing's modes, one of each pair; none of what has no rim."""
+    from contact.growth.of_run import casing_diameters
+    from contact.model.gaps.rub import rub_of
+
+    rub: Rub | None = rub_of(what)
+    if rub is None:
+        return []
+    n, freq = casing_diameters(rub.casing).tolist(), (rub.casing.omega / (2.0 * np.pi)).tolist()
+    kept: list[tuple[int, float]] = []
+    for order, hz in zip(n, freq, strict=True):
+        if not any(order == other and abs(hz - f) < PAIR * hz for other, f in kept):
+            kept.append((order, hz))
+    return kept
+
+
+def marks_of(what: object) -> "list[Mark]":
+    """Frequencies of blade and casing alone, as spectra mark them."""
+    from casingfem.plot.waves import Mark
+    from contact.model.gaps.rub import rub_of
+
+    rub: Rub | None = rub_of(what)
+    if rub is None:
+        return []
+    blade = rub.blades[rub.tips[0].blade].omega / (2.0 * np.pi)
+    marks = [Mark(float(hz), "f_b" if k == 0 else f"f_b{k + 1}", "f_b") for k, hz in enumerate(blade)]
+    return marks + [Mark(hz, str(n), "f_c") for n, hz in pairs_of(what)]
+
+
+def turn_of(what: object) -> float:
+    """Speed [turns/s] of what turns steadily, else 0."""
+    from contact.model.gaps.rub import rub_of
+
+    rub: Rub | None = rub_of(what)
+    return 0.0 if rub is None or np.ptp(rub.speed.hz) else abs(float(rub.speed.hz[0]))
 
 
 def ledger(result: "Result") -> dict[str, float]:
@@ -139,68 +193,3 @@ def series_files(what: "Rub | RotatingRim", result: "Result") -> dict[str, Conte
     force = result.tip_force[shown].reshape(len(shown), len(rub.tips), -1)[:, :, 0]
     files |= point_files("tips", time, places, {"normal_force_N": force})
     return {f"vtu/{name}": content for name, content in files.items()}
-
-
-def page_numbers(result: "Result") -> dict[str, float]:
-    """The figures at the head of a page, all contacts together."""
-    energy = result.energy
-    return {
-        "steps": result.steps, "time step [s]": result.dt, "time simulated [s]": result.steps * result.dt,
-        "contacts": int(result.impulse.size), "impulse [N s]": float(result.impulse.sum()),
-        "largest windowed force [N]": float(result.windowed_force().max(initial=0.0)),
-        "largest raw force [N]": float(result.peak_force.max(initial=0.0)),
-        "time in contact [s]": float(result.contact_steps.max(initial=0)) * result.dt,
-        "law violated by [m]": float(result.residual.max(initial=0.0)),
-        "energy not accounted for": abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
-    } | growth_numbers(result)  # fmt: skip
-
-
-def growth_numbers(result: "Result") -> dict[str, float]:
-    """Growth of the motion with its interval, the deflection, the time to half the wall; none of other problems."""
-    grown = result.growth
-    if grown is None:
-        return {}
-    found = {
-        "growth [1/s]": grown.rate, "growth, low end [1/s]": grown.low, "growth, high end [1/s]": grown.high,
-        "rim deflection, last stretch [m]": grown.amplitude, "half the wall reached at [s]": grown.time_to_half_wall,
-    }  # fmt: skip
-    return {name: value for name, value in found.items() if np.isfinite(value)}
-
-
-def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
-    """The HTML page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
-    from casingfem.plot.contact import rub_film as film_of
-    from casingfem.plot.interaction import figure_interactions
-    from casingfem.plot.page import Table
-    from casingfem.plot.pages.contact import scene_page, scene_verdict
-    from contact.base.errors import InputError
-    from contact.histories import rub_film
-    from contact.model.gaps.gap import RotatingRim
-    from contact.model.gaps.rub import Rub
-    from contact.scene.stability import load_interactions
-    from contact.version import versions
-
-    drawn, table, words = figures(scene, result), None, ""
-    rubs = isinstance(scene.what, RotatingRim | Rub)
-    if rubs:
-        say("interactions")
-        try:
-            found = load_interactions(file).solve()
-        except InputError as error:
-            words = f"No table of dangerous speeds: {error}"
-        else:
-            drawn["interactions"], words = figure_interactions(found), found.words
-            if found.rows:
-                table = Table.of("Dangerous speeds, the worst first.", found.COLUMNS, found.records())
-    say("drawing")
-    film = rub_film(scene.what, result)
-    numbers = page_numbers(result)
-    verdict = scene_verdict(
-        numbers, result.flags, diverged=result.divergence is not None, rubs=rubs,
-        failed=any(flag.failed for flag in result.flags), motion="" if result.growth is None else result.growth.words,
-    )  # fmt: skip
-    text = text_of(read_bytes(file))
-    return scene_page(
-        file.stem, text, repr(result), result.flags, numbers, drawn, table, words, verdict=verdict,
-        source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
-    )  # fmt: skip

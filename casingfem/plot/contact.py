@@ -10,20 +10,21 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
+from casingfem.plot.history import Panel, closeup_of, figure_history, thinned
 from casingfem.plot.page import Picture, coded, island, packed
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
 
-POINTS = 6000  # drawn per curve: extremes of each bin beyond that
+COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 DRAWN = 0.13  # of the radius: the largest deviation drawn
 ROUND = (1.0, 2.0, 5.0)
 TRACE = 1500  # points of force and gap over the whole run
 
 
 class _Run(Protocol):
-    """What a contact result shows, a column for each contact, states by coordinate.
+    """What a contact result shows, a column for each contact, states by coordinate, (name, start, end) of each body.
 
-    Times [s], (n,), gaps [m] and forces averaged over the model's shortest period [N], (n, contacts); times of the
-    states [s], (ns,), and coordinates, (ns, N).
+    Times [s], (n,), gaps [m] and forces averaged over the model's shortest period, `window` [s], in newtons, (n,
+    contacts); times of the states [s], (ns,), and coordinates, (ns, N).
     """
 
     @property
@@ -38,52 +39,80 @@ class _Run(Protocol):
     @property
     def state(self) -> Array: ...
 
+    @property
+    def blocks(self) -> tuple[tuple[str, int, int], ...]: ...
+
+    @property
+    def scheme(self) -> str: ...
+
+    @property
+    def window(self) -> float: ...
+
     def windowed_force(self) -> Array: ...
 
 
-@styled
-def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4) -> Figure:
-    """Force, gap and the largest coordinates of one run over time."""
-    states = len(result.state_time) > 1
-    figure = new_figure(8.0, 4.2 + 1.9 * states)
-    axes: Any = figure.subplots(2 + states, 1, sharex=True)
-    axes[0].plot(*thinned(result.time, result.windowed_force()[:, contact]), color=AFTER)
-    axes[0].set(ylabel="force, windowed [N]", ylim=(0.0, None))
-    axes[1].axhline(0.0, color="#777777", linewidth=0.8)
-    axes[1].plot(*thinned(result.time, 1e3 * result.gap[:, contact]), color=BEFORE)
-    axes[1].set_ylabel("gap [mm]")
-    if states:
-        modal = "modal" in getattr(result, "scheme", "modal")
-        largest = _largest(result)[:coordinates]
-        for k, colour in zip(largest, (BEFORE, AFTER, GREEN, PURPLE, SKY), strict=False):
-            axes[2].plot(*thinned(result.state_time, result.state[:, k]), color=colour, label=f"{k + 1}")
-        axes[2].set_ylabel("modal coordinate\n[kg$^{1/2}$ m]" if modal else "displacement [m]")
-        axes[2].legend(title="mode" if modal else "coordinate", ncols=2, fontsize=8, loc="upper left")
-    axes[-1].set_xlabel("time [s]")
-    return figure
+def figure_contact(result: _Run, contact: int = 0, *, coordinates: int = 4, rim: Any = None) -> Figure:
+    """Force, gap and motion of one run over time, and a close-up of its largest force.
 
-
-def _largest(result: _Run) -> list[int]:
-    """Coordinates by their largest value."""
-    order: list[int] = np.argsort(-np.abs(result.state).max(axis=0), kind="stable").tolist()
-    return order
-
-
-def thinned(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """A long record as the lowest and highest of each bin, so that no peak is lost.
-
-    >>> t, y = thinned(np.arange(100_000.0), np.eye(1, 100_000, 777)[0])
-    >>> len(t) <= POINTS, float(y.max())
-    (True, 1.0)
+    Motion is the rim's largest deflection where `rim`, a `contact.rim_motion.RimMotion`, is given; else that of up to
+    so many coordinates, by the names of their bodies.
     """
-    if len(values) <= points:
-        return time, values
-    size = 2 * -(-len(values) // points)
-    bins = len(values) // size
-    whole = values[: bins * size].reshape(bins, size)
-    places = np.sort(np.stack([whole.argmin(axis=1), whole.argmax(axis=1)]), axis=0)
-    index = (places + size * np.arange(bins)).T.ravel()
-    return time[index], values[index]
+    force = result.windowed_force()[:, contact]
+    panels = [
+        Panel(label="force, averaged [N]", time=result.time, curves=[("", force, AFTER)], from_zero=True),
+        Panel(label="gap [mm]", time=result.time, curves=[("", 1e3 * result.gap[:, contact], BEFORE)], level=(0.0, "")),
+    ]
+    if rim is not None:
+        panels.append(deflection_panel(rim))
+    elif len(result.state_time) > 1:
+        panels += _coordinates(result, coordinates)
+    least = 4.0 * result.window
+    return figure_history(panels, closeup_of(result.time, force, max(least, 20.0 * _step(result.time))))
+
+
+def _step(time: Array) -> float:
+    return float(time[-1] - time[0]) / (len(time) - 1) if len(time) > 1 else 0.0
+
+
+def deflection_panel(rim: Any) -> Panel:
+    """Largest deflection around the rim; with the limit of the linear model where that is near."""
+    allowed = 1e3 * float(rim.allowed)
+    near = np.isfinite(allowed) and 1e3 * rim.largest > 0.2 * allowed
+    return Panel(
+        label="rim deflection [mm]", time=rim.time, curves=[("", 1e3 * rim.deflection, GREEN)], from_zero=True,
+        level=(allowed, "half the wall: limit of the linear model") if near else None,
+    )  # fmt: skip
+
+
+def _coordinates(result: _Run, most: int) -> list[Panel]:
+    """The coordinates that move most: modes, ends of rods, masses; no panel of bodies without such names."""
+    modal = "modal" in result.scheme
+    names = {
+        start + k: name
+        for body, start, end in result.blocks
+        for k, name in named_coordinates(body, end - start, modal=modal).items()
+    }
+    if not names:
+        return []
+    known = np.array(list(names))
+    size = np.abs(result.state[:, known]).max(axis=0)
+    chosen = known[np.argsort(-size, kind="stable")[:most]].tolist()
+    curves = [(names[k], result.state[:, k], colour) for k, colour in zip(chosen, COLOURS, strict=False)]
+    unit = "modal coordinate\n[kg$^{1/2}$ m]" if modal else "displacement [m]"
+    return [Panel(label=unit, time=result.state_time, curves=curves)]
+
+
+def named_coordinates(body: str, count: int, *, modal: bool) -> dict[int, str]:
+    """Names of the coordinates of a body that have one, by their place.
+
+    >>> named_coordinates("blade", 2, modal=True), named_coordinates("rod 1", 101, modal=False)
+    ({0: 'blade, mode 1', 1: 'blade, mode 2'}, {0: 'rod 1, left end', 100: 'rod 1, right end'})
+    """
+    if modal:
+        return {k: f"{body}, mode {k + 1}" for k in range(count)}
+    if body.startswith("rod"):
+        return {0: f"{body}, left end", count - 1: f"{body}, right end"}
+    return {0: body.replace("pointmass", "mass")} if body.startswith("pointmass") else {}
 
 
 class _Worn(Protocol):
@@ -122,7 +151,7 @@ def figure_wear(wear: _Worn) -> Figure:
     axes[0].plot(degrees, 1e6 * wear.before, color=BEFORE, label="before the run")
     axes[0].plot(degrees, 1e6 * wear.after, color=AFTER, label="after")
     axes[0].set_ylabel("deviation of the\nradius [µm]")
-    axes[0].legend(ncols=3, fontsize=8)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
     extent = (0.0, 360.0, float(wear.map_time[0]), float(wear.map_time[-1]))
     axes[1].grid(False)
     image = axes[1].imshow(

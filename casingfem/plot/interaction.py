@@ -123,22 +123,53 @@ def figure_speeds(found: Campbell, *, orders: int = 8) -> Figure:
     axes: Any = figure.add_subplot()
     top = 1.15 * float(found.freq.max())
     _engine_orders(axes, found.speed_hz, top, orders)
-    for k, column in enumerate(found.freq.T, 1):
+    for column in found.freq.T:
         axes.plot(found.speed_hz, column, color=BEFORE)
-        axes.annotate(f"{k}", (found.speed_hz[-1], column[-1]), fontsize=8, color=BEFORE, va="center")
+    beside_ends(axes, [(f"mode {k}", float(column[-1])) for k, column in enumerate(found.freq.T, 1)], top)
     for order in range(1, orders + 1):
         for _, at in found.crossings(order):
             axes.plot(at, order * at, "o", color=AFTER, markersize=5)
-    axes.set(xlabel="speed [turns/s]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
+    axes.plot([], [], color=BEFORE, label="mode")
+    axes.plot([], [], "o", color=AFTER, markersize=5, label="engine order meets a mode")
+    axes.plot([], [], color=PERFECT, linestyle=":", linewidth=0.8, label="engine orders")
+    axes.set(xlabel="speed [Hz]", ylabel="frequency in the rotating frame [Hz]", ylim=(0.0, top))
     axes.set_xlim(float(found.speed_hz[0]), float(found.speed_hz[-1]))
+    rpm_above(axes)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=3)
     return figure
 
 
+def beside_ends(axes: Any, ends: Sequence[tuple[str, float]], top: float) -> None:
+    """Names right of the panel at the heights of their curves' ends; of names that would overlap the first stays."""
+    low = -np.inf
+    for name, height in sorted(ends, key=lambda end: end[1]):
+        if height < top and height - low > 0.035 * top:
+            axes.annotate(
+                name, (1.0, height), xycoords=("axes fraction", "data"), xytext=(3, 0), textcoords="offset points",
+                fontsize=7.5, color=BEFORE, va="center", annotation_clip=False,
+            )  # fmt: skip
+            low = height
+
+
 def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> None:
-    for order in range(1, orders + 1):
+    """Lines n f with their n at the end, where the numbers keep apart."""
+    last = (-np.inf, -np.inf)
+    for order in range(orders, 0, -1):
         axes.plot(speed, order * speed, color=PERFECT, linewidth=0.6, linestyle=":", zorder=1)
         edge = min(float(speed[-1]), top / order)
-        axes.annotate(f"{order}", (edge, order * edge), fontsize=6.5, color=PERFECT, ha="right", va="bottom")
+        place = (edge / float(np.ptp(speed) or 1.0), order * edge / top)
+        if abs(place[0] - last[0]) > 0.025 or abs(place[1] - last[1]) > 0.05:
+            axes.annotate(
+                f"{order}", (edge, order * edge), fontsize=7, color="#666666", ha="right", va="top",
+                xytext=(-2, -1), textcoords="offset points",
+            )  # fmt: skip
+            last = place
+
+
+def rpm_above(axes: Any) -> None:
+    """The speed of the lower axis [Hz] in revolutions a minute, above."""
+    above = axes.secondary_xaxis("top", functions=(lambda f: 60.0 * f, lambda rpm: rpm / 60.0))
+    above.set_xlabel("speed [rpm]")
 
 
 @styled
@@ -147,7 +178,8 @@ def figure_stability(found: Any) -> Figure:
     figure = new_figure(7.6, 3.6)
     axes: Any = figure.add_subplot()
     _growth(axes, found)
-    axes.set_xlabel("speed [turns/s]")
+    axes.set_xlabel("speed [Hz]")
+    rpm_above(axes)
     return figure
 
 
@@ -175,8 +207,6 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
             upper.axhline(freq, color=BEFORE, linewidth=0.8, zorder=2)
     for row in marked:
         upper.plot(row.at.speed_hz, row.peak.freq_hz, **MARKS[row.at.verdict], zorder=4)
-        where = (row.at.speed_hz, row.peak.freq_hz)
-        upper.annotate(f"{row.peak.n}", where, textcoords="offset points", xytext=(3, 4), fontsize=7, zorder=5)
     upper.set(ylim=(0.0, top), ylabel="frequency at the blade [Hz]")
     lower.axhline(0.0, color="#777777", linewidth=0.8)
     lower.plot(growth.seen_hz, growth.seen_growth, color=BEFORE, linewidth=1.0)
@@ -197,8 +227,51 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     shown = {run.verdict for run in found.runs} | {row.at.verdict for row in found.rows}
     for verdict in [name for name in MARKS if name in shown]:
         upper.plot([], [], **MARKS[verdict], label=verdict)
-    figure.legend(loc="outside upper left", ncols=4)
-    figure.axes[-1].set(xlabel="speed [turns/s]", xlim=(float(speed[0]), float(speed[-1])))
+    _names_apart(upper, [(f"{row.peak.n}", row.at.speed_hz, row.peak.freq_hz) for row in marked], speed, top)
+    figure.legend(loc="outside upper left", ncols=4, fontsize=8)
+    figure.axes[-1].set(xlabel="speed [Hz]", xlim=(float(speed[0]), float(speed[-1])))
+    rpm_above(upper)
+    return figure
+
+
+def _names_apart(axes: Any, names: Sequence[tuple[str, float, float]], speed: FloatArray, top: float) -> None:
+    """Names above their places; of names that would overlap the first stays."""
+    kept = list[tuple[float, float]]()
+    for name, at, height in names:
+        place = (at / (float(np.ptp(speed)) or 1.0), height / top)
+        if all(abs(place[0] - x) > 0.035 or abs(place[1] - y) > 0.05 for x, y in kept):
+            axes.annotate(
+                name, (at, height), textcoords="offset points", xytext=(0, 4), fontsize=7.5, zorder=5, ha="center",
+                va="bottom",
+            )  # fmt: skip
+            kept.append(place)
+
+
+@styled
+def figure_map(pairs: Sequence[tuple[int, float]], blade_hz: Sequence[float], speed_hz: float) -> Figure:
+    """Interaction map at one speed: frequency over nodal diameters of casing and blade, and what would meet.
+
+    `pairs` are n and f_c of the casing's modes. Triangles are blades that the casing's waves meet: f_b = n f - f_c
+    flutters, f_b = f_c - n f is in resonance. Where a triangle lies on a line of the blade, the two interact.
+    """
+    figure = new_figure(7.6, 4.2)
+    axes: Any = figure.add_subplot()
+    n, casing = (np.array(part) for part in zip(*pairs, strict=True))
+    speed = abs(speed_hz)
+    axes.plot(n, casing, "o", color=MEASURED, markersize=4, label="casing alone, f_c")
+    axes.plot([0, n.max(initial=1)], [0.0, n.max(initial=1) * speed], color=PERFECT, linestyle=":", label="n f")
+    met = n * speed - casing
+    for kept, mark, face, label in (
+        (met > 0.0, "^", AFTER, "n f - f_c: flutter if f_b"), (met <= 0.0, "v", "white", "f_c - n f: resonance if f_b"),
+    ):  # fmt: skip
+        if kept.any():
+            axes.plot(n[kept], np.abs(met)[kept], mark, color=AFTER, markerfacecolor=face, markersize=6, label=label)
+    top = 1.15 * float(max(casing.max(initial=1.0), np.abs(met).max(initial=0.0)))
+    for k, freq in enumerate(freq for freq in blade_hz if freq < top):
+        axes.axhline(freq, color=BEFORE, linewidth=1.0, label=None if k else "blade alone, f_b")
+    axes.set(xlabel="nodal diameters n", ylabel="frequency [Hz]", ylim=(0.0, top))
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    figure.legend(loc="outside upper left", ncols=3, fontsize=8)
     return figure
 
 

@@ -1,15 +1,19 @@
 """Pictures of what a run did: spectrum and waterfall, the orbit of a tip and of the rim before it, energies."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from casingfem.io.arrays import Array
+from casingfem.plot.history import BINS, envelope
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.waves import COMMON, Mark, mark_frequencies
 
 SLICES, LEAST, FLOOR = 64, 256, 60.0  # of time in a waterfall, samples in each; dB below the loudest that is shown
+QUIET = 1e-3  # of the largest amplitude: a spectrum ends a quarter beyond its last line above it
 LATE = 0.25  # of a run, from its end: the orbit and the spectrum at the end
 COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 
@@ -28,19 +32,26 @@ class _Orbit(Protocol):
 
 
 @styled
-def figure_spectrum(time: Array, values: Array, *, label: str, unit: str, top_hz: float | None = None) -> Figure:
+def figure_spectrum(
+    time: Array, values: Array, *, label: str, unit: str, top_hz: float | None = None, marks: Sequence[Mark] = (),
+    turn_hz: float = 0.0, waterfall: bool = True,
+) -> Figure:  # fmt: skip
     """Amplitude spectrum over the whole run and at its end, and how it came to be: a waterfall over time.
 
-    `values` at equal steps of `time` [s]; frequencies up to `top_hz`. Colours are decibels of the loudest slice, FLOOR
-    of them: neither one shock nor silence sets the scale.
+    `values` at equal steps of `time` [s]; frequencies up to `top_hz`, or to where the amplitude has fallen to QUIET of
+    the largest. `marks` stand above the spectrum; of a structure that turns at `turn_hz` the axis also counts engine
+    orders. Colours are decibels of the loudest slice, FLOOR of them: neither one shock nor silence sets the scale.
     """
-    figure = new_figure(8.2, 5.4)
-    upper, lower = figure.subplots(2, 1, height_ratios=(1.0, 1.3))
+    figure = new_figure(8.2, 5.6 if waterfall else 3.0)
+    panels: Any = figure.subplots(1 + waterfall, 1, height_ratios=(1.0, 1.2)[: 1 + waterfall], squeeze=False)[:, 0]
+    upper = panels[0]
     step = float(np.diff(time).mean()) if time.size > 1 else 1.0
-    top = min(top_hz or np.inf, 0.5 / step)
     late = values[int((1.0 - LATE) * values.size) :]
-    for part, colour, words in ((values, PERFECT, "whole run"), (late, BEFORE, "last quarter")):
-        freq, amplitude = spectrum(part, step)
+    whole = spectrum(values, step)
+    top = min(top_hz or np.inf, 0.5 / step, heard(*whole, [mark.freq_hz for mark in marks]))
+    for (freq, amplitude), colour, words in (
+        (whole, PERFECT, "whole run"), (spectrum(late, step), BEFORE, "last quarter"),
+    ):  # fmt: skip
         shown = (freq > 0.0) & (freq <= top)
         if shown.any():
             upper.semilogy(freq[shown], np.maximum(amplitude[shown], 1e-300), color=colour, linewidth=0.8, label=words)
@@ -48,10 +59,27 @@ def figure_spectrum(time: Array, values: Array, *, label: str, unit: str, top_hz
     upper.set(xlabel="frequency [Hz]", ylabel=f"{label} [{unit}]", xlim=(0.0, top))
     if largest > 0.0:
         upper.set_ylim(1e-5 * largest, 2.0 * largest)
+    mark_frequencies(upper, marks, top)
+    if turn_hz > 0.0:
+        upper.xaxis.set_major_formatter(lambda f, _: f"{f:g}\n{f / turn_hz:.4g}")
+        upper.set_xlabel("frequency [Hz]\nengine order, frequency over speed [-]")
     if upper.lines:
-        upper.legend(fontsize=8)
-    _waterfall(figure, lower, time, values, step, top)
+        figure.legend(*upper.get_legend_handles_labels(), loc="outside upper left", ncols=4, fontsize=8)
+    if waterfall:
+        _waterfall(figure, panels[1], time, values, step, top)
     return figure
+
+
+def heard(freq: Array, amplitude: Array, marks: Sequence[float]) -> float:
+    """Up to where a spectrum is drawn [Hz]: a quarter beyond the last line above QUIET of the largest, and three marks.
+
+    >>> heard(np.array([0.0, 10.0, 20.0, 30.0]), np.array([0.0, 1.0, 0.5, 1e-5]), [4.0])
+    25.0
+    """
+    if not amplitude.size or not amplitude.max() > 0.0:
+        return float(freq[-1]) if freq.size else 1.0
+    last = float(freq[amplitude > QUIET * amplitude.max()][-1])
+    return 1.25 * max(last, *sorted(marks)[:3], float(freq[min(8, freq.size - 1)]) if freq.size > 8 else 0.0)
 
 
 def spectrum(values: Array, step: float) -> tuple[Array, Array]:
@@ -103,12 +131,22 @@ def figure_orbit(motion: _Orbit) -> Figure:
         axes.plot(micro[:, 1], micro[:, 0], color=PERFECT, linewidth=0.4, label="whole run", rasterized=True)
         axes.plot(micro[late, 1], micro[late, 0], color=BEFORE, linewidth=0.6, label="last quarter", rasterized=True)
         axes.set(xlabel="along the rim [µm]", ylabel="along the normal, outwards [µm]", title=name)
-        for limit, column in ((axes.set_xlim, micro[:, 1]), (axes.set_ylim, micro[:, 0])):
-            low, high = float(column.min()), float(column.max())
-            margin = 0.05 * (high - low) or 1e-6
-            limit(low - margin, high + margin)
-    panels[0].legend(fontsize=8)
+        _whole(axes, micro)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=2, fontsize=8)
     return figure
+
+
+def _whole(axes: Any, points: Array) -> None:
+    """Limits about all points (n, 2), in one scale for both axes where the sides are alike."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = np.maximum(high - low, 1e-9)
+    middle = 0.5 * (low + high)
+    if size.max() < COMMON * size.min():
+        size = np.full(2, size.max())
+        axes.set_aspect("equal", adjustable="box")
+    axes.set_xlim(middle[1] - 0.55 * size[1], middle[1] + 0.55 * size[1])
+    axes.set_ylim(middle[0] - 0.55 * size[0], middle[0] + 0.55 * size[0])
 
 
 @styled
@@ -121,13 +159,19 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
     colours = [AFTER if value > 0.0 else BEFORE for value in values]
     rows[0].barh(names[::-1], values[::-1], color=colours[::-1])
     rows[0].axvline(0.0, color="#777777", linewidth=0.8)
-    rows[0].set_xlabel("energy [J], into the bodies positive")
+    rows[0].set_xlabel("energy into the bodies [J]")
+    rows[0].ticklabel_format(axis="x", style="sci", scilimits=(-3, 4), useMathText=True)
     for (name, energy), colour in zip(strain.items(), COLOURS, strict=False):
-        rows[1].plot(time, energy, color=colour, linewidth=0.7, label=name, rasterized=True)
+        if len(energy) <= 2 * BINS:
+            rows[1].plot(time, energy, color=colour, linewidth=0.8, label=name)
+        else:
+            at, low, high = envelope(time, energy, BINS)
+            rows[1].fill_between(at, np.maximum(low, 1e-300), high, color=colour, alpha=0.25, linewidth=0.0)
+            rows[1].plot(at, high, color=colour, linewidth=0.9, label=name)
     if strain:
         top = max(float(energy.max(initial=0.0)) for energy in strain.values())
         rows[1].set(xlabel="time [s]", ylabel="strain energy [J]")
         if top > 0.0:
             rows[1].set(yscale="log", ylim=(1e-6 * top, 2.0 * top))
-        rows[1].legend(fontsize=8)
+        figure.legend(*rows[1].get_legend_handles_labels(), loc="outside upper right", ncols=4, fontsize=8)
     return figure

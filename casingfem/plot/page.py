@@ -23,6 +23,7 @@ from casingfem.plot.style import Drawn, embed, image
 from contact.io.columns import Columns, Rows, cells_of
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
+POWER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)?e[+-]?\d+(?![\w.]\w)")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SIXTEEN, EIGHT = 32767, 127
 Cell = str | float | int | None
@@ -86,11 +87,16 @@ class Section:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
-    """What stands above all: what was found, how sure that is, what to do next."""
+    """What stands above all: what was found, facts by name, how sure that is, what to do next.
+
+    `state` colours it: "good", "bad", "open", or nothing.
+    """
 
     found: str
     sure: str
     further: str
+    facts: tuple[tuple[str, str], ...] = ()
+    state: str = ""
 
 
 def written(cell: Cell, digits: int = 5) -> str:
@@ -115,6 +121,15 @@ def raised(text: str) -> str:
         return text
     ten = "10" + str(int(power)).translate(RAISED)
     return {"1": ten, "-1": f"-{ten}"}.get(mantissa, f"{mantissa} × {ten}")
+
+
+def prose(text: str) -> str:
+    """A sentence whose powers of ten are written as one writes them.
+
+    >>> prose("The rim moves 4.2e-05 m, less than 1e-3 m.")
+    'The rim moves 4.2 × 10⁻⁵ m, less than 10⁻³ m.'
+    """
+    return POWER.sub(lambda found: raised(found[0]), str(text))
 
 
 def numeric(cell: Cell) -> bool:
@@ -167,6 +182,7 @@ def render_page(
     folder = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["written"] = written
+    environment.filters["prose"] = prose
     template = environment.get_template("page.html.j2")
     figures = [figure for section in sections for figure in section.figures]
     scripts = dict.fromkeys(name for figure in figures for name in figure.scripts)  # each once; what all share is first

@@ -1,26 +1,14 @@
-"""The pages on contact: a scene that was run, a sweep, and branches of periodic motions."""
+"""The pages on many runs: a sweep, and branches of periodic motions."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-from matplotlib.figure import Figure
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page, written
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import LABELS, figure_cycles
 
 Rows = Sequence[Mapping[str, Any]]
-CAPTIONS = {
-    "run": "Force averaged over the model's shortest period, gap, and the largest modal coordinates over time.",
-    "spectrum": "Spectrum of the contact force over the whole run and its last quarter; below, how it came to be.",
-    "spectrum_tip": "The same of the tip's motion along the contact's normal.",
-    "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
-    "energy": "Energy into the bodies by source, and strain energy over time.",
-    "interactions": "Top: frequencies that the blade meets; marks are motions that closed contact can feed, with their "
-    "n. Middle: growth of closed contact (line) and of the runs. Bottom: deflection of the rim. Unstable speeds are "
-    "shaded.",
-}
 SHOWN = {
     "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
     "peak_force_N": "largest force [N]", "amplitude_m": "amplitude [m]", "motion": "motion",
@@ -38,63 +26,6 @@ BRANCHES = (
 )
 BASINS = " Discs: what random starts at that value end on, and how many of them."
 ORDINARY = "grazing"  # a change that ends nothing
-
-
-def scene_page(
-    name: str, scene: str, summary: str, flags: tuple[str, ...], numbers: Mapping[str, Cell],
-    figures: Mapping[str, Figure], table: Table | None = None, words: str = "", *, verdict: Verdict,
-    source: Mapping[str, Any], films: Sequence[Picture] = (),
-) -> str:  # fmt: skip
-    """HTML of the page: the scene as written, flags first, the film of a rub, numbers, pictures, dangerous speeds.
-
-    `table` has the dangerous speeds, and `words` say what was run for it.
-    """
-    rows = tuple(numbers.items())
-    sections = [
-        Section("What became of it", flags, tuple(films), (Table("The run in numbers.", ("quantity", "value"), rows),),
-                preformatted=summary),
-    ]  # fmt: skip
-    shown = [key for key in figures if key != "interactions"]
-    if shown:
-        pictures = tuple(Picture.of(figures[key], CAPTIONS[key], kind="png") for key in shown)
-        sections.append(Section("Pictures", figures=pictures))
-    if words:
-        drawn = figures.get("interactions")
-        seen = () if drawn is None else (Picture.of(drawn, CAPTIONS["interactions"], kind="png"),)
-        tables = () if table is None else (table,)
-        sections.append(Section("Dangerous speeds", (words,), seen, tables))
-    sections.append(Section("The scene", preformatted=scene))
-    notice = flags[0] if flags else ""
-    return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
-
-
-def scene_verdict(
-    numbers: Mapping[str, float], flags: Sequence[str], *, diverged: bool, failed: bool, rubs: bool, motion: str = ""
-) -> Verdict:
-    """What became of a run, by its own checks; `numbers` as the command line has them, `motion`: growth in words."""
-    closed, span = numbers["time in contact [s]"], numbers["time simulated [s]"]
-    share = 100.0 * closed / span if span else 0.0
-    found = (
-        f"{'Stopped as diverging after' if diverged else 'Ran'} {span:.4g} s in {numbers['steps']:,.0f} steps; contact "
-        f"is closed {share:.3g} % of the time, its impulse {numbers['impulse [N s]']:.4g} N s, the largest force, "
-        f"averaged over the model's shortest period, {numbers['largest windowed force [N]']:.4g} N."
-    )
-    found += f" {motion}" if motion else ""
-    sure = (
-        f"The law of contact is kept to {written(numbers['law violated by [m]'], 1)} m, and all energy but "
-        f"{written(100.0 * numbers['energy not accounted for'], 1)} % is accounted for. That is the scheme's own "
-        "check; the step and the number of modes are not checked by it."
-    )
-    if failed:
-        sure = f"The numbers are no solution of the model: {flags[-1]}"
-        further = "Do what the message says, and run it again."
-    elif flags:
-        further = "Read what is flagged above; beyond it the model is not the machine."
-    else:
-        further = "Run it with half the step, and with more modes, and compare the impulse: casingfem sweep does both."
-    if rubs:
-        further += " Dangerous speeds: below, or casingfem interactions."
-    return Verdict(found=found, sure=sure, further=further)
 
 
 def sweep_page(

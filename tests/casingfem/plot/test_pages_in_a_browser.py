@@ -12,11 +12,13 @@ from casingfem.errors import ModelWarning
 from casingfem.plot.contact import rub_film
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
-from casingfem.plot.pages.contact import cycles_page, scene_page, scene_verdict, sweep_page
+from casingfem.plot.pages.contact import cycles_page, sweep_page
+from casingfem.plot.pages.scene import scene_page
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.turning import turning_shapes
 from tests.casingfem.plot.browser import Tab, browser, found_browser
+from tests.casingfem.plot.page_samples import ran_sample
 
 pytestmark = [
     pytest.mark.slow,
@@ -164,26 +166,21 @@ ORBITS = [
 ]
 MARKS = [{"kind": "fold", "branch": 1, "freq_hz": 12.5, "amplitude_x": 2.5e-4}]
 SOURCE = {"scene": "a_name_without_a_place_to_break_it_" * 3 + ".toml", "sha256": "0123" * 16, "numpy": "2.0"}
-NUMBERS = dict.fromkeys(
-    ("steps", "time simulated [s]", "time in contact [s]", "impulse [N s]", "largest windowed force [N]",
-     "law violated by [m]", "energy not accounted for"), 1.25e-6,
-)  # fmt: skip
 
 
 @pytest.mark.parametrize("width", [360])
 def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
     drawn = Drawn(figure_sweep(["speed.hz"], np.array([[1.0], [2.0], [3.0]]), RUNS))
-    verdict = scene_verdict(NUMBERS, ("a flag",), diverged=True, failed=False, rubs=True)
     pages = {
         "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, drawn, "3 runs"),
         "cycles": cycles_page("rod", ORBITS, MARKS, [""], SOURCE, "branch 1"),
-        "scene": scene_page("rub", "[scene]", "words " * 40, ("a flag",), NUMBERS, {}, verdict=verdict, source=SOURCE),
+        "scene": scene_page("rub", "[scene]", ran_sample(), {}, source=SOURCE),
     }
     for name, text in pages.items():
         (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
         tab.open(tmp_path / f"{name}.html", width)
         assert tab.run("document.documentElement.scrollWidth") <= width, name
-        assert tab.run("document.querySelectorAll('.verdict dd').length") == 3
+        assert tab.run("document.querySelectorAll('.verdict dd').length") == (6 if name == "scene" else 3)
         assert "10⁻" in tab.run("document.body.innerText") or name == "cycles"
         assert tab.heard == []
 

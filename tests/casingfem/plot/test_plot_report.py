@@ -211,16 +211,21 @@ def test_contact_figure_shows_force_gap_and_the_largest_coordinates():
     force = np.where(np.abs(time - 0.4567) < 1e-4, 300.0, 0.0)[:, None]
     state = np.outer(np.sin(20 * time), [0.1, 3.0, 1.0, 2.0, 0.2, 0.3])
     result = SimpleNamespace(
-        time=time, gap=1e-3 - 1e-6 * force, state_time=time, state=state, windowed_force=lambda: force
-    )
+        time=time, gap=1e-3 - 1e-6 * force, state_time=time, state=state, windowed_force=lambda: force, window=1e-4,
+        scheme="exact modal", blocks=(("casing", 0, 4), ("blade", 4, 6)),
+    )  # fmt: skip
     axes = figure_contact(result).axes
-    assert len(axes) == 3
-    drawn = axes[0].lines[0]
-    assert len(drawn.get_xdata()) <= 6000
-    assert drawn.get_ydata().max() == 300.0
-    assert [line.get_label() for line in axes[2].lines] == ["2", "4", "3", "6"]
+    assert len(axes) == 6  # the whole run, then the close-up
+    highest = axes[0].lines[-1]
+    assert len(highest.get_xdata()) <= 600
+    assert highest.get_ydata().max() == 300.0
+    low, high = axes[3].get_xlim()
+    assert low < 0.4567 < high < low + 0.1
+    assert axes[3].lines[0].get_ydata().max() == 300.0
+    names = [line.get_label() for line in axes[2].lines if not line.get_label().startswith("_")]
+    assert names == ["casing, mode 2", "casing, mode 4", "casing, mode 3", "blade, mode 2"]
     still = SimpleNamespace(**{**vars(result), "state_time": time[:0], "state": state[:0]})
-    assert len(figure_contact(still).axes) == 2
+    assert len(figure_contact(still).axes) == 4
 
 
 def test_files_appear_together_or_not_at_all(tmp_path: Path):

@@ -1,0 +1,79 @@
+"""The page on a scene that was run: what is asked of the run, of its dangerous speeds, of the rim's limits."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from casingfem.cli.pictures import figures, pairs_of, turn_of
+from contact.io.infiles import read_bytes, text_of
+
+if TYPE_CHECKING:
+    from casingfem.plot.pages.scene import Ran
+    from contact.interacting import Interactions
+    from contact.result import Result
+    from contact.rim_motion import RimMotion
+    from contact.run import Scene
+
+
+def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
+    """The HTML page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
+    from casingfem.plot.contact import rub_film as film_of
+    from casingfem.plot.interaction import figure_interactions, figure_map
+    from casingfem.plot.pages.scene import scene_page
+    from contact.histories import rub_film
+    from contact.rim_motion import rim_motion
+    from contact.version import versions
+
+    rim = rim_motion(scene.what, result)
+    drawn = figures(scene, result, rim)
+    ran, found, why = run_numbers(scene, result, rim), None, ""
+    if ran.rubs:
+        say("interactions")
+        found, why = table_of(file)
+        if found is not None:
+            drawn["interactions"] = figure_interactions(found)
+            drawn["map"] = figure_map(pairs_of(scene.what), found.peaks.blade_hz, ran.speed_hz or worst_of(found))
+    say("drawing")
+    film = rub_film(scene.what, result)
+    return scene_page(
+        file.stem, text_of(read_bytes(file)), ran, drawn, found=found, why=why,
+        source={**scene.source, **versions()}, films=() if film is None else (film_of(film, result),),
+    )  # fmt: skip
+
+
+def table_of(file: Path) -> "tuple[Interactions | None, str]":
+    """The table of dangerous speeds of a scene, or why there is none."""
+    from contact.base.errors import InputError
+    from contact.scene.stability import load_interactions
+
+    try:
+        return load_interactions(file).solve(), ""
+    except InputError as error:
+        return None, str(error)
+
+
+def worst_of(found: "Interactions") -> float:
+    """The speed [turns/s] of the worst row; that of the largest growth of closed contact where there is no row."""
+    return found.rows[0].at.speed_hz if found.rows else float(found.peaks.map.peak_speed_hz)
+
+
+def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "Ran":
+    """What the page says of a run, all contacts together."""
+    from casingfem.plot.pages.scene import Ran
+    from contact.model.gaps.gap import RotatingRim
+    from contact.model.gaps.rub import Rub
+
+    energy, windowed = result.energy, result.windowed_force()
+    rubs = isinstance(scene.what, RotatingRim | Rub)
+    least = result.least_gap
+    return Ran(
+        rubs=rubs, steps=result.steps, dt=result.dt, span=result.steps * result.dt, window=result.window,
+        contacts=result.records(), force=float(windowed.max(initial=0.0)),
+        impulse=float(result.impulse.sum()), closed=float(result.contact_steps.max(initial=0)) * result.dt,
+        closings=sum(map(len, result.intervals)), least_gap=float(least.min()) if least.size else math.nan,
+        residual=float(result.residual.max(initial=0.0)),
+        unaccounted=abs(energy.unaccounted) / energy.scale if energy.scale else 0.0,
+        flags=tuple(result.flags), divergence=result.divergence, growth=result.growth, rim=rim,
+        speed_hz=turn_of(scene.what), tracks=tuple(result.tracks), scheme=result.scheme, seconds=result.seconds,
+    )  # fmt: skip

@@ -1,0 +1,238 @@
+"""The page on a scene that was run: verdict, film, pictures, dangerous speeds, numbers, the scene itself."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
+from casingfem.plot.pages.speeds import speed_words, with_rpm
+
+SLIDES = 1.0  # per cent of the time: below it a contact only just touches
+CAPTIONS = {
+    "run": "Force averaged over the model's shortest period, gap, and motion; bands span the lowest and highest value "
+    "of each stretch of time. Right: close-up of the yellow stretch, about the largest force.",
+    "angle": "Largest contact force over the place on the casing and time; each row is a whole number of turns.",
+    "spectrum": "Spectrum of the contact force, whole run and last quarter, with the frequencies of blade and casing "
+    "alone; numbers above are the nodal diameters n of the casing's modes.",
+    "spectrum_tip": "Top: spectrum of the tip's motion along the contact's normal. Bottom: spectrogram.",
+    "waves": "Full spectrum: waves of the rim by nodal diameter and frequency in the second half of the run. Right: "
+    "their amplitude in both directions.",
+    "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
+    "section": "Poincare section: the first tip once a turn in the second half of the run. A motion with the period of "
+    "a turn is one point, one of k turns k points, a chaotic one a cloud.",
+    "energy": "Energy into the bodies by source, and strain energy over time.",
+    "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can feed, with their n. "
+    "Middle: growth of closed contact (line) and of the runs. Bottom: rim deflection. Unstable speeds are shaded.",
+    "map": "Interaction map at the speed of the run. Where a triangle lies on a line of the blade, casing and blade "
+    "interact.",
+}
+OF_SPEED = ("interactions", "map")
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Ran:
+    """Numbers of a run, all contacts together, in SI units.
+
+    `window` [s] is the model's shortest period; `growth` a `contact.record.growth.RunGrowth`, `rim` a
+    `contact.rim_motion.RimMotion`, `tracks` what coatings lost, each None or empty where a run has none; `speed_hz` 0
+    where the speed varies or nothing turns.
+    """
+
+    rubs: bool
+    steps: int
+    dt: float
+    span: float
+    window: float
+    contacts: Sequence[Mapping[str, Any]]
+    force: float
+    impulse: float
+    closed: float
+    closings: int
+    least_gap: float
+    residual: float
+    unaccounted: float
+    flags: tuple[Any, ...]
+    divergence: Any
+    growth: Any
+    rim: Any
+    speed_hz: float
+    tracks: tuple[Any, ...]
+    scheme: str
+    seconds: float
+
+
+def scene_page(
+    name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
+    source: Mapping[str, Any], films: Sequence[Picture] = (),
+) -> str:  # fmt: skip
+    """HTML of the page; `found` is the `contact.Interactions` of the scene, or `why` says why there is none."""
+    shown = [key for key in CAPTIONS if key in figures and key not in OF_SPEED]
+    sections = []
+    if ran.rubs:
+        pictures = tuple(Picture.of(figures[key], CAPTIONS[key]) for key in OF_SPEED if key in figures)
+        rows = () if found is None else found.records()
+        tables = (Table.of("Dangerous speeds, the worst first.", found.COLUMNS, rows),) if rows else ()
+        words = (*speed_words(found, why), *(() if found is None else (found.words,)))
+        sections.append(Section("Dangerous speeds", words, pictures, tables))
+    sections.append(Section("Motion", figures=(*films, *(Picture.of(figures[key], CAPTIONS[key]) for key in shown))))
+    sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(contacts_table(ran), numbers_table(ran))))
+    sections.append(Section("The scene", preformatted=scene))
+    notice = str(ran.flags[0]) if ran.flags else ""
+    verdict = scene_verdict(ran, found)
+    return render_page(f"Scene {name}", sections, notice=notice, verdict=verdict, source=origin(source))
+
+
+def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
+    """What became of a run: a sentence, then force, deflection, motion, speeds and wear, how sure, what to do next."""
+    state, sentence = outcome(ran)
+    facts = [("Force", force_words(ran))]
+    if ran.rim is not None:
+        facts.append(("Deflection", deflection_words(ran)))
+    if ran.growth is not None:
+        facts.append(("Motion", ran.growth.words))
+    if found is not None:
+        facts.append(("Speeds", " ".join(speed_words(found, ""))))
+    facts += [("Wear", wear_words(ran))] if ran.tracks else []
+    return Verdict(found=sentence, sure=sure_words(ran), further=further_words(ran), facts=tuple(facts), state=state)
+
+
+def outcome(ran: Ran) -> tuple[str, str]:
+    """The state, good, bad or open, and the sentence that stands first."""
+    at = f" at {with_rpm(ran.speed_hz)}" if ran.speed_hz else ""
+    growing = "" if ran.growth is None else ran.growth.state
+    if any(flag.failed for flag in ran.flags):
+        return "bad", f"Not usable{at}: the numbers are no solution of the model."
+    if ran.divergence is not None:
+        return "bad", f"Unsafe{at}: the motion passed a limit of the model after {ran.divergence.time:.4g} s."
+    if ran.rim is not None and ran.rim.largest > ran.rim.allowed:
+        return "bad", f"Outside the linear model{at}: the rim deflects by more than half of its wall."
+    if growing == "grows":
+        return "bad", f"Unsafe{at}: the motion grows."
+    if not ran.closings:
+        return "good", f"Nothing touches{at}: the least gap is {1e3 * ran.least_gap:.4g} mm."
+    if growing == "undecided":
+        return "open", f"Not decided{at}: the run is too short to tell whether the motion grows."
+    if growing:
+        how = "decays" if growing == "decays" else "is bounded" if growing == "bounded" else "is at rest"
+        return "good", f"Bounded{at}: {touch_words(ran)} and the motion {how}."
+    share = 100.0 * ran.closed / ran.span if ran.span else 0.0
+    return "open", f"Contact is closed {share:.3g} % of {ran.span:.4g} s, in {counted(ran.closings, 'interval')}."
+
+
+def touch_words(ran: Ran) -> str:
+    """How the contact that touches most touches."""
+    share = 100.0 * ran.closed / ran.span if ran.span else 0.0
+    return "the contact just touches" if share < SLIDES else f"the contact is closed {share:.3g} % of the time"
+
+
+def counted(number: int, name: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "interval"), counted(1200, "interval")
+    ('1 interval', '1,200 intervals')
+    """
+    return f"{number:,} {name}{'s' * (number != 1)}"
+
+
+def force_words(ran: Ran) -> str:
+    """Largest force with what it is an average of, and the impulse."""
+    if not ran.closings:
+        return "None."
+    several = f" over {len(ran.contacts)} contacts" if len(ran.contacts) > 1 else ""
+    return (
+        f"At most {ran.force:.4g} N, averaged over {1e3 * ran.window:.3g} ms (the model's shortest period); impulse "
+        f"{ran.impulse:.4g} N s{several}."
+    )
+
+
+def deflection_words(ran: Ran) -> str:
+    """Largest deflection of the rim against the limit of the linear model."""
+    words = f"The rim moves {1e3 * ran.rim.largest:.3g} mm at most"
+    if not math.isfinite(ran.rim.wall):
+        return f"{words}. The limit is not known: give the wall thickness in [casing]."
+    part, limit = 100.0 * ran.rim.largest / ran.rim.wall, 1e3 * ran.rim.allowed
+    return f"{words}, {part:.2g} % of its wall. The limit is {limit:.3g} mm (50 %): above it, the linear model fails."
+
+
+def wear_words(ran: Ran) -> str:
+    """Depth and volume that the coatings lost."""
+    deepest = max(float(track.worn.max(initial=0.0)) for track in ran.tracks)
+    volume = sum(float(track.volume) for track in ran.tracks)
+    bare = sum(int(track.bare) for track in ran.tracks)
+    through = f" The coating is worn through in {counted(bare, 'place')}." if bare else ""
+    return f"At most {1e6 * deepest:.3g} µm deep, {1e9 * volume:.3g} mm³ in all.{through}"
+
+
+def sure_words(ran: Ran) -> str:
+    """What the run's own checks say, and what they leave out."""
+    failed = [flag for flag in ran.flags if flag.failed]
+    if failed:
+        return str(failed[-1])
+    words = (
+        f"The law of contact holds within {written(ran.residual, 1)} m; "
+        f"{written(100.0 * ran.unaccounted, 1)} % of the energy is unaccounted for. "
+    )
+    checked = None if ran.growth is None else ran.growth.converged
+    left = "the number of modes" if checked else "the time step and the number of modes"
+    return f"{words}These checks do not cover {left}."
+
+
+def further_words(ran: Ran) -> str:
+    """What to do next."""
+    if any(flag.failed for flag in ran.flags):
+        return "Correct what the message names, then run the scene again."
+    if ran.divergence is not None or (ran.growth is not None and ran.growth.state == "grows"):
+        return "Leave the unsafe speeds, add damping or reduce friction; then run the scene again."
+    if ran.flags:
+        return "Read the warnings above: beyond their limits the model does not describe the machine."
+    if ran.growth is not None and ran.growth.state == "undecided":
+        return "Lengthen t_end."
+    return "Halve dt and add modes, and compare the impulse: `casingfem sweep` does both."
+
+
+def contacts_table(ran: Ran) -> Table:
+    """One row a contact."""
+    rows: list[tuple[Cell, ...]] = [
+        (
+            int(one["contact"]), int(one["closings"]), float(f"{one['closed_s']:.4g}"),
+            float(f"{one['impulse_N_s']:.4g}"), float(f"{one['windowed_force_N']:.4g}"),
+            float(f"{one['peak_force_N']:.4g}"), float(f"{one['max_penetration_m']:.2g}"),
+        )
+        for one in ran.contacts
+    ]  # fmt: skip
+    columns = (
+        "contact", "closings", "time closed [s]", "impulse [N s]", "largest force, averaged [N]",
+        "largest force, raw [N]", "penetration [m]",
+    )  # fmt: skip
+    return Table("Contacts. The raw force depends on the time step.", columns, tuple(rows), folded=len(rows) > 12)
+
+
+def numbers_table(ran: Ran) -> Table:
+    """What was run and how it was checked."""
+    rows: tuple[tuple[Cell, ...], ...] = (
+        ("speed", with_rpm(ran.speed_hz) if ran.speed_hz else None),
+        ("time simulated [s]", float(f"{ran.span:.6g}")),
+        ("time step [s]", float(f"{ran.dt:.4g}")),
+        ("steps", f"{ran.steps:,}"),
+        ("scheme", ran.scheme),
+        ("violation of the contact law [m]", float(f"{ran.residual:.2g}")),
+        ("energy unaccounted for, part of the largest", float(f"{ran.unaccounted:.2g}")),
+        ("time of the run [s]", float(f"{ran.seconds:.3g}")),
+        *growth_rows(ran.growth),
+    )
+    return Table("The run.", ("quantity", "value"), tuple(row for row in rows if row[1] is not None))
+
+
+def growth_rows(growth: Any) -> tuple[tuple[Cell, ...], ...]:
+    """Growth with its interval, deflection at the end, time to half the wall; numbers that are none are left out."""
+    if growth is None:
+        return ()
+    named = {
+        "growth [1/s]": growth.rate, "growth, lower end of 95 % [1/s]": growth.low,
+        "growth, upper end of 95 % [1/s]": growth.high, "rim deflection in the last stretch [m]": growth.amplitude,
+        "half the wall reached at [s]": growth.time_to_half_wall, "growth at half the step [1/s]": growth.half_step,
+    }  # fmt: skip
+    return tuple((name, float(f"{value:.3g}")) for name, value in named.items() if math.isfinite(value))

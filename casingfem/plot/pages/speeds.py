@@ -1,0 +1,62 @@
+"""Safe and dangerous speeds in words, from the table of dangerous speeds, in rpm and Hz."""
+
+from collections.abc import Sequence
+from typing import Any
+
+NAMED = 4  # ranges that a sentence lists
+VERDICTS = {
+    "unstable": "Unstable", "not decided": "Not decided, runs at these speeds are too short", "resonance": "Resonance",
+}  # fmt: skip
+
+
+def with_rpm(hz: float) -> str:
+    """A speed in both units.
+
+    >>> with_rpm(5.0), with_rpm(0.05)
+    ('300 rpm (5 Hz)', '3 rpm (0.05 Hz)')
+    """
+    return f"{60.0 * hz:.5g} rpm ({hz:.4g} Hz)"
+
+
+def range_words(low: float, high: float) -> str:
+    """A range of speeds in both units, one speed where both ends are written alike.
+
+    >>> range_words(3.0, 3.5), range_words(3.0, 3.00001)
+    ('180 to 210 rpm (3 to 3.5 Hz)', '180 rpm (3 Hz)')
+    """
+    if with_rpm(low) == with_rpm(high):
+        return with_rpm(low)
+    return f"{60.0 * low:.5g} to {60.0 * high:.5g} rpm ({low:.4g} to {high:.4g} Hz)"
+
+
+def listed(ranges: Sequence[tuple[float, float]]) -> str:
+    """Some ranges, and how many more.
+
+    >>> listed([(1.0, 2.0)] * 5).split("; ")[-1]
+    'and 1 more'
+    """
+    words = "; ".join(range_words(low, high) for low, high in ranges[:NAMED])
+    return words + (f"; and {len(ranges) - NAMED} more" if len(ranges) > NAMED else "")
+
+
+def safe_ranges(found: Any) -> list[tuple[float, float]]:
+    """The speeds of the range that no row has but those that are safe; `found` is a `contact.Interactions`."""
+    low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
+    ranges, start = list[tuple[float, float]](), low
+    for begin, end in sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict != "safe"):
+        if begin > start:
+            ranges.append((start, begin))
+        start = max(start, end)
+    return ranges + ([(start, high)] if start < high else [])
+
+
+def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
+    """Dangerous and safe speeds of a `contact.Interactions`; `why` there is none."""
+    if found is None:
+        return (f"There is no table of dangerous speeds: {why}",) if why else ()
+    words = []
+    for verdict, name in VERDICTS.items():
+        ranges = sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict == verdict)
+        words += [f"{name}: {listed(ranges)}."] if ranges else []
+    safe = safe_ranges(found)
+    return (*words, f"Safe: {listed(safe)}." if safe else "No speed of the range is safe.")

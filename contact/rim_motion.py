@@ -1,0 +1,156 @@
+"""Motion of the rim before the tips by harmonics, its largest deflection, the force over angle, one point a turn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.histories import tip_motion
+from contact.model.gaps.limits import WALL
+from contact.model.gaps.rub import Rub, rub_of
+from contact.problem import What
+from contact.recovery import at_channels, rub_forces
+from contact.result import Result
+
+PLACES = 16  # around the rim, per period of its highest harmonic
+ROWS = 4096  # states that are looked at together
+TURNS = 8  # a section of fewer points shows nothing
+FINE = 10  # states in a turn: fewer do not show where a motion is at one instant of it
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RimMotion:
+    """Radial motion of a rim, residual compliance included.
+
+    Attributes
+    ----------
+    time
+        Instants of the states [s], (ns,).
+    waves
+        z_n = a_n + i b_n of the deflection sum a_n cos(n theta) + b_n sin(n theta) [m], theta fixed to the casing,
+        (ns, N + 1). A wave that travels towards +theta turns z_n with a positive frequency.
+    deflection
+        Largest magnitude around the rim at each instant [m], (ns,).
+    wall, allowed
+        Thickness of the wall, and half of it, to which the linear model is valid [m]; infinite where it is not known.
+    with_blades
+        Sign of the frequencies of z_n that travel with the blades, as the casing sees them; 0 without rotation.
+    """
+
+    time: Array
+    waves: Array
+    deflection: Array
+    wall: float
+    allowed: float
+    with_blades: int
+
+    @property
+    def largest(self) -> float:
+        """Largest deflection of the run [m]."""
+        return float(self.deflection.max(initial=0.0))
+
+
+def rim_motion(what: What, result: Result) -> RimMotion | None:
+    """Motion of the rim line of the first tip of a rim, rub or disk; None of other problems, or without states."""
+    rub: Rub | None = rub_of(what)
+    if rub is None or len(result.state) < 2 or result.channels.size:
+        return None
+    N, line = rub.casing.n_max, rub.tips[0].line
+    channels = at_channels(rub.casing, result.state_of("casing"), rub_forces(rub, result, "casing")[1])
+    first = line * rub.casing.directions * (2 * N + 1)
+    waves = channels[:, first : first + N + 1].astype(complex)
+    waves[:, 1:] += 1j * channels[:, first + N + 1 : first + 2 * N + 1]
+    speed = rub.speed.omega(result.steps * result.dt)
+    return RimMotion(
+        time=result.state_time, waves=waves, deflection=around(waves), wall=rub.wall, allowed=WALL * rub.wall,
+        with_blades=-int(np.sign(speed)),
+    )  # fmt: skip
+
+
+def around(waves: Array) -> Array:
+    """Largest |sum Re(conj(z_n) e^(i n theta))| over theta, (ns,).
+
+    >>> around(np.array([[1.0, 0.0, 2.0j], [0.0, 3.0, 0.0]])).round(6).tolist()
+    [3.0, 3.0]
+    """
+    places = PLACES * waves.shape[1]
+    found = []
+    for start in range(0, len(waves), ROWS):
+        parts = 0.5 * places * np.conj(waves[start : start + ROWS])
+        parts[:, 0] *= 2.0
+        found.append(np.abs(np.fft.irfft(parts, places, axis=1)).max(axis=1))
+    return np.concatenate(found) if found else np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ForceMap:
+    """Largest force of any tip [N] by time (rows + 1 edges [s]) and place on the casing (bars + 1 edges [degrees]).
+
+    `force` (rows, bars) is nan where no tip passed.
+    """
+
+    time: Array
+    angle_deg: Array
+    force: Array
+
+
+def force_over_angle(what: What, result: Result, *, bars: int = 180, rows: int = 160) -> ForceMap | None:
+    """Where on the casing the tips press, and when; None of what does not turn.
+
+    A row is a whole number of turns; the last may be longer.
+
+    Forces are averaged over the model's shortest period (`Result.windowed_force`).
+    """
+    rub: Rub | None = rub_of(what)
+    if rub is None or result.time.size < 2 or not result.force.shape[1]:
+        return None
+    turned = rub.speed.angles(result.time)
+    turns = abs(float(turned[-1] - turned[0])) / (2.0 * math.pi)
+    if turns < 1.0:
+        return None
+    each = math.ceil(turns / rows)  # turns of a row; the last has the rest too
+    count = int(turns) // each
+    row = np.minimum((np.abs(turned - turned[0]) / (2.0 * math.pi * each)).astype(int), count - 1)
+    found = np.full((count, bars), -np.inf)
+    windowed = result.windowed_force()
+    for k, tip in enumerate(rub.tips):
+        place = np.mod(math.radians(tip.angle_deg) - turned, 2.0 * math.pi) * (bars / (2.0 * math.pi))
+        np.maximum.at(found, (row, np.minimum(place.astype(int), bars - 1)), windowed[:, k])
+    starts = result.time[np.searchsorted(row, np.arange(count))]
+    return ForceMap(
+        time=np.append(starts, result.time[-1]), angle_deg=np.linspace(0.0, 360.0, bars + 1),
+        force=np.where(np.isfinite(found), found, np.nan),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Section:
+    """One point a turn of the casing in the second half of a run: a tip along its normal [m], its velocity [m/s].
+
+    A motion of the period of a turn is one point, one of k turns k points, a chaotic one a cloud.
+    """
+
+    time: Array
+    displacement: Array
+    velocity: Array
+
+
+def once_a_turn(what: What, result: Result) -> Section | None:
+    """Poincare's section of the first tip; None where a turn has too few states, or the second half too few turns."""
+    rub, moved = rub_of(what), tip_motion(what, result)
+    if rub is None or moved is None:
+        return None
+    turned = np.abs(rub.speed.angles(moved.time)) / (2.0 * math.pi)
+    half = 0.5 * (turned[0] + turned[-1])
+    numbers = np.arange(math.ceil(half), math.floor(float(turned[-1])) + 1, dtype=float)
+    if len(numbers) < TURNS or len(turned) < FINE * (turned[-1] - turned[0]) or np.any(np.diff(turned) < 0.0):
+        return None
+    at = np.interp(numbers, turned, moved.time)
+    normal = moved.tip[:, 0]
+    velocity = np.gradient(normal, moved.time)
+    return Section(
+        time=at, displacement=np.interp(at, moved.time, normal), velocity=np.interp(at, moved.time, velocity)
+    )
