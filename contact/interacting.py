@@ -2,8 +2,7 @@
 
 The growth of closed contact (`contact.growth.peaks`) says at which speeds contact can feed a motion, and which motion.
 Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, and at speeds evenly over
-the range, where contact that opens may feed a motion that closed contact does not. The growth of each run
-(`contact.growth.of_run`) is its verdict. A run that grows where closed contact does not is repeated with half the step.
+the range, where contact that opens may feed a motion that closed contact does not (`contact.speed_runs`).
 """
 
 from __future__ import annotations
@@ -11,64 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
 from itertools import groupby, pairwise
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.base.arrays import Array
-from contact.base.errors import InputError, NumericsError
+from contact.base.errors import InputError
 from contact.growth.peaks import Peak, Peaks, growth_at, peaks
 from contact.io.columns import Column, table_lines
-from contact.io.progress import tell
+from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
-from contact.model.gaps.rub import Rub, rub_of
-from contact.model.gaps.rub_laws import Speed
+from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
-from contact.record.growth import STANDS, RunGrowth
-from contact.record.record import Record, prime_stride
-from contact.run import Scene, run
-from contact.run_many import Outcome, run_many
+from contact.run import Scene
+from contact.speed_runs import SpeedRun, Verdict, speed_runs
 
-Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
-STATES = 512  # stored of a run
-LONGER = 4.0  # times t_end, for runs that are too short to decide
-RESONANT = 3.0  # times the median amplitude of the runs that do not grow
-TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 LINE = 100  # characters of a printed line
-SHORT = "the run is too short for its growth: lengthen t_end"
-NUMERICAL = "the growth is numerical: reduce dt"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpeedRun:
-    """The scene at one constant speed: `speed_hz` [turns/s], its verdict, and the motion.
-
-    `closed` growth of closed contact [1/s]; `growth` of the run with its interval of 95 %, nan where it has none;
-    `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
-    where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
-    does not decide.
-    """
-
-    speed_hz: float
-    verdict: Verdict
-    closed: float
-    growth: float
-    low: float
-    high: float
-    amplitude_m: float
-    half_wall_s: float
-    n: int | None
-    wave: str
-    body: str
-    seconds: float = 0.0
-    why: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,8 +155,6 @@ class Interactions(Reported):
 
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem interactions --json`."""
-        from contact.io.outfiles import finite
-
         names = tuple(SpeedRun.__dataclass_fields__)
         return {
             "interactions": [finite(row) for row in self.records()],
@@ -243,7 +203,7 @@ def interactions(
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])
     poles = growth_at(closed or what, at, mu=mu)
-    taken = _decided(_checked(scene, _longer(scene, _ran(scene, at, poles))))
+    taken = speed_runs(scene, at, poles)
     return Interactions(rows=_ranked(_table(taken, proposed.rows)), runs=taken, peaks=proposed)
 
 
@@ -267,147 +227,6 @@ def _by_poles(peak: Peak) -> DangerousSpeed:
         amplitude_m=none, half_wall_s=none, n=peak.n, wave=peak.wave, body=body,
     )  # fmt: skip
     return DangerousSpeed(from_hz=peak.from_hz, to_hz=peak.to_hz, at=at, peak=peak)
-
-
-def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
-    """The scene at each speed; every motion that does not grow is a resonance until all are known."""
-    scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
-    ended = 0
-
-    def note(_: int, __: Outcome) -> None:
-        nonlocal ended
-        ended += 1
-        tell(f"run {ended} of {len(scenes)}", ended / len(scenes))
-
-    outcomes = run_many(scenes, record=_record, ended=note)
-    return [
-        _speed_run(outcome, hz, pole)
-        for outcome, hz, pole in zip(outcomes, speed_hz.tolist(), poles.tolist(), strict=True)
-    ]
-
-
-def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """Runs of which those that are too short were repeated, `LONGER` times as long."""
-    short = [run for run in runs if run.why == SHORT]
-    if not short or scene.t_end is None:
-        return list(runs)
-    speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
-    again = _ran(replace(scene, t_end=LONGER * scene.t_end), speed, poles)
-    better = {run.speed_hz: run for run in again if run.seconds > 0.0}
-    return [better.get(run.speed_hz, run) for run in runs]
-
-
-def _checked(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """Runs of which those that grow where closed contact does not were repeated, with half the step at their end."""
-    return [
-        _speed_run(_alone(at_speed(scene, run.speed_hz), run.seconds), run.speed_hz, run.closed)
-        if run.verdict == "unstable" and not run.closed > 0.0 else run
-        for run in runs
-    ]  # fmt: skip
-
-
-def _alone(scene: Scene, seconds: float) -> Outcome:
-    """One run of at least these seconds, its growth checked at half the step."""
-    try:
-        return run(scene, t_end=max(seconds, scene.t_end or 0.0))
-    except (InputError, NumericsError) as error:
-        return error
-
-
-def _record(steps: int) -> Record:
-    """States of a run, in step with no turn and no mode."""
-    stride = prime_stride(steps, STATES)
-    return Record(every=stride, state_every=stride)
-
-
-def at_speed(scene: Scene, speed_hz: float) -> Scene:
-    """The same scene at one constant speed [turns/s], with a smaller step where the scene's is too long for it.
-
-    >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
-    >>> from contact.model.gaps.permanent import ModalPair
-    >>> disk = BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
-    >>> rim = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
-    >>> scene = Scene(what=Rub(rim, (disk.body(),), disk.tips(), clearance=1e-4), t_end=1.0, dt=1e-3)
-    >>> fast = at_speed(scene, 100.0)
-    >>> fast.what.speed.hz.tolist(), round(fast.dt * 3 * 2 * np.pi * 100.0, 3)
-    ([100.0], 0.299)
-    """
-    rub = rub_of(scene.what)
-    highest = max([rub.casing.n_max, *(p for p, _, _ in rub.profile.terms)])
-    dt = scene.dt
-    if dt is not None and highest:
-        dt = min(dt, TURN / (2.0 * math.pi * highest * speed_hz))
-    return replace(scene, what=_turned(scene.what, speed_hz), dt=dt, record=None)
-
-
-@singledispatch
-def _turned(what: object, speed_hz: float) -> Any:
-    """A rim or a rub at another, constant speed."""
-    raise InputError(f"scene: found {type(what).__name__}, expected a RotatingRim or a Rub")
-
-
-@_turned.register
-def _(what: RotatingRim, speed_hz: float) -> RotatingRim:
-    return replace(what, speed_hz=speed_hz)
-
-
-@_turned.register
-def _(what: Rub, speed_hz: float) -> Rub:
-    return replace(what, speed=Speed.constant(speed_hz))
-
-
-def _speed_run(outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:
-    """The verdict of one run."""
-    none = math.nan
-    run = SpeedRun(
-        speed_hz=speed_hz, verdict="not decided", closed=pole, growth=none, low=none, high=none, amplitude_m=none,
-        half_wall_s=none, n=None, wave="", body="",
-    )  # fmt: skip
-    if isinstance(outcome, InputError):
-        return replace(run, why=f"the scene is refused: {outcome}")
-    result = outcome.result if isinstance(outcome, NumericsError) else outcome
-    if result is None:
-        return replace(run, why=f"the numerics failed: {outcome}")
-    run = replace(run, seconds=result.steps * result.dt)
-    growth = result.growth
-    if growth is not None:
-        run = replace(
-            run, growth=growth.rate, low=growth.low, high=growth.high, amplitude_m=growth.amplitude,
-            half_wall_s=growth.time_to_half_wall, n=growth.nodal_diameters, body=growth.body,
-            wave="" if growth.cause is None else _wave(growth.cause.travel),
-        )  # fmt: skip
-    passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
-    if isinstance(outcome, NumericsError) and not passed:
-        return replace(run, why=f"the numerics failed: {outcome}")
-    verdict, why = _of_growth(growth, passed=passed)
-    return replace(run, verdict=verdict, why=why)
-
-
-def _wave(travel: float) -> str:
-    if not math.isfinite(travel):
-        return ""
-    return "standing" if abs(travel) < STANDS else "with" if travel > 0.0 else "against"
-
-
-def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
-    """Verdict of a run, and why it has none; `passed` whether the rim moved beyond half its wall."""
-    if growth is not None and growth.converged is False:
-        return "not decided", NUMERICAL
-    if passed or (growth is not None and growth.state == "grows"):
-        return "unstable", ""
-    if growth is None or growth.state == "undecided":
-        return "not decided", SHORT
-    return ("safe" if growth.state == "at rest" else "resonance"), ""
-
-
-def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
-    """Runs whose motion does not grow: a resonance beyond `RESONANT` times the median amplitude, else safe."""
-    calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
-    limit = RESONANT * float(np.median(calm)) if calm else math.inf
-    return tuple(
-        replace(run, verdict="safe") if run.verdict == "resonance" and not run.amplitude_m > limit else run
-        for run in runs
-    )
 
 
 def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[DangerousSpeed]:

@@ -1,0 +1,220 @@
+"""Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
+
+The verdict is the growth of the run (`contact.growth.of_run`). A run that is too short for it is repeated longer, and
+one that grows where closed contact does not is repeated with half the step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import singledispatch
+from typing import Any, Literal
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError, NumericsError
+from contact.io.progress import tell
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.rub import Rub, rub_of
+from contact.model.gaps.rub_laws import Speed
+from contact.record.growth import STANDS, RunGrowth
+from contact.record.record import Record, prime_stride
+from contact.run import Scene, run
+from contact.run_many import Outcome, run_many
+
+Verdict = Literal["unstable", "not decided", "resonance", "safe"]
+STATES = 512  # stored of a run
+LONGER = 4.0  # times t_end, for runs that are too short to decide
+RESONANT = 3.0  # times the median amplitude of the runs that do not grow
+STILL = 1e-12  # of the radius: a smaller motion is round-off
+TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
+SHORT = "the run is too short for its growth: lengthen t_end"
+NUMERICAL = "the growth is numerical: reduce dt"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedRun:
+    """The scene at one constant speed: `speed_hz` [turns/s], its verdict, and the motion.
+
+    `closed` growth of closed contact [1/s]; `growth` of the run with its interval of 95 %, nan where it has none;
+    `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
+    where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
+    does not decide.
+    """
+
+    speed_hz: float
+    verdict: Verdict
+    closed: float
+    growth: float
+    low: float
+    high: float
+    amplitude_m: float
+    half_wall_s: float
+    n: int | None
+    wave: str
+    body: str
+    seconds: float = 0.0
+    why: str = ""
+
+
+def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
+    """Run a scene at speeds [turns/s] above 0, and judge each run; `poles` (speeds,) are the growths of closed contact.
+
+    >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
+    >>> from contact.model.gaps.permanent import ModalPair
+    >>> disk = BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
+    >>> rim = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    >>> scene = Scene(what=Rub(rim, (disk.body(),), disk.tips(), clearance=1e-3), t_end=0.1, dt=1e-4)
+    >>> (found,) = speed_runs(scene, np.array([20.0]), np.zeros(1))
+    >>> found.verdict, found.amplitude_m  # nothing touches
+    ('safe', 0.0)
+    """
+    return _decided(_checked(scene, _longer(scene, _ran(scene, speed_hz, poles))))
+
+
+def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
+    """The scene at each speed; every motion that does not grow is a resonance until all are known."""
+    scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
+    ended = 0
+
+    def note(_: int, __: Outcome) -> None:
+        nonlocal ended
+        ended += 1
+        tell(f"run {ended} of {len(scenes)}", ended / len(scenes))
+
+    outcomes = run_many(scenes, record=_record, ended=note)
+    return [
+        _speed_run(one.what, outcome, hz, pole)
+        for one, outcome, hz, pole in zip(scenes, outcomes, speed_hz.tolist(), poles.tolist(), strict=True)
+    ]
+
+
+def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
+    """Runs of which those that are too short were repeated, `LONGER` times as long."""
+    short = [run for run in runs if run.why == SHORT]
+    if not short or scene.t_end is None:
+        return list(runs)
+    speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
+    again = _ran(replace(scene, t_end=LONGER * scene.t_end), speed, poles)
+    better = {run.speed_hz: run for run in again if run.seconds > 0.0}
+    return [better.get(run.speed_hz, run) for run in runs]
+
+
+def _checked(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
+    """Runs of which those that grow where closed contact does not were repeated, with half the step at their end."""
+    found = []
+    for one in runs:
+        if one.verdict == "unstable" and not one.closed > 0.0:
+            again = at_speed(scene, one.speed_hz)
+            one = _speed_run(again.what, _alone(again, one.seconds), one.speed_hz, one.closed)
+        found.append(one)
+    return found
+
+
+def _alone(scene: Scene, seconds: float) -> Outcome:
+    """One run of at least these seconds, its growth checked at half the step."""
+    try:
+        return run(scene, t_end=max(seconds, scene.t_end or 0.0))
+    except (InputError, NumericsError) as error:
+        return error
+
+
+def _record(steps: int) -> Record:
+    """States of a run, in step with no turn and no mode."""
+    stride = prime_stride(steps, STATES)
+    return Record(every=stride, state_every=stride)
+
+
+def at_speed(scene: Scene, speed_hz: float) -> Scene:
+    """The same scene at one constant speed [turns/s], with a smaller step where the scene's is too long for it.
+
+    >>> from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
+    >>> from contact.model.gaps.permanent import ModalPair
+    >>> disk = BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5)
+    >>> rim = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    >>> scene = Scene(what=Rub(rim, (disk.body(),), disk.tips(), clearance=1e-4), t_end=1.0, dt=1e-3)
+    >>> fast = at_speed(scene, 100.0)
+    >>> fast.what.speed.hz.tolist(), round(fast.dt * 3 * 2 * np.pi * 100.0, 3)
+    ([100.0], 0.299)
+    """
+    rub = rub_of(scene.what)
+    highest = max([rub.casing.n_max, *(p for p, _, _ in rub.profile.terms)])
+    dt = scene.dt
+    if dt is not None and highest:
+        dt = min(dt, TURN / (2.0 * math.pi * highest * speed_hz))
+    return replace(scene, what=_turned(scene.what, speed_hz), dt=dt, record=None)
+
+
+@singledispatch
+def _turned(what: object, speed_hz: float) -> Any:
+    """A rim or a rub at another, constant speed."""
+    raise InputError(f"scene: found {type(what).__name__}, expected a RotatingRim or a Rub")
+
+
+@_turned.register
+def _(what: RotatingRim, speed_hz: float) -> RotatingRim:
+    return replace(what, speed_hz=speed_hz)
+
+
+@_turned.register
+def _(what: Rub, speed_hz: float) -> Rub:
+    return replace(what, speed=Speed.constant(speed_hz))
+
+
+def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:
+    """The verdict of one run."""
+    none = math.nan
+    run = SpeedRun(
+        speed_hz=speed_hz, verdict="not decided", closed=pole, growth=none, low=none, high=none, amplitude_m=none,
+        half_wall_s=none, n=None, wave="", body="",
+    )  # fmt: skip
+    if isinstance(outcome, InputError):
+        return replace(run, why=f"the scene is refused: {outcome}")
+    result = outcome.result if isinstance(outcome, NumericsError) else outcome
+    if result is None:
+        return replace(run, why=f"the numerics failed: {outcome}")
+    run = replace(run, seconds=result.steps * result.dt)
+    growth = result.growth
+    if growth is not None:
+        run = replace(
+            run, growth=growth.rate, low=growth.low, high=growth.high, amplitude_m=growth.amplitude,
+            half_wall_s=growth.time_to_half_wall, n=growth.nodal_diameters, body=growth.body,
+            wave="" if growth.cause is None else _wave(growth.cause.travel),
+        )  # fmt: skip
+    passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
+    if isinstance(outcome, NumericsError) and not passed:
+        return replace(run, why=f"the numerics failed: {outcome}")
+    if growth is not None and growth.amplitude < STILL * rub_of(what).casing.line_radius(0):
+        return replace(run, verdict="safe")
+    verdict, why = _of_growth(growth, passed=passed)
+    return replace(run, verdict=verdict, why=why)
+
+
+def _wave(travel: float) -> str:
+    if not math.isfinite(travel):
+        return ""
+    return "standing" if abs(travel) < STANDS else "with" if travel > 0.0 else "against"
+
+
+def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
+    """Verdict of a run, and why it has none; `passed` whether the rim moved beyond half its wall."""
+    if growth is not None and growth.converged is False:
+        return "not decided", NUMERICAL
+    if passed or (growth is not None and growth.state == "grows"):
+        return "unstable", ""
+    if growth is None or growth.state == "undecided":
+        return "not decided", SHORT
+    return ("safe" if growth.state == "at rest" else "resonance"), ""
+
+
+def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
+    """Runs whose motion does not grow: a resonance beyond `RESONANT` times the median amplitude, else safe."""
+    calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
+    limit = RESONANT * float(np.median(calm)) if calm else math.inf
+    return tuple(
+        replace(run, verdict="safe") if run.verdict == "resonance" and not run.amplitude_m > limit else run
+        for run in runs
+    )
