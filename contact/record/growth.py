@@ -112,8 +112,11 @@ class RunGrowth:
 
     @property
     def irregular(self) -> bool:
-        """Whether the same step, from a slightly different start, gives another growth too: it tells no step apart."""
-        return self.converged is False and math.isfinite(self.same_step) and not self._agrees(self.same_step)
+        """Whether the same step, from a slightly different start, gives another growth too, or rather that of half."""
+        if self.converged is not False or not math.isfinite(self.same_step):
+            return False
+        nearer = abs(self.same_step - self.half_step) < abs(self.same_step - self.rate)
+        return nearer or not self._agrees(self.same_step)
 
     @property
     def numerical(self) -> bool:

@@ -6,7 +6,8 @@ and out-of-roundness. A run of half a second gives its verdict. A run three time
 goes on to a tenth of the radius, shows what becomes of the motion: its level, sqrt(mean omega^2 (q - mean q)^2) of all
 modes over windows of 1/480 of it, is read beside the verdict. It grows where it passes the limit, or where the level at
 the end is more than e^0.5 times that at the end of the short run; it decays below e^-0.5; else it is bounded: levels of
-irregular motions wander by as much. A verdict of growth that half the step calls numerical counts as none. Where the
+irregular motions wander by as much. A verdict of growth that half the step calls numerical counts as none, one that is
+called irregular is counted apart. Where the
 short run grows by e or more in its last stretch and its interval is within 10 %, the rates of both in that stretch are
 compared: with contact that stays closed, and with contact that opens.
 """
@@ -132,7 +133,8 @@ def compared(seed: int) -> Row:
     becomes, folds = truth(what, long, short.steps * short.dt)
     row: Row = {
         "seed": seed, "kind": KINDS[seed % len(KINDS)], "mu": mu,
-        "verdict": "numerical" if grown.numerical else grown.state, "long run": becomes,
+        "verdict": "numerical" if grown.numerical else "irregular" if grown.irregular else grown.state,
+        "long run": becomes,
         "folds": folds if math.isfinite(folds) else None, "growth 1/s": grown.rate, "low": grown.low,
         "high": grown.high, "since s": grown.since, "end s": short.steps * short.dt, "fine 1/s": None, "off": None,
         "converged": grown.converged, "half step 1/s": grown.half_step, "check share": grown.check_share,
@@ -152,14 +154,20 @@ def compared(seed: int) -> Row:
     return row
 
 
+def wrong(row: Row) -> bool:
+    """Whether a verdict on growth differs from the long run, but for a motion that it calls irregular."""
+    return not row["sign agrees"] and row["verdict"] != "irregular"
+
+
 def main(out: Path, quick: bool = False, count: int = 200, first: int = 0) -> list[Row]:
     """Print the verdicts that differ and how many agree, kind by kind; write a row for each draw."""
     rows = [compared(seed) for seed in range(first, first + (min(count, 6) if quick else count))]
     write(out / "run_growth.csv", rows)
-    wrong = [row for row in rows if not (row["agrees"] and row["sign agrees"])]
+    different = [row for row in rows if not (row["agrees"] and row["sign agrees"])]
     shown = ("seed", "kind", "mu", "verdict", "long run", "folds", "growth 1/s", "low", "high", "since s", "end s",
              "closed")  # fmt: skip
-    show("Verdicts that differ from the long run", [{name: row[name] for name in shown} for row in wrong])
+    if different:
+        show("Verdicts that differ from the long run", [{name: row[name] for name in shown} for row in different])
     table: list[Row] = []
     for kind in KINDS:
         mine = [row for row in rows if row["kind"] == kind]
@@ -171,14 +179,14 @@ def main(out: Path, quick: bool = False, count: int = 200, first: int = 0) -> li
         table.append({
             "kind": kind, "draws": len(mine), **{
                 state: sum(row["verdict"] == state for row in mine)
-                for state in ("grows", "numerical", "bounded", "decays", "undecided", "at rest")
+                for state in ("grows", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
             },
-            "same sign": sum(bool(row["sign agrees"]) for row in mine),
+            "same sign": sum(bool(row["sign agrees"]) for row in mine), "wrong sign": sum(wrong(row) for row in mine),
             "same end": sum(bool(row["agrees"]) for row in mine),
             "closed": len(closed), "within 10 %": sum(value <= WITHIN for value in closed),
             "opens": len(off) - len(closed),
             "opens, within 10 %": sum(value <= WITHIN for value in off) - sum(value <= WITHIN for value in closed),
-            "verdict": "pass" if sum(not row["sign agrees"] for row in mine) <= max(1, len(mine) // 50) else "FAIL",
+            "verdict": "FAIL" if sum(wrong(row) for row in mine) > max(1, len(mine) // 100) else "pass",
             "checked": len(checked), "converged": sum(bool(row["converged"]) for row in checked),
         })  # fmt: skip
     show("Runs of half a second against runs three times as long at a tenth of the step", table)

@@ -161,3 +161,29 @@ def test_the_last_stretch_at_half_the_step_is_the_same_of_a_rim_and_of_its_rub()
     assert "converged" in found.words
     of_rub = diverging(rub_of(rim(20.0))).result.growth
     assert of_rub.half_step == pytest.approx(found.half_step, rel=0.02)
+
+
+@pytest.mark.slow
+def test_growth_by_impacts_where_closed_contact_decays_is_called_that():
+    """A blade with the tip of NASA rotor 37's before a 4 mm ring: closed contact decays, the run grows."""
+    thin = ct.bodies.ThinRing(
+        radius=0.25, width=0.05, height=4e-3, E=210e9, rho=7800.0, k_r=8.4815e7, k_t=2e6, zeta=2e-3
+    )
+    casing = replace(ct.bodies.ring_modes(thin, 8).truncated(2.5e4), thickness=4e-3)
+    tip = ct.ModalBody(
+        omega=[2121.4, 6152.1], zeta=[1e-3, 1e-3], channels=("span", "flap"), rows=[[2.0, -0.75], [9.5, -1.3]],
+        S=[[2e-8, 0.0], [0.0, 6e-8]],
+    )  # fmt: skip
+    what = ct.RotatingRim(
+        casing, tip, clearance=2e-5, speed_hz=261.607, lean_deg=8.29, out_of_roundness=[{"p": 4, "cos": 5e-5}]
+    )
+    given = {"law": ct.Unilateral(), "t_end": 0.3}
+    for step in (1e-5, 1e-6):
+        error = diverging(what, dt=step, **given)
+        grown = error.result.growth
+        assert error.result.divergence.theory < -1.0
+        assert grown.low > 10.0
+        assert grown.converged
+        assert (grown.body, grown.nodal_diameters, grown.cause.source) == ("casing", 8, "the turning rim")
+        assert "Contact that opens and closes feeds this motion" in str(error)
+        assert "converged" in str(error)
