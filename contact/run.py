@@ -234,8 +234,8 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
             marks.append(mark(stepper, taken))
         progress(chunk.done)
         if failed < 0 and taken % LEDGER == 0:
-            now = _budget(ready)
-            if _runs_away(ready, now, calm or now):
+            now = budget_of(ready)
+            if runs_away(ready, now, calm or now):
                 break
             calm = calm or now
         if file is not None and failed < 0:
@@ -244,7 +244,7 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
     return finished(ready, parts, taken, time.perf_counter() - began, failed, calm, marks)
 
 
-def _budget(ready: Prepared) -> EnergyBudget:
+def budget_of(ready: Prepared) -> EnergyBudget:
     """Energies up to now."""
     sums = ready.stepper.sums
     with np.errstate(over="ignore", invalid="ignore"):  # a run that overflowed is read too
@@ -258,7 +258,7 @@ def _budget(ready: Prepared) -> EnergyBudget:
         )  # fmt: skip
 
 
-def _runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
+def runs_away(ready: Prepared, now: EnergyBudget, calm: EnergyBudget) -> bool:
     """Whether the energy is no number any more, or contact has added more than all else since `calm`.
 
     A coating may: a rim that turns presses other bars against the tip, and its drive's work is booked as the contact's.
@@ -278,12 +278,12 @@ def finished(
     `calm`: energies early on, from where contact may not add any. `marks` of the run, from which its last stretch is
     repeated at half the step where it grows; None: it is not.
     """
-    stepper, energy = ready.stepper, _budget(ready)
+    stepper, energy = ready.stepper, budget_of(ready)
     limit = None if failed < 0 else passed(getattr(stepper, "limits", None))
     if not math.isfinite(energy.unaccounted):
         limit = limit or ("overflow", math.nan, math.nan)
         parts = [_finite(part) for part in parts]
-    elif failed < 0 and calm is not None and _runs_away(ready, energy, calm):
+    elif failed < 0 and calm is not None and runs_away(ready, energy, calm):
         since = energy.since(calm)
         limit = "energy", -since.lost_in_contact, ADDED * since.others
     with np.errstate(over="ignore", invalid="ignore"):

@@ -8,9 +8,10 @@ from dataclasses import replace
 from typing import cast
 
 from contact.base.errors import DivergedError, InputError, NumericsError
+from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
 from contact.result import Result
-from contact.run import Prepared, Scene, completed, finished, prepared
+from contact.run import LEDGER, Prepared, Scene, budget_of, completed, finished, prepared, runs_away
 from contact.scheme.modal.batch import WIDTH, Events, Job, Shape, batch, shape_of
 from contact.scheme.modal.rub_stepper import RubStepper
 
@@ -97,19 +98,24 @@ def _fits(ready: Prepared) -> Shape | None:
 
 
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
-    """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found."""
+    """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found.
+
+    The energies of each are looked at as often as those of a run alone; None, too, where contact adds too much of it.
+    """
     jobs = [Job(run=cast(RubStepper, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
     waiting = list(range(len(jobs)))[::-1]
     lanes: dict[int, int] = {}
     events: dict[int, list[Events]] = {}
+    calm: dict[int, EnergyBudget] = {}  # of each lane after its first LEDGER steps
     began, steps = time.perf_counter(), sum(job.steps for job in jobs)
     while waiting or lanes:
         for k in range(WIDTH):
             if k not in lanes and waiting:
                 lanes[k] = waiting.pop()
                 events[k] = []
-                shared.load(k, jobs[lanes[k]])
+                shared.load(k, jobs[lanes[k]], LEDGER)
+                calm.pop(k, None)
         happened = shared.advance()
         for k, own in happened.items():
             events[k].append(own)
@@ -117,15 +123,26 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
             failed, ended = int(shared.lanes.failed[k]), shared.lanes.step[k] == shared.lanes.end[k]
             if failed or ended:
                 job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
+                if not failed and taken < job.steps:
+                    shared.read(k, job)
+                    now = budget_of(ready)
+                    calm.setdefault(k, now)
+                    if not runs_away(ready, now, calm[k]):
+                        shared.go_on(k, job, LEDGER)
+                        continue
+                    failed = 1  # its lane: alone it ends here
                 kept = shared.unload(k, job, events.pop(k))
                 del lanes[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
-                yield i, None if failed == 1 else _result(ready, kept, taken, seconds, taken if failed else -1)
+                ended_at = taken if failed else -1
+                yield i, None if failed == 1 else _result(ready, kept, taken, seconds, ended_at, calm.get(k))
 
 
-def _result(ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int) -> Outcome | None:
+def _result(
+    ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int, calm: EnergyBudget | None
+) -> Outcome | None:
     try:
-        return finished(ready, [kept], taken, seconds, failed)
+        return finished(ready, [kept], taken, seconds, failed, calm)
     except DivergedError as error:  # alone, a run whose energy grows ends at the next look at it
         ended = error.result
         fitted = ended.growth is not None and ended.growth.state == "grows"

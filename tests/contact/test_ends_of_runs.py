@@ -208,7 +208,7 @@ def test_the_budget_of_a_run_has_each_sum_of_all_contacts_in_its_place():
     sums = {name: np.array([2.0**k, 0.5]) for k, name in enumerate(names)}
     stepper = SimpleNamespace(sums=SimpleNamespace(**sums), stored=lambda: ENERGY.end)
     start = replace(ENERGY.start, strain=7.0)
-    found = RUN._budget(SimpleNamespace(stepper=stepper, start=start, load_step=3.0, overlap=0.25))
+    found = RUN.budget_of(SimpleNamespace(stepper=stepper, start=start, load_step=3.0, overlap=0.25))
     assert (found.start, found.end, found.load_step, found.overlap) == (start, ENERGY.end, 3.0, 0.25 * 128.5)
     assert (found.contact, found.rotation, found.friction) == (1.5, 2.5, 4.5)
     assert (found.damping, found.external, found.body_force, found.algorithmic) == (8.0, 16.0, 32.0, 64.0)

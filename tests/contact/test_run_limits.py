@@ -26,13 +26,13 @@ def later(added, **changes):
 def test_contact_that_adds_more_than_thrice_all_else_runs_away():
     bare, coated = (SimpleNamespace(law=SimpleNamespace(coating=coating)) for coating in (None, object()))
     assert ADDED * later(0.0).since(CALM).others == 9.0
-    assert not RUN._runs_away(bare, later(8.99), CALM)
-    assert RUN._runs_away(bare, later(9.01), CALM)
-    assert not RUN._runs_away(coated, later(9.01), CALM)
-    assert not RUN._runs_away(bare, later(-9.01), CALM)
+    assert not RUN.runs_away(bare, later(8.99), CALM)
+    assert RUN.runs_away(bare, later(9.01), CALM)
+    assert not RUN.runs_away(coated, later(9.01), CALM)
+    assert not RUN.runs_away(bare, later(-9.01), CALM)
     for ready in (bare, coated):
-        assert RUN._runs_away(ready, later(math.inf), CALM)
-        assert RUN._runs_away(ready, later(0.0, end=replace(STILL, discrete=math.nan)), CALM)
+        assert RUN.runs_away(ready, later(math.inf), CALM)
+        assert RUN.runs_away(ready, later(0.0, end=replace(STILL, discrete=math.nan)), CALM)
 
 
 def block(**changes):
@@ -42,7 +42,7 @@ def block(**changes):
 
 
 def ended(ready, budget, *, steps=30, failed=-1, calm=None, monkeypatch):
-    monkeypatch.setattr(RUN, "_budget", lambda _: budget)
+    monkeypatch.setattr(RUN, "budget_of", lambda _: budget)
     parts = [chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record)]
     return RUN.finished(ready, parts, steps, 0.1, failed, calm)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.base.errors import DivergedError
 from tests.contact.synthetic_rim import blade, flap_blade, ring
 
 RECORD = ct.Record(every=50, state_every=100)
@@ -134,3 +135,12 @@ def test_friction_and_one_mode_less_is_not_a_run_without_friction(modes: tuple[i
         assert isinstance(outcome, ct.Result)
         assert outcome.impulse == pytest.approx(ct.run(one).impulse, rel=1e-12)
         assert outcome.state.shape == ct.run(one).state.shape
+
+
+def test_energies_of_lanes_are_looked_at_as_often_as_those_of_a_run_alone(monkeypatch):
+    """A contact that may add nothing ends the run at the second look, which the first is compared with."""
+    monkeypatch.setattr(importlib.import_module("contact.run"), "ADDED", 0.0)
+    (found,) = ct.run_many([scene(t_end=0.9)])
+    assert isinstance(found, DivergedError)
+    assert found.result.divergence.limit == "energy"
+    assert found.result.steps == 40_000

@@ -79,7 +79,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
          t: float, h: float) -> int:  # fmt: skip
     """Free gaps of the tips that could touch; marks those that are solved for and returns how many.
 
-    Whether a tip that was near in the last step still is, is asked where `now_too`: the bound costs as much as the gap.
+    Whether a tip that was near in the last step still is, is asked where `now_too`: for one tip the bound costs as much
+    as the gap.
     """
     inside, side = 0, 1 - w.side[0]
     closing = straight(laws.closing, t + h)

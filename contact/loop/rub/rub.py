@@ -26,6 +26,8 @@ from contact.solver.abradable.tips import Coats
 from contact.solver.dense import assign
 from contact.solver.yielding.yields import Yielding, note_slope, paced
 
+AGAIN = 8  # steps between looks whether the only tip is still near
+
 
 @jit
 def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float, sums: Tally) -> None:  # fmt: skip
@@ -195,7 +197,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if blocks is not None:
             fly_coupled(s, blocks, w)
         every = due(step, out.every, out.at, sums.filled[0])
-        closing = find_near(s, laws, rows, w, dim, share, every, step % LOOK == 0, t, h)
+        closing = find_near(s, laws, rows, w, dim, share, every, step % AGAIN == 0 or s.mu.size > 1, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
         if y is not None:

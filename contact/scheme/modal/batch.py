@@ -168,8 +168,8 @@ class Batch:
         lane, kind, when = out.event_contact[:n], out.event_kind[:n], out.event_time[:n]
         return {k: (kind[lane == k], when[lane == k]) for k in set(lane.tolist())}
 
-    def load(self, k: int, job: Job) -> None:
-        """Put a run at its start into lane k."""
+    def load(self, k: int, job: Job, most: int = NEVER) -> None:
+        """Put a run at its start into lane k, for `most` steps at first."""
         lane, run, system, lanes = job.lane, job.run, job.lane.system, self.lanes
         for name in OF_MODES:
             getattr(lanes, name)[:, k] = getattr(run.state, name)
@@ -177,15 +177,8 @@ class Batch:
             layout.load(getattr(lanes, name), getattr(lane, name), k)
         own = {"angle": system.angle, "speed": system.speed, "surface": system.radius * system.speed, "mu": job.mu}
         own |= {"h": run.dt, "averaged": run.averaged, "turns": system.compliance_turns, "away": 0.0}
-        own |= {
-            "live": 1,
-            "step": 0,
-            "end": job.steps,
-            "retry": 0,
-            "failed": 0,
-            "casing": system.first[1],
-            "peaks": 0.0,
-        }
+        own |= {"live": 1, "step": 0, "end": min(job.steps, most), "retry": 0, "failed": 0}
+        own |= {"casing": system.first[1], "peaks": 0.0}
         for name, value in own.items():
             getattr(lanes, name)[k] = value
         lanes.memory[:, k], lanes.limits[:, k], lanes.reach[:, k] = lane.memory, run.limits, lane.reach
@@ -208,14 +201,23 @@ class Batch:
             self.flights.powers[k] = flight.powers
         self.flights.wave[k, : flight.wave.size], self.flights.row[k, : flight.row.size] = flight.wave, flight.row
 
-    def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
-        """Write lane k's state and sums back into its run; what it stored, views until the next load, with `events`."""
-        run, lanes, kept = job.run, self.lanes, self.kept
+    def go_on(self, k: int, job: Job, steps: int) -> None:
+        """Let lane k take so many more steps, as far as its run goes."""
+        self.lanes.end[k] = min(job.steps, int(self.lanes.step[k]) + steps)
+
+    def read(self, k: int, job: Job) -> None:
+        """Write the state and the sums of lane k into its run."""
+        run, lanes = job.run, self.lanes
         run.flight.taken[:], run.limits[:] = self.flights.taken[k], lanes.limits[:, k]
         for name in SUMS:
             getattr(run.sums, name)[0] = getattr(self.sums, name)[k]
         run.steps[0], run.state.peaks[0] = int(lanes.step[k]), lanes.peaks[k]
         give_back(run, job.lane, lanes.q[:, k], lanes.d[:, k], lanes.memory[:, k])
+
+    def unload(self, k: int, job: Job, events: Sequence[Events]) -> Samples:
+        """End the run of lane k, as `read`; what it stored, views until the next load, with `events`."""
+        self.read(k, job)
+        run, lanes, kept = job.run, self.lanes, self.kept
         n, states = (int(value) for value in kept.filled[:, k])
         lanes.live[k], lanes.away[k], lanes.limits[:, k] = 0, AWAY, NONE
         kind, when = (np.concatenate(part) for part in zip(NO_EVENTS, *events, strict=True))
