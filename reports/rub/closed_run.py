@@ -21,6 +21,7 @@ from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
 from contact.model.law import Coulomb, Unilateral
 from contact.record.record import Record
 from contact.run import run
+from contact.scheme.modal.coupled import poles
 from contact.scheme.modal.exact_modal import ExactModal
 
 PRESS, PUSHED = 1e-5, 1e-3  # of the radius, how much contacts overlap, small beside what slips in a period; of the
@@ -71,7 +72,8 @@ def confirming_run(what: RotatingRim | Rub | HandPair, speed_hz: float, *, mu: f
     rub, mu = closed_rub(what, speed_hz, mu)
     contact = rub_contact(rub, mu=mu)
     leading = max(poles_each(contact, np.array([speed_hz]))[0], key=lambda s: float(s.real))
-    dt, period = _step(rub, leading), 2.0 * math.pi / max(abs(leading.imag), 1.0)
+    fastest = float(np.abs(poles(*contact.matrices(2.0 * math.pi * speed_hz)).imag).max(initial=0.0))
+    dt, period = _step(rub, fastest, leading), 2.0 * math.pi / max(abs(leading.imag), 1.0)
     press, q, v = _start(contact, speed_hz, leading, -rub.clearance, dt)
     m = contact.casing
     sizes = np.cumsum([body.omega.size for body in rub.blades])[:-1]
@@ -164,9 +166,8 @@ def _before(contact: ClosedContact, speed: float, dt: float) -> Array:
     return np.asarray(np.linalg.solve(back[:m, m : 2 * m], back[:m, 2 * m :]))
 
 
-def _step(rub: Rub, leading: complex) -> float:
-    """Step [s] that resolves the fastest mode, the motion that is followed, and the turning."""
-    fastest = max(float(body.omega.max(initial=0.0)) for body in rub.bodies)
+def _step(rub: Rub, fastest: float, leading: complex) -> float:
+    """Step [s] that resolves the fastest mode [rad/s], the motion that is followed, and the turning."""
     return min(PHASE / fastest, FOLLOWED / abs(leading), TURNED / (rub.casing.n_max * max(rub.speed.fastest, 1e-9)))
 
 
@@ -183,7 +184,7 @@ def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
     least = min(casing.line_radius(tip.line) for tip in tips)
     return replace(
         what, casing=casing, tips=tips, clearance=-PRESS * least, speed=Speed.constant(speed_hz),
-        profile=RimProfile(), closing=Closing.none(), whirl=(), stiffening=(), forces=(), thickness=math.inf,
+        profile=RimProfile(), closing=Closing.none(), whirl=(), forces=(), thickness=math.inf,
         casing_start=Start(), blade_starts=(),
     ), mu  # fmt: skip
 

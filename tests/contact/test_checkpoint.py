@@ -19,6 +19,11 @@ HINGED = ct.bodies.HingedBeam(
 BEAM = ct.BeamInCircle(HINGED, radius=0.502, offset=0.006)
 COATING = ct.Abradable(E=4e7, yield_stress=2e5, hardening=4e6, thickness=5e-3, width=0.02, tip=0.03)
 RIM = ct.RotatingRim(ring(), blade(), clearance=-2e-6, speed_hz=5.0, lean_deg=10.0)
+SKEW = np.triu(np.random.default_rng(3).standard_normal((10, 10)), 1)
+WHIRLING = replace(rim3(), gyroscopic=SKEW - SKEW.T, stiffness_by_speed=SKEW + SKEW.T + 4.0 * np.eye(10))
+RAMP = ct.Rub(
+    WHIRLING, (nodes(3),), tips(3), clearance=-3e-6, speed=ct.Speed(time=[0.0, 0.03], hz=[4.0, 30.0]), turning="casing"
+)  # fmt: skip
 RUB = ct.Rub(rim3(), (nodes(3),), tips(3), clearance=-3e-6, speed=ct.Speed.constant(6.0))
 BODY = ct.ModalBody(
     omega=[300.0, 800.0], zeta=[0.01, 0.01], channels=("n1", "n2", "t1", "t2"), S=np.eye(4) * 1e-8,
@@ -42,6 +47,7 @@ RUNS = {
     "rim with friction": (RIM, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "rim with a coating": (RIM, {"law": COATING, **LONG}),
     "rub with friction": (RUB, {"law": ct.Coulomb(mu=0.1), **LONG}),
+    "rub with coupled modes over a ramp": (RAMP, {"law": ct.Coulomb(mu=0.1), **LONG}),
     "rub with a coating": (RUB, {"law": replace(COATING, tip=0.001), **LONG}),
     "patch": (PATCH, {"law": ct.Unilateral(), **LONG}),
     "patch with friction": (PATCH, {"law": ct.Coulomb(mu=0.3), **LONG}),

@@ -86,11 +86,12 @@ def test_the_step_resolves_the_fastest_mode_the_motion_and_the_turning():
     """Radians a step: 0.4 of the fastest mode, 0.02 of the leading motion, 0.1 of the highest harmonic."""
     rub = ct.Rub(ring(), [blade()], speed=ct.Speed.constant(-5.0))
     fastest = max(ring().omega.max(), blade().omega.max())
-    assert _step(rub, 1.0 + 2.0j) == pytest.approx(0.4 / fastest, rel=1e-14)
-    assert _step(rub, 3e3 - 4e3j) == pytest.approx(0.02 / 5e3, rel=1e-14)
+    assert _step(rub, fastest, 1.0 + 2.0j) == pytest.approx(0.4 / fastest, rel=1e-14)
+    assert _step(rub, fastest, 3e3 - 4e3j) == pytest.approx(0.02 / 5e3, rel=1e-14)
     quick = replace(rub, speed=ct.Speed.constant(-2e4))
-    assert _step(quick, 1.0 + 0.0j) == pytest.approx(0.1 / (6 * 2.0 * math.pi * 2e4), rel=1e-14)
-    assert _step(replace(rub, speed=ct.Speed.constant(0.0)), 1.0 + 0.0j) == pytest.approx(0.4 / fastest, rel=1e-14)
+    assert _step(quick, fastest, 1.0 + 0.0j) == pytest.approx(0.1 / (6 * 2.0 * math.pi * 2e4), rel=1e-14)
+    still = replace(rub, speed=ct.Speed.constant(0.0))
+    assert _step(still, fastest, 1.0 + 0.0j) == pytest.approx(0.4 / fastest, rel=1e-14)
 
 
 def test_the_rub_of_a_confirming_run_is_round_closed_and_alone():

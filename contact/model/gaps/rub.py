@@ -110,10 +110,10 @@ class Rub:
     `forces`: gravity and whirl on the modes that are kept; the static share of the others is left out.
     `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
     by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.
-    A blade of `stiffening` has the stiffness given there.
+    A blade of `stiffening`, which turns, has the stiffness given there.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
-    or a clearance, closing, whirl or profile beyond a tenth of the radius.
+    blades at rest with a stiffening, or a clearance, closing, whirl or profile beyond a tenth of the radius.
     """
 
     casing: ModalBody
@@ -158,6 +158,11 @@ class Rub:
             m = self.blades[stiff.blade].omega.size
             require_shape("stiffness_by_speed", stiff.stiffness_by_speed, (m, m))
         turns = casing_turns(self.turning)
+        if turns and self.stiffening:
+            raise InputError(
+                "blade.stiffening: found blades that the speed stiffens beside turning = 'casing', where blades are at "
+                "rest, expected turning = 'blades' or no stiffening"
+            )
         for one in self.forces:
             if one.casing_turns != turns:
                 found = f"a force of bodies of which the {'casing' if one.casing_turns else 'blades'} turn"

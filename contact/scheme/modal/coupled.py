@@ -31,6 +31,7 @@ from contact.base.arrays import Array, Indices, readonly
 from contact.model.gaps.modal_system import NOISE
 
 FALSE = 1e-8
+FAINT = 1e-10  # of a frequency: couplings that move no pole by more
 ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 PARTS = ("alpha", "beta", "c", "lost", "false", "odd", "inertia", "stiff", "mean", "fly", "lift")
 
@@ -75,8 +76,11 @@ def couplings(C: Array, K: Array) -> list[Indices]:
     """Modes that C and K (m, m) couple, as connected components, in ascending order; single modes as well.
 
     An entry beside the diagonal is taken for zero below 1e-10 of the largest entry of its matrix beside the diagonal
-    (of C with it), the noise of an eigen solver, or where its effect on the motion is below round-off:
-    |K_ij| <= 4 eps sqrt|K_ii K_jj|, |C_ij| <= 4 eps |K_ii K_jj|^(1/4).
+    (of C with it), the noise of an eigen solver, or where it moves no pole by more than 1e-10 of its frequency:
+    |K_ij| <= 1e-10 sqrt|K_ii K_jj|, |C_ij| <= 1e-10 |K_ii K_jj|^(1/4). Modes of a mesh have their frequencies from an
+    iteration that ends near there. An entry moves poles most where both modes have one frequency w: by K_ij/(2 w) and
+    C_ij/2. In (omega q, q') the matrix of undamped modes is skew, so that all entries left out together move no pole
+    by more than the norm of what they are there, m 1e-10 of the highest frequency of m modes at most.
 
     >>> couplings(np.array([[0.0, 0.0, 2.0], [0.0, 0.1, 0.0], [-2.0, 0.0, 0.0]]), np.diag([1.0, 2.0, 3.0]))
     [array([0, 2]), array([1])]
@@ -96,9 +100,9 @@ def _joined(C: Array, K: Array) -> Array:
     """Whether C or K couples two modes, (m, m)."""
     stiff = np.sqrt(np.abs(np.diag(K)))
     off = np.abs(K - np.diag(np.diag(K)))
-    floor = np.maximum(NOISE * off.max(initial=0.0), ROUND_OFF * np.multiply.outer(stiff, stiff))
+    floor = np.maximum(NOISE * off.max(initial=0.0), FAINT * np.multiply.outer(stiff, stiff))
     turning = np.abs(C - np.diag(np.diag(C)))
-    turning_floor = np.maximum(NOISE * np.abs(C).max(initial=0.0), ROUND_OFF * np.sqrt(np.multiply.outer(stiff, stiff)))
+    turning_floor = np.maximum(NOISE * np.abs(C).max(initial=0.0), FAINT * np.sqrt(np.multiply.outer(stiff, stiff)))
     return np.asarray((off > floor) | (turning > turning_floor), dtype=float)
 
 

@@ -12,7 +12,8 @@ from contact.growth.coincidence import coincidences
 from contact.growth.split_casing import floquet_growth
 from contact.growth.waves import waves_of
 from contact.model.gaps.modal_system import rim_system
-from contact.model.gaps.permanent import rim_contact
+from contact.model.gaps.permanent import rim_contact, rub_contact
+from reports.rub.closed_run import confirming_run
 from tests.contact.synthetic_rim import blade, ring
 
 TURN = 2.0 * math.pi
@@ -180,3 +181,45 @@ def test_a_coincidence_of_a_casing_that_turns_stands_at_its_whirling_frequency()
     wave = math.hypot(still, (n - b) * omega) + b * omega
     assert c.casing_hz == pytest.approx(wave / TURN, rel=1e-10)
     assert wave - n * omega == pytest.approx(TURN * c.blade_hz, rel=1e-10)
+
+
+def test_stiffening_of_blades_that_do_not_turn_is_refused():
+    stiff = ct.gaps.Stiffening(blade=0, stiffness_by_speed=np.eye(2))
+    given = {"clearance": 1e-5, "speed": ct.Speed.constant(5.0), "stiffening": [stiff]}
+    with pytest.raises(ct.InputError, match=r"blade\.stiffening: found blades that the speed stiffens beside turning"):
+        ct.Rub(ring(), (blade(),), turning="casing", **given)
+    assert ct.Rub(ring(), (blade(),), turning="blades", **given).stiffening == (stiff,)
+
+
+@pytest.mark.slow
+def test_noise_of_a_mesh_between_modes_does_not_change_a_run():
+    """Couplings below 1e-10 of a frequency are left out: what stays falls apart into pairs, as without them."""
+    casing = turning_ring()
+    rng = np.random.default_rng(4)
+    m = casing.omega.size
+    noise = np.triu(rng.uniform(3e-10, 6e-10, (m, m)), 1)
+    noise[ORDERS[:, None] == ORDERS] = 0.0
+    noisy = replace(
+        casing, gyroscopic=casing.gyroscopic + noise - noise.T,
+        stiffness_by_speed=casing.stiffness_by_speed + 1e-3 * (noise + noise.T),
+    )  # fmt: skip
+    clean, other = (
+        ct.run(rim(body), law=ct.Coulomb(mu=0.1), t_end=0.02, dt=1e-5, record=ct.Record(every=10, state_every=10))
+        for body in (casing, noisy)
+    )
+    assert clean.contact_steps[0] > 0
+    np.testing.assert_array_equal(other.state, clean.state)
+
+
+@pytest.mark.slow
+def test_a_confirming_run_resolves_the_modes_at_its_speed():
+    """A blade that the speed stiffens from 120 to 215 Hz, by a matrix of the rub's own."""
+    stiff = ct.gaps.Stiffening(blade=0, stiffness_by_speed=np.diag([20.0, 15.0]))
+    what = ct.Rub(
+        turning_ring(), (blade(),), (ct.gaps.ContactPoint(lean_deg=10.0),), clearance=-1e-5,
+        speed=ct.Speed.constant(40.0), stiffening=[stiff],
+    )  # fmt: skip
+    run = confirming_run(what, 40.0, mu=0.2)
+    expected = growth(rub_contact(what, mu=0.2), np.array([40.0]))[0]
+    assert run.poles == pytest.approx(expected, rel=1e-6)
+    assert run.run == pytest.approx(run.poles, rel=0.005)

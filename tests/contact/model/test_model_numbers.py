@@ -16,7 +16,6 @@ from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 from tests.probed import probed
 
-STIFF = ct.gaps.Stiffening(blade=0, stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), at_hz=3.0)
 PULLS = (
     ct.gaps.BodyForce.gravity(turning="casing", down_deg=30.0, axial=0.5),
     ct.gaps.BodyForce.of_whirl(ct.gaps.Whirl(amplitude=1e-5, per_rev=1.0, phase_deg=20.0), "blades", turning="casing"),
@@ -30,7 +29,7 @@ def numbers_of(value):
 
 
 def test_numbers_of_rubs_at_rest(held):
-    scene = turning(PULLS, stiffening=(STIFF,))
+    scene = turning(PULLS)
     rest = settled(scene)
     held(
         load=force_at_start(scene),

@@ -237,8 +237,7 @@ def test_a_rub_at_rest_under_what_pulls_at_the_start():
     whirl = ct.gaps.BodyForce.of_whirl(
         ct.gaps.Whirl(amplitude=2e-3, per_rev=0.3, phase_deg=20.0), "blades", turning="casing"
     )
-    stiff = Stiffening(blade=0, stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), at_hz=3.0)
-    scene = pulled(ct.gaps.BodyForce.gravity(turning="casing", axial=0.5), whirl, turning="casing", stiffening=[stiff],
+    scene = pulled(ct.gaps.BodyForce.gravity(turning="casing", axial=0.5), whirl, turning="casing",
                    speed=ct.Speed(time=[-1.0, 1.0], hz=[4.0, 8.0]))  # fmt: skip
     omega, slope = 12.0 * math.pi, 4.0 * math.pi
     w = 1.3 * omega
@@ -249,8 +248,7 @@ def test_a_rub_at_rest_under_what_pulls_at_the_start():
     load = load + 0.5 * np.concatenate([CASING_PART[2], PART[2]])
     rest = settled(scene)
     np.testing.assert_allclose(rest.casing_start.displacement, load[:10] / ring().omega ** 2, rtol=1e-12)
-    K = np.diag(blade().omega ** 2) + (omega**2 - (6.0 * math.pi) ** 2) * stiff.stiffness_by_speed
-    np.testing.assert_allclose(rest.blade_starts[0].displacement, np.linalg.solve(K, load[10:]), rtol=1e-12)
+    np.testing.assert_allclose(rest.blade_starts[0].displacement, load[10:] / blade().omega ** 2, rtol=1e-12)
     still = settled(rub(casing_start=ct.gaps.Start(velocity=np.ones(10))))
     assert not still.casing_start.displacement.any()
     assert still.casing_start.velocity.all()
