@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.histories import tip_motion
+from contact.histories import TipMotion, tip_motion
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import Rub, rub_of
 from contact.problem import What
@@ -138,9 +138,13 @@ class Section:
     velocity: Array
 
 
-def once_a_turn(what: What, result: Result) -> Section | None:
-    """Poincare's section of the first tip; None where a turn has too few states, or the second half too few turns."""
-    rub, moved = rub_of(what), tip_motion(what, result)
+def once_a_turn(what: What, result: Result, moved: TipMotion | None = None) -> Section | None:
+    """Poincare's section of the first tip; None where a turn has too few states, or the second half too few turns.
+
+    `moved` is the motion of the tip, `contact.histories.tip_motion`, where it is known already.
+    """
+    rub: Rub | None = rub_of(what)
+    moved = tip_motion(what, result) if moved is None else moved
     if rub is None or moved is None:
         return None
     turned = np.abs(rub.speed.angles(moved.time)) / (2.0 * math.pi)

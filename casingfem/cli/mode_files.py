@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from casingfem.study.load import Study
 
 
+RIMS = 8  # doublets and single modes whose rim is drawn
+
+
 def shape_files(
     found: "Modes | MeshModes", shown: tuple[int, ...] | None, *, vtu: bool, uff: bool
 ) -> dict[str, Content]:
@@ -59,6 +62,19 @@ def modes_tables(
 ) -> dict[str, Content]:
     """What --out holds of any modes."""
     return {"modes.json": json_text(document, indent=1), "modes.csv": modes_csv(found, study, sigma)}
+
+
+def mode_pictures(found: "ModeSet") -> dict[str, Content]:
+    """What --out draws of modes: frequencies by nodal diameters, and the rim's shapes of a casing on a chart."""
+    from casingfem.modal.mode_set import Modes
+    from casingfem.plot.modes import figure_frequencies, figure_rim, groups
+    from casingfem.plot.style import png
+
+    files: dict[str, Content] = {"modes.png": png(figure_frequencies(found))}
+    shown = groups(found, RIMS)
+    if isinstance(found, Modes) and found.rings is not None and shown:
+        files["modes_rim.png"] = png(figure_rim(found, shown))
+    return files
 
 
 def print_wheel(

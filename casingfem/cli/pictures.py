@@ -67,7 +67,7 @@ def figures(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) ->
     over_angle = force_over_angle(scene.what, result)
     if over_angle is not None:
         found["angle"] = figure_force_map(over_angle)
-    section = once_a_turn(scene.what, result)
+    section = None if moved is None else once_a_turn(scene.what, result, moved)
     if section is not None:
         found["section"] = figure_section(section)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from casingfem.cli.mode_files import modes_tables, print_wheel, shape_files
+from casingfem.cli.mode_files import mode_pictures, modes_tables, print_wheel, shape_files
 from casingfem.cli.progress import ProgressMessage
 from casingfem.cli.running import collected, deliver, options
 from casingfem.cli.tables import csv_text
@@ -63,7 +63,8 @@ def modes(
 ) -> None:
     """Modes of the structure of STUDY, labelled and counted.
 
-    modes.csv of --out is a frequency table, which `casingfem locate` and `update` take; it says COMPUTED.
+    --out DIR draws the frequencies, and the rim of a casing. Its modes.csv is a frequency table, which `casingfem
+    locate` and `update` take; it says COMPUTED.
     """
     from casingfem.modal.modes import modes as compute
     from casingfem.study import MeshStudy
@@ -91,6 +92,8 @@ def modes(
         "source": study.source,
     }
     files = modes_tables(document, found, study, sigma)
+    if out is not None:
+        files |= mode_pictures(found)
     if vtu or uff:
         files |= shape_files(found, shown, vtu=vtu, uff=uff)
     deliver(document, repr(found), as_json=as_json, out=out, files=files)

@@ -112,7 +112,8 @@ def test_modes_is_one_document_and_two_files(study, tmp_path):
     assert [row["mode"] for row in document["modes"]] == [1, 2, 3, 4, 5, 6]
     assert document["sturm_count"] == 6
     assert result.stderr == ""
-    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["modes.csv", "modes.json"]
+    files = ["modes.csv", "modes.json", "modes.png", "modes_rim.png"]
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == files
     rows = (tmp_path / "out" / "modes.csv").read_text().splitlines()
     assert rows[3].startswith("mode,n,freq_hz,sigma_hz,")
     assert float(rows[4].split(",")[2]) == document["modes"][0]["freq_hz"]
