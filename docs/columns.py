@@ -28,6 +28,7 @@ RESULTS = {
     "Frequency table": "casingfem.experiment.frequency_table.TABLE_COLUMNS",
     "Rows of a table and their modes": "casingfem.experiment.correlation.matches.COLUMNS",
     "Measured shapes and their modes": "casingfem.experiment.correlation.correlate.COLUMNS",
+    "Runs of a sweep": "contact.sweep.columns.MEASURED",
     "Growth over speed": "contact.growth.growth_map.COLUMNS",
     "Periodic motions": "contact.growth.cycles.columns.POINTS",
 }

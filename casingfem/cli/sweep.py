@@ -107,6 +107,7 @@ def motion_words(
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the document, the page, and the picture where numbers were varied."""
     from casingfem.plot.pages.contact import sweep_page
+    from contact.sweep.columns import MEASURED
     from contact.sweep.sweep import table
 
     files: dict[str, Content] = {"sweep.csv": table(found), "sweep.json": json_text(document, indent=1)}
@@ -122,7 +123,7 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
         drawn = Drawn(figure_sweep([plan.labels[k] for k in numbers], values, found.rows))
         files["sweep.png"] = drawn.png
     told = words(found, document["seconds"])
-    files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told)
+    files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told, MEASURED)
     return files
 
 

@@ -28,14 +28,9 @@ from contact.record.record import Record, prime_stride
 from contact.result import Result
 from contact.run import Scene
 from contact.run_many import Outcome
+from contact.sweep.columns import COLUMNS
 
 STATES = 256  # about so many states are stored for the amplitudes
-COLUMNS = (
-    "status", "steps", "contact_fraction", "closings", "impulse_N_s", "peak_force_N", "max_penetration_m", "residual_m",
-    "lost_in_contact_J", "friction_J", "damping_J", "rotation_J", "worn_J", "unaccounted_rel", "amplitude_m",
-    "blade_rms_m", "motion", "growth_1_s", "growth_low_1_s", "growth_high_1_s", "half_wall_at_s", "body", "n", "source",
-    "dominant_n", "dominant_rms_m", "diverged_at_s", "flags", "why",
-)  # fmt: skip
 FORMAT = "contact-run-2"
 Row = dict[str, Any]
 

@@ -15,14 +15,16 @@ from pathlib import Path
 from typing import Any
 
 from contact.base.errors import InputError
+from contact.io.columns import Column, Columns, records_of
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 from contact.io.workers import forks, worker_pool
 from contact.run import Scene
 from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
+from contact.sweep.columns import COLUMNS, MEASURED
 from contact.sweep.plan import SweepPlan, Value, changed
-from contact.sweep.row import COLUMNS, Row, Store, read_run, row_of, run_path, sweep_record, write_run
+from contact.sweep.row import Row, Store, read_run, row_of, run_path, sweep_record, write_run
 
 MOST = 64  # runs a task holds at most
 BATCH = 8  # runs that share one compiled loop
@@ -54,8 +56,13 @@ class SweepResult(Reported):
 
     def records(self) -> list[dict[str, Any]]:
         """One plain dictionary a run: its number, the varied keys, what was measured."""
-        names = columns(self.plan)
-        return [dict(zip(names, cells, strict=True)) for cells in rows_of(self)]
+        return records_of(self.described(), self)
+
+    def described(self) -> Columns:
+        """The number of the run, the varied keys, what was measured."""
+        number = Column("run", "Number of the run, from 1.", lambda found: range(1, 1 + len(found.rows)), format="d")
+        return [number, *(varied(k, name) for k, name in enumerate(columns(self.plan)[1 : 1 + len(self.plan.keys)])),
+                *MEASURED]  # fmt: skip
 
     def __repr__(self) -> str:
         done = len(self.rows) - self.failed - self.diverged
@@ -202,10 +209,9 @@ def columns(plan: SweepPlan) -> tuple[str, ...]:
     return ("run", *(f"{key}{UNITS.get(key.rpartition('.')[2], '')}" for key in plan.keys), *COLUMNS)
 
 
-def rows_of(result: SweepResult) -> Iterator[tuple[Any, ...]]:
-    """What stands in the columns, run by run."""
-    for number, (run, row) in enumerate(zip(result.plan.runs, result.rows, strict=True), start=1):
-        yield (number, *run.values, *(row[name] for name in COLUMNS))
+def varied(k: int, name: str) -> Column:
+    """The column of the k-th varied key."""
+    return Column(name, "Value of a varied key of the scene.", lambda found: [run.values[k] for run in found.plan.runs])
 
 
 UNITS = {
@@ -227,7 +233,7 @@ def table(result: SweepResult) -> str:
         *(f"# {name}: {value}" for name, value in sorted(plan.source.items())),
         ",".join(columns(plan)),
     ]
-    lines += [",".join(map(_cell, cells)) for cells in rows_of(result)]
+    lines += [",".join(map(_cell, row.values())) for row in result.records()]
     return "\n".join(lines) + "\n"
 
 

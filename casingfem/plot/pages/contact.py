@@ -2,20 +2,15 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, raised, render_page, written
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import LABELS, figure_cycles
+from contact.io.columns import Columns
 
 Rows = Sequence[Mapping[str, Any]]
-SHOWN = {
-    "contact_fraction": "contact, part of the time", "impulse_N_s": "impulse [N s]",
-    "peak_force_N": "largest force [N]", "amplitude_m": "amplitude [m]", "motion": "motion",
-    "growth_1_s": "growth [1/s]", "half_wall_at_s": "half the wall at [s]", "body": "body", "n": "n",
-    "source": "energy from",
-    "dominant_n": "dominant n", "unaccounted_rel": "energy not accounted for", "flags": "flags", "why": "why",
-}  # fmt: skip
 CAPTION = (
     "What was measured over what was varied. Diverged runs are triangles, refused or failed ones crosses; the colours "
     "of a map span all but the outermost values."
@@ -30,16 +25,16 @@ ORDINARY = "grazing"  # a change that ends nothing
 
 def sweep_page(
     name: str, keys: Sequence[str], rows: Rows, source: Mapping[str, Any],
-    drawn: Drawn | None, words: str,
+    drawn: Drawn | None, words: str, columns: Columns,
 ) -> str:  # fmt: skip
     """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
 
-    `rows` hold the varied values and what was measured; `words` is what the command prints.
+    `rows` hold the varied values and what was measured, in `columns`; `words` is what the command prints.
     """
     figures = () if drawn is None else (Picture.of(drawn, CAPTION),)
     sections = [
         Section("Over what was varied", figures=figures, preformatted=words),
-        Section("Runs", tables=(runs_table(keys, rows),)),
+        Section("Runs", tables=(runs_table(keys, rows, columns),)),
     ]
     return render_page(f"Sweep of {name}", sections, verdict=sweep_verdict(keys, rows), source=origin(source))
 
@@ -74,22 +69,16 @@ def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
     return Verdict(found=found, sure=sure.strip() or "Nothing was measured of these runs.", further=further)
 
 
-def runs_table(keys: Sequence[str], rows: Rows) -> Table:
+def runs_table(keys: Sequence[str], rows: Rows, columns: Columns) -> Table:
     """Every run: what was varied, what became of it; columns that are empty throughout are left out."""
-    names = [name for name in SHOWN if any(row.get(name) not in (None, "") for row in rows)]
-    cells: list[tuple[Cell, ...]] = [
-        (*(short(row[key]) for key in keys), str(row["status"]), *(cell(row.get(name)) for name in names))
-        for row in rows
-    ]
-    columns = (*keys, "status", *(SHOWN[name] for name in names))
-    return Table(f"The {len(rows)} runs; sweep.csv has more columns.", columns, tuple(cells), folded=len(rows) > 20)
-
-
-def cell(value: Any) -> Cell:
-    """A measured value in four digits, a dash for none."""
-    if value in (None, ""):
-        return None
-    return float(f"{value:.4g}") if isinstance(value, float) else value if isinstance(value, int) else str(value)
+    used = [column for column in columns if any(row.get(column.name) not in (None, "") for row in rows)]
+    measured = Table.of(f"The {len(rows)} runs; sweep.csv has more columns.", used, rows, folded=len(rows) > 20)
+    cells = tuple(
+        (*(short(row[key]) for key in keys), *(cell or None for cell in found))
+        for row, found in zip(rows, measured.rows, strict=True)
+    )
+    varied = tuple("Value of a varied key of the scene." for _ in keys)
+    return replace(measured, columns=(*keys, *measured.columns), rows=cells, meanings=(*varied, *measured.meanings))
 
 
 def short(value: Any) -> Cell:

@@ -14,8 +14,8 @@ from casingfem.cli import main
 from casingfem.cli.sweep import result_files
 from casingfem.cli.sweep import words as sweep_words
 from casingfem.study import load_study
+from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import load_sweep
-from contact.sweep.row import COLUMNS
 from contact.sweep.sweep import SweepResult
 from tests.casingfem.study.study_texts import STEEL, THICK
 

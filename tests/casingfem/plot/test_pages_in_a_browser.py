@@ -17,6 +17,7 @@ from casingfem.plot.pages.scene import scene_page
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.turning import turning_shapes
+from contact.sweep.columns import MEASURED
 from tests.casingfem.plot.browser import Tab, browser, found_browser
 from tests.casingfem.plot.page_samples import ran_sample
 
@@ -172,7 +173,7 @@ SOURCE = {"scene": "a_name_without_a_place_to_break_it_" * 3 + ".toml", "sha256"
 def test_pages_of_other_kinds_fit_and_do_not_err(tab, width, tmp_path):
     drawn = Drawn(figure_sweep(["speed.hz"], np.array([[1.0], [2.0], [3.0]]), RUNS))
     pages = {
-        "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, drawn, "3 runs"),
+        "sweep": sweep_page("rub", ["speed.hz"], RUNS, SOURCE, drawn, "3 runs", MEASURED),
         "cycles": cycles_page("rod", ORBITS, MARKS, [""], SOURCE, "branch 1"),
         "scene": scene_page("rub", "[scene]", ran_sample(), {}, source=SOURCE),
     }

@@ -13,6 +13,7 @@ from contact.record.energy import EnergyBudget, Stored
 from contact.result import Result
 from contact.scene.problems import SceneError
 from contact.sweep import sweep
+from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import (
     SweepPlan,
     SweepRun,
@@ -27,7 +28,7 @@ from contact.sweep.plan import (
     _words,
     changed,
 )
-from contact.sweep.row import COLUMNS, _flags, _levels, row_of, sweep_record
+from contact.sweep.row import _flags, _levels, row_of, sweep_record
 from contact.sweep.tables import SweepTable, VaryTable
 from tests.contact.synthetic_rim import blade, ring
 

@@ -24,8 +24,9 @@ from contact.scene.tables import FILES
 from contact.sweep import dask_cluster as sweep_dask
 from contact.sweep import plan as sweep_plan
 from contact.sweep import sweep
+from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import load_sweep
-from contact.sweep.row import COLUMNS, Store, row_of, sweep_record
+from contact.sweep.row import Store, row_of, sweep_record
 from reports.robustness import sweep_kills
 from tests.contact.synthetic_rim import N_MAX, SIZE, blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
