@@ -78,12 +78,14 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
 
     >>> window_bounds(320, 1e-3, 1e-3, np.inf)[:3].tolist(), window_bounds(320, 1e-3, 1e-3, 0.016)[:3].tolist()
     ([0, 10, 20], [0, 16, 32])
+    >>> window_bounds(320, 1e-3, 1e-3, 1e300)[:3].tolist()  # hardly turns
+    [0, 10, 20]
     """
     if count < FEWEST * SAMPLES:
         return np.zeros(0, dtype=np.int64)
     span = count * step
     length = max(span / WINDOWS, min(PERIODS * period, span / FEWEST), SAMPLES * step)
-    turns = math.ceil(length / turn - 1e-9) * turn if turn < math.inf else math.inf
+    turns = max(math.ceil(length / turn - 1e-9), 1) * turn if turn < math.inf else math.inf
     if turns * FEWEST <= span:
         length = turns
     windows = max(int(span / length + 1e-9), FEWEST)
