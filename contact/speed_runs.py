@@ -21,12 +21,11 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
 from contact.record.growth import STANDS, RunGrowth
-from contact.record.record import Record, prime_stride
+from contact.record.record import STATES, Record, prime_stride
 from contact.run import Scene, run
 from contact.run_many import Outcome, run_many
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
-STATES = 512  # stored of a run
 LONGER = 4.0  # times t_end, for runs that are too short to decide
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
@@ -123,7 +122,7 @@ def _alone(scene: Scene, seconds: float) -> Outcome:
 
 
 def _record(steps: int) -> Record:
-    """States of a run, in step with no turn and no mode."""
+    """The states that `contact.run` stores of such a scene: the table and a run beside it then agree."""
     stride = prime_stride(steps, STATES)
     return Record(every=stride, state_every=stride)
 
