@@ -24,7 +24,7 @@ from casingfem.io.arrays import FloatArray
 from reports.tables import Row, command_line, show, write
 from reports.updating.identification_sets import SNR_DB, TestSet, make_set
 
-SEEDS = range(12101, 12121)
+SEEDS = range(13101, 13121)
 FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
 RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be told apart
 NORMAL = 1.96

@@ -26,7 +26,7 @@ from casingfem.io.arrays import BoolArray, FloatArray
 from casingfem.io.side_by_side import side_by_side, usable_cores
 from reports.tables import Row, command_line, show, write
 
-SEEDS = range(12001, 12041)
+SEEDS = range(13001, 13041)
 PAIRS, SENSORS, STEP_HZ = 15, 24, 0.125
 SPLIT, DAMPING = (5e-4, 1e-2), (1e-3, 5e-3)  # log-uniform
 GAPS = 0.008, 0.05  # between pairs, relative
