@@ -66,7 +66,7 @@ class Campbell(Reported):
         >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
         ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
         >>> list(data.columns()), data.plot(orders=4).axes[0].get_xlabel()
-        (['speed_hz', 'mode1_hz'], 'speed [turns/s]')
+        (['speed_hz', 'mode1_hz'], 'speed [Hz]')
         """
         return {"speed_hz": self.speed_hz} | {f"mode{k + 1}_hz": freq for k, freq in enumerate(self.freq.T)}
 

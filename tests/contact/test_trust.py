@@ -89,7 +89,7 @@ def test_a_sweep_has_the_codes_of_its_runs(tmp_path):
 def test_a_page_says_that_the_numbers_are_no_solution(tmp_path):
     ran = invoked(tmp_path, RINGS, "report", "--out", str(tmp_path / "out"))
     assert ran.exit_code == 3
-    assert "The numbers are no solution of the model" in (tmp_path / "out/report.html").read_text()
+    assert "Not usable: the numbers are no solution of the model" in (tmp_path / "out/report.html").read_text()
 
 
 @pytest.mark.slow

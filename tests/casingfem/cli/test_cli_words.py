@@ -52,16 +52,6 @@ def test_the_ledger_of_a_run_has_what_goes_into_the_bodies():
     }  # fmt: skip
 
 
-def test_figures_at_the_head_of_a_page():
-    numbers = pictures.page_numbers(run_result())
-    assert list(numbers.values()) == pytest.approx([30, 0.1, 3.0, 2, 3.0, 7.0, 11.0, 0.9, 2e-9, 0.25], rel=1e-14)
-    none = np.zeros((0, 0))
-    nothing = run_result(impulse=none, contact_steps=np.zeros(0, int), windowed_force=lambda: none, peak_force=none,
-                         residual=none)  # fmt: skip
-    nothing.energy.scale = 0.0
-    assert list(pictures.page_numbers(nothing).values()) == pytest.approx([30, 0.1, 3.0, *[0.0] * 7], rel=1e-14)
-
-
 def test_the_history_of_forces_is_a_table_with_a_card(tmp_path, monkeypatch):
     columns = {"time_s": np.array([0.0, 0.1]), "mean_N": np.array([1.23456789012, -2.0])}
     monkeypatch.setattr("contact.histories.force_table", lambda _: columns)
@@ -134,32 +124,3 @@ def test_the_headline_of_a_table_is_its_first_sentence_without_its_name():
     assert headline_of((Keys,)) == "the first line."
     assert headline_of(("must", Keys)) == "m"
     assert headline(type("Bare", (BaseModel,), {"__doc__": "Of a: b."})) == "Of a: b."
-
-
-def test_a_run_is_drawn_as_far_as_it_has_data(monkeypatch):
-    drawn = {}
-    monkeypatch.setattr("casingfem.plot.contact.figure_contact", lambda result, contact: contact)
-    monkeypatch.setattr("casingfem.plot.motion.figure_spectrum", lambda time, values, **how: (list(values), how))
-    monkeypatch.setattr("casingfem.plot.motion.figure_energy", lambda *given: given)
-    monkeypatch.setattr("casingfem.plot.motion.figure_orbit", lambda motion: "orbit")
-    monkeypatch.setattr("contact.histories.strain_energy", lambda what, result: "strain")
-    monkeypatch.setattr(pictures, "ledger", lambda result: "ledger")
-    tip = SimpleNamespace(time=np.arange(2.0), tip=np.array([[1.0, 9.0], [2.0, 8.0]]))
-    force = np.array([[1.0, 2.0], [3.0, 4.0]])
-    result = SimpleNamespace(time=np.arange(2.0), force=force, window=0.5, impulse=np.array([1.0, 5.0, 2.0]), every=1,
-                             windowed_force=lambda: force, state_time="times")  # fmt: skip
-    scene = SimpleNamespace(what="what")
-    for motion in (None, tip):
-        monkeypatch.setattr("contact.histories.tip_motion", lambda what, result, found=motion: found)
-        drawn = pictures.figures(scene, result)
-        assert drawn["run"] == 1
-        assert drawn["spectrum"] == ([3.0, 7.0], {"label": "force", "unit": "N", "top_hz": 2.4})
-        assert drawn["energy"] == ("ledger", "times", "strain")
-        assert ("orbit" in drawn) is (motion is not None)
-    assert drawn["spectrum_tip"] == ([1.0, 2.0], {"label": "tip, normal", "unit": "m", "top_hz": 2.4})
-    result.every = 0
-    assert "spectrum" not in pictures.figures(scene, result)
-    result.every, result.time = 1, np.arange(1.0)
-    assert "spectrum" not in pictures.figures(scene, result)
-    for missing in ({"time": np.zeros(0)}, {"force": np.zeros((2, 0))}):
-        assert pictures.figures(scene, SimpleNamespace(**{**vars(result), **missing})) == {}
