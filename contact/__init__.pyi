@@ -1,6 +1,6 @@
 from . import growth, record, scene, scheme
 from .base.errors import InputError, LimitError, NumericsError
-from .interacting import Interactions, interactions
+from .interacting import interactions
 from .model import bodies, gaps, laws
 from .model.bodies.beam import BeamInCircle
 from .model.bodies.body import PointMass, Rod, Wall
@@ -33,7 +33,6 @@ __all__ = [
     "Coulomb",
     "ExactModal",
     "InputError",
-    "Interactions",
     "LimitError",
     "LinearBody",
     "ModalBody",

@@ -68,7 +68,7 @@ def scene_page(
     name: str, scene: str, ran: Ran, figures: Mapping[str, Figure], *, found: Any = None, why: str = "",
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> str:  # fmt: skip
-    """HTML of the page; `found` is the `contact.Interactions` of the scene, or `why` says why there is none."""
+    """HTML of the page; `found` is what `contact.interactions` returned, or `why` says why there is none."""
     shown = [key for key in CAPTIONS if key in figures and key not in OF_SPEED]
     sections = []
     if ran.rubs:

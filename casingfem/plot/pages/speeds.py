@@ -40,7 +40,7 @@ def listed(ranges: Sequence[tuple[float, float]]) -> str:
 
 
 def safe_ranges(found: Any) -> list[tuple[float, float]]:
-    """The speeds of the range that no row has but those that are safe; `found` is a `contact.Interactions`."""
+    """The speeds of the range that no row has but those that are safe; `found` is of `contact.interactions`."""
     low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
     ranges, start = list[tuple[float, float]](), low
     for begin, end in sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict != "safe"):
@@ -51,7 +51,7 @@ def safe_ranges(found: Any) -> list[tuple[float, float]]:
 
 
 def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
-    """Dangerous and safe speeds of a `contact.Interactions`; `why` there is none."""
+    """Dangerous and safe speeds of what `contact.interactions` found; `why` there is none."""
     if found is None:
         return (f"There is no table of dangerous speeds: {why}",) if why else ()
     words = []
