@@ -204,7 +204,8 @@ def test_reduce_and_rub(study, tmp_path):
     result = invoke("rub", tmp_path / "rub.toml", "--json", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["contacts"][0]["impulse"] > 0.0
-    pictures = ["rub.png", "rub_energy.png", "rub_orbit.png", "rub_spectrum.png", "rub_spectrum_tip.png"]
+    names = "", "_energy", "_orbit", "_spectrum", "_spectrum_tip", "_waves"
+    pictures = [f"rub{name}.png" for name in names]
     files = sorted([*pictures, "rub.json", "rub.npz", "rub_forces.csv"])
     assert sorted(p.name for p in (tmp_path / "out").iterdir() if p.suffix != ".parquet") == files
 
