@@ -207,7 +207,8 @@ MESHES = {
     ),
     "structure-unknown": (
         "what was given is no structure, or not one of the kind that this needs",
-        "give a cf.Shell, cf.Solid or cf.MeshShell, or a value with the members of cf.imported.MeshStructure",
+        "give a cf.Shell, cf.Solid or cf.MeshShell, or a value with the members of cf.imported.MeshStructure; "
+        "one with a rotation needs those of cf.imported.TurningStructure",
     ),
     "structure-chart": (
         "this needs a shell on a chart: an imported part has no fields, no bolts and no chart's edges",

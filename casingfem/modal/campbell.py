@@ -12,8 +12,8 @@ from casingfem.io.arrays import FloatArray, frozen
 from casingfem.linalg.assignment import assignment
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
-from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
+from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
@@ -175,7 +175,7 @@ def spin_from_rest(structure: Shell | MeshStructure, what: str) -> tuple[System 
     """
     if not isinstance(structure, Shell):
         require_structure(structure, what)
-    rotation: Rotation | None = getattr(structure, "rotation", None)
+    rotation = rotation_of(structure)
     if rotation is None:
         raise ModelError("rotation-none", f"{what}: found a structure without rotation")
     if isinstance(structure, Shell):

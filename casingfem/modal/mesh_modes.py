@@ -19,6 +19,7 @@ from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.cells.mapped import mapped_parts
 from casingfem.structure.imported.revolution import elements_around, round_about_z
+from casingfem.structure.imported.turning_structure import rotation_of
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of the system's `frequency_scale`
 LARGE, THICK = 50_000, 0.1  # unknowns, and wall over size, from which LOBPCG with multigrid is quicker
@@ -72,7 +73,7 @@ def mesh_modes(
         multigrid = direct == "multifrontal" and large_and_thick(system)
     found = solved_by(system, wanted, direct, multigrid=multigrid)
     solved = time.perf_counter()
-    if getattr(structure, "rotation", None) is not None:
+    if rotation_of(structure) is not None:
         require_stable(system.K, found)
     freq = found.freq
     check_rigid(system, freq)

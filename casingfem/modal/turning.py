@@ -21,6 +21,7 @@ from casingfem.modal.interface.kinds import Interface, Rim, Tip, TipNodes
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.spin import MeshTurning
+from casingfem.structure.imported.turning_structure import TurningStructure, rotation_of
 from casingfem.structure.shell.assembly import assemble, carries_more, turning
 from casingfem.structure.shell.prestress import Turning
 from casingfem.structure.shell.shell import Shell
@@ -91,7 +92,7 @@ def modal_turning(
         a structure turns about another axis than that of its rim.
     """
     owner: Any = structure
-    rotation: Rotation | None = getattr(structure, "rotation", None)
+    rotation = rotation_of(structure)
     about = rim_axis(structure, interface) if isinstance(interface, Rim) else None
     if rotation is None and about is None:
         return None
@@ -102,7 +103,7 @@ def modal_turning(
     assert turns is not None
     if rotation is None and not modelled(structure, system):
         return None
-    part = turning(system, turns) if isinstance(system, System) else owner.turning(system, turns)
+    part = turning(system, turns) if isinstance(system, System) else mesh_turning(structure, system, turns)
     if rotation is not None and about is not None:
         require_axis(rotation, about, radius)
     sense = 1.0
@@ -122,7 +123,13 @@ def rim_axis(structure: Shell | MeshStructure, rim: Rim) -> Rotation:
 
 def modelled(structure: Shell | MeshStructure, system: System | MeshSystem) -> bool:
     """Whether the structure knows what rotation adds; one of the user's own, or one with rings, need not."""
-    return not carries_more(system) if isinstance(system, System) else hasattr(structure, "turning")
+    return not carries_more(system) if isinstance(system, System) else isinstance(structure, TurningStructure)
+
+
+def mesh_turning(structure: Shell | MeshStructure, system: MeshSystem, turns: Rotation) -> MeshTurning:
+    """The rotation of a mesh that `modelled` lets through."""
+    assert isinstance(structure, TurningStructure)
+    return structure.turning(system, turns)
 
 
 def require_axis(rotation: Rotation, rim: Rotation, radius: float) -> None:

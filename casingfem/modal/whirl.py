@@ -27,6 +27,7 @@ from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.revolution import round_about_z
+from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from contact.io.columns import Column, known
@@ -80,7 +81,7 @@ class WhirlModes(Reported):
     @property
     def freq_fixed(self) -> FloatArray:
         """Frequencies [Hz] of the waves on a casing for an observer at rest: |f + sense n Omega/2 pi|, (modes,)."""
-        return freq_at_rest(self.freq, self.sense * self.nodal_diameters, getattr(self.shell, "rotation", None))
+        return freq_at_rest(self.freq, self.sense * self.nodal_diameters, rotation_of(self.shell))
 
 
 def freq_at_rest(freq: FloatArray, waves: IntArray, rotation: Rotation | None) -> FloatArray:
@@ -119,7 +120,7 @@ def whirl_modes(shell: Shell | MeshStructure, count: int = 10) -> WhirlModes:
     if isinstance(shell, Shell) and shell.rotation is None:
         raise ModelError("rotation-none", "whirl_modes: found a shell without rotation")
     system, added = spin_from_rest(shell, "whirl_modes")
-    rotation: Rotation | None = getattr(shell, "rotation", None)
+    rotation = rotation_of(shell)
     assert rotation is not None  # or spin_from_rest would have refused it
     K = csc_array(system.K + added.stiffness(rotation.omega))
     if isinstance(system, System):

@@ -21,6 +21,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mesh_modes import MeshModes
 from casingfem.modal.mode_set import Modes
+from casingfem.structure.imported.turning_structure import rotation_of
 from casingfem.structure.shell.energies import point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.shell import remade
@@ -55,7 +56,7 @@ def product_derivatives(
 
 def of_mesh(modes: MeshModes, vary: Sequence[Parameter], fields: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The same for an imported part, through its assembled matrices; one that rotates is refused."""
-    if getattr(modes.structure, "rotation", None) is not None:
+    if rotation_of(modes.structure) is not None:
         raise ModelError("rotation-update", "update: found a rotating part")
     K, M = np.empty((2, len(vary), fields.shape[2], fields.shape[2]))
     for k, parameter in enumerate(vary):

@@ -10,6 +10,7 @@ from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
 from .shell import MeshShell
 from .solid import Solid
+from .turning_structure import TurningStructure
 
 __all__ = [
     "Attachments",
@@ -33,6 +34,7 @@ __all__ = [
     "Spring",
     "Term",
     "Tie",
+    "TurningStructure",
     "beside",
     "read_matrices",
     "read_mesh",

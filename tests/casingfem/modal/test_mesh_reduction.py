@@ -236,6 +236,51 @@ def test_a_structure_of_ones_own_needs_the_protocol_alone():
     assert cf.solve_static(twice, load).energy == pytest.approx(0.5 * cf.solve_static(one, load).energy)
 
 
+@dataclass(frozen=True)
+class Rotating(Doubled):
+    """A solid as it is, with a rotation and without the members that model it."""
+
+    rotation: cf.Rotation | None = None
+
+    def assembled(self):
+        return replace(replace(self.solid, rotation=self.rotation).assembled(), structure=self)
+
+
+@dataclass(frozen=True)
+class Modelled(Rotating):
+    """The same with all members of `TurningStructure`."""
+
+    def spin(self, at_rest, rotation):
+        return self.solid.spin(at_rest, rotation)
+
+    def turning(self, at_rest, rotation):
+        return self.solid.turning(at_rest, rotation)
+
+
+@pytest.mark.slow
+def test_a_structure_of_ones_own_rotates_by_the_members_of_the_protocol():
+    rotation = cf.Rotation(omega=800.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.0, 0.0))
+    one, own = replace(solid(), rotation=rotation), Modelled(solid(), rotation)
+    np.testing.assert_allclose(cf.modes(own, 4).freq, cf.modes(one, 4).freq, rtol=1e-9)
+    drawn, expected = (cf.campbell(part, [0.0, 500.0], 3).freq for part in (own, one))
+    np.testing.assert_allclose(drawn, expected, rtol=1e-9)
+    a, b = (cf.reduce(part, TipNodes("tip", 2), modes=4) for part in (one, own))
+    largest = np.abs(a.stiffness_by_speed).max()
+    np.testing.assert_allclose(np.abs(b.stiffness_by_speed), np.abs(a.stiffness_by_speed), atol=1e-6 * largest)
+    assert a.spin == b.spin != 0.0
+
+
+def test_a_rotation_without_the_members_that_model_it_is_refused():
+    own = Rotating(solid(), cf.Rotation(omega=800.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.0, 0.0)))
+    found = r"found a Rotating with a rotation and without spin and turning, expected .*structure-unknown"
+    for call in (
+        lambda: cf.modes(own, 2), lambda: cf.campbell(own, [0.0], 2), lambda: cf.whirl_modes(own, 2),
+        lambda: cf.reduce(own, TipNodes("tip", 2), modes=2),
+    ):  # fmt: skip
+        with pytest.raises(ModelError, match=found):
+            call()
+
+
 def cornered():
     """A solid with a group of one node, which no facet has as its only one."""
     part = solid()
