@@ -1,5 +1,6 @@
 from . import cycles
-from .closed_contact import poles, rim_stability, stability
+from .closed_contact import poles
+from .growing import rim_stability, stability
 from .growth_map import StabilityMap
 from .of_run import of_run
 from .on_springs import on_springs, slope_of

@@ -7,7 +7,6 @@ eigenvalues. A split casing's coefficients are periodic in time in either frame:
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,12 +14,9 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.growth.coincidence import close_speeds, coincidences, in_words
-from contact.growth.growth_map import StabilityMap, ascending, scan
 from contact.growth.waves import Waves, waves_of
 from contact.io.progress import each
-from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
+from contact.model.gaps.permanent import ClosedContact
 
 Complex = NDArray[np.complex128]
 MOST = 60  # rounds
@@ -143,30 +139,6 @@ def poles_each(contact: ClosedContact, speed_hz: Array) -> list[Complex]:
     S = {sense: float(contact.compliance(sense)[0, 0]) for sense in np.unique(np.sign(speed))}
     found = (closed_poles(seen, S[np.sign(hz)], 2.0 * math.pi * hz) for hz in each(speed.tolist(), "speed"))
     return [poles(contact, speed[k : k + 1])[0] if every is None else every for k, every in enumerate(found)]
-
-
-def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
-    """Growth map of a perfect casing, with the coincidences of one contact looked at closely and put in words."""
-    speed = ascending(speed_hz)
-    met = coincidences(contact, speed) if len(contact.Q) == 1 else ()
-    found = scan(lambda at: growth(contact, at), speed, floor=floor_of(contact), seeds=close_speeds(met))
-    return replace(found, words=in_words(contact, met, found))
-
-
-def rim_stability(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMap:
-    """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
-
-    A perfect casing by eigenvalues; a split one by Floquet's theory, which follows every turn and takes longer.
-    """
-    try:
-        contact = rim_contact(rim, mu=mu)
-    except SplitError:
-        from contact.growth.split_casing import floquet_growth
-
-        floor = FLOOR * float(max(rim.casing.omega.max(initial=0.0), rim.blade.omega.max(initial=0.0)))
-        found = scan(lambda at: floquet_growth(rim, at, mu=mu), np.asarray(speed_hz, dtype=float), floor=floor)
-        return replace(found, words="A split casing: growth per turn by Floquet's theory. " + in_words(None, (), found))
-    return stability(contact, speed_hz)
 
 
 def floor_of(contact: ClosedContact) -> float:

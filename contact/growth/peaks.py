@@ -42,7 +42,8 @@ class Peak:
     """One peak: the speed [turns/s], the growth [1/s] there, and the speeds around it at which its motion grows.
 
     `n` nodal diameters of the casing in the growing motion; `wave` "with" the blade's direction around the casing,
-    "against" it or "standing"; `casing_share` of the energy, the rest is the blade's; `freq_hz` in the blade's frame.
+    "against" it or "standing"; `casing_share` of the energy, the rest is the blade's; `freq_hz` in the blade's frame;
+    `overtaken` whether the blade is faster than the wave.
     """
 
     speed_hz: float
@@ -53,6 +54,15 @@ class Peak:
     wave: str
     casing_share: float
     freq_hz: float
+    overtaken: bool
+
+    @property
+    def casing_hz(self) -> float:
+        """Frequency of a travelling wave in the casing's frame [Hz]."""
+        turned = self.n * abs(self.speed_hz)
+        if self.overtaken:
+            return turned - self.freq_hz
+        return self.freq_hz + (turned if self.wave == "with" else -turned)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -92,14 +102,22 @@ def peaks(what: RotatingRim | Rub | HandPair, speed_hz: ArrayLike, *, mu: float 
     if speed.ndim != 1 or speed.size < 2 or not np.all(np.diff(speed) > 0.0) or speed[0] <= 0.0:
         raise InputError("speed_hz: found speeds that do not ascend from above 0, expected two or more that do")
     contact, averaged = _closed(what, mu)
-    met, floor = coincidences(contact, speed), floor_of(contact)
-    seeds = close_speeds(met) if len(contact.Q) == 1 else np.array([c.speed_hz for c in met])
-    found = scan(lambda at: growth(contact, at), speed, floor=floor, seeds=seeds)
-    turn = 2.0 * math.pi
+    found, turn = growth_map(contact, speed), 2.0 * math.pi
     return Peaks(
-        rows=_merged(contact, *_refined(contact, found, floor), found), map=found, averaged=averaged,
+        rows=peaks_of(contact, found), map=found, averaged=averaged,
         blade_hz=tuple((contact.omega[contact.casing :] / turn).tolist()), wave_hz=_waves_seen(contact, speed),
     )  # fmt: skip
+
+
+def growth_map(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
+    """Growth over ascending speeds [turns/s], computed at further speeds close to each coincidence."""
+    seeds = close_speeds(coincidences(contact, speed_hz))
+    return scan(lambda at: growth(contact, at), speed_hz, floor=floor_of(contact), seeds=seeds)
+
+
+def peaks_of(contact: ClosedContact, found: StabilityMap) -> tuple[Peak, ...]:
+    """Peaks of a growth map of this contact, by speed."""
+    return _merged(contact, *_refined(contact, found, floor_of(contact)), found)
 
 
 def growth_at(what: RotatingRim | Rub, speed_hz: Array, *, mu: float = 0.0) -> Array:
@@ -181,19 +199,23 @@ def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
     by_n = np.bincount(np.abs(order[:casing]).astype(int), weights=energy[:casing], minlength=1)
     n = int(by_n.argmax())
     positive = float(energy[:casing][order[:casing] == n].sum())
+    wave, overtaken = _sense(n, positive / float(by_n[n]), pole.imag, omega)
     return Peak(
-        speed_hz=speed_hz, growth=pole.real, from_hz=speed_hz, to_hz=speed_hz, n=n,
-        wave=_sense(n, positive / float(by_n[n]), pole.imag, omega), casing_share=share,
-        freq_hz=pole.imag / (2.0 * math.pi),
+        speed_hz=speed_hz, growth=pole.real, from_hz=speed_hz, to_hz=speed_hz, n=n, wave=wave, casing_share=share,
+        freq_hz=pole.imag / (2.0 * math.pi), overtaken=overtaken,
     ), motion.ravel()  # fmt: skip
 
 
-def _sense(n: int, positive: float, freq: float, omega: float) -> str:
-    """How a wave of n diameters travels, by the share of its energy that k = n has; the rest is in k = -n."""
+def _sense(n: int, positive: float, freq: float, omega: float) -> tuple[str, bool]:
+    """How a wave of n diameters travels, and whether the blade overtakes it.
+
+    `positive` is the share of its energy that k = n has, the rest is in k = -n; `freq` [rad/s] at least 0.
+    """
     if n == 0 or max(positive, 1.0 - positive) < TRAVELS:
-        return "standing"
+        return "standing", False
     k = n if positive > 0.5 else -n
-    return "with" if k * (freq + k * omega) * omega > 0.0 else "against"
+    own = freq + k * omega
+    return ("with" if k * own * omega > 0.0 else "against"), own < 0.0
 
 
 def _eigenvector(matrix: Array, pole: complex) -> Vector:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.growth.closed_contact import rim_stability, stability
+from contact.growth.growing import rim_stability, stability
 from contact.growth.growth_map import StabilityMap
 from contact.growth.on_springs import Turning, on_springs
 from contact.interacting import RUNS, Interactions, interactions

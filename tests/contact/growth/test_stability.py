@@ -14,8 +14,8 @@ from scipy.linalg import expm
 import contact as ct
 from casingfem.cli import main
 from contact.growth import split_casing as floquet
-from contact.growth.closed_contact import growth
-from contact.growth.coincidence import Coincidence, coincidences, in_words, loaded
+from contact.growth.closed_contact import floor_of, growth
+from contact.growth.coincidence import coincidences, loaded
 from contact.growth.growth_map import scan
 from contact.growth.split_casing import floquet_growth
 from contact.model.gaps.modal_system import rim_system
@@ -78,7 +78,8 @@ def test_b6_from_its_scene_file():
     assert document["peak"]["growth"] == pytest.approx(3.7883, abs=5e-5)
     assert document["peak"]["speed_hz"] == pytest.approx(52.844, abs=5e-4)
     assert np.round(document["bands_hz"], 3) == pytest.approx(np.array([[52.693, 52.994]]), abs=1e-9)
-    assert "f_c + f_b = n f (n = 8) is met at 52.844 Hz" in document["words"]
+    assert "n = 8 grows by 3.788 1/s at 52.844 Hz (3170.6 rpm) and travels with the direction" in document["words"]
+    assert "f_c + f_b = n f. The blade overtakes the wave, n f = 422.7 Hz > f_c." in document["words"]
 
 
 def test_b6_is_stable_at_the_difference_and_at_the_unloaded_sum():
@@ -91,9 +92,9 @@ def test_a_band_narrower_than_the_grid_is_found():
     assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
 
 
-def test_a_band_begins_where_growth_is_1e_8_of_the_highest_frequency(monkeypatch):
-    monkeypatch.setattr("contact.growth.closed_contact.growth", lambda _, speed: 1e-6 * (speed - 50.0))
-    ((begin, end),) = ct.growth.stability(B6.contact(), np.linspace(0.0, 100.0, 11)).bands_hz
+def test_a_band_begins_where_growth_is_1e_8_of_the_highest_frequency():
+    found = scan(lambda speed: 1e-6 * (speed - 50.0), np.linspace(0.0, 100.0, 11), floor=floor_of(B6.contact()))
+    ((begin, end),) = found.bands_hz
     assert (begin, end) == pytest.approx((50.0 + 1e-8 * 2.0 * np.pi * 300.0 / 1e-6, 100.0), abs=1e-6)
 
 
@@ -125,34 +126,18 @@ def test_damping_of_one_body_alone_slows_and_of_both_stops_the_growth():
     found = ct.growth.stability(both.contact(), np.linspace(50.0, 55.0, 101))
     assert loaded(both).growth < 0.0
     assert not found.diverges
-    assert "damping holds down" in found.words
+    assert found.words == "Closed contact is stable from 50 to 55 Hz (3000 to 3300 rpm): nothing grows."
 
 
 def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
     for mu, lean, branch in ((0.3, 10.0, "backward"), (0.1, 10.0, "sum"), (0.3, -10.0, "sum")):
         pair = damped(replace(B6, friction=mu, lean_deg=lean))
         met = {c.branch: c for c in coincidences(pair.contact(), np.array([1.0, 60.0])) if c.speed_hz > 0.0}
-        grows = {name for name, c in met.items() if c.growth > 0.0}
-        assert grows == {branch}
         for name, c in met.items():  # f_b = n f - f_c or f_c - n f, of the bodies without contact
             assert c.free_hz == pytest.approx((300.0 + (120.0 if name == "sum" else -120.0)) / 8.0, rel=1e-9)
         speeds = {name: np.linspace(c.speed_hz - c.half_hz, c.speed_hz + c.half_hz, 41) for name, c in met.items()}
         peaks = {name: growth(pair.contact(), at).max() for name, at in speeds.items()}
-        assert peaks[branch] == pytest.approx(met[branch].growth, rel=0.05)
         assert {name for name, value in peaks.items() if value > 0.0} == {branch}
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.1, 0.3])
-def test_growth_by_the_formula_is_that_of_the_pole_with_friction_and_damping(mu):
-    """At the centre of the band the quadratic of one wave and one mode is the whole system to second order."""
-    pair = ct.gaps.HandPair(
-        casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
-        blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=5e-4), compliance=1e-4, friction=mu, lean_deg=20.0,
-    )  # fmt: skip
-    (met,) = (c for c in coincidences(pair.contact(), np.array([1.0, 60.0])) if c.speed_hz > 0.0 and c.branch == "sum")
-    at_centre = ct.growth.stability(pair.contact(), met.speed_hz * np.array([0.9999, 1.0, 1.0001])).growth[1]
-    assert met.growth > 1.0
-    assert met.growth == pytest.approx(at_centre, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -161,60 +146,52 @@ def test_digging_blade_grows_in_time_as_its_pole():
     found = ct.growth.stability(pair.contact(), np.linspace(22.0, 23.5, 61))
     assert found.peak_growth > 1.5
     assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
-    assert "f_b = f_c - n f (n = 8) is met at 22.751 Hz: flutter, mu > tan(lean)" in found.words
+    assert "f_b = f_c - n f, n f = 182 Hz. Without friction nothing grows in this range." in found.words
 
 
-def test_words_name_what_grows_fastest_in_the_range_or_what_is_nearest_to_it():
-    slow, fast = (
-        Coincidence(n=n, branch="sum", casing_hz=300.0, blade_hz=120.0, free_hz=hz, speed_hz=hz, half_hz=0.1,
-                    growth=growth, drives=True)
-        for n, hz, growth in ((8, 52.0, 1.0), (7, 60.0, 5.0))
-    )  # fmt: skip
-    found = ct.growth.stability(B6.contact(), np.linspace(50.0, 62.0, 13))
-    assert "(n = 7) is met at 60 Hz (60 Hz without contact): flutter" in in_words(None, (slow, fast), found)
-    below = ct.growth.stability(B6.contact(), np.linspace(45.0, 50.0, 6))
-    assert "(n = 8) is met at 52 Hz, outside this range" in in_words(None, (fast, slow), below)
+def of(words, pattern):
+    """The numbers that a pattern with # for each finds in words."""
+    found = re.search(re.escape(pattern).replace(r"\#", r"([-\d.]+)"), words)
+    assert found, words
+    return [float(number) for number in found.groups()]
 
 
-def test_words_name_the_sum_that_a_slow_rig_cannot_meet():
-    rig = ct.gaps.HandPair(
-        casing=ct.gaps.ModalPair(n=10, freq_hz=426.0, modal_mass=1.5), blade=ct.gaps.ModalPair(freq_hz=380.0,
-        modal_mass=0.4),
-        compliance=1e-4,
-    )  # fmt: skip
-    words = ct.growth.stability(rig.contact(), np.linspace(4.0, 5.0, 11)).words
-    assert "n f = 50 Hz < f_c = 426 Hz: the sum condition f_c + f_b = n f cannot be met" in words
-    assert "no flutter unless mu > tan(lean)" in words
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_words_name_the_motion_at_each_peak_the_highest_first(sense):
+    """A digging blade at the difference, a trailing one at the sum: n f is that of the two frequencies."""
+    digs = replace(B6, friction=0.3, lean_deg=10.0 * sense)
+    words = ct.growth.stability(digs.contact(), sense * 41.0 + np.linspace(-21.0, 21.0, 81)).words
+    first, second = words.index("f_b = f_c - n f"), words.index("f_c + f_b = n f")
+    assert first < second
+    frames = "f_c = # Hz in the casing's frame and f_b = # Hz in the blade's: "
+    casing, blade, turned = of(words, f"{frames}f_b = f_c - n f, n f = # Hz.")
+    assert blade == pytest.approx(casing - turned, abs=0.2)
+    casing, blade, turned = of(words, f"{frames}f_c + f_b = n f. The blade overtakes the wave, n f = # Hz > f_c.")
+    assert casing + blade == pytest.approx(turned, abs=0.2)
+    growth_, speed, rpm = of(words, "Without friction the highest growth is # 1/s at # Hz (# rpm).")
+    assert (growth_, speed, rpm) == pytest.approx((3.788, sense * 52.844, sense * 3170.6), rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("blade_hz", "mu", "sign", "words"),
-    [
-        (380.0, 0.0, "+", "a forced resonance, no flutter unless mu > tan(lean)."),
-        (380.0, 0.3, "+", "mu > tan(lean) would drive flutter, which damping holds down."),
-        (220.0, 0.0, "-", "a forced resonance, no flutter unless mu > tan(lean)."),
-    ],
-)
-def test_words_of_a_blade_above_and_below_its_casing(blade_hz, mu, sign, words):
-    """They meet where 8 turns make up the difference of the frequencies that each has on the contact's spring."""
-    pair = damped(replace(B6, blade=replace(B6.blade, freq_hz=blade_hz), friction=mu, lean_deg=10.0 if mu else 0.0))
-    found = ct.growth.stability(pair.contact(), np.linspace(8.0, 12.0, 41))
-    on_spring = (np.sqrt(f**2 + a * 1e4 / (4.0 * np.pi**2)) for f, a in ((blade_hz, pair.kappa), (300.0, 0.5 / 1.5)))
-    said = re.search(rf"f_b = f_c \{sign} n f \(n = 8\) is met at ([\d.]+) Hz: (.*)", found.words)
-    assert float(said[1]) == pytest.approx(abs(np.subtract(*on_spring)) / 8.0, rel=2e-4)
-    assert said[2] == words
-    assert "Closed contact does not diverge from 8 to 12 Hz. n f = 96 Hz < f_c = 300 Hz: the sum" in found.words
-    assert repr(found).splitlines()[1] == "no growth from 8 to 12 Hz"
+def test_words_of_a_stable_range_name_no_motion_and_no_speed_outside():
+    """Below 300/8 turns/s the blade overtakes nothing; from there to the band at 52.7 it does, and nothing grows."""
+    slow = ct.growth.stability(B6.contact(), np.linspace(8.0, 12.0, 41))
+    assert slow.words == (
+        "Closed contact is stable from 8 to 12 Hz (480 to 720 rpm): nothing grows. The blade overtakes no wave of the "
+        "casing in this range: n f = 96 Hz < f_c = 300 Hz. f_c + f_b = n f cannot be met."
+    )
+    assert repr(slow).splitlines()[1] == "no growth from 8 to 12 Hz"
+    fast = ct.growth.stability(B6.contact(), np.linspace(30.0, 50.0, 41))
+    assert fast.words == "Closed contact is stable from 30 to 50 Hz (1800 to 3000 rpm): nothing grows."
 
 
-def test_words_of_friction_along_the_casing_give_the_growth_and_the_damping_that_holds_it():
+def test_friction_along_the_casing_feeds_a_wave_that_damping_stops():
     """r = (1 - i mu/n)/(2 m): |Im r|/(2 w S) = .0332 1/s with mu = .3, that of the poles far from any coincidence."""
     pair, speeds = replace(B6, friction=0.3, lean_deg=10.0), np.linspace(29.0, 31.0, 5)
     found = ct.growth.stability(pair.contact(), speeds)
     rate = 0.3 / 8.0 / (2.0 * 1.5) / (2.0 * B6.casing.omega * 1e-4)
     assert found.peak_growth == pytest.approx(rate, rel=0.15)
-    held = rate / B6.casing.omega
-    assert f"a travelling wave at up to {rate:.2g} 1/s, which a damping ratio of {held:.2g} holds." in found.words
+    assert "travels against the direction of the blade. The casing has 100 % of the energy." in found.words
+    assert "f_b = f_c + n f, n f = 248 Hz. Without friction nothing grows in this range." in found.words
     assert not ct.growth.stability(
         damped(pair, casing=1.2 * found.peak_growth / B6.casing.omega).contact(), speeds
     ).diverges
@@ -225,7 +202,9 @@ def test_what_a_map_prints():
     first, second, *words = repr(ct.growth.stability(B6.contact(), np.linspace(52.0, 54.0, 21))).splitlines()
     assert first == "largest growth 3.7883 1/s at 52.844 Hz"
     assert second == "diverges from 52.693 to 52.9945 Hz"
-    assert words[0].startswith("Closed contact diverges in 52.693-52.994 Hz, fastest at 52.844 Hz. The sum condition")
+    assert words[0].startswith(
+        "Closed contact is unstable from 52.693 to 52.994 Hz (3161.6 to 3179.7 rpm). n = 8 grows"
+    )
 
 
 def test_poles_come_in_conjugates_and_sum_to_the_damping():
