@@ -20,6 +20,9 @@ SQUARE = 1e-3  # of axes: three digits
 ROUND_OFF = 1e-12  # of a direction's components
 UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
 MINOR = 1e-6  # of minors and diagonals: matrices of single precision have seven digits
+DOUBLE, SINGLE = 2.0**-53, 2.0**-24  # largest relative error of a rounded number
+DIGITS = range(7, 11)  # significant decimal digits of a text file by which its numbers may be rounded
+WHOLE = 1e-4  # of the last digit: what a decimal number in double precision is off a whole number
 SKEW = 1e-4  # asymmetry of a matrix, of the entries in its rows, beyond which it is refused
 
 Dof: TypeAlias = tuple[int, str | int]
@@ -35,6 +38,7 @@ class Matrices:
     stiffness, whose symmetric part is `K`; both None where there is none. `skew`: asymmetry of M and K. `dofs`
     (n,) pairs (node, direction), direction one of `DIRECTIONS`. `points` node -> position [m]; `axes` node ->
     directions of its own x, y, z in the axes of the points, rows (3, 3), for nodes whose dofs are along those.
+    `rounding`: largest relative error of an entry of K by the precision in which it was stored.
     """
 
     M: Any
@@ -47,6 +51,7 @@ class Matrices:
     G: Any = None
     cross: Any = None
     axes: Mapping[int, Array] = field(default_factory=dict)
+    rounding: float = DOUBLE
 
     @staticmethod
     def of(
@@ -100,6 +105,7 @@ class Matrices:
         for node, x in places.items():
             if x.shape != (3,) or not np.isfinite(x).all():
                 raise InputError(f"points: found {points[node] if points else x!r} for node {node}, expected x, y, z")
+        rounding = rounding_of(csc_array(K).data)
         M, K = matrices["M"], matrices["K"]
         cross = csc_array(0.5 * (K - K.T)) if skews["K"] > SKEW else None
         K = csc_array(0.5 * (K + K.T))
@@ -112,7 +118,7 @@ class Matrices:
         turned = {int(node): checked_axes(int(node), own) for node, own in (axes or {}).items()}
         return Matrices(
             M=M, K=K, C=matrices["C"], K4=matrices["K4"], G=matrices["G"], cross=cross, dofs=named, points=places,
-            axes=turned, skew=(skews["M"], skews["K"]),
+            axes=turned, skew=(skews["M"], skews["K"]), rounding=rounding,
         )  # fmt: skip
 
     @property
@@ -237,6 +243,30 @@ def checked(name: str, A: Any, size: int) -> Any:
     if not sparse.count_nonzero() and name not in OPTIONAL:
         raise InputError(f"{name}: found zeros alone, expected a mass and a stiffness")
     return sparse
+
+
+def rounding_of(values: Any) -> float:
+    """Largest relative error of numbers by the precision in which they were stored, which the numbers themselves show.
+
+    2^-24 where single precision has them all, 0.5 10^(1 - d) where d significant digits do, 2^-53 otherwise.
+
+    >>> third = np.array([1.0, 2.0]) / 3.0
+    >>> rounding_of(third) == 2.0**-53, rounding_of(third.astype(np.float32)) == 2.0**-24
+    (True, True)
+    >>> f"{rounding_of(np.array([3.3333333e9, -6.6666667e-3])):.0e}"
+    '5e-08'
+    """
+    given = np.asarray(values)
+    numbers = np.abs(given[given != 0.0].astype(float))
+    with np.errstate(over="ignore", under="ignore"):
+        if given.dtype == np.float32 or np.array_equal(numbers.astype(np.float32).astype(float), numbers):
+            return SINGLE
+    mantissas = numbers / 10.0 ** np.floor(np.log10(numbers))
+    for digits in DIGITS:
+        scaled = mantissas * 10.0 ** (digits - 1)
+        if np.abs(scaled - np.rint(scaled)).max(initial=0.0) <= WHOLE:
+            return float(0.5 * 10.0 ** (1 - digits))
+    return DOUBLE
 
 
 def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:

@@ -7,6 +7,10 @@ elastic modes alone, by inertia relief: G P = u with K u = P - M R R^T P and R^T
 dofs are kept by S exactly. Modes come from M x = theta (K + s M) x, theta = 1/(omega^2 + s), in which the lowest ones
 are the sharpest, rigid modes and massless dofs do no harm.
 
+K is stored as K + dK, |dK_ij| <= u |K_ij|, u = 2^-24 in single precision. A mode of zero stiffness then comes out as
+omega^2 = phi^T dK phi, of either sign, |omega^2| <= u |phi|^T |K| |phi|. A mode within this bound is rigid if it is
+negative, below the most negative one, or a rigid motion of the nodes.
+
 The modes are those of M and the symmetric part of K. Phi^T C Phi beside the ratios of the modes is their `damping`,
 Phi^T G Phi their `gyroscopic`, and the skew part of K between them their `stiffness`.
 """
@@ -22,13 +26,15 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.matrices import Contact, Matrices, MatrixReport, report_of
-from contact.model.bodies.rigid_test import rigid_findings
+from contact.model.bodies.rigid_test import OTHERWISE, rigid_findings
 
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
+ROUGH = 1e-2  # of the same: round-off of K that may be taken as zero; it is 0.1 of the lowest elastic frequency
 SHIFT = 1e-6  # s over the median K_ii / M_ii
 ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
+INDEPENDENT = 1e-10  # singular values of rigid motions, below which two are the same
 NONE, LEAST = 1e-9, 1e-10  # damping between modes that is round-off: over their own, over the largest of all
 NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, of the modes beside a shift of 1e-6
 
@@ -130,15 +136,40 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
             raise InputError("K: found an indefinite stiffness, expected one without negative modes")
     X = X / np.sqrt(np.einsum("ij,ij->j", X, M @ X))
     lam = 1.0 / theta - shift
-    level = lowest_elastic(lam, rate)
-    if lam[0] < -RIGID * level:
-        raise InputError(f"K: found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes")
-    rigid = int(np.count_nonzero(lam < RIGID * level))
+    rigid = rigid_modes(matrices, lam, X, lowest_elastic(lam, rate))
     lam[:rigid] = 0.0
     kept = min(count, len(lam))
     if kept < rigid:
         raise InputError(f"modes: found {count}, expected at least the {rigid} rigid modes of these matrices")
     return lam[:kept], np.ascontiguousarray(X[:, :kept]), rigid
+
+
+def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
+    """How many of the modes X (n, m), mass-normalised, are rigid; `level` is the lowest elastic omega^2.
+
+    Raises InputError where omega^2 is more negative than the precision of K explains.
+    """
+    candidates = int(np.count_nonzero(lam < ROUGH * level))
+    lowest = X[:, : max(candidates, 1)]
+    noise = matrices.rounding * np.einsum("ij,ij->j", np.abs(lowest), abs(matrices.K) @ np.abs(lowest))
+    bound = np.maximum(RIGID * level, np.minimum(noise, ROUGH * level))
+    if lam[0] < -bound[0]:
+        found = f"found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes"
+        raise InputError(f"K: {found}; round-off of K explains {-bound[0]:.3g}")
+    lam = lam[:candidates]
+    zero = lam < max(RIGID * level, -lam[0]) if candidates else np.zeros(0, dtype=bool)
+    if candidates and not zero.all():
+        zero |= (lam < bound) & (strain(matrices, lowest) < OTHERWISE)
+    return candidates if zero.all() else int(np.argmin(zero))
+
+
+def strain(matrices: Matrices, X: Array) -> Array:
+    """What is left of mass-normalised modes beside the rigid motions of all nodes, 0 to 1, (m,)."""
+    known = np.array([matrices.points[node] for node, _ in matrices.dofs if node in matrices.points])
+    R = matrices.rigid_motions(known.mean(axis=0) if len(known) else None)
+    R = R / np.maximum(np.sqrt(np.einsum("ij,ij->j", R, matrices.M @ R)), np.finfo(float).tiny)
+    left = X - R @ (np.linalg.pinv(R.T @ (matrices.M @ R), rcond=INDEPENDENT) @ (R.T @ (matrices.M @ X)))
+    return np.asarray(np.sqrt(np.maximum(np.einsum("ij,ij->j", left, matrices.M @ left), 0.0)))
 
 
 def lowest_elastic(lam: Array, rate: float) -> float:

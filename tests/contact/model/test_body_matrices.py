@@ -396,3 +396,73 @@ def test_gyroscopic_disk_whirls_at_its_closed_form():
     b = 0.5 * p / d * speed
     exact = np.hypot(b, np.sqrt(k / d)) + np.array([-b, b])
     np.testing.assert_allclose(np.sort(found), [*-exact[::-1], *exact], rtol=1e-12)
+
+
+def beam(count, lengths=None, *, clamped=False):
+    """Euler-Bernoulli beam along x, 1 m, 20 mm square, steel: nodes from 0, six dofs each, and its points."""
+    E, G, rho, side = 2.1e11, 8e10, 7850.0, 0.02
+    area, bending, torsion = side**2, side**4 / 12, 0.1406 * side**4
+    h = np.full(count, 1.0 / count) if lengths is None else lengths
+    M, K = np.zeros((2, 6 * count + 6, 6 * count + 6))
+    for e, L in enumerate(h.tolist()):
+        bars = {0: (E * area, rho * area), 3: (G * torsion, rho * 2 * bending)}
+        for first, (stiff, mass) in bars.items():
+            rows = np.ix_(*2 * [[6 * e + first, 6 * e + 6 + first]])
+            K[rows] += stiff / L * np.array([[1.0, -1.0], [-1.0, 1.0]])
+            M[rows] += mass * L / 6 * np.array([[2.0, 1.0], [1.0, 2.0]])
+        k = [[12, 6 * L, -12, 6 * L], [6 * L, 4 * L**2, -6 * L, 2 * L**2], [-12, -6 * L, 12, -6 * L]]
+        m = [[156, 22 * L, 54, -13 * L], [22 * L, 4 * L**2, 13 * L, -3 * L**2], [54, 13 * L, 156, -22 * L]]
+        k, m = [*k, [6 * L, 2 * L**2, -6 * L, 4 * L**2]], [*m, [-13 * L, -3 * L**2, -22 * L, 4 * L**2]]
+        for move, turn, sign in ((1, 5, 1.0), (2, 4, -1.0)):
+            rows = np.ix_(*2 * [[6 * e + move, 6 * e + turn, 6 * e + 6 + move, 6 * e + 6 + turn]])
+            signs = np.outer([1, sign, 1, sign], [1, sign, 1, sign])
+            K[rows] += E * bending / L**3 * signs * np.array(k)
+            M[rows] += rho * area * L / 420 * signs * np.array(m)
+    start = 6 if clamped else 0
+    dofs = [(node, d) for node in range(count + 1) for d in ("x", "y", "z", "rx", "ry", "rz")][start:]
+    x = np.r_[0.0, np.cumsum(h)]
+    return M[start:, start:], K[start:, start:], dofs, {node: (v, 0.0, 0.0) for node, v in enumerate(x.tolist())}
+
+
+def eight_digits(A):
+    rounded = A.copy()
+    rounded[A != 0.0] = [float(f"{a:.7e}") for a in A[A != 0.0]]
+    return rounded
+
+
+STORED = [np.float32, eight_digits]
+
+
+@pytest.mark.parametrize("stored", STORED)
+@pytest.mark.parametrize("lengths", ["equal", "unequal"])
+@pytest.mark.parametrize("dense", [True, False])
+def test_round_off_of_the_precision_of_a_free_beam_is_no_negative_mode(stored, lengths, dense, monkeypatch):
+    """37 elements; the lowest elastic frequency is (4.730)^2 / (2 pi) sqrt(EI / (rho A))."""
+    if not dense:
+        monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
+    h = np.random.default_rng(5).uniform(0.5, 1.5, 37)
+    M, K, dofs, points = beam(37, None if lengths == "equal" else h / h.sum())
+    M, K = (stored(A).astype(float) for A in (M, K))
+    body, facts = body_of(Matrices.of(M, K, dofs=dofs, points=points), [0, 20], modes=10)
+    assert facts.rigid == 6
+    exact = 4.730041**2 * np.sqrt(2.1e11 * 0.02**2 / 12 / 7850)
+    np.testing.assert_allclose(body.omega[6:8], exact, rtol=2e-4)
+
+
+@pytest.mark.parametrize("stored", STORED)
+def test_a_stiffness_that_is_negative_beyond_its_precision_is_refused(stored):
+    M, K, dofs, points = beam(37)
+    K[1, 1] -= 1e4  # a ground spring of -10 N/mm at the first node: omega^2 about -4 k / m = -1.3e4
+    with pytest.raises(ct.InputError, match="without negative modes; round-off of K explains"):
+        body_of(Matrices.of(stored(M), stored(K), dofs=dofs, points=points), [0], modes=10)
+
+
+@pytest.mark.parametrize("stored", STORED)
+def test_a_soft_elastic_mode_within_the_precision_of_the_stiffness_is_not_rigid(stored, monkeypatch):
+    """A cantilever of 100 elements, 16.7 Hz: the bound on round-off of its omega^2 is many times omega^2."""
+    monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
+    M, K, dofs, points = beam(100, clamped=True)
+    given = [csc_array(stored(A)) for A in (M, K)]
+    body, facts = body_of(Matrices.of(*given, dofs=dofs, points=points), [100], modes=10)
+    assert facts.rigid == 0
+    np.testing.assert_allclose(body.omega[:2], 1.875104**2 * np.sqrt(2.1e11 * 0.02**2 / 12 / 7850), rtol=1e-2)
