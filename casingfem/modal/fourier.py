@@ -21,6 +21,7 @@ from casingfem.structure.shell.edges import outward, ties
 from casingfem.structure.shell.parts import sampled_geometry
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.wall import section
+from contact.io.progress import tell
 
 SHIFT = 0.5  # shift-invert about minus the square of this part of `frequency_scale`
 DROWNED = 0.1  # round-off of more than this part of an eigenvalue that no rigid motion has
@@ -59,6 +60,7 @@ def fourier_modes(shell: Shell, count: int) -> Modes:
     found: list[Found] = []
     limit = np.inf
     while len(found) < count or harmonic_floor(shell, len(meridians)) <= limit:
+        tell_harmonic(shell, len(meridians), limit)
         meridian = harmonic_matrices(shell, len(meridians))
         meridians.append(meridian)
         values, vectors = lowest(meridian, count + 1, shift)
@@ -100,6 +102,7 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
     found: list[Found] = []
     counted = True
     while harmonic_floor(shell, len(meridians)) <= high:
+        tell_harmonic(shell, len(meridians), high)
         meridian = harmonic_matrices(shell, len(meridians))
         meridians.append(meridian)
         start, end = (inertia_below(meridian, sigma) for sigma in (low, high))
@@ -116,6 +119,12 @@ def fourier_band(shell: Shell, band: tuple[float, float]) -> Modes:
         found += members(meridian, values[inside], vectors[:, inside])
     found.sort(key=lambda item: item[:3])
     return revolved(shell, meridians, found, len(found), len(found) if counted else None, started)
+
+
+def tell_harmonic(shell: Shell, n: int, limit: float) -> None:
+    """Report n to the progress listener, and the share n over the last n: the floor rises as n^4 up to `limit`."""
+    share = (harmonic_floor(shell, n) / limit) ** 0.25 if 0.0 < limit < np.inf else None
+    tell(f"n = {n}", None if share is None else min(share, 0.99))
 
 
 def members(meridian: Meridian, values: FloatArray, vectors: FloatArray) -> list[Found]:

@@ -22,6 +22,7 @@ from casingfem.modal.modes import count_below, count_or_band, plate_count
 from casingfem.structure.edge.ring import Ring
 from casingfem.structure.edge.section import Section
 from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from contact.io.progress import listening
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 TUBE = cf.Shell(
@@ -201,3 +202,14 @@ def test_modes_of_a_band_are_expected_by_the_density_of_a_plate():
     speed = np.sqrt(210e9 / (7800.0 * 0.91))
     assert plate_count(plate, (100.0, 500.0)) == pytest.approx(np.sqrt(3.0) * 0.12 * 400.0 / (speed * 2e-3), rel=1e-9)
     assert plate_count(plate, 7) == 7.0
+
+
+@pytest.mark.parametrize("wanted", [{"count": 30}, {"band": (0.0, 4000.0)}])
+def test_modes_by_harmonics_report_each_n_and_a_share_that_rises_to_the_last(wanted):
+    heard = []
+    with listening(lambda words, done, most: heard.append((words, done))):
+        cf.modes(TUBE, **wanted)
+    assert [words for words, _ in heard] == [f"n = {n}" for n in range(len(heard))]
+    shares = [done for _, done in heard if done is not None]
+    assert shares == sorted(shares)
+    assert 0.5 < shares[-1] <= 0.99
