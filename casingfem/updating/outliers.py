@@ -70,7 +70,7 @@ class Outlier:
         size = f"{abs(self.shift):.3g} deg" if self.kind == "orientation" else f"{100.0 * abs(self.shift):.2g} %"
         what = "" if self.kind == "frequency" else f" in {self.kind}"
         many = "s" if len(self.modes) > 1 else ""
-        return f"row{many} {rows}{label}: {size} off{what} all that the others say ({self.deviation:.1f} sigma)"
+        return f"row{many} {rows}{label}: {size}{what} from what the other rows predict ({self.deviation:.1f} sigma)"
 
 
 def named(found: Sequence[Found], table: FrequencyTable) -> tuple[Outlier, ...]:

@@ -87,11 +87,11 @@ def test_a_shift_is_what_was_added_to_the_table_and_named_in_its_own_unit():
 
 def test_an_outlier_is_one_sentence():
     one = Outlier(modes=(5,), n=0, kind="frequency", shift=-0.0412, deviation=23.46)
-    assert repr(one) == "row 5, n = 0: 4.1 % off all that the others say (23.5 sigma)"
+    assert repr(one) == "row 5, n = 0: 4.1 % from what the other rows predict (23.5 sigma)"
     split = Outlier(modes=(3, 4), n=-1, kind="split", shift=0.0023, deviation=5.0)
-    assert repr(split) == "rows 3 and 4: 0.23 % off in split all that the others say (5.0 sigma)"
+    assert repr(split) == "rows 3 and 4: 0.23 % in split from what the other rows predict (5.0 sigma)"
     turned = replace(split, n=8, kind="orientation", shift=-3.21)
-    assert repr(turned) == "rows 3 and 4, n = 8: 3.21 deg off in orientation all that the others say (5.0 sigma)"
+    assert repr(turned) == "rows 3 and 4, n = 8: 3.21 deg in orientation from what the other rows predict (5.0 sigma)"
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ def test_a_wrong_row_is_named_and_set_aside(spoilt):
     assert abs(fit.plain.x - reference.x)[0] > 3.0 * reference.stated_sigma[0]
     text = repr(fit)
     assert "set aside: row 5" in text
-    assert "% off all that the others say" in text
+    assert "% from what the other rows predict" in text
     assert f"without: material.E = {fit.value[0]:.5g} (with it {fit.plain.value[0]:.5g})" in text
     document = json.loads(json.dumps(fit.to_json()))
     assert document["outliers"][0]["modes"] == [5]
