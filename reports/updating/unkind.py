@@ -51,7 +51,7 @@ class Judged(NamedTuple):
     zeta_error: float = np.nan
     freq_sigmas: float = np.nan
     zeta_sigmas: float = np.nan
-    doubt: str = ""
+    reason: str = ""
 
 
 def rim(seed: int, sensors: int = SENSORS) -> Rig:
@@ -107,7 +107,7 @@ def judge(seed: int, truth: TroubledTruth, found: Identified) -> tuple[list[Judg
             float((found.freq[j] - freq[k]) / found.sigma_freq[j]),
             float((found.zeta[j] - zeta[k]) / found.sigma_zeta[j]),
         )
-        why = found.doubts[j] if found.doubts else ""
+        why = found.reasons[j] if found.reasons else ""
         judged.append(Judged(*own, "sure" if found.sure[j] else "doubtful", *errors, *sigmas, why))
     fixture = np.any(np.abs(found.freq[None] - truth.fixture_hz[:, None]) < 0.01 * found.freq, axis=0)
     free = found.sure & ~np.isin(np.arange(len(found)), list(match.values())) & ~fixture

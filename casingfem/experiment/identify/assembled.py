@@ -49,7 +49,7 @@ def sensor_notes(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> 
 
 def _sure_shapes(modes: list[Mode], grid: SensorGrid) -> FloatArray:
     """Radial shapes of the modes that are sure, (sensors, modes)."""
-    return np.array([mode.shape for mode in modes if not mode.doubt]).T * radial_signs(grid)[:, None]
+    return np.array([mode.shape for mode in modes if not mode.reason]).T * radial_signs(grid)[:, None]
 
 
 def _belonging(modes: list[Mode], grid: SensorGrid, circle: Circle | None) -> IntArray:

@@ -47,8 +47,8 @@ def _without(mode: Mode, tau: float) -> Mode:
     own = float(np.hypot(decay, damped))
     added = f"its damping is within the {100.0 / (tau * omega):.2g} % that the exponential window adds: check tau"
     unclear = decay / omega < ABOVE_ZERO * mode.sigma_zeta
-    doubt = "; ".join(part for part in (mode.doubt, added if unclear else "") if part)
-    return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, doubt=doubt)
+    reason = "; ".join(part for part in (mode.reason, added if unclear else "") if part)
+    return replace(mode, freq=own / (2.0 * np.pi), zeta=max(decay, 0.0) / own, reason=reason)
 
 
 def window_note(tau: float) -> str:

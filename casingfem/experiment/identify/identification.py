@@ -44,7 +44,7 @@ from casingfem.experiment.identify.spectra import line_noise, ringing, tapered, 
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.experiment.identify.tracks import Track, setup_notes, shift_of, tracked
 from casingfem.experiment.identify.usable import usable
-from casingfem.experiment.identify.verdict import doubts
+from casingfem.experiment.identify.verdict import reasons
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
@@ -154,7 +154,7 @@ def identify(
         fitted=_fitted(data, fits, noise, alone),
         doublets=doublets,
         unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
-        doubts=tuple(mode.doubt for mode in modes),
+        reasons=tuple(mode.reason for mode in modes),
         notes=notes,
         diagram=diagram,
         card=frfs.card,
@@ -261,14 +261,14 @@ def _setups(
 def _modes(
     fits: list[PoleFit], tracks: list[Track], noise: FloatArray, sensors: Sensors, kept: bool, rules: Thresholds
 ) -> list[Mode]:
-    """Modes with their doubts; neighbours that are not resolved are one, unless they were picked."""
+    """Modes with their verdicts; neighbours that are not resolved are one, unless they were picked."""
     if tracks:
-        return [replace(mode_of(track.found, sensors), doubt=track.doubt) for track in tracks]
+        return [replace(mode_of(track.found, sensors), reason=track.reason) for track in tracks]
     found: list[Mode] = []
     for fit in fits:
         modes = [mode_of(pole, sensors) for pole in found_in(fit, noise, rules)]
         phases = [mode.collinearity for mode in modes]
-        modes = [replace(mode, doubt=why) for mode, why in zip(modes, doubts(fit, phases, rules), strict=True)]
+        modes = [replace(mode, reason=why) for mode, why in zip(modes, reasons(fit, phases, rules), strict=True)]
         found += modes if kept else merged(fit, modes)
     return sorted(found, key=lambda mode: mode.freq)
 

@@ -58,8 +58,8 @@ class Identified(Reported):
         (channels, lines).
     diagram
         Poles of all orders.
-    doubts
-        For each mode what is doubtful about it, "" where it is sure.
+    reasons
+        For each mode why it is doubtful, "" where it is sure.
     notes
         What cannot be told apart and what was left out, in words.
     card
@@ -90,7 +90,7 @@ class Identified(Reported):
     fitted: Array
     measured: Array
     diagram: Stabilisation
-    doubts: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     card: tuple[str, ...] = ()
     seconds: float = 0.0
@@ -105,7 +105,7 @@ class Identified(Reported):
     @property
     def sure(self) -> BoolArray:
         """Modes about which nothing is doubtful, (modes,)."""
-        return np.array([not (self.doubts and self.doubts[k]) for k in range(len(self))], bool)
+        return np.array([not (self.reasons and self.reasons[k]) for k in range(len(self))], bool)
 
     @property
     def splits(self) -> FloatArray:
@@ -150,7 +150,7 @@ class Identified(Reported):
 
     def doubtful(self) -> tuple[str, ...]:
         """The modes that are not sure, and why, in words."""
-        return tuple(f"mode {k + 1} is doubtful: {self.doubts[k]}" for k in np.flatnonzero(~self.sure).tolist())
+        return tuple(f"mode {k + 1} is doubtful: {self.reasons[k]}" for k in np.flatnonzero(~self.sure).tolist())
 
     def save(self, path: str | os.PathLike[str], *, responses: bool = True) -> Path:
         """Write an npz file of plain arrays, whole or not at all; `load` reads it.

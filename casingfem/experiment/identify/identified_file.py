@@ -17,10 +17,11 @@ from contact.io.npz import ArrayKind, require_kinds, write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
-LATER: dict[str, Any] = {"doubts": [], "shift": 0.0}  # what files of before do not have
-TEXTS = ("doubts", "notes", "card")
+LATER: dict[str, Any] = {"reasons": [], "shift": 0.0}  # what files of before do not have
+FORMER = {"doubts": "reasons"}  # names in files of before
+TEXTS = ("reasons", "notes", "card")
 COMPLEX = ("shapes", "sigma_shapes", "residues", "fitted", "measured")
-DIMS = {"seconds": 0, "shift": 0, "doubts": 1, "notes": 1, "card": 1, "unresolved": 1, "doublets": 2}
+DIMS = {"seconds": 0, "shift": 0, "reasons": 1, "notes": 1, "card": 1, "unresolved": 1, "doublets": 2}
 BY_MODE = ("freq", "sigma_freq", "zeta", "sigma_zeta", "n", "purity", "angle_deg", "sigma_angle", "residue_scale",
            "collinearity", "signal", "split_bound")  # fmt: skip
 
@@ -49,6 +50,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
     Path(path).stat()  # OSError without a file, as every other reader of shapes
     stored = read_npz(path, (names - PARTS.keys() - set(LATER)) | inner, WANTED)
+    stored |= {new: stored.pop(old) for old, new in FORMER.items() if old in stored and new not in stored}
     for name, value in LATER.items():
         stored.setdefault(name, np.array(value, np.float64 if name == "shift" else np.str_))
     check(stored, str(path))
@@ -83,8 +85,8 @@ def check(stored: Mapping[str, Array], path: str) -> None:
         if stored[name].shape != shape:
             expected = f"{shape} for {modes} modes at {sensors} sensors"
             raise InputError(path, found=f"{name} of shape {stored[name].shape}", expected=expected)
-    if stored["doubts"].size not in (0, modes):
-        raise InputError(path, found=f"{stored['doubts'].size} doubts", expected=f"one for each of {modes} modes")
+    if stored["reasons"].size not in (0, modes):
+        raise InputError(path, found=f"{stored['reasons'].size} reasons", expected=f"one for each of {modes} modes")
     for name in ("freq", "sigma_freq", "zeta", "shapes", "sigma_shapes"):
         if not np.all(np.isfinite(stored[name])):
             raise InputError(path, found=f"{name} with nan or infinity", expected="finite numbers")

@@ -7,6 +7,7 @@ of the same frequency.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 NOWHERE = float("nan")
+ALIKE = 25.0  # chi-squared of differences of fitted poles that are no more than chance: 4.5 standard deviations
 TWO = 0.1  # least ratio of the singular values of residues that are two shapes
 
 
@@ -46,7 +48,7 @@ class Mode:
     signal: float
     split_bound: float
     double: bool
-    doubt: str = ""
+    reason: str = ""
     unresolved: bool = False
 
 
@@ -176,51 +178,51 @@ def _shape(residues: Residues, channels: IntArray) -> Shape:
     return Shape(whole.real / norm, covariance, norm**2 / energy, double)
 
 
-def merged(fit: PoleFit, modes: list[Mode]) -> list[Mode]:
-    """Put neighbours whose poles differ by no more than chance into one: a pair whose members are not resolved.
+def neighbours(n: Sequence[int], chi: Sequence[float], most: float) -> list[tuple[int, ...]]:
+    """Numbers of modes, two where the poles of neighbours of one n differ by no more than chance.
 
-    Chance: chi-squared of the differences in frequency and damping below 25 (4.5 standard deviations).
+    `chi` (modes - 1,) is chi-squared of the differences in frequency and damping; by chance it is `most`.
     """
-    done: list[Mode] = []
-    count, k = len(modes), 0
-    covariance = _covariance(fit)
-    while k < count:
-        if k + 1 < count and modes[k].n == modes[k + 1].n and not _distinct(fit, covariance, k):
-            done.append(_one_of(fit, covariance, modes, k))
-            k += 2
-        else:
-            done.append(modes[k])
-            k += 1
+    done, k = list[tuple[int, ...]](), 0
+    while k < len(n):
+        two = k + 1 < len(n) and n[k] == n[k + 1] and chi[k] <= most
+        done.append((k, k + 1) if two else (k,))
+        k += len(done[-1])
     return done
 
 
-def _covariance(fit: PoleFit) -> FloatArray:
+def merged(fit: PoleFit, modes: list[Mode]) -> list[Mode]:
+    """Modes of a fit; a pair whose members are not resolved is one."""
     spread = np.sqrt(np.tile(fit.noise, 2))
-    return np.asarray(fit.covariance * np.outer(spread, spread))
+    covariance = fit.covariance * np.outer(spread, spread)
+    differences = [_difference(fit, covariance, k) for k in range(len(modes) - 1)]
+    groups = neighbours([mode.n for mode in modes], [chi for chi, _ in differences], ALIKE)
+    return [modes[k[0]] if len(k) == 1 else one_of([modes[i] for i in k], differences[k[0]][1]) for k in groups]
 
 
-def _distinct(fit: PoleFit, covariance: FloatArray, low: int) -> bool:
+def _difference(fit: PoleFit, covariance: FloatArray, low: int) -> tuple[float, float]:
+    """Chi-squared of the difference of a pole and the next one, and the deviation [Hz] of that in frequency."""
     high, count = low + 1, len(fit)
     sigma = -fit.poles.real
-    if fit.poles[high].imag - fit.poles[low].imag > 2.0 * max(sigma[low], sigma[high]):
-        return True
     change = np.zeros((2, 2 * count))
     change[0, low], change[0, high] = -sigma[low], sigma[high]
     change[1, count + low], change[1, count + high] = -1.0, 1.0
     gap = np.array([fit.poles[high].imag - fit.poles[low].imag, np.log(sigma[high] / sigma[low])])
-    return bool(gap @ np.linalg.pinv(change @ covariance @ change.T) @ gap > 25.0)
+    both = change @ covariance @ change.T
+    far = gap[0] > 2.0 * max(sigma[low], sigma[high])
+    chi = np.inf if far else float(gap @ np.linalg.pinv(both) @ gap)
+    return chi, float(np.sqrt(both[0, 0])) / (2.0 * np.pi)
 
 
-def _one_of(fit: PoleFit, covariance: FloatArray, modes: list[Mode], low: int) -> Mode:
-    """The mean of two poles for a pair that is not resolved; its frequency is uncertain by half of the split."""
-    both = [modes[low], modes[low + 1]]
+def one_of(both: list[Mode], gap: float) -> Mode:
+    """The mean of two modes, a pair that is not resolved; `gap` [Hz] is the deviation of their difference.
+
+    Its frequency is uncertain by half of the split.
+    """
     stronger = max(both, key=lambda mode: mode.signal)
     weights = np.array([mode.sigma_freq for mode in both]) ** -2.0
     freq = float(weights @ [mode.freq for mode in both] / weights.sum())
     zeta = float(np.mean([mode.zeta for mode in both]))
-    at = [low, low + 1]
-    sigma = -fit.poles.real[at] / (2.0 * np.pi)
-    gap = float(np.sqrt(np.array([-1.0, 1.0]) * sigma @ covariance[np.ix_(at, at)] @ (np.array([-1.0, 1.0]) * sigma)))
     bound = (both[1].freq - both[0].freq + 2.0 * gap) / freq
     one = replace(stronger, freq=freq, zeta=zeta, sigma_freq=1.0 / float(np.sqrt(weights.sum())), split_bound=bound)
     one = replace(one, sigma_zeta=max(stronger.sigma_zeta, 0.5 * abs(both[1].zeta - both[0].zeta)))
@@ -268,17 +270,23 @@ def settled(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> list[Mo
 def pair_notes(modes: list[Mode], doublets: tuple[tuple[int, int], ...]) -> tuple[str, ...]:
     """Pairs that are not resolved, and modes without a partner, in words."""
     members = {k for pair in doublets for k in pair}
-    notes = []
-    for k, mode in enumerate(modes):
-        split = mode.split_bound * mode.freq
-        if mode.unresolved:
-            notes.append(
-                f"pair at {mode.freq:.2f} Hz, unresolved: its split is below {split:.2g} Hz; it is given as one mode."
-                " A second reference elsewhere around, or a longer record, may resolve it"
-            )
-        elif mode.n > 0 and k not in members:
-            notes.append(
-                f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is"
-                f" below {split:.2g} Hz; no orientation is given. A second reference elsewhere around would show it"
-            )
-    return tuple(notes)
+    alone = [mode for k, mode in enumerate(modes) if mode.n > 0 and k not in members and not mode.unresolved]
+    return (
+        *unresolved_notes(modes, "a second reference elsewhere around, or a longer record, may resolve it"),
+        *(
+            f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the references do not drive it, or the split is below"
+            f" {mode.split_bound * mode.freq:.2g} Hz; no orientation is given. A second reference elsewhere around"
+            " would show it"
+            for mode in alone
+        ),
+    )
+
+
+def unresolved_notes(modes: list[Mode], remedy: str) -> tuple[str, ...]:
+    """Pairs that are not resolved, in words, and what may resolve them."""
+    return tuple(
+        f"pair at {mode.freq:.2f} Hz, unresolved: its split is below {mode.split_bound * mode.freq:.2g} Hz; it is given"
+        f" as one mode; {remedy}"
+        for mode in modes
+        if mode.unresolved
+    )

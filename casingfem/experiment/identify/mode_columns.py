@@ -31,6 +31,6 @@ COLUMNS = (
            where="files"),
     Column("verdict", "Whether the mode is sure or doubtful.",
            lambda found: ["sure" if sure else "doubtful" for sure in found.sure], format=word),
-    Column("doubt", "Reason why the mode is doubtful.",
-           lambda found: ["" if sure else found.doubts[k] for k, sure in enumerate(found.sure)], where="files"),
+    Column("reason", "Reason why the mode is doubtful.",
+           lambda found: ["" if sure else found.reasons[k] for k, sure in enumerate(found.sure)], where="files"),
 )  # fmt: skip

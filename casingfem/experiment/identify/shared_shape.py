@@ -27,7 +27,7 @@ class Member(NamedTuple):
     """A mode of one set-up, and what is doubtful about it."""
 
     found: Found
-    doubt: str
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -20,7 +20,7 @@ from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.setups import SetUp
 from casingfem.experiment.identify.shared_shape import Member, Shapes
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
-from casingfem.experiment.identify.verdict import doubts
+from casingfem.experiment.identify.verdict import reasons
 from casingfem.io.arrays import Array, FloatArray, IntArray
 
 UNLIKE = 2.5  # times the usual spread over the set-ups, beyond which a mode may be two
@@ -31,11 +31,11 @@ PREDICTED = 3.0, 0.4  # how far it may be from its place: scatters of ln f betwe
 
 
 class Track(NamedTuple):
-    """One mode over the set-ups: the mean, its frequencies [Hz] and the doubt."""
+    """One mode over the set-ups: the mean, its frequencies [Hz], and why it is doubtful."""
 
     found: Found
     freqs: FloatArray
-    doubt: str
+    reason: str
 
 
 def tracked(
@@ -75,7 +75,7 @@ def _members(part: SetUp, noise: FloatArray, rules: Thresholds) -> list[Member]:
     found = []
     for fit in part.fits:
         poles = found_in(fit, noise[part.channels], rules)
-        found += [Member(pole, why) for pole, why in zip(poles, doubts(fit, [1.0] * len(fit), rules), strict=True)]
+        found += [Member(pole, why) for pole, why in zip(poles, reasons(fit, [1.0] * len(fit), rules), strict=True)]
     return sorted(found, key=lambda member: member.found.freq)
 
 
@@ -201,5 +201,5 @@ def _reasons(some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shif
         )
     if 2 * count <= whole:
         reasons.append(f"it is seen in {count} of {whole} set-ups: a local mode, or one that two share? Measure again")
-    own = [member.doubt for _, member in some if member.doubt]
+    own = [member.reason for _, member in some if member.reason]
     return reasons + (own[:1] if len(own) == count else [])  # one set-up that shows it clearly is enough

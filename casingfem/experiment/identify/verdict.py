@@ -14,7 +14,7 @@ FEW = 6  # channels that confirm each other; fewer must be clearer
 MANY = 8  # channels from which on a mode can be local
 
 
-def doubts(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
+def reasons(fit: PoleFit, phases: list[float], rules: Thresholds = USUAL) -> list[str]:
     """For each pole of a fit the reasons why it is doubtful, "" where it is sure.
 
     `phases` are the shares of the shapes' energy that are in phase.

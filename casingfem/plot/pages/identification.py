@@ -48,11 +48,11 @@ def identification_page(
     pictures = [Picture.of(drawn[key], caption) for key, caption in captions.items()]
     if found.lines.size:
         pictures[-1] = picking_diagram(found, name, PICKING[pick], pictures[-1], pick=pick)
-    doubts = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())
+    doubtful = tuple(f"{words[0].upper()}{words[1:]}." for words in found.doubtful())
     notes = tuple(f"{note[:1].upper()}{note[1:]}." for note in found.notes)
     table = Table.of("Modes found; ± is one standard uncertainty.", found.COLUMNS, found.records())
     sections = [
-        Section("Modes", doubts + notes, tables=(table,)),
+        Section("Modes", doubtful + notes, tables=(table,)),
         Section("How they fit", figures=tuple(pictures)),
         *_alike(found),
         Section("Source", preformatted="\n".join(found.card)),

@@ -12,12 +12,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import find_peaks, peak_widths
 from scipy.signal.windows import blackmanharris
+from scipy.special import chdtri
 
 from casingfem.errors import InputError
 from casingfem.experiment.circle.orientation import Circle
@@ -28,7 +30,17 @@ from casingfem.experiment.identify.clusters import Responses, bands
 from casingfem.experiment.identify.exponential import ABOVE_ZERO
 from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.lscf import Stabilisation
-from casingfem.experiment.identify.mode import Found, Mode, Residues, Sensors, mode_of, paired
+from casingfem.experiment.identify.mode import (
+    Found,
+    Mode,
+    Residues,
+    Sensors,
+    mode_of,
+    neighbours,
+    one_of,
+    paired,
+    unresolved_notes,
+)
 from casingfem.experiment.identify.output_only.correlations import (
     BLOCKS,
     EDGE,
@@ -47,6 +59,9 @@ LEAST = 2000  # samples of a record
 PRESENT = 0.8  # of the records without a block, in which a mode must be found again
 KNOWN = 0.5  # of a bandwidth: largest standard deviation of a frequency without a visible peak
 OFTEN = 0.5  # of the model orders, in which a sure mode recurs
+ALIKE = float(chdtri(2, 1e-3))  # chi-squared of the differences of two modes that chance exceeds once in a thousand
+NORMAL = 2.0  # standard deviations that a split exceeds; fewer are noted
+LONGER = "a longer record may resolve it"
 MADE = "identified from responses alone: stochastic subspaces of their correlations, jackknife over blocks"
 MARGIN = 1.3  # times the edge of a band's filter that a band is widened by at either end
 
@@ -119,12 +134,14 @@ def identify_output_only(
     notes = (
         f"output only: {len(own)} reference{'s' * (len(own) > 1)}, lags up to {lags / fs:.3g} s, {BLOCKS} blocks;"
         " shapes have no scale",
-        *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle), *_lonely(modes, doublets),
+        *circle_notes(modes, grid, circle), *sensor_notes(modes, grid, circle),
+        *unresolved_notes(modes, LONGER), *_close(modes, doublets), *_lonely(modes, doublets),
         *_bare(modes, freq[kept][peaks.at]),
     )  # fmt: skip
     return Identified(
         **columns_of(modes, doublets, grid), sensors=grid, lines=lines, measured=measured, fitted=fitted,
-        doublets=doublets, unresolved=(), doubts=tuple(mode.doubt for mode in modes), notes=notes, diagram=diagram,
+        doublets=doublets, unresolved=tuple(k for k, mode in enumerate(modes) if mode.unresolved),
+        reasons=tuple(mode.reason for mode in modes), notes=notes, diagram=diagram,
         card=(*records.card, MADE), seconds=time.perf_counter() - started,
     )  # fmt: skip
 
@@ -283,26 +300,47 @@ def _scaled(estimated: Estimated, factors: FloatArray) -> Estimated:
 
 
 def _modes(estimated: list[Estimated], channels: IntArray, sensors: Sensors, rules: Thresholds) -> list[Mode]:
-    """Modes with shapes, labels and doubts, ascending."""
+    """Modes with shapes, labels and verdicts, ascending; neighbours without a partner may be one."""
+    estimated = sorted(estimated, key=lambda each: each.found.freq)
     modes = [replace(mode_of(each.found, sensors), split_bound=0.0) for each in estimated]
-    doubted = [replace(mode, doubt=_doubt(mode, each, rules)) for mode, each in zip(modes, estimated, strict=True)]
-    return sorted(doubted, key=lambda mode: mode.freq)
+    gaps = [float(np.hypot(low.sigma_freq, high.sigma_freq)) for low, high in pairwise(modes)]
+    chi = [_chi(low, high, gap) for (low, high), gap in zip(pairwise(modes), gaps, strict=True)]
+    members = {k for pair in paired(modes) for k in pair}  # their shapes show that they are two
+    chi = [np.inf if modes[k].n < 1 or {k, k + 1} & members else each for k, each in enumerate(chi)]
+    done = list[Mode]()
+    for k in neighbours([mode.n for mode in modes], chi, ALIKE):
+        strongest = max(k, key=lambda i: modes[i].signal)
+        mode = modes[k[0]] if len(k) == 1 else one_of([modes[i] for i in k], gaps[k[0]])
+        done.append(replace(mode, reason=_reasons(mode, estimated[strongest], rules)))
+    return done
 
 
-def _doubt(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
-    """Why a mode is doubtful, "" where it is sure."""
-    reasons, wide = list[str](), 2.0 * mode.zeta * mode.freq
-    if mode.zeta < ABOVE_ZERO * mode.sigma_zeta:
+def _chi(low: Mode, high: Mode, gap: float) -> float:
+    """Chi-squared of the differences of two modes in frequency, of deviation `gap` [Hz], and damping.
+
+    Infinite beyond a bandwidth. The jackknife does not give less than their deviations.
+    """
+    if high.freq - low.freq > 2.0 * max(low.zeta * low.freq, high.zeta * high.freq):
+        return float("inf")
+    by_zeta = np.hypot(low.sigma_zeta, high.sigma_zeta)
+    return float(((high.freq - low.freq) / gap) ** 2 + ((high.zeta - low.zeta) / by_zeta) ** 2)
+
+
+def _reasons(mode: Mode, estimated: Estimated, rules: Thresholds) -> str:
+    """Why a mode is doubtful, "" where it is sure; the shape of a pair that is not resolved may have any phase."""
+    found = estimated.found
+    reasons, wide = list[str](), 2.0 * found.zeta * found.freq
+    if found.zeta < ABOVE_ZERO * found.sigma_zeta:
         reasons.append("its damping is not above zero: a tone of a machine, mains hum? Measure again at another time")
-    if mode.sigma_freq > rules.sure_freq * wide:
+    if found.sigma_freq > rules.sure_freq * wide:
         reasons.append(
-            f"its frequency is known to {100.0 * mode.sigma_freq / wide:.0f} % of its bandwidth only: measure longer"
+            f"its frequency is known to {100.0 * found.sigma_freq / wide:.0f} % of its bandwidth only: measure longer"
         )
-    if mode.sigma_zeta > rules.known_zeta * mode.zeta:
-        reasons.append(f"its damping is uncertain by {100.0 * mode.sigma_zeta / mode.zeta:.0f} %: measure longer")
-    if mode.zeta > rules.damped:
-        reasons.append(f"its damping of {100.0 * mode.zeta:.2g} % is that of a residual, or of several modes")
-    if mode.collinearity < rules.in_phase:
+    if found.sigma_zeta > rules.known_zeta * found.zeta:
+        reasons.append(f"its damping is uncertain by {100.0 * found.sigma_zeta / found.zeta:.0f} %: measure longer")
+    if found.zeta > rules.damped:
+        reasons.append(f"its damping of {100.0 * found.zeta:.2g} % is that of a residual, or of several modes")
+    if mode.collinearity < rules.in_phase and not mode.unresolved:
         reasons.append(f"only {100.0 * mode.collinearity:.0f} % of its shape is in phase: two modes, or a load's peak?")
     if estimated.recurs < OFTEN:
         reasons.append(f"it recurs in {100.0 * estimated.recurs:.0f} % of the model orders only")
@@ -316,7 +354,19 @@ def _lonely(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> lis
         f"n = {mode.n} at {mode.freq:.2f} Hz has no partner: the loads do not drive it, or its peak is hidden; measure"
         " longer or move a reference"
         for k, mode in enumerate(modes)
-        if mode.n > 0 and k not in members
+        if mode.n > 0 and k not in members and not mode.unresolved
+    ]
+
+
+def _close(modes: Sequence[Mode], doublets: tuple[tuple[int, int], ...]) -> list[str]:
+    """Notes of doublets whose split is below two standard deviations."""
+    pairs = [(modes[low], modes[high]) for low, high in doublets]
+    splits = [(low, high.freq - low.freq, float(np.hypot(low.sigma_freq, high.sigma_freq))) for low, high in pairs]
+    return [
+        f"pair of n = {low.n} at {low.freq:.2f} Hz: its split of {split:.2g} Hz is below two standard deviations,"
+        f" {NORMAL * sigma:.2g} Hz; without a split the antinodes may lie anywhere; {LONGER}"
+        for low, split, sigma in splits
+        if split < NORMAL * sigma
     ]
 
 

@@ -66,7 +66,7 @@ def test_a_tone_of_one_line_is_in_the_answer_and_doubtful():
     found = cf.identify(replace(frfs, responses=H))
     assert found.freq == pytest.approx([40.0, 50.0], abs=0.1)
     assert found.sure.tolist() == [True, False]
-    assert "hum" in found.doubts[1]
+    assert "hum" in found.reasons[1]
 
 
 def test_a_mode_that_one_weak_channel_alone_sees_is_found():
@@ -120,7 +120,7 @@ def test_every_peak_that_a_person_sees_has_a_mode_that_is_sure_or_has_a_reason(s
     for at, width in zip(x[peaks.at], peaks.width, strict=True):
         reach = np.maximum(found.zeta * found.freq, max(0.5 * width, 1.0) * step)
         assert np.any(np.abs(found.freq - at) < reach), f"no mode at the peak at {at:.2f} Hz"
-    assert all(why == "" or ":" in why or "?" in why for why in found.doubts)  # each reason names what to do
+    assert all(why == "" or ":" in why or "?" in why for why in found.reasons)  # each reason names what to do
 
 
 def test_a_peak_that_is_no_resonance_is_in_the_answer_with_what_to_do():
@@ -133,7 +133,7 @@ def test_a_peak_that_is_no_resonance_is_in_the_answer_with_what_to_do():
     peaks = visible_peaks((H / line_noise(H)[:, None]).T)
     assert all(np.abs(found.freq - x[at]).min() < 0.3 for at in peaks.at)
     assert found.sure[np.abs(found.freq - 100.0).argmin()]
-    assert all(":" in why or "?" in why for why in found.doubts if why)
+    assert all(":" in why or "?" in why for why in found.reasons if why)
 
 
 @pytest.mark.slow

@@ -18,24 +18,24 @@ def mode(freq, **changes):
     return Mode(**given | changes)
 
 
-@pytest.mark.parametrize(("tau", "doubt"), [(0.2, False), (0.159, True), (0.1, True)])
-def test_poles_are_moved_back_by_the_window(tau, doubt):
+@pytest.mark.parametrize(("tau", "doubtful"), [(0.2, False), (0.159, True), (0.1, True)])
+def test_poles_are_moved_back_by_the_window(tau, doubtful):
     """p + 1/tau: the part of the decay that is left, the damped frequency as it was."""
     before = mode(100.0, zeta=0.012, sigma_zeta=1e-3)
     (found,) = without_window([before], tau)
     pole = 200.0 * np.pi * (-0.012 + 1j * np.sqrt(1.0 - 0.012**2)) + 1.0 / tau
     assert found.freq == pytest.approx(abs(pole) / (2.0 * np.pi), rel=1e-12)
     assert found.zeta == pytest.approx(max(-pole.real, 0.0) / abs(pole), abs=1e-12)
-    assert bool(found.doubt) is doubt
+    assert bool(found.reason) is doubtful
     assert "tau = 0.25 s" in window_note(0.25)
 
 
 def test_damping_is_clear_above_two_standard_deviations():
     tau = 1.0 / (200.0 * np.pi * 0.01)  # 1 %
-    for zeta, doubt in ((0.01199, True), (0.01201, False)):
-        (found,) = without_window([mode(100.0, zeta=zeta, sigma_zeta=1e-3, doubt="why")], tau)
+    for zeta, doubtful in ((0.01199, True), (0.01201, False)):
+        (found,) = without_window([mode(100.0, zeta=zeta, sigma_zeta=1e-3, reason="why")], tau)
         added = "; its damping is within the 1 % that the exponential window adds: check tau"
-        assert found.doubt == "why" + added * doubt
+        assert found.reason == "why" + added * doubtful
 
 
 def test_the_time_of_a_window_is_given_or_read_from_the_last_line_of_the_card():

@@ -29,7 +29,7 @@ def identified(**changes):
         "sigma_shapes": 0.1 * np.ones((2, 3)), "residues": np.ones((2, 1, 3)) + 0j,
         "residue_scale": 100.0 * each, "collinearity": 0.2 * each, "signal": 7.0 * each, "doublets": ((0, 1),),
         "unresolved": (2,), "split_bound": 0.01 * each, "sensors": grid, "lines": LINES, "fitted": fitted,
-        "measured": measured, "diagram": diagram, "doubts": ("", "", "why"), "notes": ("a", "b"), "card": ("c",),
+        "measured": measured, "diagram": diagram, "reasons": ("", "", "why"), "notes": ("a", "b"), "card": ("c",),
         "seconds": 3.5, "shift": 4e-3,
     }  # fmt: skip
     return Identified(**given | changes)
@@ -41,7 +41,7 @@ def test_numbers_of_pairs_set_ups_and_what_is_sure():
     np.testing.assert_allclose(found.sigma_setup, np.hypot([0.3, 0.6, 0.9], [0.4, 0.408, 0.52]), rtol=1e-12)
     assert [found.doublet_of(k) for k in range(3)] == [0, 0, -1]
     assert found.sure.tolist() == [True, True, False]
-    assert identified(doubts=()).sure.tolist() == [True, True, True]
+    assert identified(reasons=()).sure.tolist() == [True, True, True]
     assert found.doubtful() == ("mode 3 is doubtful: why",)
     off = np.array([1j, 1j, 0.0, -1j])
     assert found.deviation == pytest.approx(np.linalg.norm(off) / np.sqrt(2.0 + 4.0 + 1.0), rel=1e-12)
@@ -53,7 +53,7 @@ def test_records_and_the_table_have_the_numbers_of_each_mode():
     assert first["sigma_hz"] == pytest.approx(0.5)
     assert (first["mode"], first["n"], first["doublet"], first["unresolved_pair"]) == (1, 2, 1, False)
     assert (last["mode"], last["n"], last["doublet"], last["unresolved_pair"]) == (3, None, None, True)
-    assert (first["verdict"], first["doubt"], last["verdict"], last["doubt"]) == ("sure", "", "doubtful", "why")
+    assert (first["verdict"], first["reason"], last["verdict"], last["reason"]) == ("sure", "", "doubtful", "why")
     numbers = ("freq_hz", "sigma_mean_hz", "zeta", "sigma_zeta", "n_purity", "angle_deg", "sigma_angle_deg",
                "split_bound_rel", "collinearity", "signal_to_noise")  # fmt: skip
     want = [130.0, 0.9, 3e-3, 3e-4, 0.3, 30.0, 1.5, 0.03, 0.6, 21.0]
@@ -68,24 +68,26 @@ def test_every_field_of_the_file_comes_back(tmp_path):
     found = identified()
     again = Identified.load(found.save(tmp_path / "found.npz"))
     assert repr(again) == repr(found)
-    for name in ("doublets", "unresolved", "doubts", "notes", "card", "seconds", "shift"):
+    for name in ("doublets", "unresolved", "reasons", "notes", "card", "seconds", "shift"):
         assert getattr(again, name) == getattr(found, name)
     assert again.diagram.stable.tolist() == [True]
     assert again.sensors.points.tolist() == [4, 7]
     bare = Identified.load(found.save(tmp_path / "bare.npz", responses=False))
     assert (bare.measured.shape, bare.fitted.shape, bare.lines.size, bare.diagram.order.size) == ((2, 0), (2, 0), 0, 0)
     assert (bare.diagram.order.dtype.kind, bare.diagram.stable.dtype.kind) == ("i", "b")
-    alone = replace(found, doublets=(), unresolved=(), doubts=(), notes=())
+    alone = replace(found, doublets=(), unresolved=(), reasons=(), notes=())
     assert Identified.load(alone.save(tmp_path / "alone.npz")).doublets == ()
 
 
-def test_files_of_before_have_no_doubts_and_no_shift(tmp_path):
+def test_files_of_before_have_reasons_of_another_name_or_none_and_no_shift(tmp_path):
     path = identified().save(tmp_path / "found.npz")
     with np.load(path) as archive:
-        old = {name: archive[name] for name in archive.files if name not in ("doubts", "shift")}
+        old = {name: archive[name] for name in archive.files if name not in ("reasons", "shift")}
     np.savez(tmp_path / "old.npz", **old)
     again = Identified.load(tmp_path / "old.npz")
-    assert (again.doubts, again.shift) == ((), 0.0)
+    assert (again.reasons, again.shift) == ((), 0.0)
+    np.savez(tmp_path / "former.npz", **old, doubts=np.array(["", "", "why"]))
+    assert Identified.load(tmp_path / "former.npz").reasons == ("", "", "why")
 
 
 @pytest.mark.parametrize(
@@ -99,7 +101,7 @@ def test_files_of_before_have_no_doubts_and_no_shift(tmp_path):
         ({"sensors.places": np.zeros((2, 2))}, r"sensors.places of shape \(2, 2\); expected \(2, 3\)"),
         ({"sigma_shapes": np.zeros((3, 2))}, r"sigma_shapes of shape \(3, 2\)"),
         ({"residue_scale": np.zeros(2)}, r"residue_scale of shape \(2,\); expected \(3,\)"),
-        ({"doubts": np.array(["a", "b"])}, "2 doubts; expected one for each of 3 modes"),
+        ({"reasons": np.array(["a", "b"])}, "2 reasons; expected one for each of 3 modes"),
         ({"freq": np.array([1.0, np.inf, 2.0])}, "freq with nan or infinity"),
         ({"sigma_freq": np.array([0.0, np.nan, 0.0])}, "sigma_freq with nan or infinity"),
         ({"zeta": np.array([0.0, np.inf, 0.0])}, "zeta with nan or infinity"),

@@ -24,11 +24,11 @@ def shapes(at):
     return np.cos(np.array(N) * (np.asarray(at)[:, None] - ANTINODE))
 
 
-def driven(seed, seconds, tone=0.0, noise=0.03):
+def driven(seed, seconds, tone=0.0, noise=0.03, freqs=FREQ):
     """Accelerations on a circle under four white forces; each step of the modes is exact for forces that are held."""
     rng, count = np.random.default_rng(seed), int(seconds * FS)
     forces, y = rng.standard_normal((len(LOADS), count)), np.zeros((len(THETA), count))
-    for freq, zeta, push, seen in zip(FREQ, ZETA, shapes(LOADS).T, shapes(THETA).T, strict=True):
+    for freq, zeta, push, seen in zip(freqs, ZETA, shapes(LOADS).T, shapes(THETA).T, strict=True):
         omega = 2.0 * np.pi * freq
         step = expm(np.array([[0, 1, 0], [-(omega**2), -2 * zeta * omega, 1], [0, 0, 0]]) / FS)
         A, b = step[:2, :2], step[:2, 2]
@@ -66,6 +66,25 @@ def test_pairs_closer_than_their_bandwidth_are_told_apart():
     off = (found.angle_deg[:4] - np.degrees(ANTINODE[:4]) + period / 2) % period - period / 2
     assert (np.abs(off) < 3.5 * found.sigma_angle[:4]).all()
     assert found.deviation < 0.4
+
+
+@pytest.mark.slow
+def test_a_pair_without_a_split_is_one_unresolved_mode_or_a_doublet_with_a_note():
+    """Its two shapes are arbitrary. If they are a quarter wave apart they form a doublet, else they are one mode."""
+    freqs = np.array([120.0, 120.0, *FREQ[2:]])
+    one, two = (
+        identify_output_only(records(driven(seed, 120.0, freqs=freqs)), angles=ANGLES, band=(100.0, 230.0))
+        for seed in (75, 61)
+    )
+    assert one.n.tolist() == [3, 4, 4, 0]
+    assert (one.unresolved, one.doublets) == ((0,), ((1, 2),))
+    assert one.sure.all()
+    assert abs(one.freq[0] - 120.0) < 2.0 * one.sigma_freq[0] < 0.4
+    assert np.isnan(one.angle_deg[0])
+    assert "unresolved: its split is below" in " ".join(one.notes)
+    assert (two.n.tolist(), two.unresolved, two.doublets) == (list(N), (), ((0, 1), (2, 3)))
+    (note,) = [note for note in two.notes if "below two standard deviations" in note]
+    assert note.startswith("pair of n = 3 at 120.0")
 
 
 @pytest.mark.slow
