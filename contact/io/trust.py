@@ -13,6 +13,7 @@ MADE, MUCH_MADE = 0.01, 0.1  # of the largest energy: 0.5 % and 5 % of a speed
 DEEP, TOO_DEEP = 0.01, 0.1  # of the body's length: a strain that linear theory describes, and one it does not
 OPEN = 1e-8  # of the largest energy: round-off of a million steps is below
 UNSETTLED = 1e-8  # of the largest gap
+FAST = 0.5  # of a frequency: change by the speed up to which frequencies of a basis err by less than 1e-3
 LEFT, MUCH_LEFT = 1e-6, 1e-2  # of a contact's free motion: the rest of a solve at double precision, and a wrong force
 
 
@@ -75,6 +76,12 @@ TROUBLES = MappingProxyType({
     "tip-moves-along": Trouble(
         "a tip moved so far along the rim that its curvature changes the gap", "warning above 0.1 of the clearance",
         "read the gap with care: the gap law leaves curvature out",
+    ),
+    "turning-fast": Trouble(
+        "a body turns much faster than its modes were computed for",
+        f"warning where the stiffness by speed changes a frequency of its basis by more than {FAST:g} of it; "
+        "up to there frequencies err by less than about 1e-3",
+        "compute the modes at the speed: give the study a [rotation], and reduce again",
     ),
     "turning-unmodelled": Trouble(
         "a casing turns whose basis has no matrices of rotation",

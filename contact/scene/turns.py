@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Literal
 
-from contact.io.trust import SceneWarning
+import numpy as np
+
+from contact.io.trust import FAST, SceneWarning
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_system import matrices_of
 
 Side = Literal["casing", "blades"]
 MEANING = (
@@ -16,7 +21,7 @@ MEANING = (
 
 
 def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
-    """Warn where `turning` is left out and matters to the result, or where the casing turns without its matrices."""
+    """Warn where `turning` is left out and matters, and of bodies that turn fast or without their matrices."""
     if not rub.speed.hz.any():
         return
     turning = [
@@ -28,8 +33,29 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
         what = f"Coriolis forces and stiffening of {' and '.join(turning)}" if turning else "gravity or whirl"
         words = f"speed.turning: left out in a scene with {what}, taken as 'blades': the casing is at rest"
         _warn("turning-unstated", file, words)
+    omega = rub.speed.fastest
+    for name, body, sense in zip(rub.names, rub.bodies, matrices_of(rub).senses, strict=True):
+        if sense and (moved := moved_by_speed(body, omega)) > FAST:
+            rpm = 30.0 * omega / math.pi
+            found = f"found a frequency of the basis that changes by {100.0 * moved:.3g} % at {rpm:.4g} rpm"
+            expected = f"expected at most {100.0 * FAST:g} %: compute the modes at the speed"
+            _warn("turning-fast", file, f"{name}: {found}, {expected}")
     if given == "casing" and rub.casing.gyroscopic is None:
         _warn("turning-unmodelled", file, "casing: found no gyroscopic matrix in its basis beside turning = 'casing'")
+
+
+def moved_by_speed(body: ModalBody, omega: float) -> float:
+    """Largest relative change of a frequency from the speed of the modes to `omega` [rad/s], modes uncoupled.
+
+    >>> body = ModalBody(omega=[3.0], zeta=[0.0], channels=("x",), rows=[[1.0]], S=[[0.0]], stiffness_by_speed=[[1.0]])
+    >>> round(moved_by_speed(body, 4.0), 3)
+    0.667
+    """
+    if body.stiffness_by_speed is None:
+        return 0.0
+    elastic = body.omega > 0.0
+    added = (omega**2 - body.spin**2) * np.diag(body.stiffness_by_speed)[elastic] / body.omega[elastic] ** 2
+    return float(np.abs(np.sqrt(np.maximum(1.0 + added, 0.0)) - 1.0).max(initial=0.0))
 
 
 def _warn(code: str, file: Path, words: str) -> None:

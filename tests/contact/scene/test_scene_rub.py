@@ -1,5 +1,6 @@
 """Scenes of kind "rub": what the file says is what runs; what it cannot mean is refused with file and key."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -400,3 +401,21 @@ def test_the_shipped_rub_runs_on_the_bases_of_its_studies(tmp_path):
     assert result.notes.heat.sum() == pytest.approx(result.notes.drive.sum(), rel=1e-3)
     assert result.impulse[0] == pytest.approx(result.impulse[4], rel=1e-2)  # the strip is symmetric
     assert result.flags == ()
+
+
+@pytest.mark.parametrize(("rpm", "warns"), [(1900.0, False), (3000.0, True)])
+def test_basis_far_from_the_speed_of_its_modes_is_named(rpm, warns, write, tmp_path):
+    """Its stiffness by speed changes the lowest frequency by 50 % at 2000 rpm."""
+    casing = ring()
+    factor = 1.25 * (casing.omega.min() / (2000.0 * np.pi / 30.0)) ** 2
+    replace(casing, gyroscopic=np.zeros((10, 10)), stiffness_by_speed=factor * np.eye(10)).save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    text = write(RIM.replace("hz = 5.0", f'hz = {rpm / 60.0!r}\nturning = "casing"'))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ct.load_scene(text)
+    found = [str(one.message) for one in caught if "turning-fast" in str(one.message)]
+    assert bool(found) == warns
+    if warns:
+        words = f"casing: found a frequency of the basis that changes by 95.3 % at {rpm:g} rpm, expected at most 50 %"
+        assert words in found[0]
