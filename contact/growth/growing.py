@@ -19,6 +19,8 @@ from contact.growth.waves import waves_of
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import ClosedContact, SplitError, rim_contact
 
+AT_REST = 1e-6  # of the frequency in the casing's frame: a slower motion is at rest in the blade's
+
 
 def stability(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     """Growth map of a perfect casing; its words name the motion that grows in each unstable band.
@@ -97,6 +99,8 @@ def _motion(peak: Peak) -> list[str]:
     if peak.wave == "standing":
         return [grows, share, f"The blade vibrates at {peak.freq_hz:.4g} Hz."]
     turned = f"n f = {peak.n * abs(peak.speed_hz):.4g} Hz"
+    if peak.freq_hz < AT_REST * peak.casing_hz:
+        return [grows, share, f"It is at rest in the blade's frame, f_c = {turned}."]
     frames = f"f_c = {peak.casing_hz:.4g} Hz in the casing's frame and f_b = {peak.freq_hz:.4g} Hz in the blade's"
     if peak.overtaken:
         return [grows, share, f"It has {frames}: f_c + f_b = n f. The blade overtakes the wave, {turned} > f_c."]

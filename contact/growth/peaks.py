@@ -33,6 +33,7 @@ MOST = 40  # peaks, the highest ones
 PARABOLAS = 4  # steps of refinement
 PROMINENCE = 0.1  # of its growth, by which a peak rises from what lies between it and a higher one
 TRAVELS = 0.8  # of the energy of n diameters, in waves of one sense: less is a standing wave
+EQUAL = 1e-6  # of the energy: both waves of a pattern at rest before the blade have the same
 ALIKE = 0.5  # squared cosine between two growing motions that are one
 SETTLED = 1e-7  # of the pole: distance of the shift of inverse iteration
 
@@ -207,15 +208,17 @@ def _peak(waves: Waves, speed_hz: float, pole: complex) -> tuple[Peak, Vector]:
 
 
 def _sense(n: int, positive: float, freq: float, omega: float) -> tuple[str, bool]:
-    """How a wave of n diameters travels, and whether the blade overtakes it.
+    """How the motion of n diameters travels around the casing, and whether the blade overtakes its wave.
 
-    `positive` is the share of its energy that k = n has, the rest is in k = -n; `freq` [rad/s] at least 0.
+    `positive` is the share of its energy that k = n has, the rest is in k = -n; `freq` [rad/s] at least 0. The wave
+    ahead of the blade travels with it, the other one too where n |Omega| > freq.
     """
-    if n == 0 or max(positive, 1.0 - positive) < TRAVELS:
+    ahead = positive if omega > 0.0 else 1.0 - positive
+    overtakes = freq < n * abs(omega)
+    along = 1.0 if overtakes else ahead
+    if n == 0 or max(along, 1.0 - along) < TRAVELS:
         return "standing", False
-    k = n if positive > 0.5 else -n
-    own = freq + k * omega
-    return ("with" if k * own * omega > 0.0 else "against"), own < 0.0
+    return ("with" if along > 0.5 else "against"), overtakes and ahead < 0.5 - EQUAL
 
 
 def _eigenvector(matrix: Array, pole: complex) -> Vector:

@@ -172,6 +172,15 @@ def test_words_name_the_motion_at_each_peak_the_highest_first(sense):
     assert (growth_, speed, rpm) == pytest.approx((3.788, sense * 52.844, sense * 3170.6), rel=1e-4)
 
 
+def test_a_pattern_that_stays_before_the_blade_travels_with_it_around_the_casing():
+    """Above the critical speed f_c = n f a real pole grows: a pattern fixed to the blade, seen from the casing n f."""
+    soft = ct.RotatingRim(ring(), blade(), clearance=-1e-4, speed_hz=20.0, lean_deg=10.0)
+    words = ct.growth.rim_stability(soft, np.linspace(35.0, 45.0, 11)).words
+    assert "at 40.348 Hz (2420.9 rpm) and travels with the direction of the blade." in words
+    assert "It is at rest in the blade's frame, f_c = n f = 80.7 Hz." in words
+    assert "stands" not in words
+
+
 def test_words_of_a_stable_range_name_no_motion_and_no_speed_outside():
     """Below 300/8 turns/s the blade overtakes nothing; from there to the band at 52.7 it does, and nothing grows."""
     slow = ct.growth.stability(B6.contact(), np.linspace(8.0, 12.0, 41))
