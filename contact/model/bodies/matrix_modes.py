@@ -9,7 +9,8 @@ are the sharpest, rigid modes and massless dofs do no harm.
 
 K is stored as K + dK, |dK_ij| <= u |K_ij|, u = 2^-24 in single precision. A mode of zero stiffness then comes out as
 omega^2 = phi^T dK phi, of either sign, |omega^2| <= u |phi|^T |K| |phi|. A mode within this bound is rigid if it is
-negative, below the most negative one, or a rigid motion of the nodes.
+negative, below ten times the most negative one, or a rigid motion of the nodes. Others beside a negative one are
+refused.
 
 The modes are those of M and the symmetric part of K. Phi^T C Phi beside the ratios of the modes is their `damping`,
 Phi^T G Phi their `gyroscopic`, and the skew part of K between them their `stiffness`.
@@ -26,7 +27,7 @@ import numpy as np
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.model.bodies.matrices import Contact, Matrices, MatrixReport, report_of
-from contact.model.bodies.rigid_test import OTHERWISE, rigid_findings
+from contact.model.bodies.rigid_test import rigid_findings
 
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
@@ -34,6 +35,8 @@ RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on
 ROUGH = 1e-2  # of the same: round-off of K that may be taken as zero; it is 0.1 of the lowest elastic frequency
 SHIFT = 1e-6  # s over the median K_ii / M_ii
 ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
+STRAINED = 0.03  # of a mode: what round-off may add to a rigid motion; the first mode of a cantilever has more
+SEEN = 10.0  # times the most negative omega^2: six values of round-off are of one order
 INDEPENDENT = 1e-10  # singular values of rigid motions, below which two are the same
 NONE, LEAST = 1e-9, 1e-10  # damping between modes that is round-off: over their own, over the largest of all
 NOTHING = 1e-8  # of the static compliance: below it the residual is round-off, of the modes beside a shift of 1e-6
@@ -147,19 +150,24 @@ def lowest_modes(matrices: Matrices, count: int) -> tuple[Array, Array, int]:
 def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
     """How many of the modes X (n, m), mass-normalised, are rigid; `level` is the lowest elastic omega^2.
 
-    Raises InputError where omega^2 is more negative than the precision of K explains.
+    Raises InputError where omega^2 is more negative than the precision of K explains, or rigid modes are not separate.
     """
-    candidates = int(np.count_nonzero(lam < ROUGH * level))
+    candidates = int(np.count_nonzero(lam < level))
     lowest = X[:, : max(candidates, 1)]
     noise = matrices.rounding * np.einsum("ij,ij->j", np.abs(lowest), abs(matrices.K) @ np.abs(lowest))
     bound = np.maximum(RIGID * level, np.minimum(noise, ROUGH * level))
     if lam[0] < -bound[0]:
         found = f"found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes"
         raise InputError(f"K: {found}; round-off of K explains {-bound[0]:.3g}")
-    lam = lam[:candidates]
-    zero = lam < max(RIGID * level, -lam[0]) if candidates else np.zeros(0, dtype=bool)
-    if candidates and not zero.all():
-        zero |= (lam < bound) & (strain(matrices, lowest) < OTHERWISE)
+    lam, bound = lam[:candidates], bound[:candidates]
+    noisy = candidates > 0 and lam[0] < -RIGID * level
+    zero = lam < RIGID * level
+    if not zero.all():
+        zero |= (lam < bound) & ((strain(matrices, lowest) < STRAINED) | (noisy & (lam < -SEEN * lam[0])))
+    if noisy and (lost := lam[~zero & (lam < noise[:candidates])]).size:
+        found = f"found omega^2 = {lam[0]:.3g} and {lost[0]:.3g} rad^2/s^2, and round-off of K explains both"
+        advice = "give K in double precision, or the positions of its nodes"
+        raise InputError(f"K: {found}, expected rigid and elastic modes that its precision separates; {advice}")
     return candidates if zero.all() else int(np.argmin(zero))
 
 

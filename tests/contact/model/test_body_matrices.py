@@ -466,3 +466,13 @@ def test_a_soft_elastic_mode_within_the_precision_of_the_stiffness_is_not_rigid(
     body, facts = body_of(Matrices.of(*given, dofs=dofs, points=points), [100], modes=10)
     assert facts.rigid == 0
     np.testing.assert_allclose(body.omega[:2], 1.875104**2 * np.sqrt(2.1e11 * 0.02**2 / 12 / 7850), rtol=1e-2)
+
+
+def test_rigid_modes_that_the_precision_does_not_separate_from_elastic_ones_are_refused():
+    """A free beam of 80 unequal elements in single precision: round-off reaches 0.1 of its lowest frequency."""
+    h = np.random.default_rng(0).uniform(0.5, 1.5, 80)
+    M, K, dofs, points = beam(80, h / h.sum())
+    assert body_of(Matrices.of(M, K, dofs=dofs, points=points), [0], modes=10)[1].rigid == 6
+    given = [np.float32(A) for A in (M, K)]
+    with pytest.raises(ct.InputError, match=r"K: found omega\^2 = -.* and .*; give K in double precision"):
+        body_of(Matrices.of(*given, dofs=dofs, points=points), [0], modes=10)
