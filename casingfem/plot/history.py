@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from casingfem.io.arrays import Array
 from casingfem.plot.style import new_figure, styled
+from casingfem.plot.ticks import Powers
 
 BINS = 600  # stretches over the width of a panel
 POINTS = 4000  # drawn per curve of a close-up: extremes of each bin beyond that
@@ -75,7 +76,7 @@ def _one(axes: Any, panel: Panel, stretch: tuple[float, float] | None) -> None:
         named = named or bool(name)
     if panel.from_zero:
         axes.set_ylim(bottom=0.0)
-    axes.ticklabel_format(axis="y", style="sci", scilimits=(-4, 5), useMathText=True)
+    axes.yaxis.set_major_formatter(Powers(-4, 5))
     if stretch is None and (named or (panel.level is not None and panel.level[1])):
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=7.5, borderaxespad=0.1)
 

@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from casingfem.io.arrays import Array
 from casingfem.plot.history import BINS, envelope
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.ticks import Powers, label_decades
 from casingfem.plot.waves import COMMON, Mark, mark_frequencies
 
 SLICES, LEAST, FLOOR = 64, 256, 60.0  # of time in a waterfall, samples in each; dB below the loudest that is shown
@@ -59,6 +60,7 @@ def figure_spectrum(
     upper.set(xlabel="frequency [Hz]", ylabel=f"{label} [{unit}]", xlim=(0.0, top))
     if largest > 0.0:
         upper.set_ylim(1e-5 * largest, 2.0 * largest)
+        label_decades(upper.yaxis)
     mark_frequencies(upper, marks, top)
     if turn_hz > 0.0:
         upper.xaxis.set_major_formatter(lambda f, _: f"{f:g}\n{f / turn_hz:.4g}")
@@ -160,7 +162,7 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
     rows[0].barh(names[::-1], values[::-1], color=colours[::-1])
     rows[0].axvline(0.0, color="#777777", linewidth=0.8)
     rows[0].set_xlabel("energy into the bodies [J]")
-    rows[0].ticklabel_format(axis="x", style="sci", scilimits=(-3, 4), useMathText=True)
+    rows[0].xaxis.set_major_formatter(Powers(-3, 4))
     for (name, energy), colour in zip(strain.items(), COLOURS, strict=False):
         if len(energy) <= 2 * BINS:
             rows[1].plot(time, energy, color=colour, linewidth=0.8, label=name)
@@ -173,5 +175,6 @@ def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str,
         rows[1].set(xlabel="time [s]", ylabel="strain energy [J]")
         if top > 0.0:
             rows[1].set(yscale="log", ylim=(1e-6 * top, 2.0 * top))
+            label_decades(rows[1].yaxis)
         figure.legend(*rows[1].get_legend_handles_labels(), loc="outside upper right", ncols=4, fontsize=8)
     return figure

@@ -14,7 +14,6 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.gridspec import GridSpec
 
@@ -155,6 +154,8 @@ def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
         raise ValueError(f'kind must be "svg" or "png", found {kind!r}')
     if kind == "png":
         return image(png(figure), kind, alt)
+    from matplotlib.backends.backend_svg import FigureCanvasSVG  # files of a run are PNG alone
+
     buffer = io.BytesIO()
     with _canvas(FigureCanvasSVG, figure, mpl.rcParams["savefig.dpi"]) as canvas:
         canvas.print_svg(buffer, metadata={"Date": None})

@@ -1,0 +1,45 @@
+"""Tick labels with powers of ten in plain characters: a label in mathematical type takes ten times as long to draw."""
+
+import re
+from typing import Any
+
+from matplotlib.ticker import FuncFormatter, ScalarFormatter
+
+from casingfem.plot.page import raised
+
+POWER = re.compile(r"1e-?\d+")
+
+
+class Powers(ScalarFormatter):
+    """Numbers with one power of ten for the whole axis, which is outside 10^low and 10^high."""
+
+    def __init__(self, low: int, high: int) -> None:
+        super().__init__(useMathText=False)
+        self.set_powerlimits((low, high))
+
+    def get_offset(self) -> str:
+        """The power of ten as one writes it.
+
+        >>> ticks = Powers(-3, 4)
+        >>> from matplotlib.figure import Figure
+        >>> axes = Figure().add_subplot(ylim=(0.0, 4e-5))
+        >>> axes.yaxis.set_major_formatter(ticks)
+        >>> ticks.format_ticks([0.0, 2e-5, 4e-5]), ticks.get_offset()
+        (['0', '2', '4'], '×10⁻⁵')
+        """
+        text = str(super().get_offset())
+        plain = text.replace("\N{MINUS SIGN}", "-")
+        return f"×{raised(plain)}" if POWER.fullmatch(plain) else text
+
+
+def label_decades(axis: Any) -> None:
+    """Label the decades of a logarithmic axis that spans several: no ticks between them.
+
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().add_subplot(yscale="log", ylim=(1e-5, 1.0))
+    >>> label_decades(axes.yaxis)
+    >>> axes.yaxis.get_major_formatter()(1e-3), len(axes.yaxis.get_minorticklocs())
+    ('10⁻³', 0)
+    """
+    axis.minorticks_off()
+    axis.set_major_formatter(FuncFormatter(lambda value, _: raised(f"{value:.0e}")))
