@@ -96,8 +96,8 @@ def window_bounds(count: int, step: float, period: float, turn: float) -> Indice
 def envelope(time: Array, q: Array, omega: Array, group: Indices, turn: float = math.inf) -> Envelope | None:
     """Mean energy of groups of modes over windows; None of too few states.
 
-    `time` (n,) and modal coordinates `q` (n, m), which need no dense steps; `omega` (m,) [rad/s]; `group` (m,) numbers
-    the group of each mode; `turn` [s] is a revolution.
+    Modal coordinates `q` (n, m) at `time` (n,) [s], modes of `omega` (m,) [rad/s] in the groups `group` (m,). The times
+    may lie far apart. A revolution takes `turn` [s].
 
     >>> t = np.linspace(0.0, 1.0, 401)
     >>> q = np.exp(-3.0 * t) * np.array([np.cos(900.0 * t), np.sin(900.0 * t)])

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import singledispatch
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -244,12 +243,6 @@ def _waves_seen(contact: ClosedContact, speed_hz: Array) -> Array:
     return readonly(np.abs(free.met(omega)[:, after]) / (2.0 * math.pi))
 
 
-@singledispatch
 def _closed(what: RotatingRim | Rub | HandPair, mu: float) -> tuple[ClosedContact, bool]:
     """All contacts closed, and whether split pairs were averaged."""
-    return mean_contact(what, mu=mu)  # type: ignore[arg-type]
-
-
-@_closed.register
-def _(what: HandPair, mu: float) -> tuple[ClosedContact, bool]:
-    return what.contact(), False
+    return (what.contact(), False) if isinstance(what, HandPair) else mean_contact(what, mu=mu)

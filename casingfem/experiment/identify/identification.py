@@ -48,7 +48,7 @@ from casingfem.experiment.identify.verdict import reasons
 from casingfem.io.arrays import Array, FloatArray
 
 USUAL_ZETA = 3e-3  # damping ratio from which a picked mode starts where no pole recurs
-PASSES = False, True, True  # poles may go; go and come; twice
+PASSES = False, True, True  # whether a fit may add poles; every fit may drop some
 
 
 def identify(

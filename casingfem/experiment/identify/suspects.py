@@ -22,7 +22,7 @@ def suspected(
 ) -> tuple[str, ...]:
     """Sentences about sensors at angles theta [rad] that are off in shapes (sensors, modes) of n up to `most`.
 
-    Where it is known which sensors are right, `trusted` (sensors,), they alone predict the others.
+    `trusted` (sensors,) marks sensors known to be right. Where it is given, they alone predict the others.
 
     >>> theta, n = np.arange(12) * np.pi / 6, np.array([2, 2, 3, 3, 4, 4, 1, 1])
     >>> shapes = np.cos(n * theta[:, None] - 0.7 * np.arange(8))
