@@ -10,7 +10,7 @@ from contact.base.arrays import Array, readonly
 from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
 from contact.result import Intervals, Result, coordinates_and_forces
-from contact.scheme.protocol import Notes, Stepper
+from contact.scheme.protocol import Stepper
 from contact.version import versions
 
 
@@ -41,8 +41,8 @@ def collect(
         steps=steps, dt=stepper.dt, window=stepper.window, seconds=seconds,
         scheme=stepper.label,
         source={**versions(), **source}, every=record.every if record.at is None else 0,
-        channels=readonly(record.rows(stepper.size)), tracks=getattr(stepper, "wear", tuple)(),
-        notes=getattr(stepper, "notes", Notes)(),
+        channels=readonly(record.rows(stepper.size)), tracks=stepper.wear(),
+        notes=stepper.notes(),
     )  # fmt: skip
 
 

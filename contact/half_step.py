@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
-from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -19,6 +17,7 @@ from contact.model.gaps.rub import Rub, rub_of
 from contact.model.law import Law
 from contact.record.growth import RunGrowth
 from contact.record.record import Record, samples
+from contact.scheme.modal.rub_stepper import RubStepper
 from contact.scheme.protocol import Problem, Scheme, Stepper
 
 MARKS = 16  # of a run, from which a part of it can be repeated
@@ -27,12 +26,6 @@ CHUNK = 5_000  # steps per compiled call
 LONG = 0.25  # of the run: a longer stretch is cut to it where FOLDS e-folds remain
 FOLDS = 1.5
 COARSE = 1.5  # omega h from which a mode's velocity is the difference over the step
-
-
-class _Modes(Protocol):
-    """What steppers of rims and rubs have beside those of others."""
-
-    state: Any
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -44,10 +37,9 @@ class Mark:
     d: Array
 
 
-def mark(stepper: Stepper, taken: int) -> Mark:
+def mark(stepper: RubStepper, taken: int) -> Mark:
     """Copy where the modes of a rub are."""
-    state = cast("_Modes", stepper).state
-    return Mark(taken=taken, q=readonly(state.q.copy()), d=readonly(state.d.copy()))
+    return Mark(taken=taken, q=readonly(stepper.state.q.copy()), d=readonly(stepper.state.d.copy()))
 
 
 def states(stepper: Stepper, first: int, count: int) -> tuple[Array, Array]:
@@ -100,9 +92,8 @@ def _again(
     starting, clock = (problem, 0) if at is None else _starting_at(problem, at, dt)
     first = 0 if at is None else at.taken
     stepper = scheme.prepare(starting, law, dt=dt / parts, courant=None)
-    limits = getattr(stepper, "limits", None)
-    if limits is not None:
-        limits[RIM] = limits[TIP] = math.inf
+    if stepper.limits is not None:
+        stepper.limits[RIM] = stepper.limits[TIP] = math.inf
     with np.errstate(all="ignore"):
         time, state = states(stepper, parts * clock, parts * (taken - first))
         return _growth(rub_of(problem), time + dt * (first - clock), state, begin, taken * dt)
@@ -121,9 +112,10 @@ def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tu
     return rate, 0.5 * (high - low)
 
 
-@singledispatch
 def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
-    """The rub that starts in the motion of a mark, and the number of the step at which its clock then stands."""
+    """The rub that starts in the motion of a mark, and the number of steps that its clock has passed."""
+    if isinstance(problem, RotatingRim):
+        return _rim_at(problem, at, dt), 0
     rub: Rub = rub_of(problem)
     sizes = np.cumsum([body.omega.size for body in rub.bodies])[:-1]
     velocity = _velocity(rub, at, dt)
@@ -134,15 +126,14 @@ def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
     return replace(rub, casing_start=casing, blade_starts=tuple(blades)), at.taken
 
 
-@_starting_at.register
-def _(problem: RotatingRim, at: Mark, dt: float) -> tuple[Problem, int]:
+def _rim_at(problem: RotatingRim, at: Mark, dt: float) -> RotatingRim:
     """A rim that turns evenly begins at t = 0, at the angle that it has reached."""
     m, velocity = problem.casing.omega.size, _velocity(rub_of(problem), at, dt)
     return replace(
         problem, angle_deg=problem.angle_deg - math.degrees(math.remainder(problem.speed * at.taken * dt, math.tau)),
         casing_displacement=at.q[:m], blade_displacement=at.q[m:],
         casing_velocity=velocity[:m], blade_velocity=velocity[m:],
-    ), 0  # fmt: skip
+    )  # fmt: skip
 
 
 def _velocity(rub: Rub, at: Mark, dt: float) -> Array:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
-
 import numpy as np
 
 from contact.io.trust import DEEP, MADE, MUCH_LEFT, MUCH_MADE, OPEN, TOO_DEEP, UNSETTLED, Flag
@@ -77,27 +75,14 @@ def _penetration(problem: Problem, law: Law, result: Result) -> tuple[Flag, ...]
     return (Flag(words, "penetration", failed=deepest > TOO_DEEP * size),)
 
 
-@singledispatch
 def _size(problem: Problem) -> tuple[float, str]:
-    """Length that a penetration is held against [m], 0 where a problem has none."""
-    return 0.0, ""
-
-
-@_size.register
-def _(problem: Chain) -> tuple[float, str]:
-    lengths = [body.end - body.x for body in problem.bodies if body.end > body.x]
-    return (min(lengths), "the shortest rod") if lengths else (0.0, "")
-
-
-@_size.register
-def _(problem: BeamInCircle) -> tuple[float, str]:
-    return problem.beam.length, "the beam"
-
-
-@_size.register(RotatingRim)
-@_size.register(Rub)
-def _(problem: RotatingRim | Rub) -> tuple[float, str]:
-    return problem.casing.radius, "the radius"
+    """Length with which a penetration is compared [m], in words too; 0 where a problem has none."""
+    if isinstance(problem, Chain):
+        lengths = [body.end - body.x for body in problem.bodies if body.end > body.x]
+        return (min(lengths), "the shortest rod") if lengths else (0.0, "")
+    if isinstance(problem, BeamInCircle):
+        return problem.beam.length, "the beam"
+    return (problem.casing.radius, "the radius") if isinstance(problem, RotatingRim | Rub) else (0.0, "")
 
 
 def _slip(result: Result) -> tuple[Flag, ...]:

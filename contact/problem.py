@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import singledispatch
 
 from contact.base.errors import InputError
 from contact.model.bodies.beam import BeamInCircle
@@ -25,28 +24,15 @@ def problem_of(what: What, gravity: float) -> Problem:
                 raise InputError(f"bodies: found {type(body).__name__}, expected Rod, PointMass or Wall")
         return assemble(what, gravity=gravity)
     if gravity:
-        raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {_instead(what)}")
+        expected = "none" if isinstance(what, BeamInCircle) else "it as their load"
+        raise InputError(f"gravity: found {gravity:g} m/s^2 with {type(what).__name__}, expected {expected}")
     return what
 
 
-@singledispatch
-def _instead(problem: Problem) -> str:
-    return "it as their load"
-
-
-@_instead.register
-def _(problem: BeamInCircle) -> str:
-    return "none"
-
-
-@singledispatch
 def default_scheme(problem: Problem, law: Law) -> Scheme:
     """Return exact modal steps; central differences, or those of a penalty, for what has M, C, K alone."""
+    if isinstance(problem, BeamInCircle):
+        return CentralDifference()
     if not hasattr(problem, "linear_form"):
         return ExactModal()
     return PenaltyDifference() if kind(law) == "Penalty" else CentralDifference()
-
-
-@default_scheme.register
-def _(problem: BeamInCircle, law: Law) -> Scheme:
-    return CentralDifference()

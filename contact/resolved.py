@@ -18,10 +18,11 @@ from contact.base.errors import InputError, LimitError, rounded_down
 from contact.io.trust import Flag
 from contact.model.bodies.body import PointMass
 from contact.model.bodies.chain import Chain
-from contact.model.bodies.linear import LinearBody
 from contact.model.gaps.rub import rub_of
 from contact.model.law import Law
-from contact.model.rate import Change, Rate
+from contact.model.rate import Change, Rate, Rated
+from contact.scheme.linear.stepper import LinearStepper
+from contact.scheme.protocol import Problem, Stepper
 
 MOST_STEPS = 10**8  # minutes to an hour of computing: a run of more is asked for by `most_steps`
 A_STEP, A_COORDINATE = 2e-7, 1e-8  # seconds of computing: of the cheapest step, and of each coordinate beside
@@ -29,14 +30,14 @@ WINDOWS, WINDOW = 64, 64  # places along a run at which a load is looked at, ste
 BETWEEN, MUCH_BETWEEN = 1.0 - math.cos(math.pi / 10.0), 1.0 - math.cos(math.pi / 4.0)  # of harmonics of 10, 4 steps
 
 
-def resolved(problem: Any, law: Law, stepper: Any, t_end: float, given: str = "") -> tuple[Flag, ...]:
+def resolved(problem: Problem, law: Law, stepper: Stepper, t_end: float, given: str = "") -> tuple[Flag, ...]:
     """Hold a problem's rates, changes and loads against step and end.
 
     `given` says where the step comes from ("courant = 1e7"). Raises LimitError, which lists all that the step is too
     long for, with the longest step that works for each.
     """
     dt = stepper.dt
-    rates = (*getattr(problem, "rates", tuple)(), *_contacts(problem, law))
+    rates = (*(problem.rates() if isinstance(problem, Rated) else ()), *_contacts(problem, law))
     step = f"{dt:.6g} s{f' ({given})' if given else ''}"
     if dt > t_end * (1.0 + 1e-9):
         raise LimitError(f"dt: found {step}, expected at most t_end = {t_end:g} s: take a shorter step, or a later end")
@@ -51,9 +52,10 @@ def resolved(problem: Any, law: Law, stepper: Any, t_end: float, given: str = ""
     return tuple(flags)
 
 
-def _contacts(problem: Any, law: Law) -> Iterator[Rate]:
+def _contacts(problem: Problem, law: Law) -> Iterator[Rate]:
     """Passages of a contact: of a mass on the contact's spring, of a tip over its own length of coating."""
-    masses = [body.mass for body in getattr(problem, "bodies", ()) if isinstance(body, PointMass)]
+    bodies = problem.bodies if isinstance(problem, Chain) else ()
+    masses = [body.mass for body in bodies if isinstance(body, PointMass)]
     if law.stiffness > 0.0 and masses:
         time = math.pi * math.sqrt(min(masses) / law.stiffness)
         yield Rate.of_passage("the contact of a mass on the contact spring", time, f"{time:.4g} s")
@@ -92,12 +94,9 @@ def _late(change: Change, t_end: float) -> Flag:
     return Flag(words, "never-begins")
 
 
-def _loads(stepper: Any, t_end: float) -> Iterator[tuple[str, bool]]:
+def _loads(stepper: Stepper, t_end: float) -> Iterator[tuple[str, bool]]:
     """What to say of loads given as functions that vary between the steps, and whether that is refused."""
-    body = getattr(getattr(stepper, "system", None), "body", None)
-    if not isinstance(body, LinearBody):
-        return
-    for j, forcing in enumerate(body.forcing):
+    for j, forcing in enumerate(stepper.system.body.forcing if isinstance(stepper, LinearStepper) else ()):
         left = between(forcing.amplitude, stepper.dt, t_end)
         if left > BETWEEN:
             words = f"forcing {j + 1} varies between the steps by {100.0 * left:.3g} % of itself"

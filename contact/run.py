@@ -31,7 +31,8 @@ from contact.record.record import Record, Samples, samples, sparse
 from contact.resolved import MOST_STEPS, count_of, require_steps, resolved
 from contact.result import Result
 from contact.resumed import Moment, asked, moment, restored
-from contact.scheme.protocol import Problem, Scheme, Stepper
+from contact.scheme.modal.rub_stepper import RubStepper
+from contact.scheme.protocol import Loaded, Problem, Scheme, Stepper
 
 CHUNK = 20_000  # steps per compiled call at most; calls end at every LEDGER-th step
 WORK = 8_000_000  # steps times coordinates times contacts of a call at most: about a second, for progress and Ctrl-C
@@ -191,24 +192,30 @@ def prepared(scene: Scene) -> Prepared:
     if scene.dt is not None and scene.dt > 0.0:
         count_of(scene.t_end, scene.dt, scene.most_steps)
     stepper = scheme.prepare(problem, law, dt=scene.dt, courant=scene.courant)
-    limits = getattr(stepper, "limits", None)
     if scene.on_limit not in ("stop", "flag"):
         raise InputError(f"on_limit: found {scene.on_limit!r}, expected 'stop' or 'flag'")
-    if limits is not None and scene.on_limit == "flag" and math.isfinite(limits[TIP]):
-        limits[RIM] = limits[TIP]
+    if scene.on_limit == "flag":
+        allow_far(stepper)
     count = count_of(scene.t_end, stepper.dt, scene.most_steps, stepper.size)
     given = "" if scene.courant is None else f"courant = {scene.courant:g}"
     flags = resolved(problem, law, stepper, scene.t_end, given)
-    marked = rub_of(problem) is not None and law.coating is None
+    marked = isinstance(stepper, RubStepper) and law.coating is None
     record = scene.record or sparse(count, stepper.size if rub_of(problem) is not None else 0)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
         problem=problem, law=law, on_limit=scene.on_limit, scheme=scheme, stepper=stepper,
         count=count, record=record, source=scene.source,
-        load_step=stepper.dt**2 * getattr(problem, "load_response", 0.0),
-        overlap=getattr(stepper, "overlap", 0.0), start=getattr(stepper, "start", None) or stepper.stored(),
+        load_step=stepper.dt**2 * (problem.load_response if isinstance(problem, Loaded) else 0.0),
+        overlap=stepper.overlap, start=stepper.start,
         flags=flags, marked=marked,
     )  # fmt: skip
+
+
+def allow_far(stepper: Stepper) -> None:
+    """Let a rim deflect as far as a tip may move, a tenth of the radius, in place of half its wall."""
+    limits = stepper.limits
+    if limits is not None and math.isfinite(limits[TIP]):
+        limits[RIM] = limits[TIP]
 
 
 def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Result:
@@ -230,7 +237,7 @@ def completed(ready: Prepared, progress: Progress | None = None, checkpoint: str
     for chunk in steps(stepper, ready.count, record=record, first=taken, most=most):
         parts.append(chunk.samples)
         taken, failed = taken + chunk.steps, chunk.failed
-        if ready.marked and failed < 0 and taken < ready.count:
+        if ready.marked and isinstance(stepper, RubStepper) and failed < 0 and taken < ready.count:
             marks.append(mark(stepper, taken))
         progress(chunk.done)
         if failed < 0 and taken % LEDGER == 0:
@@ -279,7 +286,7 @@ def finished(
     repeated at half the step where it grows; None: it is not.
     """
     stepper, energy = ready.stepper, budget_of(ready)
-    limit = None if failed < 0 else passed(getattr(stepper, "limits", None))
+    limit = None if failed < 0 else passed(stepper.limits)
     if not math.isfinite(energy.unaccounted):
         limit = limit or ("overflow", math.nan, math.nan)
         parts = [_finite(part) for part in parts]
@@ -331,10 +338,10 @@ def with_growth(
         early = limit is not None and limit[0] in ("wall", "radius") and marks is not None
         if early and rub_of(ready.problem) is not None and (growth is None or growth.state != "grows"):
             again = ready.scheme.prepare(ready.problem, ready.law, dt=result.dt, courant=None)
-            again.limits[RIM] = again.limits[TIP]  # type: ignore[attr-defined]
+            allow_far(again)
             time, state = states(again, 0, min(LONGER * result.steps, ready.count))
             more = replace(result, state_time=time, state=state, channels=result.channels[:0])
-            growth, far = of_run(ready.problem, more) or growth, passed(again.limits) is not None  # type: ignore[attr-defined]
+            growth, far = of_run(ready.problem, more) or growth, passed(again.limits) is not None
     if growth is None:
         return result
     if far and growth.state == "undecided" and growth.rate > 0.0:

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import singledispatch
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -147,20 +146,13 @@ def at_speed(scene: Scene, speed_hz: float) -> Scene:
     return replace(scene, what=_turned(scene.what, speed_hz), dt=dt, record=None)
 
 
-@singledispatch
-def _turned(what: object, speed_hz: float) -> Any:
+def _turned(what: object, speed_hz: float) -> RotatingRim | Rub:
     """A rim or a rub at another, constant speed."""
+    if isinstance(what, RotatingRim):
+        return replace(what, speed_hz=speed_hz)
+    if isinstance(what, Rub):
+        return replace(what, speed=Speed.constant(speed_hz))
     raise InputError(f"scene: found {type(what).__name__}, expected a RotatingRim or a Rub")
-
-
-@_turned.register
-def _(what: RotatingRim, speed_hz: float) -> RotatingRim:
-    return replace(what, speed_hz=speed_hz)
-
-
-@_turned.register
-def _(what: Rub, speed_hz: float) -> Rub:
-    return replace(what, speed=Speed.constant(speed_hz))
 
 
 def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> SpeedRun:

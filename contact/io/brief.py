@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields
-from functools import singledispatch
 from typing import Any
 
 MANY, LONG = 4, 90  # entries of a list, characters of a part, that are shown
@@ -37,33 +36,20 @@ def not_default(value: Any, field: Field[Any]) -> bool:
     return bool(found != default)
 
 
-@singledispatch
 def part(value: Any) -> str:
     """A value inside of another, on one line."""
+    if isinstance(value, str):
+        return repr(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, Mapping):
+        return f"{{{listed(f'{key}: {part(entry)}' for key, entry in value.items())}}}"
+    if isinstance(value, tuple | list):
+        return f"[{listed(map(part, value))}]"
     if getattr(value, "shape", ()):
         return f"{type(value).__name__.replace('ndarray', 'array')}({' x '.join(map(str, value.shape))})"
     text = repr(value).partition("\n")[0]
     return text if len(text) <= LONG else f"{type(value).__name__}(...)"
-
-
-@part.register
-def _(value: str) -> str:
-    return repr(value)
-
-
-@part.register
-def _(value: float) -> str:
-    return f"{value:.6g}"
-
-
-@part.register(Mapping)
-def _(value: Mapping[Any, Any]) -> str:
-    return f"{{{listed(f'{key}: {part(entry)}' for key, entry in value.items())}}}"
-
-
-@part.register(tuple | list)
-def _(value: Iterable[Any]) -> str:
-    return f"[{listed(map(part, value))}]"
 
 
 def listed(entries: Iterable[str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, singledispatch
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -148,29 +148,19 @@ def names_in(rows: Iterable[Mapping[str, Any]]) -> list[str]:
     return list(dict.fromkeys(name for row in rows for name in row))
 
 
-@singledispatch
 def cell(value: Any) -> str:
     """A value as a table shows it.
 
     >>> cell(371.20004), cell(8), cell(True), cell(None), cell(float("nan")), cell((1, 2))
     ('371.2', '8', 'yes', '', '', '1, 2')
     """
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, float | np.floating):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return ", ".join(map(cell, value))
     return "" if value is None else str(value)
-
-
-@cell.register
-def _(value: bool | np.bool_) -> str:
-    return "yes" if value else "no"
-
-
-@cell.register
-def _(value: float | np.floating) -> str:
-    return "" if np.isnan(value) else f"{value:.6g}"
-
-
-@cell.register(list | tuple | np.ndarray)
-def _(value: Iterable[Any]) -> str:
-    return ", ".join(map(cell, value))
 
 
 def lines_of(rows: Iterable[Mapping[str, Any]]) -> list[str]:

@@ -13,7 +13,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from functools import singledispatch
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -39,32 +38,22 @@ def below(name: str, part: object) -> str:
     return f"{name}.{part}" if name else f"{part}"
 
 
-@singledispatch
 def read_only(value: Any) -> Any:
     """The same value with all its arrays read-only, those inside tuples, mappings and frozen values too."""
-    for field in fields(value) if is_dataclass(value) else ():
-        read_only(getattr(value, field.name, None))
-    return value
-
-
-@read_only.register(np.ndarray)
-def _(value: np.ndarray[Any, Any]) -> Any:
-    value.setflags(write=False)
-    return value
-
-
-@read_only.register(tuple | list | frozenset)
-def _(value: Iterable[Any]) -> Any:
-    for entry in value:
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    for entry in parts_of(value):
         read_only(entry)
     return value
 
 
-@read_only.register(Mapping)
-def _(value: Mapping[Any, Any]) -> Any:
-    for entry in value.values():
-        read_only(entry)
-    return value
+def parts_of(value: Any) -> Iterable[Any]:
+    """Entries of a collection, fields of a dataclass; nothing of other values."""
+    if isinstance(value, tuple | list | frozenset):
+        return value
+    if isinstance(value, Mapping):
+        return value.values()
+    return [getattr(value, field.name, None) for field in fields(value)] if is_dataclass(value) else ()
 
 
 def save_value(path: str | os.PathLike[str], value: Any, beside: Mapping[str, Any] | None = None) -> Path:
@@ -142,9 +131,41 @@ class Packing:
         return name
 
 
-@singledispatch
 def written(part: Any, name: str, packing: Packing) -> Any:
     """The JSON of a part by its class; of a sparse matrix or a dataclass by what it has."""
+    if isinstance(part, np.generic):
+        return packing.packed(part.item(), name)
+    if part is None or isinstance(part, bool | str | int):
+        return part
+    if isinstance(part, float):
+        return part if math.isfinite(part) else {"number": str(part)}
+    if isinstance(part, complex):
+        return {"complex": [packing.packed(part.real, name), packing.packed(part.imag, name)]}
+    if isinstance(part, np.ndarray):
+        if part.dtype.kind not in "biufcU":
+            raise StoredError(f"{name}: found an array of {part.dtype}, expected one of numbers or text")
+        return packing.numbered(part, {"array": packing.array(part, name or "value")})
+    if isinstance(part, os.PathLike):
+        return {"path": os.fspath(part)}
+    found = collection(part, name, packing)
+    return value(part, name, packing) if found is None else found
+
+
+def collection(part: Any, name: str, packing: Packing) -> Any:
+    """The JSON of a tuple, list, set or mapping; None for another part."""
+    if isinstance(part, tuple):
+        if names := getattr(part, "_fields", ()):
+            return packing.values(part, dict(zip(names, part, strict=True)), name)
+        return {"tuple": packing.entries(part, name)}
+    if isinstance(part, list | frozenset):
+        return {"list" if isinstance(part, list) else "set": packing.entries(part, name)}
+    if isinstance(part, Mapping):
+        return {"dict" if isinstance(part, dict) else "mapping": packing.pairs(part, name)}
+    return None
+
+
+def value(part: Any, name: str, packing: Packing) -> Any:
+    """The JSON of a sparse matrix or a dataclass of the two packages."""
     if getattr(part, "format", "") == "csc" and hasattr(part, "indptr"):
         arrays = {key: getattr(part, key) for key in ("data", "indices", "indptr")}
         return packing.numbered(part, {"sparse": list(part.shape), "fields": packing.inside(arrays, name)})
@@ -152,65 +173,6 @@ def written(part: Any, name: str, packing: Packing) -> Any:
         return packing.values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
     found = f"{type(part).__module__}.{type(part).__qualname__}"
     raise StoredError(f"{name}: found {found}, expected numbers, text, or values of casingfem and contact")
-
-
-@written.register
-def _(part: bool | str | None, name: str, packing: Packing) -> Any:
-    return part
-
-
-@written.register
-def _(part: int | float, name: str, packing: Packing) -> Any:
-    return part if math.isfinite(part) else {"number": str(float(part))}
-
-
-@written.register
-def _(part: complex, name: str, packing: Packing) -> Any:
-    return {"complex": [packing.packed(part.real, name), packing.packed(part.imag, name)]}
-
-
-@written.register(np.generic)
-def _(part: np.generic, name: str, packing: Packing) -> Any:
-    return packing.packed(part.item(), name)
-
-
-@written.register(np.ndarray)
-def _(part: np.ndarray[Any, Any], name: str, packing: Packing) -> Any:
-    if part.dtype.kind not in "biufcU":
-        raise StoredError(f"{name}: found an array of {part.dtype}, expected one of numbers or text")
-    return packing.numbered(part, {"array": packing.array(part, name or "value")})
-
-
-@written.register(os.PathLike)
-def _(part: os.PathLike[str], name: str, packing: Packing) -> Any:
-    return {"path": os.fspath(part)}
-
-
-@written.register(tuple)
-def _(part: tuple[Any, ...], name: str, packing: Packing) -> Any:
-    if names := getattr(part, "_fields", ()):
-        return packing.values(part, dict(zip(names, part, strict=True)), name)
-    return {"tuple": packing.entries(part, name)}
-
-
-@written.register(list)
-def _(part: list[Any], name: str, packing: Packing) -> Any:
-    return {"list": packing.entries(part, name)}
-
-
-@written.register(frozenset)
-def _(part: frozenset[Any], name: str, packing: Packing) -> Any:
-    return {"set": packing.entries(part, name)}
-
-
-@written.register(Mapping)
-def _(part: Mapping[Any, Any], name: str, packing: Packing) -> Any:
-    return {"mapping": packing.pairs(part, name)}
-
-
-@written.register(dict)
-def _(part: dict[Any, Any], name: str, packing: Packing) -> Any:
-    return {"dict": packing.pairs(part, name)}
 
 
 class Unpacking:

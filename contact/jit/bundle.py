@@ -8,7 +8,6 @@ marked as never changing, so that the compiler moves them out of loops. Fields a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import singledispatch
 from typing import Any
 
 import numba
@@ -75,15 +74,9 @@ def bundled(value: Any) -> Any:
     return Bundle(value) if hasattr(value, "_fields") else value
 
 
-@singledispatch
-def _size(_: Any) -> int:
+def _size(kind: Any) -> int:
     """Words of a field: items, address, shape and strides of an array; one for what else there is."""
-    return 1
-
-
-@_size.register(types.Array)
-def _(kind: Any) -> int:
-    return 2 + 2 * int(kind.ndim)
+    return 2 + 2 * int(kind.ndim) if isinstance(kind, types.Array) else 1
 
 
 def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
@@ -179,21 +172,20 @@ def _field(context: Any, builder: Any, kind: Any, table: Any, field: str) -> Any
     return _loaded(kind.fields[field], context, builder, word)
 
 
-@singledispatch
 def _loaded(kind: Any, context: Any, builder: Any, word: Any) -> Any:
-    """What a field of this type is in compiled code, `word` of its table loaded by number; here a number."""
+    """What a field of this type is in compiled code; `word` loads a word of its table by number."""
+    if isinstance(kind, BundleType):
+        return word(0, WORD.as_pointer())
+    if isinstance(kind, types.Array):
+        return _array(kind, context, builder, word)
+    if isinstance(kind, types.FunctionType):
+        return _function(kind, context, builder, word)
     if kind == types.boolean:
         return builder.trunc(word(0), ir.IntType(1))
     return word(0, ir.DoubleType() if kind == types.float64 else WORD)
 
 
-@_loaded.register(BundleType)
-def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
-    return word(0, WORD.as_pointer())
-
-
-@_loaded.register(types.Array)
-def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
+def _array(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     array = make_array(kind)(context, builder)
     shape, strides = ([word(2 + part * kind.ndim + i) for i in range(kind.ndim)] for part in range(2))
     data = word(1, context.get_value_type(kind.dtype).as_pointer())
@@ -202,8 +194,7 @@ def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     return array._getvalue()
 
 
-@_loaded.register(types.FunctionType)
-def _(kind: Any, context: Any, builder: Any, word: Any) -> Any:
+def _function(kind: Any, context: Any, builder: Any, word: Any) -> Any:
     function = struct(kind.get_precise())(context, builder)
     function.c_addr = word(0, BYTES)
     return function._getvalue()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 MOST, MANY = 0.5, 0.2  # of the Nyquist limit: four steps a period, and ten
 
@@ -74,3 +75,11 @@ def changes(key: str, time: list[float], values: list[float], unit: str) -> tupl
     begins = next(s for s, one in zip(time, steep, strict=False) if one > 0.0)
     words = f"a change of {max(values) - min(values):.3g} {unit} within {seconds:.3g} s"
     return [Rate.of_decay(key, 1.0 / seconds, words)], [Change(key=key, begins=begins)]
+
+
+@runtime_checkable
+class Rated(Protocol):
+    """A problem that lists what varies in it; a problem of one's own may."""
+
+    def rates(self) -> tuple[Rate | Change, ...]:
+        """Every rate and change."""

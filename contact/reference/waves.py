@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import singledispatch
 
 import numpy as np
 
@@ -108,19 +107,10 @@ class _RodEnd(_End):
         self.waves[int(after), n + self.delay] = sent if self.rod.fixed == "none" else -sent
 
 
-@singledispatch
 def _end(body: Body, sign: int, dt: float, steps: int) -> _End:
-    return _End(body.velocity, sign)
-
-
-@_end.register
-def _(body: PointMass, sign: int, dt: float, steps: int) -> _End:
-    return _MassEnd(body, sign, dt)
-
-
-@_end.register
-def _(body: Rod, sign: int, dt: float, steps: int) -> _End:
-    return _RodEnd(body, sign, dt, steps)
+    if isinstance(body, PointMass):
+        return _MassEnd(body, sign, dt)
+    return _RodEnd(body, sign, dt, steps) if isinstance(body, Rod) else _End(body.velocity, sign)
 
 
 def impact_by_characteristics(left: Body, right: Body, *, dt: float, t_end: float) -> Impact:

@@ -15,8 +15,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
+from contact.record.wear import Wear
 
 
 class Modal(Protocol):
@@ -38,6 +40,15 @@ class Modal(Protocol):
 
     def modal_form(self, modes: int) -> ModalSystem:
         """Modes and rows of one contact; `modes` of a continuous body."""
+
+
+@runtime_checkable
+class Loaded(Protocol):
+    """A problem that says how far its constant loads move it within a step; a problem of one's own may."""
+
+    @property
+    def load_response(self) -> float:
+        """f^T M^-1 f of the constant loads [J/s^2]: times h^2, what the energy of a leapfrog scheme is off by."""
 
 
 Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub
@@ -73,12 +84,7 @@ Block = tuple[str, int, int]
 
 
 class Stepper(Protocol):
-    """A run in progress; see the module's contract.
-
-    It may have five more: `wear()`, what each track of a coating has lost so far, `notes()` on the run so far,
-    `overlap`, how far bodies overlap at t = 0 [m], `limits`, those of `motion_limits`, at which `advance` stops after
-    the step that passed one, and `start`, the energy of the given state, where `stored()` reads half a step before.
-    """
+    """A run in progress; see the module's contract. `PlainStepper` answers the last five for most schemes."""
 
     @property
     def dt(self) -> float:
@@ -119,6 +125,57 @@ class Stepper(Protocol):
 
     def motions(self) -> tuple[Motion, ...]:
         """Rigid motion of each body now."""
+
+    @property
+    def start(self) -> Stored:
+        """Energy of the given state, read before the first step."""
+
+    @property
+    def overlap(self) -> float:
+        """How far bodies overlap at t = 0 [m]."""
+
+    @property
+    def limits(self) -> Array | None:
+        """Those of `motion_limits`: `advance` stops after the step that passed one; None without limits."""
+
+    def notes(self) -> Notes:
+        """What the run so far tells beside its forces."""
+
+    def wear(self) -> tuple[Wear, ...]:
+        """What each track of a coating has lost so far."""
+
+
+class PlainStepper(ABC):
+    """A base for steppers without overlap, limits, notes and coating, whose `stored()` at t = 0 is exact."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def stored(self) -> Stored:
+        """Energy now."""
+
+    @property
+    def start(self) -> Stored:
+        """Energy of the given state, read before the first step."""
+        return self.stored()
+
+    @property
+    def overlap(self) -> float:
+        """Bodies do not overlap at t = 0."""
+        return 0.0
+
+    @property
+    def limits(self) -> Array | None:
+        """No limits of motion."""
+        return None
+
+    def notes(self) -> Notes:
+        """Nothing beside the forces."""
+        return Notes()
+
+    def wear(self) -> tuple[Wear, ...]:
+        """No coating."""
+        return ()
 
 
 class Scheme(Protocol):

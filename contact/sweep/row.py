@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, singledispatch
+from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
 from contact.base.arrays import Array
-from contact.base.errors import DivergedError, NumericsError
+from contact.base.errors import DivergedError, InputError
 from contact.io.outfiles import finite, read_checked, write_checked
 from contact.io.trust import Flag
 from contact.model.bodies.patch import Patch
@@ -51,24 +51,19 @@ def row_of(scene: Scene | None, outcome: Outcome) -> dict[str, Any]:
     return dict.fromkeys(COLUMNS) | _ended(outcome, scene)
 
 
-@singledispatch
 def _ended(outcome: Outcome, scene: Scene | None) -> dict[str, Any]:
-    return {"status": "refused", "flags": "", "why": str(outcome)}
+    if isinstance(outcome, InputError):
+        return {"status": "refused", "flags": "", "why": str(outcome)}
+    if isinstance(outcome, Result):
+        return _of_result(outcome, scene)
+    result = outcome.result
+    if isinstance(outcome, DivergedError) and result is not None:
+        return _of_result(result, scene)
+    flags = "" if result is None else codes(result.flags)
+    return {"status": "failed", "flags": flags, "why": str(outcome)} | _reached(scene, result)
 
 
-@_ended.register
-def _(outcome: NumericsError, scene: Scene | None) -> dict[str, Any]:
-    flags = "" if outcome.result is None else codes(outcome.result.flags)
-    return {"status": "failed", "flags": flags, "why": str(outcome)} | _reached(scene, outcome.result)
-
-
-@_ended.register
-def _(outcome: DivergedError, scene: Scene | None) -> dict[str, Any]:
-    return _ended(outcome.result, scene)
-
-
-@_ended.register
-def _(outcome: Result, scene: Scene | None) -> dict[str, Any]:
+def _of_result(outcome: Result, scene: Scene | None) -> dict[str, Any]:
     rim, ended = _rim(scene), outcome.divergence
     radial = _radial(rim, outcome)
     flags = _flags(outcome, rim, radial)
@@ -158,7 +153,7 @@ def _what(scene: Scene | None) -> What | None:
 
 def _rim(scene: Scene | None) -> RotatingRim | Rub | None:
     what = None if scene is None else scene.what
-    return cast("RotatingRim | Rub", what) if hasattr(what, "blade_normal") else None
+    return what if isinstance(what, RotatingRim | Rub) else None
 
 
 def _levels(radial: Array, N: int) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import singledispatch
 
 import numpy as np
 
@@ -171,14 +170,14 @@ def _step(rub: Rub, fastest: float, leading: complex) -> float:
     return min(PHASE / fastest, FOLLOWED / abs(leading), TURNED / (rub.casing.n_max * max(rub.speed.fastest, 1e-9)))
 
 
-@singledispatch
 def closed_rub(what: RotatingRim | Rub | HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
     """The same bodies as a rub at this speed whose contacts overlap and whose rim is round, and its friction."""
-    raise InputError(f"what: found {type(what).__name__}, expected a RotatingRim, a Rub or a HandPair")
+    if isinstance(what, HandPair):
+        return _closed(_of_pair(what), speed_hz), what.friction
+    return _closed(rub_of(what), speed_hz), mu
 
 
-@closed_rub.register
-def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
+def _closed(what: Rub, speed_hz: float) -> Rub:
     casing = perfect_mean(what.casing) if mean_contact(what)[1] else what.casing  # of split pairs the mean
     tips = tuple(replace(tip, clearance=0.0, axial=None) for tip in what.tips)
     least = min(casing.line_radius(tip.line) for tip in tips)
@@ -186,16 +185,10 @@ def _(what: Rub, speed_hz: float, mu: float) -> tuple[Rub, float]:
         what, casing=casing, tips=tips, clearance=-PRESS * least, speed=Speed.constant(speed_hz),
         profile=RimProfile(), closing=Closing.none(), whirl=(), forces=(), thickness=math.inf,
         casing_start=Start(), blade_starts=(),
-    ), mu  # fmt: skip
+    )  # fmt: skip
 
 
-@closed_rub.register
-def _(what: RotatingRim, speed_hz: float, mu: float) -> tuple[Rub, float]:
-    return closed_rub(rub_of(what), speed_hz, mu)
-
-
-@closed_rub.register
-def _(what: HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
+def _of_pair(what: HandPair) -> Rub:
     """A leaning blade moves along its flap alone."""
     x, a = what.blade.modal_mass**-0.5, math.radians(what.lean_deg)
     blade = ModalBody(
@@ -203,4 +196,4 @@ def _(what: HandPair, speed_hz: float, mu: float) -> tuple[Rub, float]:
         rows=np.array([[0.0], [x / math.sin(a)]] if a else [[x], [0.0]]), S=np.eye(2) * what.compliance,
     )  # fmt: skip
     casing = pair_rim(what.casing, radius=0.5)
-    return closed_rub(Rub(casing, (blade,), (ContactPoint(lean_deg=what.lean_deg),)), speed_hz, what.friction)
+    return Rub(casing, (blade,), (ContactPoint(lean_deg=what.lean_deg),))

@@ -68,6 +68,9 @@ class Body(Protocol):
     def force_hz(self) -> float:
         """Frequency of the force [Hz]."""
 
+    def rates(self, key: str) -> tuple[Rate, ...]:
+        """What varies on it, under names that begin with its key."""
+
     @property
     def force_deg(self) -> float:
         """Phase of the force."""
@@ -245,6 +248,10 @@ class Wall:
     def end(self) -> float:
         """Where it is [m]."""
         return self.x
+
+    def rates(self, key: str) -> tuple[Rate, ...]:
+        """Nothing varies."""
+        return ()
 
     def nodes(self, *, has_left: bool, has_right: bool) -> Nodes:
         """One node without mass, held."""

@@ -56,7 +56,7 @@ class Chain:
         for _, body in sorted(zip(self.numbers, self.bodies, strict=True), key=lambda pair: pair[0]):
             kind = type(body).__name__.lower().removeprefix("point")
             count[kind] += 1
-            found += getattr(body, "rates", lambda key: ())(f"{kind}[{count[kind]}]")
+            found += body.rates(f"{kind}[{count[kind]}]")
         return tuple(found)
 
     @property

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field
-from functools import singledispatch
 from typing import Any, Literal
 
 import numpy as np
@@ -268,7 +267,6 @@ def _require_start(name: str, body: ModalBody, start: Start) -> None:
             require_shape(f"{name}.{what}", np.asarray(values, dtype=float), (body.omega.size,))
 
 
-@singledispatch
 def rub_of(what: object) -> Any:
     """The rub that a problem is, a rotating rim the same scene in other words, with one tip; None of other problems.
 
@@ -284,16 +282,12 @@ def rub_of(what: object) -> Any:
     >>> rub_of(ct.RotatingRim(casing, blade, clearance=1e-4, speed_hz=5.0, lean_deg=10.0)).tips[0].lean_deg
     10.0
     """
-    return None
+    if isinstance(what, RotatingRim):
+        return _of_rim(what)
+    return what if isinstance(what, Rub) else None
 
 
-@rub_of.register
-def _(rub: Rub) -> Rub:
-    return rub
-
-
-@rub_of.register
-def _(rim: RotatingRim) -> Rub:
+def _of_rim(rim: RotatingRim) -> Rub:
     return Rub(
         rim.casing, (rim.blade,), (ContactPoint(angle_deg=rim.angle_deg, lean_deg=rim.lean_deg),),
         clearance=rim.clearance, speed=Speed.constant(rim.speed_hz), profile=RimProfile.fourier(rim.out_of_roundness),

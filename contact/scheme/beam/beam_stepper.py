@@ -23,7 +23,7 @@ from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
 from contact.scheme.modal.propagator import Propagator, propagator
-from contact.scheme.protocol import Block, Motion
+from contact.scheme.protocol import Block, Motion, PlainStepper
 
 if TYPE_CHECKING:
     from contact.loop.beam.beam import BeamState, BeamWork
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class BeamRun:
+class BeamRun(PlainStepper):
     """The scene, its sums and step; contacts are the nodes 1, 2, ... from the hinge outwards."""
 
     problem: BeamInCircle
@@ -48,10 +48,6 @@ class BeamRun:
             kinetic=0.5 * float(np.sum(mass * velocity**2)), strain=0.0, potential=-float(load[0, 2] * x[0, 2]),
             residual=0.0, discrete=self.stored().discrete,
         )  # fmt: skip
-
-    def stored(self) -> Stored:
-        """Energy now."""
-        raise NotImplementedError
 
     @property
     def size(self) -> int:

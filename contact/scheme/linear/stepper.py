@@ -17,7 +17,7 @@ from contact.model.bodies.linear_system import Linear, LinearSystem, linear_syst
 from contact.model.law import Law, kind
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally, tally
-from contact.scheme.protocol import Block, Motion, Problem
+from contact.scheme.protocol import Block, Motion, PlainStepper, Problem
 
 if TYPE_CHECKING:
     from contact.loop.linear.linear import Parts, State
@@ -31,7 +31,7 @@ FAINT = 1e-40  # of the largest response to a contact force: below, it is zero
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class LinearStepper:
+class LinearStepper(PlainStepper):
     """M u'' + C u' + K u = f + Q^T force by one scheme; `leapfrog`: energies are read at half steps."""
 
     system: LinearSystem
@@ -44,8 +44,13 @@ class LinearStepper:
     window: float
     label: str
     leapfrog: bool
-    start: Stored
+    energy_at_start: Stored
     fault: list[Flag]  # filled when a load fails, empty until then
+
+    @property
+    def start(self) -> Stored:
+        """Energy of the given state; leapfrog schemes store that of half a step before."""
+        return self.energy_at_start
 
     @property
     def size(self) -> int:
@@ -277,7 +282,7 @@ def linear_stepper(
     window = 2.0 * math.pi / run.omega if run.omega > 0.0 else h
     stepper = LinearStepper(
         system=run.system, parts=parts, state=state, sums=tally(contacts), loop=loop, method=method, dt=h,
-        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, start=NOTHING, fault=[],
+        window=max(window, h), label=f"{words}, {reached}", leapfrog=leapfrog, energy_at_start=NOTHING, fault=[],
     )  # fmt: skip
     return started(stepper)
 
@@ -285,4 +290,4 @@ def linear_stepper(
 def started(stepper: LinearStepper) -> LinearStepper:
     """The same stepper, its state at t = 0 complete: it knows the energy it starts from."""
     discrete = leave_out_half_step(stepper) if stepper.leapfrog else stepper.stored().discrete
-    return replace(stepper, start=energy_at_start(stepper.system, discrete))
+    return replace(stepper, energy_at_start=energy_at_start(stepper.system, discrete))

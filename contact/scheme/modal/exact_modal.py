@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import singledispatch
 from operator import itemgetter
 from typing import Literal, cast
 
@@ -78,7 +77,7 @@ class ExactModal:
         if law.updates > 0:
             expected = "Unilateral(), Coulomb(mu=...), Abradable(...) or a law with a response with ExactModal"
             raise InputError(f"law: found {law!r}, expected {expected}")
-        if law.coating is not None and not hasattr(problem, "casing"):
+        if law.coating is not None and not isinstance(problem, RotatingRim | Rub):
             raise InputError(f"law: found Abradable on {type(problem).__name__}, expected a RotatingRim or a Rub")
         return _prepared(problem, self, law, dt, courant)
 
@@ -191,48 +190,35 @@ def _delassus(system: ModalSystem, parts: Propagator) -> Numbers:
     return H, S, H / S if S > 0.0 else math.inf
 
 
-@singledispatch
 def _prepared(problem: Problem, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
+    if isinstance(problem, Patch):
+        return scheme.patch(problem, law, dt, courant)
+    if isinstance(problem, Rub):
+        return scheme.rub(problem, law, dt, courant)
+    if isinstance(problem, RotatingRim):
+        rub = rub_of(problem)
+        alone = matrices_of(rub).coupled or law.response is not None or law.coating is not None
+        return scheme.rub(rub, law, dt, courant, rim=None if alone else problem)
     return scheme.one_contact(_system(problem, scheme.modes), law, dt, courant)
 
 
-@_prepared.register
-def _(problem: Patch, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
-    return scheme.patch(problem, law, dt, courant)
-
-
-@_prepared.register
-def _(problem: Rub, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
-    return scheme.rub(problem, law, dt, courant)
-
-
-@_prepared.register
-def _(problem: RotatingRim, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
-    rub = rub_of(problem)
-    alone = matrices_of(rub).coupled or law.response is not None or law.coating is not None
-    return scheme.rub(rub, law, dt, courant, rim=None if alone else problem)
-
-
-@singledispatch
 def _system(problem: Problem, modes: int) -> ModalSystem:
+    if isinstance(problem, PointGap):
+        return _gap_system(problem)
+    if isinstance(problem, Chain):
+        return point_system(chain_gap(problem, modes=modes))
     if not hasattr(problem, "modal_form"):
         name = type(problem).__name__
         raise InputError(f"scheme: found ExactModal for {name}, expected such as CentralDifference")
     return cast(Modal, problem).modal_form(modes)
 
 
-@_system.register
-def _(problem: PointGap, modes: int) -> ModalSystem:
+def _gap_system(problem: PointGap) -> ModalSystem:
     for side in problem.sides:
         if BodyMatrices.of_one(side.body).coupled:
             found = f"modes of {side.name} that are coupled (damping or stiffness)"
             raise InputError(f"sides: found {found}, expected single modes at a PointGap: take a Patch of that body")
     return point_system(problem)
-
-
-@_system.register
-def _(problem: Chain, modes: int) -> ModalSystem:
-    return point_system(chain_gap(problem, modes=modes))
 
 
 def _step(top: float, dt: float | None, courant: float | None) -> float:

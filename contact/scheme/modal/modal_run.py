@@ -15,14 +15,14 @@ from contact.model.gaps.modal_system import ModalSystem
 from contact.record.energy import Stored
 from contact.record.record import Samples, Tally
 from contact.scheme.modal.propagator import window
-from contact.scheme.protocol import Block, Motion, Notes
+from contact.scheme.protocol import Block, Motion, Notes, PlainStepper
 
 if TYPE_CHECKING:
     from contact.loop.modal.modal import EnergyState, ModalState
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class ModalRun:
+class ModalRun(PlainStepper):
     """Modes of `system` under one law: its compiled loop, and how to read energy, velocity and a failure."""
 
     system: ModalSystem

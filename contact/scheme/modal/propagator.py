@@ -17,6 +17,7 @@ from contact.base.remembered import remembered
 from contact.record.energy import Stored
 from contact.record.record import Tally
 from contact.scheme.modal.coupled import Coupled
+from contact.scheme.protocol import PlainStepper
 
 SYMMETRIC = 1e-12  # relative
 
@@ -127,7 +128,7 @@ class Propagator:
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class ExactRun:
+class ExactRun(PlainStepper):
     """What exact-modal runs with several contacts share."""
 
     parts: Propagator
