@@ -17,6 +17,7 @@ from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
 from contact.io.progress import tell
 from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
 from contact.record.growth import STANDS, RunGrowth
@@ -70,7 +71,9 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     >>> found.verdict, found.amplitude_m  # nothing touches
     ('safe', 0.0)
     """
-    return _decided(_checked(scene, _longer(scene, _ran(scene, speed_hz, poles))))
+    rub = rub_of(scene.what)
+    allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
+    return _decided(_checked(scene, _longer(scene, _ran(scene, speed_hz, poles))), allowed)
 
 
 def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
@@ -201,10 +204,13 @@ def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]
     return ("safe" if growth.state == "at rest" else "resonance"), ""
 
 
-def _decided(runs: Sequence[SpeedRun]) -> tuple[SpeedRun, ...]:
-    """Runs whose motion does not grow: a resonance beyond `RESONANT` times the median amplitude, else safe."""
+def _decided(runs: Sequence[SpeedRun], allowed: float) -> tuple[SpeedRun, ...]:
+    """Runs whose motion does not grow: a resonance where it is large, else safe.
+
+    Large is beyond `RESONANT` times the median amplitude, or beyond what the rim is allowed [m], half of its wall.
+    """
     calm = [run.amplitude_m for run in runs if run.verdict in ("resonance", "safe")]
-    limit = RESONANT * float(np.median(calm)) if calm else math.inf
+    limit = min(RESONANT * float(np.median(calm)), allowed) if calm else allowed
     return tuple(
         replace(run, verdict="safe") if run.verdict == "resonance" and not run.amplitude_m > limit else run
         for run in runs

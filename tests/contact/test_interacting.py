@@ -67,6 +67,16 @@ def test_where_nothing_touches_every_speed_is_safe():
     assert "Every speed is safe." in found.words
 
 
+def test_a_bounded_motion_beyond_half_the_wall_is_not_safe():
+    """At these speeds nothing grows, and the rim deflects by micrometres."""
+    apart, verdicts = np.linspace(45.0, 50.0, 6), {}
+    for wall in (3e-3, 1e-8):
+        casing = replace(pair_rim(PAIR.casing, radius=0.5), thickness=wall)
+        scene = replace(pair_scene(casing=casing), on_limit="flag")
+        verdicts[wall] = {run.verdict for run in ct.interactions(scene, apart, runs=3).runs}
+    assert verdicts == {3e-3: {"safe"}, 1e-8: {"resonance"}}
+
+
 def test_a_pair_by_hand_is_decided_by_its_poles():
     found = ct.interactions(PAIR, SPEEDS)
     (row,) = found.rows
