@@ -17,6 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from statistics import median
 
+from reports.imports_of_tests import of_tests
 from reports.tables import OUT, ROOT, Row, show, write
 
 PACKAGES = ("casingfem", "contact")
@@ -168,6 +169,7 @@ def measures(structure: Structure) -> dict[str, str]:
             importers[target].add(name)
     both = sum(a < b and a in structure.folders[b] for a, targets in structure.folders.items() for b in targets)
     loops = circles(structure.imports)
+    tests = of_tests(structure.root)
     return {
         "modules": str(len(code)),
         "lines": str(sum(code.values())),
@@ -189,6 +191,8 @@ def measures(structure: Structure) -> dict[str, str]:
             f"largest folder of {top}": " ".join(f"{n} {name}" for name, n in folders[top].most_common(1))
             for top in BESIDE
         },
+        "tests that use public names only": f"{sum(not names for names in tests.values())} of {len(tests)}",
+        "internal names in tests": str(sum(map(len, tests.values()))),
     }
 
 

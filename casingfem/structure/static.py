@@ -42,10 +42,9 @@ def solve_static(structure, loads, *, system=None):  # type: ignore[no-untyped-d
     Examples
     --------
     >>> import casingfem as cf
-    >>> from casingfem.structure.imported.grid import grid_mesh
     >>> steel = cf.Material(E=210e9, nu=0.0, rho=7800.0)
-    >>> beam = grid_mesh("hexahedron20", (8, 1, 1), lambda u: u * [1.0, 0.1, 0.1],
-    ...                  groups={"root": (0, 0.0), "tip": (0, 1.0)})
+    >>> beam = cf.imported.grid_mesh("hexahedron20", (8, 1, 1), lambda u: u * [1.0, 0.1, 0.1],
+    ...                              groups={"root": (0, 0.0), "tip": (0, 1.0)})
     >>> solid = cf.Solid(mesh=beam, material=steel, supports={"root": cf.Clamped()})
     >>> bent = cf.solve_static(solid, [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 1e5))])
     >>> f"{bent.fields[:, 2].max() * 1e3:.3f} mm"  # F L^3/(3 E I) = 0.190 mm, and 0.001 mm of shear

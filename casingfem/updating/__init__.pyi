@@ -1,6 +1,8 @@
+from .addresses import get_value, with_value
 from .parameters import Parameter, parameters
 from .regularisation import Regularisation
 from .result import UpdateResult
+from .sensitivity import eigen_derivatives
 from .shapes import SensorShapes
 from .uncertainty.posterior import Laplace, laplace
 from .uncertainty.prediction import LeftOut, leave_one_out
@@ -15,9 +17,12 @@ __all__ = [
     "Regularisation",
     "SensorShapes",
     "UpdateResult",
+    "eigen_derivatives",
+    "get_value",
     "laplace",
     "leave_one_out",
     "parameters",
     "sample_posterior",
     "update",
+    "with_value",
 ]

@@ -166,24 +166,38 @@ def require_series(name: str, field: Field | None) -> None:
 
 
 def get_value(shell: ShellParts | MeshStructure, name: str) -> Any:
-    """The present value of a named number of a shell.
+    """The present value of a named number of a shell or an imported part.
 
     Raises
     ------
     InputError
         If the structure has no such number.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01,
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()})
+    >>> cf.updating.get_value(plate, "shell.thickness")
+    0.01
     """
     return address_of(shell, name).value(shell)
 
 
 def with_value(shell: Structure, name: str, value: Any) -> Structure:
-    """The same shell with one named number replaced; its mesh is kept.
+    """The same shell or imported part with one named number replaced; its mesh is kept.
 
-    >>> from casingfem.structure.geometry.chart import Plate
-    >>> from casingfem.structure.material import Material
-    >>> plate = ShellParts(chart=Plate(length=1.0, width=0.5), thickness=0.01,
-    ...                    material=Material(E=210e9, nu=0.3, rho=7800.0))
-    >>> with_value(plate, "material.E", 200e9).material.E
+    Raises
+    ------
+    InputError
+        If the structure has no such number.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01,
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()})
+    >>> cf.updating.with_value(plate, "material.E", 200e9).material.E
     200000000000.0
     """
     try:

@@ -74,6 +74,23 @@ def eigen_derivatives(modes: Modes | MeshModes, vary: Sequence[Parameter]) -> Fl
     """G[p, i, j] = phi_i^T (K_p - omega_i^2 M_p) phi_j, (parameters, modes, modes) [rad^2/s^2 per unit].
 
     The diagonal is d(omega_i^2)/dp; G[p, i, j]/(omega_i^2 - omega_j^2) is mode j's share in the change of mode i.
+
+    Raises
+    ------
+    ModelError
+        `rotation-update` for a structure that rotates.
+
+    Examples
+    --------
+    A clamped shell has omega^2 proportional to E:
+
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01,
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()})
+    >>> found = cf.modes(plate, 4)
+    >>> G = cf.updating.eigen_derivatives(found, [cf.Parameter(name="material.E", lower=100e9, upper=300e9)])
+    >>> G.shape, bool(np.allclose(210e9 * np.diag(G[0]), found.omega**2))
+    ((1, 4, 4), True)
     """
     K, M = product_derivatives(modes, vary, modes.fields, getattr(modes, "own", None))
     return np.asarray(K - modes.omega[:, None] ** 2 * M)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from reports.imports_of_tests import PublicNames, internal_names
 from reports.structure import ROOT, Structure, circles, duplicates, exported, measures
 
 FILES = {
@@ -36,6 +37,7 @@ def test_figures_of_a_small_house(tmp_path):
         "circles of modules": "1: 3 modules", "pairs of folders that import each other": "1",
         "largest circle of folders": "2", "modules of reports": "3", "modules of tests": "0",
         "largest folder of reports": "2 reports/a", "largest folder of tests": "",
+        "tests that use public names only": "0 of 0", "internal names in tests": "0",
     }  # fmt: skip
 
 
@@ -61,3 +63,22 @@ def test_a_duplicate_is_six_lines_that_stand_twice():
     assert duplicates({"a": body, "b": ["y = 1", *body, "z = 1"]}) == 1
     assert duplicates({"a": body[:5], "b": body[:5]}) == 0
     assert duplicates({"a": [*body, *body]}) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "internal"),
+    [
+        ("import casingfem as cf\ncf.modes; cf.edge.Symmetry; cf.errors.InputError; cf.__version__", []),
+        ("from casingfem import Shell, edge", []),
+        ("from casingfem.cli import main", []),
+        ("from casingfem.modal.modes import modes", ["casingfem.modal.modes.modes"]),
+        ("def f():\n    from casingfem.modal.modes import modes", ["casingfem.modal.modes.modes"]),
+        ("import casingfem.linalg.factor", ["casingfem.linalg.factor"]),
+        ("from casingfem.cli import tables", ["casingfem.cli.tables"]),
+        ("import casingfem as cf\ncf.edge.ring.Ring", ["casingfem.edge.ring.Ring", "casingfem.edge.ring"]),
+        ("import contact as ct\nct.growth.cycles.follow; ct.solver", ["contact.solver"]),
+        ("monkeypatch.setattr('casingfem.io.npz.np', None)", ["casingfem.io.npz.np"]),
+    ],
+)
+def test_names_that_are_not_in_a_stub_are_internal(text, internal):
+    assert internal_names(text, PublicNames(ROOT)) == internal

@@ -114,11 +114,12 @@ def cyclic_modes(
     Examples
     --------
     >>> import casingfem as cf
-    >>> from casingfem.structure.imported.grid import grid_mesh, revolved
-    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
-    >>> part = grid_mesh("hexahedron20", (1, 3, 2), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0)})
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 2), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0)})
     >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
-    >>> cyclic_modes(CyclicSector(structure=held, sectors=8), 1, diameters=[2, 3]).freq.round(1).tolist()
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> cf.modal.cyclic_modes(sector, 1, diameters=[2, 3]).freq.round(1).tolist()
     [2054.6, 2296.4]
     """
     started = time.perf_counter()

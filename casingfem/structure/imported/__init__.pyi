@@ -2,6 +2,7 @@ from .assembly import MeshStructure, MeshSystem
 from .attachments.glue import Gluing, tied
 from .cells.support import Fixed
 from .cyclic.sector import CyclicSector
+from .grid import grid_mesh, revolved
 from .loads import FacetPressure, MeshDeflection, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
@@ -36,7 +37,9 @@ __all__ = [
     "Tie",
     "TurningStructure",
     "beside",
+    "grid_mesh",
     "read_matrices",
     "read_mesh",
+    "revolved",
     "tied",
 ]

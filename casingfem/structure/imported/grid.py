@@ -29,7 +29,8 @@ def grid_mesh(
     Parameters
     ----------
     kind
-        Name of a solid or shell kind of `KINDS`.
+        Name of a kind of cell: hexahedron, hexahedron20, hexahedron27, tetra, tetra10, wedge15,
+        pyramid13, triangle, triangle6, quad, quad8 or quad9.
     counts
         Cubes (squares) along each axis.
     place
@@ -41,7 +42,9 @@ def grid_mesh(
 
     Examples
     --------
-    >>> beam = grid_mesh("hexahedron20", (4, 1, 1), lambda u: u * [1.0, 0.1, 0.1], groups={"root": (0, 0.0)})
+    >>> import casingfem as cf
+    >>> beam = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: u * [1.0, 0.1, 0.1],
+    ...                              groups={"root": (0, 0.0)})
     >>> len(beam.points), len(beam.cells), beam.groups["root"].nodes.shape
     (56, 4, (8,))
     """
@@ -79,7 +82,23 @@ def end_group(mesh: MeshData, inside: Array) -> Group:
 
 
 def revolved(r: tuple[float, float], z: tuple[float, float], thickness: float) -> Placing:
-    """Place (through the wall, around, along the axis) on a frustum's wall; mean radius r[0] at z[0], r[1] at z[1]."""
+    """Place unit coordinates (through the wall, around, along the axis) on a frustum's wall.
+
+    Parameters
+    ----------
+    r, z
+        Radius of the mid-surface and place along the axis at both ends [m].
+    thickness
+        Of the wall, across the mid-surface [m].
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> place = cf.imported.revolved((0.5, 0.4), (0.0, 0.2), 0.01)
+    >>> tube = cf.imported.grid_mesh("hexahedron20", (1, 12, 2), place, groups={"base": (2, 0.0)}, wrap=1)
+    >>> len(tube.cells), len(tube.groups["base"].facets)
+    (24, 12)
+    """
     slant = np.array([r[1] - r[0], z[1] - z[0]])
     normal = np.array([slant[1], -slant[0]]) / np.linalg.norm(slant)
 

@@ -94,11 +94,10 @@ class MeshShell(ShellCells):
 
     Examples
     --------
-    >>> from casingfem.structure.imported.grid import grid_mesh
-    >>> from casingfem.structure.material import Material
-    >>> plate = grid_mesh("quad8", (4, 4), lambda u: np.insert(u, 2, 0.0, axis=1))
-    >>> shell = MeshShell(mesh=plate, thickness=0.01, material=Material(E=210e9, nu=0.3, rho=7800.0))
-    >>> shell.mesh.kind, assemble_mesh_shell(shell).rigid
+    >>> import casingfem as cf
+    >>> plate = cf.imported.grid_mesh("quad8", (4, 4), lambda u: np.insert(u, 2, 0.0, axis=1))
+    >>> shell = cf.MeshShell(mesh=plate, thickness=0.01, material=cf.Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> shell.mesh.kind, shell.assembled().rigid
     ('quad9', 6)
     """
 

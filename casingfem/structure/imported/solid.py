@@ -50,10 +50,9 @@ class Solid(SolidCells):
 
     Examples
     --------
-    >>> from casingfem.structure.imported.grid import grid_mesh
-    >>> from casingfem.structure.material import Material
-    >>> cube = grid_mesh("tetra10", (1, 1, 1), lambda u: u)
-    >>> system = assemble_solid(Solid(mesh=cube, material=Material(E=210e9, nu=0.3, rho=7800.0)))
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> system = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0)).assembled()
     >>> system.size, system.rigid, round(float(system.M.sum()), 6)  # three times the mass
     (81, 6, 23400.0)
     """

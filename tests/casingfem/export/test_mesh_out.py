@@ -12,9 +12,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import MissingExtraError
 from casingfem.export.meshes import drawn_mesh, drawn_surface, mode_files, vtu
-from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import write_files
 from tests.casingfem.export.played import steps_of
 from tests.casingfem.structure.imported.parts import added_nodes
@@ -119,7 +117,9 @@ MIDDLES = {
 def test_another_reader_finds_the_nodes_of_an_imported_part_where_its_cells_have_them(kind, tmp_path):
     """Middles halfway between their corners, corners counted the right way round, nodes of no cell left out."""
     dim = 2 if kind.startswith("quad") else 3
-    grid = grid_mesh(kind, (2, 1, 1)[:dim], lambda u: np.pad(u * (4.0, 2.0, 1.0)[:dim], ((0, 0), (0, 3 - dim))))
+    grid = cf.imported.grid_mesh(
+        kind, (2, 1, 1)[:dim], lambda u: np.pad(u * (4.0, 2.0, 1.0)[:dim], ((0, 0), (0, 3 - dim)))
+    )
     mesh, _ = added_nodes(grid, [9.0, 9.0, 9.0])
     order = np.roll(np.arange(len(mesh.points)), 1)  # the node of no cell comes first
     place = np.argsort(order)
@@ -153,7 +153,7 @@ def test_all_modes_are_written_if_none_are_named(casing):
 
 def test_files_that_play_need_h5py(casing, monkeypatch):
     monkeypatch.setattr("casingfem.export.series.find_spec", lambda name: None)
-    with pytest.raises(MissingExtraError, match=r"--vtu: found no package h5py; expected .*test-data"):
+    with pytest.raises(cf.errors.MissingExtraError, match=r"--vtu: found no package h5py; expected .*test-data"):
         mode_files(casing, [0])
 
 

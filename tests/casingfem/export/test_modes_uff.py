@@ -11,8 +11,6 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.export.meshes import drawn_surface
 from casingfem.export.modes_uff import one_shape, write_modes_uff
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.imported.grid import grid_mesh
 from tests.casingfem.structure.imported.parts import STEEL, supported
 from tests.casingfem.study.study_texts import PLATE, written
 
@@ -58,8 +56,8 @@ def test_each_mode_is_told_by_its_own_numbers():
 
 
 def test_the_header_says_what_the_modes_are_of(path, tmp_path):
-    part = supported(grid_mesh("hexahedron20", (2, 1, 1), lambda u: u, groups={"root": (0, 0.0)}))
-    imported = write_modes_uff(mesh_modes(part, 1), tmp_path / "part.uff")
+    part = supported(cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u, groups={"root": (0, 0.0)}))
+    imported = write_modes_uff(cf.modes(part, 1), tmp_path / "part.uff")
     assert cf.uff.read_uff(path).header[:2] == ("casingfem", "modes of a shell")
     assert cf.uff.read_uff(imported).header[:2] == ("casingfem", "modes of an imported part")
 
@@ -79,10 +77,12 @@ def test_every_side_is_drawn_once(casing, path):
 def test_of_an_imported_part_the_edges_of_its_outside_are_drawn_once(kind, along, tmp_path):
     """A block or a plate of unit cells: neighbours on its lattice of corners that lie on one face."""
     cells = along[: 3 if along[2] else 2]
-    mesh = grid_mesh(kind, cells, lambda u: np.pad(u * cells, ((0, 0), (0, 3 - len(cells)))), groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh(
+        kind, cells, lambda u: np.pad(u * cells, ((0, 0), (0, 3 - len(cells)))), groups={"root": (0, 0.0)}
+    )
     held = {"root": cf.Clamped()}
     part = supported(mesh) if along[2] else cf.MeshShell(mesh=mesh, thickness=0.1, material=STEEL, supports=held)
-    found = cf.uff.read_uff(write_modes_uff(mesh_modes(part, 1), tmp_path / "part.uff"))
+    found = cf.uff.read_uff(write_modes_uff(cf.modes(part, 1), tmp_path / "part.uff"))
     (line,) = found.lines
     place = dict(zip(found.nodes.labels.tolist(), map(tuple, found.nodes.points.round(6)), strict=True))
     ends = [(place[a], place[b]) for a, b in np.append(line.nodes, 0).reshape(-1, 3)[:, :2].tolist()]

@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.io.npz import read_npz
 from casingfem.io.side_by_side import one_thread, side_by_side, usable_cores
 
@@ -27,9 +27,9 @@ def test_all_arrays_come_by_name_whether_wanted_or_not(stored):
 
 
 def test_what_is_missing_is_named_beside_what_is_expected(stored):
-    with pytest.raises(InputError, match=r"some\.npz: found an npz without d, e; expected a, d, e"):
+    with pytest.raises(cf.errors.InputError, match=r"some\.npz: found an npz without d, e; expected a, d, e"):
         read_npz(stored, {"e", "a", "d"})
-    with pytest.raises(InputError, match=r"found an npz without d; expected what somebody wrote"):
+    with pytest.raises(cf.errors.InputError, match=r"found an npz without d; expected what somebody wrote"):
         read_npz(stored, {"d"}, "what somebody wrote")
 
 
@@ -37,15 +37,17 @@ def test_other_files_are_refused_by_what_they_should_be(tmp_path):
     path = tmp_path / "table.npz"
     path.write_text("1,2,3\n")
     for expected, words in (("", "a file of arrays"), ("modes", "modes")):
-        with pytest.raises(InputError, match=rf"table\.npz: found no readable npz file \(.+\); expected {words}$"):
+        with pytest.raises(
+            cf.errors.InputError, match=rf"table\.npz: found no readable npz file \(.+\); expected {words}$"
+        ):
             read_npz(path, (), expected)
 
 
 def test_arrays_of_other_kinds_are_refused_where_kinds_are_said(stored):
-    with pytest.raises(InputError, match=r"^\S*some\.npz: .*b"):
+    with pytest.raises(cf.errors.InputError, match=r"^\S*some\.npz: .*b"):
         read_npz(stored, (), "", {"c": "complex"})
     assert read_npz(stored)["b"] == "text"
-    with pytest.raises(InputError, match=r"^\S*some\.npz: .*c"):
+    with pytest.raises(cf.errors.InputError, match=r"^\S*some\.npz: .*c"):
         read_npz(stored, (), "", {"b": "text"})
 
 

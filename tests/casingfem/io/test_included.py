@@ -2,7 +2,7 @@
 
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.io.included import included_files, read_lines
 
 
@@ -48,15 +48,15 @@ def test_files_include_each_other_twenty_deep_at_most(depth, tmp_path):
     if depth == 20:
         assert read_lines(tmp_path / "0.inp") == [("1 of 20.inp", "last")]
         return
-    with pytest.raises(ModelError, match=r"0\.inp: line 1 of 20\.inp: 21\.inp includes itself"):
+    with pytest.raises(cf.errors.ModelError, match=r"0\.inp: line 1 of 20\.inp: 21\.inp includes itself"):
         read_lines(tmp_path / "0.inp")
 
 
 def test_a_file_that_includes_one_above_it_is_refused_with_its_line(tmp_path):
     (tmp_path / "main.inp").write_text("**\n*INCLUDE, INPUT=a.inp\n")
     (tmp_path / "a.inp").write_text("1\n2\n*INCLUDE, INPUT=main.inp\n")
-    with pytest.raises(ModelError, match=r"main\.inp: line 3 of a\.inp: main\.inp includes itself"):
+    with pytest.raises(cf.errors.ModelError, match=r"main\.inp: line 3 of a\.inp: main\.inp includes itself"):
         read_lines(tmp_path / "main.inp")
     (tmp_path / "a.inp").write_text("1\n*INCLUDE, INPUT=no.inp\n")
-    with pytest.raises(ModelError, match=r"main\.inp: line 2 of a\.inp: found no file no\.inp"):
+    with pytest.raises(cf.errors.ModelError, match=r"main\.inp: line 2 of a\.inp: found no file no\.inp"):
         read_lines(tmp_path / "main.inp")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.io.included import check_last_line, fields, full, owner
 
 NODES = "*NODE\n1, 0.25, 1.50\n"
@@ -52,20 +52,20 @@ def test_whole_lines_pass(case):
 @pytest.mark.parametrize("case", DIGITS)
 def test_where_digits_may_lack_a_warning_names_the_line(case):
     abaqus, text = DIGITS[case]
-    with pytest.warns(ModelWarning, match=r"a: found the last line, .* without an end.*mesh-last-line"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"a: found the last line, .* without an end.*mesh-last-line"):
         check_last_line(text, "a", abaqus=abaqus, read=READ)
 
 
 @pytest.mark.parametrize("case", CUT)
 def test_lines_that_may_be_cut_are_refused(case):
     abaqus, text = CUT[case]
-    with pytest.raises(ModelError, match=r"a: the last line, .* has no end: cut short\?"):
+    with pytest.raises(cf.errors.ModelError, match=r"a: the last line, .* has no end: cut short\?"):
         check_last_line(text, "a", abaqus=abaqus, read=READ)
     check_last_line(text + "\n", "a", abaqus=abaqus, read=READ)
 
 
 def test_where_all_is_read_no_card_excuses_a_line():
-    with pytest.raises(ModelError, match="cut short"):
+    with pytest.raises(cf.errors.ModelError, match="cut short"):
         check_last_line("MAT1,1,2.+11", "a", abaqus=False, read=None)
 
 
@@ -137,5 +137,5 @@ def test_a_card_that_reaches_column_72_is_whole(columns, whole):
     if whole:
         check_last_line(text, "a", abaqus=False, read=READ)
         return
-    with pytest.raises(ModelError, match="cut short"):
+    with pytest.raises(cf.errors.ModelError, match="cut short"):
         check_last_line(text, "a", abaqus=False, read=READ)

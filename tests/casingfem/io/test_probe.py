@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.frf.files import read_hdf5
 from casingfem.io import probe
 
@@ -175,6 +175,6 @@ def test_an_hdf5_file_whose_reader_does_not_end_is_refused(tmp_path, monkeypatch
         "casingfem.experiment.frf.files.arrays_of", lambda *names: asked.append(names) or refuse("its reader crashed")
     )
     (tmp_path / "a.h5").write_bytes(b"x")
-    with pytest.raises(InputError, match=r"no readable HDF5 file \(its reader crashed\)"):
+    with pytest.raises(cf.errors.InputError, match=r"no readable HDF5 file \(its reader crashed\)"):
         read_hdf5(tmp_path / "a.h5")
     assert asked == [(tmp_path / "a.h5", "casingfem.experiment.frf.files", "_contents")]

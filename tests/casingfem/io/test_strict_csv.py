@@ -4,12 +4,12 @@ import re
 
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.io.strict_csv import parse, read
 
 
 def refused(text, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         parse(text, "t.csv")
 
 
@@ -36,7 +36,7 @@ def test_numbers_may_be_blank_where_something_stands_for_them():
             "line 2, column 'a': found '1e3'; expected a whole number, or an empty cell",
         ),
     ):
-        with pytest.raises(InputError, match=re.escape(words)):
+        with pytest.raises(cf.errors.InputError, match=re.escape(words)):
             call()
 
 
@@ -49,7 +49,7 @@ def test_numbers_are_written_with_digits_a_point_and_an_exponent(cell):
 def test_what_is_no_finite_number_is_refused(cell):
     found = parse(f'a,b\n"{cell}",0\n', "t.csv")
     with pytest.raises(
-        InputError, match=r"line 2, column 'a': found .*; expected a finite number such as 371\.2 or 3\.7"
+        cf.errors.InputError, match=r"line 2, column 'a': found .*; expected a finite number such as 371\.2 or 3\.7"
     ):
         found.numbers("a")
 
@@ -62,7 +62,7 @@ def test_whole_numbers_have_fifteen_digits_at_most(cell, whole):
     if whole:
         assert found.integers("a").tolist() == [int(cell)]
         return
-    with pytest.raises(InputError, match=f"found '{cell}'; expected a whole number$"):
+    with pytest.raises(cf.errors.InputError, match=f"found '{cell}'; expected a whole number$"):
         found.integers("a")
 
 
@@ -82,7 +82,7 @@ def test_semicolons_or_tabs_leave_the_comma_to_decimals(mark):
 
 def test_a_number_with_a_comma_has_no_second_mark():
     found = parse("a;b\n1,5;1,2,5\n", "t.csv")
-    with pytest.raises(InputError, match="line 2, column 'b': found '1,2,5'"):
+    with pytest.raises(cf.errors.InputError, match="line 2, column 'b': found '1,2,5'"):
         found.numbers("b")
 
 
@@ -110,7 +110,7 @@ def test_a_table_that_does_not_fit_is_refused_with_its_line(text, words):
 
 def test_a_hint_of_decimal_points_stands_where_commas_separate_too_many_cells():
     for text in ("a;b\n1;2;3\n", "a,b\n1\n"):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(cf.errors.InputError) as caught:
             parse(text, "t.csv")
         assert "decimal point" not in str(caught.value)
 
@@ -125,7 +125,7 @@ def test_a_hint_of_decimal_points_stands_where_commas_separate_too_many_cells():
 )
 def test_files_of_another_kind_are_refused(data, words, tmp_path):
     (tmp_path / "t.csv").write_bytes(data)
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         read(tmp_path / "t.csv")
 
 
@@ -133,5 +133,5 @@ def test_files_of_another_kind_are_refused(data, words, tmp_path):
 def test_files_of_each_encoding_are_read(encoding, tmp_path):
     (tmp_path / "t.csv").write_bytes("a,b\n1,ä\n".encode(encoding))
     assert read(tmp_path / "t.csv").cells == {"a": ("1",), "b": ("ä",)}
-    with pytest.raises(InputError, match="found a name with a zero byte; expected a file"):
+    with pytest.raises(cf.errors.InputError, match="found a name with a zero byte; expected a file"):
         read("a\0.csv")

@@ -11,7 +11,6 @@ from openpyxl import Workbook
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import InputError
 from casingfem.experiment.frf.files import read_picks, read_places
 from casingfem.extras import remedy
 
@@ -46,7 +45,7 @@ def csv_of(path, rows):
 
 
 def refused(path, words, read=cf.FrequencyTable.from_csv):
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         read(path)
 
 

@@ -5,7 +5,6 @@ import pytest
 from scipy.sparse import block_diag, csc_array
 
 import casingfem as cf
-from casingfem.errors import ModelWarning, NumericsError
 from casingfem.linalg.eigen import gap_after, solve_band, solve_modes
 from casingfem.linalg.pencil import UNIT, Pencil, clear_of_eigenvalues, make_pencil, round_off, warn_of_count
 from casingfem.modal import fourier
@@ -48,7 +47,7 @@ def test_round_off_bounds_what_a_change_of_the_last_bits_does_to_eigenvalues():
 @pytest.mark.parametrize("by", [-1, 0, 1])
 def test_modes_that_round_off_drowns_are_not_counted_and_no_error(monkeypatch, by):
     monkeypatch.setattr(Pencil, "count_below", miscounting(by))
-    with pytest.warns(ModelWarning, match=DROWNED):
+    with pytest.warns(cf.errors.ModelWarning, match=DROWNED):
         found = solve_modes(*stiff(1e18), 4, shift=-1e-2)
     assert found.sturm_count is None
     assert len(found.eigenvalues) >= 4
@@ -58,20 +57,22 @@ def test_modes_that_round_off_drowns_are_not_counted_and_no_error(monkeypatch, b
 @pytest.mark.parametrize("band", [(0.0, 10.5), (3.5, 10.5)])
 def test_a_band_that_round_off_drowns_is_not_counted_and_no_error(monkeypatch, by, band):
     monkeypatch.setattr(Pencil, "count_below", miscounting(by))
-    with pytest.warns(ModelWarning, match=DROWNED):
+    with pytest.warns(cf.errors.ModelWarning, match=DROWNED):
         found = solve_band(*stiff(3e15), band, shift=-1e-2)
     assert found.sturm_count is None
 
 
 def test_the_warning_names_the_upper_end_where_round_off_reaches_both():
-    with pytest.warns(ModelWarning, match=r"those below 0\.5157 Hz cannot be counted"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"those below 0\.5157 Hz cannot be counted"):
         solve_band(*stiff(3e15), (3.5, 10.5), shift=-1e-2)
 
 
 def test_the_warning_says_how_far_the_nearest_mode_moves():
     values = (2 * np.pi * np.array([1.0, 9.9, 12.0])) ** 2
     noise = (2 * np.pi) ** 2 * (np.array([10.1, 10.5, 11.0]) ** 2 - 10.0**2)
-    with pytest.warns(ModelWarning, match=r"those below 10 Hz cannot be counted, round-off moves the next by 0\.5 Hz"):
+    with pytest.warns(
+        cf.errors.ModelWarning, match=r"those below 10 Hz cannot be counted, round-off moves the next by 0\.5 Hz"
+    ):
         warn_of_count((2 * np.pi * 10.0) ** 2, values, noise)
 
 
@@ -82,7 +83,7 @@ def beside_stiff(largest):
 
 
 def test_round_off_at_the_lower_end_alone_leaves_a_band_uncounted():
-    with pytest.warns(ModelWarning, match=r"those below 0\.2978 Hz cannot be counted"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"those below 0\.2978 Hz cannot be counted"):
         found = solve_band(*beside_stiff(3e15), (3.5, 100.5), shift=-1e-2)
     assert found.sturm_count is None
 
@@ -104,7 +105,7 @@ def test_what_stands_clear_of_round_off_is_counted():
 def test_a_wrong_count_clear_of_round_off_is_an_error(monkeypatch, by):
     K, mass = stiff(1e8)
     monkeypatch.setattr(Pencil, "count_below", miscounting(by))
-    with pytest.raises(NumericsError, match=f"{4 + by} modes lie below"):
+    with pytest.raises(cf.errors.NumericsError, match=f"{4 + by} modes lie below"):
         solve_modes(K, mass, 4, shift=-1e-2)
 
 
@@ -135,7 +136,7 @@ def test_a_harmonic_with_a_mode_on_the_end_of_a_band_is_not_counted_where_round_
         return max(0, right(meridian, sigma) + by * (meridian.n == n and sigma > 0.3 * first.omega[0] ** 2))
 
     monkeypatch.setattr(fourier, "inertia_below", wrong)
-    with pytest.warns(ModelWarning, match=DROWNED):
+    with pytest.warns(cf.errors.ModelWarning, match=DROWNED):
         found = cf.modes(shell, band=(0.5 * first.freq[0], first.freq[0]))
     assert found.sturm_count is None
 
@@ -144,5 +145,5 @@ def test_a_harmonic_with_a_mode_on_the_end_of_a_band_is_not_counted_where_round_
 def test_a_wrong_inertia_of_a_harmonic_clear_of_round_off_is_an_error(monkeypatch, frustum, wanted):
     right = fourier.inertia_below
     monkeypatch.setattr(fourier, "inertia_below", lambda meridian, sigma: right(meridian, sigma) + (sigma > 5e6))
-    with pytest.raises(NumericsError, match="were found"):
+    with pytest.raises(cf.errors.NumericsError, match="were found"):
         cf.modes(frustum(), **wanted)

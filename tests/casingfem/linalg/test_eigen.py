@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, diags_array
 
-from casingfem.errors import ModelError, NumericsError
+import casingfem as cf
 from casingfem.linalg import eigen, krylov
 from casingfem.linalg.eigen import gap_after, solve, solve_modes, sturm_count
 from casingfem.linalg.factor import factorise, solve_held
 from casingfem.linalg.krylov import ConvergenceError, RitzPairs, nearest
 from casingfem.linalg.pencil import make_pencil
-from casingfem.structure.shell.assembly import assemble
 
 
 def chain(size, ends=1.0):
@@ -80,7 +79,7 @@ def test_vectors_to_spare_take_less_and_the_others_lose_nothing():
 
 @pytest.mark.slow
 def test_modes_of_a_shell_equal_the_dense_solution(frustum, coarse):
-    system = assemble(frustum(mesh=coarse))
+    system = cf.shell.assemble(frustum(mesh=coarse))
     found = solve_modes(system.K, system.mass, 10, shift=-1e3)
     exact = eigh(make_pencil(system.K, system.mass).A.toarray(), subset_by_index=[0, 9], eigvals_only=True)
     np.testing.assert_allclose(found.eigenvalues, exact, rtol=1e-9)
@@ -124,7 +123,7 @@ def test_a_missed_mode_shows_in_the_count_and_is_found(monkeypatch):
 def test_modes_missed_again_and_again_are_an_error(monkeypatch):
     search, calls = blind(misses=99)
     monkeypatch.setattr(eigen, "nearest", search)
-    with pytest.raises(NumericsError, match=r"7 modes lie below .* Hz, 6 were found"):
+    with pytest.raises(cf.errors.NumericsError, match=r"7 modes lie below .* Hz, 6 were found"):
         solve_modes(chain(300), np.ones(300), 6, shift=-1e-6)
     assert len(calls) == 3
 
@@ -180,7 +179,7 @@ def test_a_hermitian_stiffness_that_lacks_entries_of_the_mass():
 
 @pytest.mark.parametrize("mass", [np.r_[1.0, 0.0, np.ones(28)], csc_array(np.diag(np.r_[np.ones(29), -1.0]))])
 def test_refuses_a_mass_that_is_not_positive(mass):
-    with pytest.raises(NumericsError, match="the mass has a diagonal that is not positive"):
+    with pytest.raises(cf.errors.NumericsError, match="the mass has a diagonal that is not positive"):
         solve_modes(chain(30), mass, 3, shift=-1e-6)
 
 
@@ -203,34 +202,34 @@ def test_unknowns_without_mass_follow_statically():
     np.testing.assert_allclose(whole.vectors[bare], -inner @ whole.vectors[kept], atol=1e-12)
     every = solve_modes(K, csc_array(np.diag(M)), 20, shift=-1e-6)
     np.testing.assert_allclose(every.eigenvalues, exact, rtol=1e-10)
-    with pytest.raises(NumericsError, match="count must lie between 1 and 20"):
+    with pytest.raises(cf.errors.NumericsError, match="count must lie between 1 and 20"):
         solve_modes(K, csc_array(np.diag(M)), 21, shift=-1e-6)
 
 
 def test_refuses_a_mass_of_another_size():
-    with pytest.raises(NumericsError, match="the mass is of 29 unknowns, the stiffness of 30"):
+    with pytest.raises(cf.errors.NumericsError, match="the mass is of 29 unknowns, the stiffness of 30"):
         sturm_count(chain(30), np.ones(29), 1.0)
 
 
 def test_singular_matrix_is_refused():
-    with pytest.raises(NumericsError, match="singular: the structure is not supported"):
+    with pytest.raises(cf.errors.NumericsError, match="singular: the structure is not supported"):
         factorise(csc_array(np.zeros((4, 4))))
 
 
 def test_superlu_says_where_it_cannot_factor_or_count():
     """[[0, 1], [1, 0]] has the eigenvalues 1 and -1, but no pivot on its diagonal."""
-    with pytest.raises(NumericsError, match="singular: the structure is not supported"):
+    with pytest.raises(cf.errors.NumericsError, match="singular: the structure is not supported"):
         factorise(csc_array(np.ones((3, 3))), "superlu")
     swapped = factorise(csc_array(np.array([[0.0, 1.0], [1.0, 0.0]])), "superlu")
     np.testing.assert_allclose(swapped.solve(np.array([2.0, 3.0])), [3.0, 2.0])
-    with pytest.raises(NumericsError, match="pivots left the diagonal"):
+    with pytest.raises(cf.errors.NumericsError, match="pivots left the diagonal"):
         swapped.negative()
     assert factorise(csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])), "superlu").negative() == 1
 
 
 def test_a_stiffness_that_holds_nothing_is_called_loose():
     np.testing.assert_allclose(solve_held(chain(2), np.array([3.0, 0.0])), [2.0, 1.0])
-    with pytest.raises(ModelError, match=r"found a singular stiffness.*static-loose"):
+    with pytest.raises(cf.errors.ModelError, match=r"found a singular stiffness.*static-loose"):
         solve_held(csc_array(np.zeros((2, 2))), np.ones(2))
 
 
@@ -238,7 +237,7 @@ def test_a_stiffness_that_holds_nothing_is_called_loose():
 def test_nothing_is_counted_on_an_eigenvalue(direct):
     pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 9.0))), np.ones(8))
     assert [pencil.count_below(sigma, direct) for sigma in (2.999, 3.001)] == [2, 3]
-    with pytest.raises(NumericsError, match="no Sturm count at shift 3: the matrix is singular"):
+    with pytest.raises(cf.errors.NumericsError, match="no Sturm count at shift 3: the matrix is singular"):
         pencil.count_below(3.0, direct)
 
 
@@ -247,7 +246,7 @@ def test_a_mass_in_few_places_moves_as_many_ways(ways):
     pencil = make_pencil(csc_array(np.diag(np.arange(1.0, 31.0))), csc_array(np.diag(1.0 * (np.arange(30) < ways))))
     solve = factorise(pencil.shifted(-1.0)).solve
     np.testing.assert_allclose(nearest(pencil, solve, -1.0, ways).values, np.arange(1.0, ways + 1.0))
-    with pytest.raises(NumericsError, match=f"the mass moves {ways} ways, {ways + 1} modes were asked for"):
+    with pytest.raises(cf.errors.NumericsError, match=f"the mass moves {ways} ways, {ways + 1} modes were asked for"):
         nearest(pencil, solve, -1.0, ways + 1)
 
 
@@ -271,7 +270,7 @@ def test_few_unknowns_show_as_many_modes_as_they_have(size, count):
 
 @pytest.mark.parametrize("count", [0, -3, 31, 500])
 def test_refuses_a_count_there_is_not(count):
-    with pytest.raises(NumericsError, match=f"count must lie between 1 and 30, found {count}"):
+    with pytest.raises(cf.errors.NumericsError, match=f"count must lie between 1 and 30, found {count}"):
         solve_modes(chain(30), np.ones(30), count, shift=-1e-6)
 
 
@@ -283,5 +282,5 @@ def test_gap_after_goes_past_a_double():
 
 
 def test_no_gap_is_an_error():
-    with pytest.raises(NumericsError, match="no gap among eigenvalues 2 to 4"):
+    with pytest.raises(cf.errors.NumericsError, match="no gap among eigenvalues 2 to 4"):
         gap_after(np.array([1.0, 2.0, 2.0, 2.0]), 2)

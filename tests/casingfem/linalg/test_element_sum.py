@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.errors import NumericsError
+import casingfem as cf
 from casingfem.linalg.element_sum import Elements, ElementSum
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.fronts import plan, planned
@@ -66,7 +66,7 @@ def test_round_off_is_bounded_by_that_of_the_elements():
 def test_refuses_what_is_no_number():
     A = strips(1)
     A.groups[0].matrices[3, 2, 1] = np.nan
-    with pytest.raises(NumericsError, match="not finite"):
+    with pytest.raises(cf.errors.NumericsError, match="not finite"):
         factorise(A)
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse import csc_array, diags_array, eye_array, kron
 from test_eigen import consistent_mass
 
-from casingfem.errors import NumericsError
+import casingfem as cf
 from casingfem.linalg import factor as factors
 from casingfem.linalg import fronts as plans
 from casingfem.linalg.dissection import LEAF
@@ -17,8 +17,6 @@ from casingfem.linalg.fronts import Fronts, longest, plan, planned
 from casingfem.linalg.memory import MemoryNeedError, free_memory
 from casingfem.linalg.multifrontal import factored
 from casingfem.linalg.substitution import AlikeFronts, OneFront
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
 
 
 def random_matrix(size, density, shift, seed, turned=False):
@@ -106,7 +104,7 @@ def test_a_casing_is_cut_along_lines_of_elements(frustum):
 
     The distances unroll the ring; cuts through elements would keep their whole interior in a separator.
     """
-    system = assemble(frustum(mesh=ShellMesh(order=6, rows=1, around=21)))
+    system = cf.shell.assemble(frustum(mesh=cf.ShellMesh(order=6, rows=1, around=21)))
     fronts = plan(system.K)
     assert max(len(front.rows) for front in fronts.fronts) <= 5 * (3 * 7 - 2 + 5)
     entries = sum(k * (k + 1) // 2 + k * m for k, m in (front.size for front in fronts.fronts))
@@ -187,7 +185,7 @@ def test_free_memory_is_some():
     (np.diag([1.0, np.nan]), "the matrix holds values that are not finite"),
 ])  # fmt: skip
 def test_refuses_singular_matrices_and_what_is_no_number(A, words):
-    with pytest.raises(NumericsError, match=words):
+    with pytest.raises(cf.errors.NumericsError, match=words):
         factorise(csc_array(A))
 
 

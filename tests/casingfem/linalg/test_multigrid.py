@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, eye_array
 
-from casingfem.errors import ModelWarning
+import casingfem as cf
 from casingfem.linalg import factor, multigrid
 from casingfem.linalg.eigen import solve_modes
 from casingfem.linalg.factor import factorise
@@ -12,17 +12,13 @@ from casingfem.linalg.krylov import ConvergenceError
 from casingfem.linalg.memory import MemoryNeedError
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.linalg.pencil import make_pencil
-from casingfem.modal.interface.kinds import AtNodes
-from casingfem.modal.reduction import reduce
-from casingfem.structure.edge.support import Clamped
 from casingfem.structure.geometry.rotation import rigid_motions
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.solid import Solid, assemble_solid
+from casingfem.structure.imported.solid import assemble_solid
 
 
 def block(steel, counts, size, *, free=False):
-    mesh = grid_mesh("hexahedron20", counts, lambda u: u * np.array(size), groups={"root": (0, 0.0)})
-    system = assemble_solid(Solid(mesh=mesh, material=steel, supports={} if free else {"root": Clamped()}))
+    mesh = cf.imported.grid_mesh("hexahedron20", counts, lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+    system = assemble_solid(cf.Solid(mesh=mesh, material=steel, supports={} if free else {"root": cf.Clamped()}))
     return system, rigid_motions(system.points)[system.free], -((0.5 * system.frequency_scale) ** 2)
 
 
@@ -81,21 +77,21 @@ def test_an_iteration_beside_known_modes_finds_the_next_and_refuses_the_same_twi
 def test_a_thick_solid_is_reduced_where_its_factor_does_not_fit(steel, monkeypatch):
     """The same compliance as with a factor; a thin one is refused as before."""
     part = block(steel, (4, 4, 3), (1.0, 0.8, 0.6))[0].structure
-    corner = AtNodes((int(part.mesh.node_numbers[-1]),))
-    exact = reduce(part, corner, modes=4)
+    corner = cf.modal.AtNodes((int(part.mesh.node_numbers[-1]),))
+    exact = cf.reduce(part, corner, modes=4)
     monkeypatch.setattr(factor, "free_memory", lambda: 0.0)
-    found = reduce(part, corner, modes=4)
+    found = cf.reduce(part, corner, modes=4)
     np.testing.assert_allclose(found.compliance, exact.compliance, rtol=1e-6)
     thin = block(steel, (4, 4, 1), (1.0, 0.8, 0.004))[0].structure
     with pytest.raises(MemoryNeedError, match="modes-memory"):
-        reduce(thin, AtNodes((int(thin.mesh.node_numbers[-1]),)), modes=4)
+        cf.reduce(thin, cf.modal.AtNodes((int(thin.mesh.node_numbers[-1]),)), modes=4)
 
 
 @pytest.mark.slow
 def test_what_does_not_converge_is_said_and_solved_by_shift_invert(steel, monkeypatch):
     monkeypatch.setattr(multigrid.iterate, "__defaults__", (2, None, None))
     system, near_null, shift = block(steel, (8, 6, 1), (1.0, 0.8, 0.004))
-    with pytest.warns(ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"modes converged, the largest residual.*modes-lobpcg"):
         found = multigrid_modes(system.K, system.M, near_null, 6, shift)
     exact = solve_modes(system.K, system.M, 6, shift)
     np.testing.assert_array_equal(found.eigenvalues, exact.eigenvalues)
@@ -110,7 +106,7 @@ def test_a_mode_that_it_misses_shows_in_the_count(steel, monkeypatch):
     iterate = multigrid.iterate
     monkeypatch.setattr(multigrid, "iterate", losing)
     system, near_null, shift = block(steel, (3, 3, 2), (1.0, 0.8, 0.6))
-    with pytest.warns(ModelWarning, match="4 of 5 modes found"):
+    with pytest.warns(cf.errors.ModelWarning, match="4 of 5 modes found"):
         found = multigrid_modes(system.K, system.M, near_null, 4, shift)
     assert found.sturm_count == len(found.eigenvalues) == 4
 
@@ -128,7 +124,7 @@ def test_a_mode_that_it_misses_shows_in_a_search_where_nothing_is_counted(steel,
     assert found.sturm_count is None
     iterate = multigrid.iterate
     monkeypatch.setattr(multigrid, "iterate", losing)
-    with pytest.warns(ModelWarning, match="1 modes missed at first"):
+    with pytest.warns(cf.errors.ModelWarning, match="1 modes missed at first"):
         again = multigrid_modes(system.K, system.M, near_null, 4, shift, counted=False)
     np.testing.assert_array_equal(again.eigenvalues, exact.eigenvalues)
 

@@ -12,7 +12,7 @@ import pytest
 from scipy.sparse import csc_array, triu
 from test_slicing import with_spectrum
 
-from casingfem.errors import NumericsError
+import casingfem as cf
 from casingfem.linalg.eigen import solve_modes
 from casingfem.linalg.factor import factorise
 from casingfem.linalg.pencil import make_pencil
@@ -103,14 +103,14 @@ def test_solutions_and_inertia_of_an_indefinite_matrix():
     (np.diag([1.0, 0.0]), "Pardiso could not factorise the matrix: Matrix A is singular"),
 ])  # fmt: skip
 def test_a_singular_matrix_is_refused(A, words):
-    with pytest.raises(NumericsError, match=words):
+    with pytest.raises(cf.errors.NumericsError, match=words):
         factorise(csc_array(A), "pardiso")
 
 
 @pytest.mark.slow
 def test_its_own_errors_are_told_and_its_memory_is_given_back(monkeypatch):
     stand_in(monkeypatch)
-    with pytest.raises(NumericsError, match="Pardiso could not factorise the matrix: -4"):
+    with pytest.raises(cf.errors.NumericsError, match="Pardiso could not factorise the matrix: -4"):
         factorise(csc_array(np.diag([1.0, np.nan])), "pardiso")
     gc.collect()  # factors of other tests
     before = DensePardiso.freed
@@ -123,5 +123,5 @@ def test_its_own_errors_are_told_and_its_memory_is_given_back(monkeypatch):
 
 def test_without_the_package_its_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
-    with pytest.raises(NumericsError, match=r"pip install .*direct"):
+    with pytest.raises(cf.errors.NumericsError, match=r"pip install .*direct"):
         factorise(csc_array(np.eye(2)), "pardiso")

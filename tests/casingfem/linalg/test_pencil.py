@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh, eigvalsh
 from scipy.sparse import csc_array
 
-from casingfem.errors import NumericsError
+import casingfem as cf
 from casingfem.linalg.eigen import EigenResult, gap_after, gaps, solve, solve_band, sturm_count
 from casingfem.linalg.element_sum import Elements, ElementSum, absolute
 from casingfem.linalg.memory import MemoryNeedError, require_affordable, require_memory
@@ -91,17 +91,17 @@ def test_unknowns_without_mass_are_as_stiff_as_the_others_and_no_modes():
 
 @pytest.mark.parametrize("mass", [np.array([1.0, 0.0, 1.0]), csc_array(np.diag([1.0, -1.0, 1.0]))])
 def test_masses_that_are_not_positive_are_refused(mass):
-    with pytest.raises(NumericsError, match="the mass has a diagonal that is not positive"):
+    with pytest.raises(cf.errors.NumericsError, match="the mass has a diagonal that is not positive"):
         make_pencil(csc_array(np.eye(3)), mass)
-    with pytest.raises(NumericsError, match="the mass is of 3 unknowns, the stiffness of 2"):
+    with pytest.raises(cf.errors.NumericsError, match="the mass is of 3 unknowns, the stiffness of 2"):
         make_pencil(csc_array(np.eye(2)), mass)
     loose = csc_array(np.diag([1.0, 0.0, 1.0]))
-    with pytest.raises(NumericsError, match="not positive"):  # neither mass nor stiffness
+    with pytest.raises(cf.errors.NumericsError, match="not positive"):  # neither mass nor stiffness
         make_pencil(loose, csc_array(np.diag([1.0, 0.0, 1.0])))
 
 
 def test_a_count_on_an_eigenvalue_names_its_shift():
-    with pytest.raises(NumericsError, match="no Sturm count at shift 2: the matrix is singular"):
+    with pytest.raises(cf.errors.NumericsError, match="no Sturm count at shift 2: the matrix is singular"):
         make_pencil(csc_array(np.diag([2.0, 8.0])), np.array([1.0, 1.0])).count_below(2.0)
 
 
@@ -137,7 +137,7 @@ def test_a_gap_wider_than_round_off_comes_first(count, noise, below, middle):
     found = gap_after(VALUES, count, noise=noise)
     assert found[0] == below
     assert found[1] == pytest.approx(middle, rel=1e-9)
-    with pytest.raises(NumericsError, match="no gap among eigenvalues 7 to 7"):
+    with pytest.raises(cf.errors.NumericsError, match="no gap among eigenvalues 7 to 7"):
         gap_after(VALUES, 7)
 
 
@@ -163,7 +163,7 @@ def test_a_count_or_a_band_in_hertz_gives_mass_normalised_modes(wanted):
 
 @pytest.mark.parametrize("band", [(1.0, 1.0), (-1.0, 2.0), (0.0, np.inf)])
 def test_a_band_that_is_none_is_refused(band):
-    with pytest.raises(NumericsError, match="a band runs from 0 or above to a higher end"):
+    with pytest.raises(cf.errors.NumericsError, match="a band runs from 0 or above to a higher end"):
         solve_band(csc_array(K), DIAGONAL, band, -0.1)
 
 

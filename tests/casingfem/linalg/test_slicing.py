@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError, NumericsError
+import casingfem as cf
 from casingfem.linalg import memory, slicing
 from casingfem.linalg.eigen import solve_band, solve_modes
 from casingfem.linalg.factor import factorise
@@ -123,7 +123,7 @@ def test_a_lower_end_moves_down():
 def test_a_count_that_meets_an_eigenvalue_steps_once_more_and_no_further():
     end = counter_of(1.0, 2.0 + 2e-7, 3.0).counted(2.0, 1.0)
     assert end == slicing.End(2.0 + 4e-7, 2)
-    with pytest.raises(NumericsError, match="no Sturm count at shift 2"):
+    with pytest.raises(cf.errors.NumericsError, match="no Sturm count at shift 2"):
         counter_of(1.0, 2.0 + 2e-7, 2.0 + 4e-7).counted(2.0, 1.0)
 
 
@@ -151,7 +151,7 @@ def test_too_many_modes_of_a_band_are_refused_and_those_below_it_are_not_counted
     monkeypatch.setattr(memory, "MODES", 3.0)
     K, M = with_spectrum(np.arange(1.0, 40.0))
     assert solve_band(K, M, (9.5, 12.5), shift=-0.01).sturm_count == 3
-    with pytest.raises(ModelError, match=r"some 4 of 39 unknowns, .* expected at most 3 at once"):
+    with pytest.raises(cf.errors.ModelError, match=r"some 4 of 39 unknowns, .* expected at most 3 at once"):
         solve_band(K, M, (9.5, 13.5), shift=-0.01)
 
 
@@ -190,7 +190,9 @@ def test_a_search_that_does_not_converge_is_begun_from_another_shift(monkeypatch
 
 def test_a_search_that_converges_from_nowhere_is_an_error(monkeypatch):
     monkeypatch.setattr(slicing, "nearest", failing(99)[0])
-    with pytest.raises(NumericsError, match=r"no shift between 3\.3 and 8\.3 \[rad\^2/s\^2\] lies clear of the modes"):
+    with pytest.raises(
+        cf.errors.NumericsError, match=r"no shift between 3\.3 and 8\.3 \[rad\^2/s\^2\] lies clear of the modes"
+    ):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), (3.3, 8.3), shift=-0.01)
 
 
@@ -224,7 +226,7 @@ def test_a_band_from_zero_holds_the_rigid_motions():
 
 @pytest.mark.parametrize("band", [(-1.0, 2.0), (3.0, 3.0), (4.0, 2.0), (0.0, np.inf), (np.nan, 2.0)])
 def test_refuses_a_band_that_is_none(band):
-    with pytest.raises(NumericsError, match="a band runs from 0 or above to a higher end"):
+    with pytest.raises(cf.errors.NumericsError, match="a band runs from 0 or above to a higher end"):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), band, shift=-0.01)
 
 
@@ -241,7 +243,7 @@ def test_a_mode_lost_in_a_slice_is_an_error(monkeypatch, low, said):
         return type(found)(values=found.values[1:], vectors=found.vectors[:, 1:], products=found.products)
 
     monkeypatch.setattr(slicing, "nearest", losing)
-    with pytest.raises(NumericsError, match=said):
+    with pytest.raises(cf.errors.NumericsError, match=said):
         solve_band(*with_spectrum(np.arange(1.0, 40.0)), (low, 8.3), shift=-0.01)
 
 
@@ -253,7 +255,7 @@ def test_a_slice_with_a_mode_wherever_a_shift_may_stand_is_an_error():
     for modes in (taken[:-1], taken):
         spectrum = np.r_[np.arange(1.0, 10.0), 10.5, 19.5, np.arange(21.0, 50.0), modes]
         if modes == taken:
-            with pytest.raises(NumericsError, match=r"no shift between 10 and 20 .* lies clear of the modes"):
+            with pytest.raises(cf.errors.NumericsError, match=r"no shift between 10 and 20 .* lies clear of the modes"):
                 solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)
         else:
             found = solve_band(*with_spectrum(spectrum), (10.0, 20.0), shift=-0.01)
@@ -268,5 +270,7 @@ def test_a_cluster_larger_than_the_block_is_found_whole():
 
 
 def test_refuses_a_factorisation_it_does_not_know():
-    with pytest.raises(NumericsError, match="direct must be one of multifrontal, superlu, pardiso, found 'cholmod'"):
+    with pytest.raises(
+        cf.errors.NumericsError, match="direct must be one of multifrontal, superlu, pardiso, found 'cholmod'"
+    ):
         factorise(csc_array(np.eye(3)), "cholmod")

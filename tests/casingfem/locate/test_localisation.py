@@ -8,30 +8,20 @@ import numpy as np
 import pytest
 from scipy.stats import f
 
-from casingfem.errors import InputError, ModelError
+import casingfem as cf
 from casingfem.experiment.correlation.matches import Match
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_of
-from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.locate.explanations import bolts_explained, groups_alike, significant_masses
-from casingfem.locate.localisation import locate, search_model, with_baseline_noise
-from casingfem.locate.located import Explanation, Found, Localisation
+from casingfem.locate.localisation import search_model, with_baseline_noise
+from casingfem.locate.located import Explanation, Found
 from casingfem.locate.mass_places import Masses, at_places
 from casingfem.locate.misfit import Misfit, Point, turning
 from casingfem.locate.shape_check import checked_by_shapes, unlike
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder, Frustum
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.shell import Shell
 from casingfem.updating.calibration import calibrated, correction, paired_by_shares, turned_to
 from tests.test_results import assert_whole
 
-BOLTS = Bolts(count=12, k=2e8, k_rot=1e5)
-COARSE = ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)
+BOLTS = cf.Bolts(count=12, k=2e8, k_rot=1e5)
+COARSE = cf.ShellMesh(order=5, rows=(0.0, 0.05, 1.0), around=12)
 
 
 def measured(found, top, sigma=1e-4):
@@ -41,7 +31,7 @@ def measured(found, top, sigma=1e-4):
     for low, high in found.doublets:
         if high < len(below) and np.isnan(angle[low]):  # a perfect pair lies anywhere, its members apart
             angle[[low, high]] = 0.0, 90.0 / found.nodal_diameters[low]
-    return FrequencyTable.from_arrays(
+    return cf.FrequencyTable.from_arrays(
         freq_hz=found.freq[below],
         sigma_hz=sigma * found.freq[below],
         n=found.nodal_diameters[below],
@@ -50,7 +40,7 @@ def measured(found, top, sigma=1e-4):
 
 
 def on_ring(bolts):
-    return {"base": Ring(section=Section.rectangle(width=0.03, depth=0.03), support=bolts)}
+    return {"base": cf.Ring(section=cf.edge.Section.rectangle(width=0.03, depth=0.03), support=bolts)}
 
 
 def loosened(shell, loose):
@@ -64,7 +54,7 @@ def casing(frustum):
 
 @pytest.fixture(scope="module")
 def model(casing):
-    return search_model(casing, measured(modes(casing, 20, method="shell"), 470.0))
+    return search_model(casing, measured(cf.modes(casing, 20, method="shell"), 470.0))
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +63,7 @@ def table_with(casing):
 
     @cache
     def table(loose):
-        return measured(modes(loosened(casing, dict(loose)), 20, method="shell"), 470.0)
+        return measured(cf.modes(loosened(casing, dict(loose)), 20, method="shell"), 470.0)
 
     return lambda loose: table(tuple(loose.items()))
 
@@ -84,13 +74,13 @@ def noisy(casing, model, table_with):
     clean = table_with({3: 0.5})
     noise = 3.0 * clean.sigma_hz * np.random.default_rng(27).standard_normal(len(clean))
     table = replace(clean, freq_hz=clean.freq_hz + noise)
-    return table, locate(casing, table, model=model, most=1)
+    return table, cf.locate(casing, table, model=model, most=1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("loose", [pytest.param({5: 0.3}, marks=pytest.mark.campaign), {2: 0.3, 6: 0.5}])
 def test_loose_bolts_are_recovered_without_noise(casing, model, loose, tmp_path, table_with):
-    found = locate(casing, table_with(loose), model=model)
+    found = cf.locate(casing, table_with(loose), model=model)
     turned = {(bolt + 5) % 12 + 1 for bolt in loose}
     explanations = (found.best, *found.others)
     assert {frozenset(loose), frozenset(turned)} == {e.places for e in explanations}
@@ -117,7 +107,7 @@ def test_opposite_bolts_change_places_by_half_a_turn(casing, model, loose, table
 
 @pytest.mark.slow
 def test_a_tight_casing_has_no_loose_bolt(casing, model, table_with):
-    found = locate(casing, table_with({}), model=model)
+    found = cf.locate(casing, table_with({}), model=model)
     assert found.found == ()
     np.testing.assert_allclose(found.angles_deg, 30.0 * np.arange(12), atol=1e-12)
     assert "no loose bolts found" in repr(found)
@@ -162,7 +152,7 @@ def test_the_misfit_falls_as_its_derivatives_say(casing, model, table_with):
 def test_half_a_turn_is_the_same_table_and_is_said(casing, model, table_with):
     here, there = (table_with({bolt: 0.3}) for bolt in (3, 9))
     np.testing.assert_allclose(here.freq_hz, there.freq_hz, rtol=1e-9)
-    found = locate(casing, here, model=model)
+    found = cf.locate(casing, here, model=model)
     assert abs(found.others[0].behind) < 1e-2
     assert "half a turn changes no frequency and no orientation" in repr(found)
     assert found.alike == tuple((bolt, bolt + 6) for bolt in range(1, 7))
@@ -249,18 +239,18 @@ def test_places_with_parallel_effects_are_grouped_by_their_numbers_from_one():
 @pytest.mark.slow
 def test_a_baseline_takes_manufacture_out(casing, model):
     """A radius harmonic splits n = 8 by far more than half a loose bolt splits anything."""
-    made = replace(casing, radius_defect=FourierField.of({16: 1e-4, 5: 2e-4}))
-    before, now = (measured(modes(loosened(made, loose), 20), 470.0) for loose in ({}, {3: 0.5}))
-    known = locate(casing, now, baseline=before, model=model, model_error=1e-4)
+    made = replace(casing, radius_defect=cf.FourierField.of({16: 1e-4, 5: 2e-4}))
+    before, now = (measured(cf.modes(loosened(made, loose), 20), 470.0) for loose in ({}, {3: 0.5}))
+    known = cf.locate(casing, now, baseline=before, model=model, model_error=1e-4)
     assert {e.places for e in (known.best, *known.others)} == {frozenset({3}), frozenset({9})}
     assert known.found[0].value == pytest.approx(0.5, abs=0.05)
-    assert known.scale < locate(casing, now, model=model, model_error=1e-4).scale
+    assert known.scale < cf.locate(casing, now, model=model, model_error=1e-4).scale
 
 
 @pytest.mark.slow
 def test_a_calibrated_model_has_its_baseline(casing, model):
-    made = replace(casing, thickness_defect=FourierField.of({14: 0.01, 10: 0.008}))
-    before = measured(modes(made, 20), 470.0)
+    made = replace(casing, thickness_defect=cf.FourierField.of({14: 0.01, 10: 0.008}))
+    before = measured(cf.modes(made, 20), 470.0)
     found = calibrated(model[0], before).modes(np.zeros(12), 20)
     assert len(before) > 10
     np.testing.assert_allclose(found.freq[: len(before)], before.freq_hz, rtol=1e-9)
@@ -270,9 +260,9 @@ def test_a_calibrated_model_has_its_baseline(casing, model):
 
 @pytest.mark.campaign
 def test_masses_between_candidates_are_recovered(casing):
-    added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
+    added = [cf.edge.EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((20.0, 0.02), (111.0, 0.03))]
     heavy = replace(casing, masses={"top": added})
-    found = locate(casing, measured(modes(heavy, 20, method="shell"), 470.0), among="mass")
+    found = cf.locate(casing, measured(cf.modes(heavy, 20, method="shell"), 470.0), among="mass")
     said = (found.best, *found.others)
     twins = [e for e in said if [round(one.angle_deg) for one in e.found] == [20, 111]]
     assert len(twins) == 1
@@ -284,40 +274,40 @@ def test_masses_between_candidates_are_recovered(casing):
 @pytest.mark.parametrize("edge", [None, "base"])
 def test_a_mass_is_looked_for_at_the_top_unless_told(steel, edge):
     """A free cone 0.3 m wide at its base, 0.25 m at its top: what 20 g do at either edge differs."""
-    mesh = ShellMesh(order=5, rows=1, around=7)
-    cone = Shell(chart=Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
-    heavy = replace(cone, masses={edge or "top": [EdgeMass(angle=np.radians(40.0), mass=0.02)]})
-    found = modes(heavy, 12, method="shell")
+    mesh = cf.ShellMesh(order=5, rows=1, around=7)
+    cone = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
+    heavy = replace(cone, masses={edge or "top": [cf.edge.EdgeMass(angle=np.radians(40.0), mass=0.02)]})
+    found = cf.modes(heavy, 12, method="shell")
     elastic = slice(found.rigid, None)
-    table = FrequencyTable.from_arrays(
+    table = cf.FrequencyTable.from_arrays(
         freq_hz=found.freq[elastic],
         sigma_hz=1e-4 * found.freq[elastic],
         n=found.nodal_diameters[elastic],
         angle_deg=found.angle_deg[elastic],
     )
     model = search_model(cone, table, among="mass", edge=edge, places=8)
-    (one,) = locate(cone, table, among="mass", edge=edge, most=1, model=model).found
+    (one,) = cf.locate(cone, table, among="mass", edge=edge, most=1, model=model).found
     assert (one.place, one.angle_deg, one.value) == (2, pytest.approx(40.0, abs=1e-4), pytest.approx(0.02, rel=1e-5))
 
 
 @pytest.mark.slow
 def test_scale_and_sigma_of_masses_count_an_angle_with_each(steel):
     """Two masses take four from the degrees of freedom; standard deviations by differences of the residuals."""
-    mesh = ShellMesh(order=5, rows=1, around=7)
-    cone = Shell(chart=Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
-    added = [EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((40.0, 0.02), (115.0, 0.03))]
-    heavy = modes(replace(cone, masses={"top": added}), 14, method="shell")
+    mesh = cf.ShellMesh(order=5, rows=1, around=7)
+    cone = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.25, height=0.05), thickness=4e-3, material=steel, mesh=mesh)
+    added = [cf.edge.EdgeMass(angle=np.radians(angle), mass=mass) for angle, mass in ((40.0, 0.02), (115.0, 0.03))]
+    heavy = cf.modes(replace(cone, masses={"top": added}), 14, method="shell")
     elastic = slice(heavy.rigid, None)
     freq = heavy.freq[elastic]
     noise = 3e-4 * np.random.default_rng(5).standard_normal(len(freq))
-    table = FrequencyTable.from_arrays(
+    table = cf.FrequencyTable.from_arrays(
         freq_hz=freq * (1.0 + noise),
         sigma_hz=1e-4 * freq,
         n=heavy.nodal_diameters[elastic],
         angle_deg=heavy.angle_deg[elastic],
     )
     model = search_model(cone, table, among="mass", places=8)
-    found = locate(cone, table, among="mass", most=2, model=model)
+    found = cf.locate(cone, table, among="mass", most=2, model=model)
 
     def at(values):
         return at_places(found.misfit, "top", values[2:], values[:2])[0]
@@ -344,13 +334,13 @@ def test_fox_ring_gives_its_masses_back(steel):
 
     w^2 = w0^2/{1 + [sum m +- (n^2 - 1)/(n^2 + 1) |sum m e^(2 i n theta)|]/M0}, axis tan 2 n psi.
     """
-    ring = Shell(
-        chart=Cylinder(radius=0.3, height=0.02),
+    ring = cf.Shell(
+        chart=cf.Cylinder(radius=0.3, height=0.02),
         thickness=0.006,
         material=steel,
-        mesh=ShellMesh(order=7, rows=1, around=9),
+        mesh=cf.ShellMesh(order=7, rows=1, around=9),
     )
-    bare = modes(ring, 34, method="shell")
+    bare = cf.modes(ring, 34, method="shell")
     angles, masses = np.radians([25.0, 80.0]), np.array([0.004, 0.007])
     whole = 2.0 * np.pi * 0.3 * 0.006 * 0.02 * steel.rho
     rows = []
@@ -364,8 +354,8 @@ def test_fox_ring_gives_its_masses_back(steel):
             freq = bare.freq[flat[0]] / np.sqrt(1.0 + (masses.sum() + way * part) / whole)
             rows.append((n, freq, (axis + turn) % (180.0 / n)))
     n, freq, angle = map(np.array, zip(*rows, strict=True))
-    table = FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=1e-4 * freq, angle_deg=angle)
-    found = locate(ring, table, among="mass", edge="top", most=2)
+    table = cf.FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=1e-4 * freq, angle_deg=angle)
+    found = cf.locate(ring, table, among="mass", edge="top", most=2)
     said = {tuple(round(one.angle_deg) for one in e.found): e for e in (found.best, *found.others)}
     assert (25, 80) in said
     assert [one.value for one in said[25, 80].found] == pytest.approx(masses, rel=0.02)
@@ -381,38 +371,38 @@ def test_fox_ring_gives_its_masses_back(steel):
     ],
 )
 def test_bad_input_is_named(casing, model, options, code):
-    table = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8], angle_deg=[0.0, 11.25])
-    bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
+    table = cf.FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8], angle_deg=[0.0, 11.25])
+    bare = cf.FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
     if options.get("baseline"):
-        far = FrequencyTable.from_arrays(freq_hz=[9366.0, 9367.0], sigma_hz=0.1, n=[8, 8])
+        far = cf.FrequencyTable.from_arrays(freq_hz=[9366.0, 9367.0], sigma_hz=0.1, n=[8, 8])
         options = {"baseline": far, "model": model}
     elif "table" in options:
         options, table = {}, bare
-    with pytest.raises(ModelError) as caught:
-        locate(casing, table, **options)
+    with pytest.raises(cf.errors.ModelError) as caught:
+        cf.locate(casing, table, **options)
     assert caught.value.code == code
 
 
 @pytest.mark.slow
 def test_a_table_of_which_no_row_pairs_is_refused(casing, model):
     """It was answered that no bolt is loose."""
-    far = FrequencyTable.from_arrays(freq_hz=[110.0, 111.0], sigma_hz=0.1, n=[8, 8], path="far.csv")
+    far = cf.FrequencyTable.from_arrays(freq_hz=[110.0, 111.0], sigma_hz=0.1, n=[8, 8], path="far.csv")
     with pytest.raises(
-        InputError, match=r"no row of far\.csv pairs .* within 30%: measured 110\.0 to 111\.0 Hz, computed"
+        cf.errors.InputError, match=r"no row of far\.csv pairs .* within 30%: measured 110\.0 to 111\.0 Hz, computed"
     ):
-        locate(casing, far, model=model)
-    right = measured(modes(casing, 8), 470.0)
+        cf.locate(casing, far, model=model)
+    right = measured(cf.modes(casing, 8), 470.0)
     kilo = replace(right, freq_hz=1e-3 * right.freq_hz, sigma_hz=1e-3 * right.sigma_hz)
-    with pytest.raises(InputError, match="as of kHz; expected Hz"):
-        locate(casing, kilo, model=model)
-    with pytest.raises(ModelError, match=r"baseline: .* as of kHz; expected Hz.*\[locate-baseline\]"):
-        locate(casing, right, baseline=kilo, model=model)
+    with pytest.raises(cf.errors.InputError, match="as of kHz; expected Hz"):
+        cf.locate(casing, kilo, model=model)
+    with pytest.raises(cf.errors.ModelError, match=r"baseline: .* as of kHz; expected Hz.*\[locate-baseline\]"):
+        cf.locate(casing, right, baseline=kilo, model=model)
 
 
 def with_far_rows(table):
     """The table below two rows that pair with no mode."""
     far = {"freq_hz": [10.0, 99.0], "sigma_hz": 0.01, "n": [0, 0], "angle_deg": np.nan}
-    return FrequencyTable.from_arrays(
+    return cf.FrequencyTable.from_arrays(
         **{name: np.concatenate([np.broadcast_to(rows, 2), getattr(table, name)]) for name, rows in far.items()}
     )
 
@@ -421,7 +411,7 @@ def with_far_rows(table):
 def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model, noisy):
     """Frequencies off by three times their sigma, beside two rows that counted as 100 and 990 of theirs."""
     table, plain = noisy
-    found = locate(casing, with_far_rows(table), model=model, most=1)
+    found = cf.locate(casing, with_far_rows(table), model=model, most=1)
     assert (found.unpaired, plain.unpaired) == ((1, 2), ())
     assert "no mode pairs with table modes 1, 2: they took no part" in repr(found).splitlines()
     told, expected = found.to_json(), plain.to_json()
@@ -434,7 +424,7 @@ def test_rows_that_pair_with_nothing_are_named_and_change_nothing_else(casing, m
 def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_else(casing, model, table_with):
     before, now = table_with({}), table_with({3: 0.5})
     found, plain = (
-        locate(casing, now, baseline=table, model=model, most=1) for table in (with_far_rows(before), before)
+        cf.locate(casing, now, baseline=table, model=model, most=1) for table in (with_far_rows(before), before)
     )
     assert (found.unpaired, found.baseline_unpaired, plain.baseline_unpaired) == ((), (1, 2), ())
     assert "no mode pairs with baseline modes 1, 2: they took no part" in repr(found).splitlines()
@@ -445,16 +435,18 @@ def test_rows_of_a_baseline_that_pair_with_nothing_are_named_and_change_nothing_
 
 @pytest.mark.slow
 def test_a_table_whose_doublets_pair_with_nothing_is_refused(casing, model):
-    single = modes(casing, 1, method="shell").freq[0]
-    table = FrequencyTable.from_arrays(freq_hz=[11.0, 12.0, single], sigma_hz=0.1, n=[8, 8, 7])
-    with pytest.raises(ModelError, match="no doublet with nodal diameters; no mode pairs with table modes 1, 2: they"):
-        locate(casing, table, model=model)
+    single = cf.modes(casing, 1, method="shell").freq[0]
+    table = cf.FrequencyTable.from_arrays(freq_hz=[11.0, 12.0, single], sigma_hz=0.1, n=[8, 8, 7])
+    with pytest.raises(
+        cf.errors.ModelError, match="no doublet with nodal diameters; no mode pairs with table modes 1, 2: they"
+    ):
+        cf.locate(casing, table, model=model)
 
 
 def test_a_baseline_widens_rows_by_its_noise_and_by_what_couples_them():
     """Half splits of 1.5 %: row 2 is nearer than that to another n, row 4 lies 10 Hz away from one; 1 % of noise."""
-    noisy = FrequencyTable.from_arrays(freq_hz=[99.0, 101.0, 300.0], sigma_hz=[0.99, 1.01, 3.0], n=[3, 3, 0])
-    now = FrequencyTable.from_arrays(freq_hz=[100.0, 101.0, 102.0, 112.0], sigma_hz=0.5, n=[3, 3, 4, 5])
+    noisy = cf.FrequencyTable.from_arrays(freq_hz=[99.0, 101.0, 300.0], sigma_hz=[0.99, 1.01, 3.0], n=[3, 3, 0])
+    now = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 101.0, 102.0, 112.0], sigma_hz=0.5, n=[3, 3, 4, 5])
     own = 0.015 * now.freq_hz
     expected = np.sqrt(0.25 + (0.01 * now.freq_hz) ** 2 + (own**2 / [2.0, own[1], own[2], 10.0]) ** 2)
     wider = with_baseline_noise(now, noisy, 0.015)
@@ -474,11 +466,11 @@ def test_pairs_that_bolts_split_as_designed_hide_no_loose_bolt(casing):
         return replace(casing, supports=on_ring(bolts), mesh=replace(COARSE, around=16))
 
     before, now = (
-        measured(modes(replace(bolted(loose), radius_defect=FourierField.of({14: 1e-4, 5: 2e-4})), 22), 420.0)
+        measured(cf.modes(replace(bolted(loose), radius_defect=cf.FourierField.of({14: 1e-4, 5: 2e-4})), 22), 420.0)
         for loose in ({}, {3: 0.6})
     )
     assert before.splits()[8] == pytest.approx(0.064, abs=0.002)
-    found = locate(bolted({}), now, baseline=before)
+    found = cf.locate(bolted({}), now, baseline=before)
     assert {e.places for e in (found.best, *found.others)} == {frozenset({3}), frozenset({11})}
     assert found.found[0].value == pytest.approx(0.6, abs=0.02)
     assert found.smallest.max() < 0.1
@@ -498,7 +490,7 @@ def test_a_baseline_without_orientations_moves_means(rows, on, pair, shift):
         omega=2.0 * np.pi * np.array([100.0, 104.0, 200.0]), doublets=((0, 1),), nodal_diameters=np.array([3, 3, 0]),
         doublet_of=lambda mode: 0 if mode < 2 else -1,
     )  # fmt: skip
-    table = FrequencyTable.from_arrays(freq_hz=[101.0, 103.0, 208.0], sigma_hz=0.1, n=[3, 3, 0])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[101.0, 103.0, 208.0], sigma_hz=0.1, n=[3, 3, 0])
     moved, block = correction(found, table, SimpleNamespace(rows=tuple(rows), modes=tuple(on)))
     assert moved == pair
     np.testing.assert_allclose(block, 4.0 * np.pi**2 * shift * np.eye(len(pair)), rtol=1e-12)
@@ -510,7 +502,7 @@ def localised(among, best, *others, **change):
         "alike": ((1, 7),), "calibrated": False, "angles_deg": np.array([0.0, 30.0]), "misfit": None,
     }  # fmt: skip
     best, *others = (Explanation(found=found, behind=behind) for found, behind in (best, *others))
-    return Localisation(among=among, best=best, others=tuple(others), **parts | change)
+    return cf.Localisation(among=among, best=best, others=tuple(others), **parts | change)
 
 
 def test_loose_bolts_are_told_in_words_and_numbers():
@@ -588,28 +580,28 @@ def test_masses_are_told_in_grams_with_their_angles():
 
 
 def test_among_bolts_wants_one_bolted_edge(frustum):
-    table = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8])
-    with pytest.raises(ModelError, match="0 edges of the structure have bolts"):
-        locate(frustum(), table)
+    table = cf.FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1, n=[8, 8])
+    with pytest.raises(cf.errors.ModelError, match="0 edges of the structure have bolts"):
+        cf.locate(frustum(), table)
 
 
 @pytest.mark.slow
 def test_shapes_tell_a_bolt_from_the_opposite_one(casing, model):
     """Noise of 2 % of each shape at 24 sensors around the rim; bolts 4 and 10 have one table."""
-    loose = modes(loosened(casing, {4: 0.3}), 16)
+    loose = cf.modes(loosened(casing, {4: 0.3}), 16)
     theta = 2.0 * np.pi * np.arange(24) / 24
     out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
     points = np.real(casing.geometry(np.full(24, 0.25), theta).surface.x).T
     values = sensors_of(loose, points, out).shapes(loose.fields)
     noise = np.random.default_rng(11).standard_normal(values.shape)
     values = values + 0.02 * np.sqrt(np.mean(values**2, axis=0)) * noise
-    shapes = MeasuredShapes.from_arrays(freq_hz=loose.freq, values=values, points=points, directions=out)
-    found = locate(casing, measured(loose, 470.0), model=model)
+    shapes = cf.correlation.MeasuredShapes.from_arrays(freq_hz=loose.freq, values=values, points=points, directions=out)
+    found = cf.locate(casing, measured(loose, 470.0), model=model)
     right, wrong = checked_by_shapes(model[0], found, shapes)
     assert right.explanation.places == {4}
     assert wrong.explanation.places == {10}
     assert right.unlike < 0.3 * wrong.unlike
-    with pytest.raises(InputError, match="found no shape that pairs with a mode"):
+    with pytest.raises(cf.errors.InputError, match="found no shape that pairs with a mode"):
         checked_by_shapes(model[0], found, replace(shapes, freq_hz=3.0 * shapes.freq_hz))
 
 
@@ -617,7 +609,7 @@ def test_whitened_residuals_have_the_covariance_of_frequencies_and_orientations(
     """Two pairs, a single row between: by differences of the measured split vector, an angle's noise goes along it."""
     n, angle_sigma = [5, 5, -1, 8, 8], 0.03
     angle = [12.0, np.nan, np.nan, np.nan, 31.0]
-    table = FrequencyTable.from_arrays(
+    table = cf.FrequencyTable.from_arrays(
         freq_hz=[300.0, 304.0, 350.0, 400.0, 403.0], sigma_hz=[0.1, 0.2, 0.1, 0.15, 0.1], n=n, angle_deg=angle
     )
     matches = [
@@ -690,7 +682,7 @@ def test_a_wrong_n_costs_as_much_as_a_twentieth_in_frequency(off, mode):
     shares = np.zeros((9, 2))
     shares[5, 0] = shares[8, 1] = 1.0
     found = SimpleNamespace(freq=np.array([100.0, 100.0 * off]), rigid=0, rings=SimpleNamespace(shares=lambda: shares))
-    table = FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, n=[8])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, n=[8])
     matches, lost = paired_by_shares(found, table, 0.3)
     assert [match.modes for match in matches] == [(mode,)]
     assert lost == []
@@ -703,6 +695,6 @@ def test_rows_go_to_the_modes_that_share_their_n_in_any_order(modes_n, pairs):
         shares[[5, 8], mode] = 0.2
         shares[n, mode] = 0.8
     found = SimpleNamespace(freq=np.array([100.0, 101.0]), rigid=0, rings=SimpleNamespace(shares=lambda: shares))
-    table = FrequencyTable.from_arrays(freq_hz=[100.2, 100.8], sigma_hz=0.1, n=[8, 5])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.2, 100.8], sigma_hz=0.1, n=[8, 5])
     matches, _ = paired_by_shares(found, table, 0.3)
     assert sorted((match.rows[0], match.modes[0]) for match in matches) == pairs

@@ -8,14 +8,11 @@ import pytest
 from scipy.stats import t
 
 import casingfem as cf
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.locate.localisation import locate
 from casingfem.locate.located import Explanation, Found
 from casingfem.locate.misfit import Misfit
 from casingfem.locate.shape_check import unlike
 from casingfem.modal.affine import AffineModel
 from casingfem.modal.harmonics import Rings
-from casingfem.structure.edge.bolts import Bolts
 
 SQUARE = (2.0 * np.pi) ** 2
 FREQ, ORDERS = np.repeat([100.0, 135.0, 172.0, 222.0, 300.0], 2), np.repeat([2, 3, 4, 5, 7], 2)
@@ -31,7 +28,7 @@ class Nominal(SimpleNamespace):
 @pytest.fixture(scope="module")
 def shell():
     return cf.Shell(
-        chart=cf.Cylinder(radius=0.5, height=0.3), thickness=5e-3, supports={"base": Bolts(count=6, k=2e8)},
+        chart=cf.Cylinder(radius=0.5, height=0.3), thickness=5e-3, supports={"base": cf.Bolts(count=6, k=2e8)},
         material=cf.Material(E=210e9, nu=0.3, rho=7800.0), mesh=cf.ShellMesh(order=4, rows=1, around=6),
     )  # fmt: skip
 
@@ -69,7 +66,7 @@ def table(model):
 
 @pytest.fixture(scope="module")
 def found(shell, model, table):
-    return locate(shell, table, model=(model, ANGLES))
+    return cf.locate(shell, table, model=(model, ANGLES))
 
 
 def test_a_loose_bolt_is_found_with_what_is_left_of_it_or_half_a_turn_away(found):
@@ -89,7 +86,7 @@ def test_a_loose_bolt_is_found_with_what_is_left_of_it_or_half_a_turn_away(found
 ])  # fmt: skip
 def test_what_is_seen_of_a_bolt_follows_from_slopes_of_the_tight_casing(shell, model, table, more, level, sigma, error):
     """Nine modes of ten are compared: 10/2.2 and four more."""
-    answer = locate(shell, table, model=(model, ANGLES), **more)
+    answer = cf.locate(shell, table, model=(model, ANGLES), **more)
     start = Misfit(model=model, table=table, count=9, angle_sigma=sigma, model_error=error).at(np.zeros(6))
     assert answer.misfit.count == 9
     assert answer.rows == len(start.values)
@@ -101,7 +98,7 @@ def test_what_is_seen_of_a_bolt_follows_from_slopes_of_the_tight_casing(shell, m
 
 def test_residuals_beyond_their_sigma_are_scaled_by_rows_less_one_for_each_bolt(shell, model, table):
     rough = replace(table, freq_hz=table.freq_hz * (1.0 + 3e-4 * np.array([1, -1, -1, 1, 1, 1, -1, -1])))
-    answer = locate(shell, rough, model=(model, ANGLES), most=1)
+    answer = cf.locate(shell, rough, model=(model, ANGLES), most=1)
     assert len(answer.found) == 1
     assert answer.scale > 1.0
     assert answer.scale == pytest.approx(np.sqrt(answer.chi2 / (answer.rows - len(answer.found))), rel=1e-12)
@@ -110,12 +107,12 @@ def test_residuals_beyond_their_sigma_are_scaled_by_rows_less_one_for_each_bolt(
 @pytest.mark.parametrize("most", [0, 1])
 def test_no_more_bolts_are_found_than_asked_for(shell, model, most):
     two = table_of(model, [-0.5, 0.0, -0.7, 0.0, 0.0, 0.0])
-    assert len(locate(shell, two, model=(model, ANGLES), most=most).found) == most
+    assert len(cf.locate(shell, two, model=(model, ANGLES), most=most).found) == most
 
 
 @pytest.mark.parametrize(("loss", "told"), [(0.101, True), (0.099, False)])
 def test_a_bolt_that_has_lost_less_than_a_tenth_is_as_it_comes(shell, model, loss, told):
-    answer = locate(shell, table_of(model, [0.0, 0.0, -loss, 0.0, 0.0, 0.0]), model=(model, ANGLES))
+    answer = cf.locate(shell, table_of(model, [0.0, 0.0, -loss, 0.0, 0.0, 0.0]), model=(model, ANGLES))
     assert [one.place % 3 for one in answer.found] == ([0] if told else [])  # 3, or half a turn away 6
 
 
@@ -129,7 +126,7 @@ def with_far_row(table):
 
 @pytest.mark.slow
 def test_a_row_that_pairs_with_nothing_is_named_and_left_out(shell, model, table, found):
-    answer = locate(shell, with_far_row(table), model=(model, ANGLES))
+    answer = cf.locate(shell, with_far_row(table), model=(model, ANGLES))
     assert answer.unpaired == (9,)
     assert answer.best == found.best
     assert (answer.rows, answer.chi2_start) == (found.rows, found.chi2_start)
@@ -137,7 +134,7 @@ def test_a_row_that_pairs_with_nothing_is_named_and_left_out(shell, model, table
 
 def test_what_was_asked_for_holds_without_the_rows_that_pair_with_nothing(shell, model, table):
     asked = {"most": 1, "level": 0.2, "angle_sigma": 0.05, "model_error": 1e-4, "model": (model, ANGLES)}
-    whole, less = (locate(shell, rows, **asked) for rows in (table, with_far_row(table)))
+    whole, less = (cf.locate(shell, rows, **asked) for rows in (table, with_far_row(table)))
     assert whole.to_json() | {"unpaired": [9]} == less.to_json()
 
 
@@ -145,7 +142,7 @@ def test_a_baseline_takes_out_what_manufacture_split(shell, model):
     """Its rows that pair with nothing are named too."""
     made = replace(model, K=model.K + SQUARE * np.diag([40.0, -30.0, 0.0, 90.0, -80.0, 60.0, 50.0, -90.0, 0.0, 0.0]))
     before, after = table_of(made, np.zeros(6)), table_of(made, LOOSE)
-    answer = locate(shell, after, baseline=with_far_row(before), model=(model, ANGLES))
+    answer = cf.locate(shell, after, baseline=with_far_row(before), model=(model, ANGLES))
     assert answer.calibrated
     assert (answer.unpaired, answer.baseline_unpaired) == ((), (9,))
     assert {*answer.best.places} | {place for e in answer.others for place in e.places} == {2, 5}
@@ -159,7 +156,7 @@ def test_shapes_are_unlike_by_the_mean_of_one_less_mac(model):
     true = model.modes(np.array(LOOSE), 10)
     numbers = {"points": np.zeros((15, 3)), "directions": np.tile([1.0, 0.0, 0.0], (15, 1))}
     seen = rows @ true.coordinates[:, :8] * np.array([1, -2, 3, -4, 5, -6, 7, -8])
-    shapes = MeasuredShapes.from_arrays(freq_hz=true.freq[:8], values=seen, **numbers)
+    shapes = cf.correlation.MeasuredShapes.from_arrays(freq_hz=true.freq[:8], values=seen, **numbers)
 
     def left(place):
         found = (Found(place=place, angle_deg=0.0, value=0.4, sigma=0.1),)
@@ -170,6 +167,6 @@ def test_shapes_are_unlike_by_the_mean_of_one_less_mac(model):
     assert left(2) == pytest.approx(0.0, abs=1e-12)
     assert left(5) == pytest.approx(1.0 - np.mean(mac), rel=1e-6)
     assert left(5) > 1e-4
-    far = MeasuredShapes.from_arrays(freq_hz=3.0 * true.freq[:8], values=seen, **numbers)
+    far = cf.correlation.MeasuredShapes.from_arrays(freq_hz=3.0 * true.freq[:8], values=seen, **numbers)
     with pytest.raises(cf.errors.InputError, match=r"one within 0\.002 of a mode's frequency and like it"):
         unlike(model, Explanation(found=(), behind=0.0), rows, far, 0.002)

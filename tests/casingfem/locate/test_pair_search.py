@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.experiment.frequency_table import FrequencyTable
+import casingfem as cf
 from casingfem.locate.misfit import Point, half_split, mixing, widened
 from casingfem.locate.sparse_search import Bounds, best_addition, best_pair, fitted, search
 from casingfem.modal.harmonics import Rings
@@ -100,7 +100,7 @@ def test_unknown_couplings_widen_the_rows_of_modes_that_mix():
     rings = Rings(amplitudes=amplitudes, weights=np.ones(1))
     found = SimpleNamespace(freq=np.array([50.0, 100.0, 150.0, 200.0, 450.0]), rigid=0, rings=rings, coordinates=y)
     freq, sigma = np.array([50.0, 101.0, 151.0, 199.0, 400.0]), np.array([0.1, 0.2, 0.3, 0.4, 0.5])
-    table = FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=sigma, n=[1, 2, 3, 4, 5])
+    table = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=sigma, n=[1, 2, 3, 4, 5])
     tight = SimpleNamespace(coordinates=np.eye(5), doublets=())
     wider = widened(table, SimpleNamespace(M=np.eye(5)), tight, found, 2e-3, 0.1)
     share = np.array([0.0, half, half, half, 0.0])  # of p = 1/2, 1/2
@@ -125,7 +125,9 @@ def test_half_the_split_that_manufacture_makes_is_what_the_design_leaves(angles,
         omega=2.0 * np.pi * np.array([100.0, 104.0, 200.0]), doublets=((0, 1),), nodal_diameters=np.array([3, 3, 0]),
         doublet_of=lambda mode: 0 if mode < 2 else -1, rings=SimpleNamespace(amplitudes=amplitudes),
     )  # fmt: skip
-    table = FrequencyTable.from_arrays(freq_hz=[*freq, 300.0], sigma_hz=0.1, n=[3, 3, 0], angle_deg=[*angles, np.nan])
+    table = cf.FrequencyTable.from_arrays(
+        freq_hz=[*freq, 300.0], sigma_hz=0.1, n=[3, 3, 0], angle_deg=[*angles, np.nan]
+    )
     single = SimpleNamespace(rows=(2,), modes=(2,))
     assert half_split(found, table, [SimpleNamespace(rows=(0, 1), modes=(0, 1)), single]) == pytest.approx(half)
     assert half_split(found, table, [single]) == 0.0

@@ -5,18 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.geometry.chart import Plate
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.shell import Shell
 
-BOLTS = Bolts(count=8, k=1e8, k_rot=1e3)
-COARSE = ShellMesh(order=6, rows=(0.0, 0.05, 1.0), around=8)
+BOLTS = cf.Bolts(count=8, k=1e8, k_rot=1e3)
+COARSE = cf.ShellMesh(order=6, rows=(0.0, 0.05, 1.0), around=8)
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +19,7 @@ def casing(frustum):
 
 @pytest.fixture(scope="module")
 def model(casing):
-    system = assemble(casing)
+    system = cf.shell.assemble(casing)
     return affine_model(system, bolt_changes(system, "base"), 60)
 
 
@@ -36,7 +29,7 @@ def test_loose_bolts_are_as_in_full_solutions(casing, model, loose):
     x = np.zeros(8)
     x[[bolt - 1 for bolt in loose]] = [factor - 1.0 for factor in loose.values()]
     found = model.modes(x, 10)
-    full = modes(replace(casing, supports={"base": replace(BOLTS, loose=loose)}), 10)
+    full = cf.modes(replace(casing, supports={"base": replace(BOLTS, loose=loose)}), 10)
     np.testing.assert_allclose(found.freq, full.freq, rtol=1e-5)
     assert np.array_equal(found.nodal_diameters, full.nodal_diameters)
     assert found.doublets == full.doublets
@@ -68,22 +61,22 @@ def test_a_pair_hardly_parted_has_no_orientation_yet(model):
 
 @pytest.mark.slow
 def test_bolts_under_a_ring(frustum):
-    ring = Ring(section=Section.rectangle(width=0.03, depth=0.03), support=BOLTS)
+    ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.03, depth=0.03), support=BOLTS)
     shell = frustum(supports={"base": ring}, mesh=COARSE)
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     model = affine_model(system, bolt_changes(system, "base"), 30)
     loose = replace(ring, support=replace(BOLTS, loose={5: 0.2}))
     found = model.modes(np.where(np.arange(8) == 4, -0.8, 0.0), 10)
-    np.testing.assert_allclose(found.freq, modes(replace(shell, supports={"base": loose}), 10).freq, rtol=1e-4)
+    np.testing.assert_allclose(found.freq, cf.modes(replace(shell, supports={"base": loose}), 10).freq, rtol=1e-4)
 
 
 @pytest.mark.slow
 def test_masses_are_as_in_full_solutions(casing):
-    system = assemble(casing)
+    system = cf.shell.assemble(casing)
     angles = np.array([0.4, 2.5])
     model = affine_model(system, mass_changes(system, "top", angles), 30)
-    heavy = [EdgeMass(angle=a, mass=m) for a, m in zip(angles, (0.02, 0.05), strict=True)]
-    full = modes(replace(casing, masses={"top": heavy}), 10)
+    heavy = [cf.edge.EdgeMass(angle=a, mass=m) for a, m in zip(angles, (0.02, 0.05), strict=True)]
+    full = cf.modes(replace(casing, masses={"top": heavy}), 10)
     found = model.modes(np.array([0.02, 0.05]), 10)
     np.testing.assert_allclose(found.freq, full.freq, rtol=1e-5)
     assert np.all(found.freq < model.modes(np.zeros(2), 10).freq)
@@ -91,7 +84,7 @@ def test_masses_are_as_in_full_solutions(casing):
 
 @pytest.mark.slow
 def test_motions_of_a_free_casing_as_a_whole_stay_without_diameters(frustum, coarse):
-    system = assemble(frustum(supports={}, mesh=coarse))
+    system = cf.shell.assemble(frustum(supports={}, mesh=coarse))
     model = affine_model(system, mass_changes(system, "top", np.array([0.3])), 12)
     found = model.modes(np.array([0.05]), 8)
     assert found.rigid == 6
@@ -136,9 +129,9 @@ def test_a_bolt_that_is_loose_already_changes_as_a_tight_one(casing, model):
 
 
 def test_an_open_shell_is_refused(steel):
-    plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel)
+    plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel)
     with pytest.raises(ValueError, match="open shell has no nodal diameters"):
-        affine_model(assemble(plate), [], 4)
+        affine_model(cf.shell.assemble(plate), [], 4)
 
 
 @pytest.mark.parametrize("direction", [0, 1, 2])

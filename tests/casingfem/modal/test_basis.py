@@ -6,9 +6,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+import casingfem as cf
 import contact as ct
-from casingfem.errors import InputError
-from casingfem.modal.basis import FORMAT, ModalBasis
+from casingfem.modal.basis import FORMAT
 
 
 def basis(**changes):
@@ -35,14 +35,14 @@ def basis(**changes):
         "participation": rng.normal(size=(3, 3)),
         "provenance": {"method": "free", "versions": {"numpy": "2"}},
     }
-    return ModalBasis(**(parts | changes))
+    return cf.ModalBasis(**(parts | changes))
 
 
 def test_file_gives_everything_back_bit_for_bit(tmp_path):
     first = basis()
     path = first.save(tmp_path / "deep" / "casing.npz")
-    again = ModalBasis.load(path)
-    for name in (field.name for field in fields(ModalBasis)):
+    again = cf.ModalBasis.load(path)
+    for name in (field.name for field in fields(cf.ModalBasis)):
         ours, theirs = getattr(first, name), getattr(again, name)
         assert ours.tobytes() == theirs.tobytes() if isinstance(ours, np.ndarray) else ours == theirs, name
     assert os.listdir(path.parent) == ["casing.npz"]
@@ -51,7 +51,7 @@ def test_file_gives_everything_back_bit_for_bit(tmp_path):
 def test_a_body_of_a_basis_is_that_of_its_file(tmp_path):
     path = basis(channels=("tip.x", "tip.y"), kind="point", n_max=0, sectors=0).save(tmp_path / "blade.npz")
     read = ct.ModalBody.load(path)
-    made = ct.ModalBody.of(ModalBasis.load(path))
+    made = ct.ModalBody.of(cf.ModalBasis.load(path))
     for name in (field.name for field in fields(ct.ModalBody)):
         ours, theirs = getattr(made, name), getattr(read, name)
         assert ours.tobytes() == theirs.tobytes() if isinstance(ours, np.ndarray) else ours == theirs, name
@@ -62,9 +62,9 @@ def test_a_body_of_a_basis_is_that_of_its_file(tmp_path):
 def test_what_is_not_given_is_nothing(tmp_path):
     """No recovery, no outputs, no rotation: a basis of a structure at rest."""
     given = {name: getattr(basis(), name) for name in ("omega", "zeta", "channels", "rows", "S", "kind")}
-    bare = ModalBasis(**given)
-    for made in (bare, ModalBasis.load(bare.save(tmp_path / "bare.npz"))):
-        rest = {field.name: getattr(made, field.name) for field in fields(ModalBasis) if field.name not in given}
+    bare = cf.ModalBasis(**given)
+    for made in (bare, cf.ModalBasis.load(bare.save(tmp_path / "bare.npz"))):
+        rest = {field.name: getattr(made, field.name) for field in fields(cf.ModalBasis) if field.name not in given}
         assert {name: value for name, value in rest.items() if np.size(value)} == {
             "n_max": 0, "sectors": 0, "radius": 0.0, "thickness": 0.0, "spin": 0.0, "provenance": {},
         }  # fmt: skip
@@ -128,7 +128,7 @@ def test_repr_tells_modes_band_and_the_share_of_S():
     ],
 )
 def test_refuses_arrays_that_do_not_fit(changes, message):
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(cf.errors.InputError, match=message):
         basis(**changes)
 
 
@@ -141,26 +141,26 @@ def stored_without(path, *names, **replaced):
 
 def test_refuses_files_that_hold_no_basis(tmp_path):
     path = basis().save(tmp_path / "casing.npz")
-    with pytest.raises(InputError, match="arrays missing: S, rows"):
-        ModalBasis.load(stored_without(path, "rows", "S"))
-    with pytest.raises(InputError, match=f"expected format '{FORMAT}', found 'other'"):
-        ModalBasis.load(stored_without(path, format=np.array("other")))
-    with pytest.raises(InputError, match="found 'None'"):
-        ModalBasis.load(stored_without(path, "format"))
-    with pytest.raises(InputError, match="no readable npz"):
-        ModalBasis.load(tmp_path / "absent.npz")
+    with pytest.raises(cf.errors.InputError, match="arrays missing: S, rows"):
+        cf.ModalBasis.load(stored_without(path, "rows", "S"))
+    with pytest.raises(cf.errors.InputError, match=f"expected format '{FORMAT}', found 'other'"):
+        cf.ModalBasis.load(stored_without(path, format=np.array("other")))
+    with pytest.raises(cf.errors.InputError, match="found 'None'"):
+        cf.ModalBasis.load(stored_without(path, "format"))
+    with pytest.raises(cf.errors.InputError, match="no readable npz"):
+        cf.ModalBasis.load(tmp_path / "absent.npz")
     text = tmp_path / "text.npz"
     text.write_text("omega, zeta")
-    with pytest.raises(InputError, match="no readable npz"):
-        ModalBasis.load(text)
+    with pytest.raises(cf.errors.InputError, match="no readable npz"):
+        cf.ModalBasis.load(text)
 
 
 @pytest.mark.parametrize("kept", [0, 10, 200, 900])
 def test_refuses_a_file_cut_short(tmp_path, kept):
     path = basis().save(tmp_path / "casing.npz")
     path.write_bytes(path.read_bytes()[:kept])
-    with pytest.raises(InputError):
-        ModalBasis.load(path)
+    with pytest.raises(cf.errors.InputError):
+        cf.ModalBasis.load(path)
 
 
 def test_refuses_a_file_with_a_flipped_byte_in_an_array(tmp_path):
@@ -169,11 +169,11 @@ def test_refuses_a_file_with_a_flipped_byte_in_an_array(tmp_path):
     place = data.find(np.float64(250.0).tobytes())
     data[place + 3] ^= 0xFF
     path.write_bytes(data)
-    with pytest.raises(InputError):
-        ModalBasis.load(path)
+    with pytest.raises(cf.errors.InputError):
+        cf.ModalBasis.load(path)
 
 
 def test_refuses_provenance_that_is_not_json(tmp_path):
     path = stored_without(basis().save(tmp_path / "casing.npz"), provenance=np.array("{not json"))
-    with pytest.raises(InputError):
-        ModalBasis.load(path)
+    with pytest.raises(cf.errors.InputError):
+        cf.ModalBasis.load(path)

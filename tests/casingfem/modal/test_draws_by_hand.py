@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.modal.mistuning import Mistuning, Pair, pairs_of, perfect_pairs
+import casingfem as cf
+from casingfem.modal.mistuning import Pair, pairs_of, perfect_pairs
 
 MODES = SimpleNamespace(
     doublets=((1, 2), (3, 5)), splits=np.array([0.02, 0.4]), freq=np.array([80.0, 99.0, 101.0, 120.0, 150.0, 180.0]),
@@ -24,7 +25,7 @@ def test_a_pair_of_the_mean_casing_counts_where_both_are_among_the_modes_asked_f
 
 
 def test_draws_are_those_that_have_a_pair_and_are_listed_row_by_row():
-    found = Mistuning.of([*pairs_of(MODES, 0), *pairs_of(MODES, 4)], perfect_pairs(MODES, 6))
+    found = cf.modal.Mistuning.of([*pairs_of(MODES, 0), *pairs_of(MODES, 4)], perfect_pairs(MODES, 6))
     assert found.draws == 2
     assert found.perfect == {(4, 1): 100.0, (7, 2): 150.0}
     columns = {name: list(values) for name, values in found.columns().items()}
@@ -33,4 +34,4 @@ def test_draws_are_those_that_have_a_pair_and_are_listed_row_by_row():
         "split_rel": [0.02, 0.4] * 2, "angle_deg": [12.0, 3.0] * 2,
     }  # fmt: skip
     assert found.records() == found.summary()
-    assert Mistuning.of([], []).draws == 0
+    assert cf.modal.Mistuning.of([], []).draws == 0

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import NumericsError
 from casingfem.modal.fourier import (
     harmonic_floor,
     inertia_below,
@@ -19,14 +18,15 @@ from casingfem.modal.fourier import (
     shown,
 )
 from casingfem.modal.modes import count_below, count_or_band, plate_count
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 from contact.io.progress import listening
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 TUBE = cf.Shell(
-    chart=cf.Cylinder(radius=0.4, height=0.3), thickness=8e-3, material=STEEL, mesh=ShellMesh(order=4, rows=1, around=5)
+    chart=cf.Cylinder(radius=0.4, height=0.3),
+    thickness=8e-3,
+    material=STEEL,
+    mesh=cf.ShellMesh(order=4, rows=1, around=5),
 )
 
 
@@ -55,7 +55,7 @@ def test_the_floor_takes_the_largest_radius(frustum):
 @pytest.mark.parametrize("thick", [1e-3, 2.0])
 def test_the_floor_is_the_lowest_of_wall_and_rings(thick):
     """A ring as thin as a wire lies below the wall, a stout one above."""
-    ring = Ring(section=Section.rectangle(width=1e-2 * thick, depth=1e-2 * thick))
+    ring = cf.Ring(section=cf.edge.Section.rectangle(width=1e-2 * thick, depth=1e-2 * thick))
     shell = replace(TUBE, supports={"top": ring})
     wall, own = harmonic_floor(TUBE, 4), ring_floor(shell, "top", ring, 4)
     assert (own < wall) == (thick < 1.0)
@@ -66,8 +66,8 @@ def test_the_floor_is_the_lowest_of_wall_and_rings(thick):
 def test_the_floor_of_a_ring_is_its_weaker_bending_with_torsion_in_series_with_shear(J, least):
     """Torsion counts where it is softer than bending. The ring's own material, at its own radius."""
     own, n = cf.Material(E=70e9, nu=0.25, rho=2700.0), 5
-    section = Section(width=0.02, depth=0.01, area=2e-4, I_r=least, I_z=5e-9, J=J, shear=0.8)
-    ring = Ring(section=section, material=own, offset=(-0.03, 0.01))
+    section = cf.edge.Section(width=0.02, depth=0.01, area=2e-4, I_r=least, I_z=5e-9, J=J, shear=0.8)
+    ring = cf.Ring(section=section, material=own, offset=(-0.03, 0.01))
     shell = replace(TUBE, supports={"top": ring})
     radius = 0.4 - 0.03
     G, weak, line = 70e9 / 2.5, 70e9 * min(least, 5e-9), 2700.0 * 2e-4
@@ -130,7 +130,7 @@ def test_the_lowest_values_of_a_harmonic_are_mass_normalised(shift, count):
 
 
 def test_a_harmonic_that_no_shift_holds_is_refused():
-    with pytest.raises(NumericsError, match="n = 3: round-off outweighs the stiffness"):
+    with pytest.raises(cf.errors.NumericsError, match="n = 3: round-off outweighs the stiffness"):
         lowest(pencil(VALUES), 2, 1e-4)
 
 
@@ -171,7 +171,7 @@ def test_a_meridian_is_spread_around_by_its_wave(n, sine):
 
 
 def test_turns_of_rings_are_spread_in_quadrature():
-    rings = {edge: Ring(section=Section.rectangle(width=0.02, depth=0.02)) for edge in ("base", "top")}
+    rings = {edge: cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02)) for edge in ("base", "top")}
     shell = replace(TUBE, supports=rings)
     grid = make_grid(shell.chart, shell.mesh, shell.stations)
     found = revolve_own(grid, shell, np.array([2.0, -3.0]), 3, sine=False)

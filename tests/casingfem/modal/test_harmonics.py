@@ -5,12 +5,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+import casingfem as cf
 from casingfem.modal.harmonics import align_pair, find_doublets, orientation, quadrature, ring_content
-from casingfem.structure.geometry.chart import Frustum
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 
-CHART = Frustum(r_base=0.5, r_top=0.45, height=0.25)
-GRID = make_grid(CHART, ShellMesh(order=7, rows=(0.0, 0.4, 1.0), around=13))
+CHART = cf.Frustum(r_base=0.5, r_top=0.45, height=0.25)
+GRID = make_grid(CHART, cf.ShellMesh(order=7, rows=(0.0, 0.4, 1.0), around=13))
 
 
 def radial_wave(n, angle, amplitude=1.0, grid=GRID):

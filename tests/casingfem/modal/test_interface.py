@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.modal.interface.chart_rows import (
     interface_rows,
     node_rows,
@@ -12,18 +12,11 @@ from casingfem.modal.interface.chart_rows import (
     tip_directions,
     tip_rows,
 )
-from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Panel, Plate
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.shell import Shell
 
 
 @pytest.fixture(scope="module")
 def casing(frustum):
-    return assemble(frustum(mesh=ShellMesh(order=6, rows=1, around=11)))
+    return cf.shell.assemble(frustum(mesh=cf.ShellMesh(order=6, rows=1, around=11)))
 
 
 def motion(system, radial, tangential):
@@ -34,7 +27,7 @@ def motion(system, radial, tangential):
 
 
 def test_rim_rows_give_the_fourier_amplitudes_of_both_directions(casing):
-    rows, names = rim_rows(casing, Rim("top", n_max=6))
+    rows, names = rim_rows(casing, cf.Rim("top", n_max=6))
     found = rows @ motion(
         casing,
         lambda x: 0.5 + 2 * np.cos(3 * x) - np.sin(5 * x),
@@ -51,7 +44,7 @@ def test_rim_rows_give_the_fourier_amplitudes_of_both_directions(casing):
 
 
 def test_rim_rows_touch_only_their_edge(casing):
-    rows, _ = rim_rows(casing, Rim("top", n_max=4))
+    rows, _ = rim_rows(casing, cf.Rim("top", n_max=4))
     touched = np.flatnonzero(np.abs(rows).max(axis=0)) // 5
     assert set(touched) == set(casing.grid.edges["top"].nodes)
 
@@ -59,11 +52,11 @@ def test_rim_rows_touch_only_their_edge(casing):
 @pytest.mark.parametrize(
     ("rim", "message"),
     [
-        (Rim("tip"), "closed casing with 'tip'; this one has base, top"),
-        (Rim(n_max=4), "found neither an edge nor lines"),
-        (Rim(lines=(0.1, 0.1), n_max=4), r"lines: found 0\.1, 0\.1 m, .* once each"),
-        (Rim("top", n_max=0), "between 1 and 22"),
-        (Rim("top", n_max=23), "found 23"),
+        (cf.Rim("tip"), "closed casing with 'tip'; this one has base, top"),
+        (cf.Rim(n_max=4), "found neither an edge nor lines"),
+        (cf.Rim(lines=(0.1, 0.1), n_max=4), r"lines: found 0\.1, 0\.1 m, .* once each"),
+        (cf.Rim("top", n_max=0), "between 1 and 22"),
+        (cf.Rim("top", n_max=23), "found 23"),
     ],
 )
 def test_refuses_a_rim_that_is_none(casing, rim, message):
@@ -72,12 +65,12 @@ def test_refuses_a_rim_that_is_none(casing, rim, message):
 
 
 def test_tip_rows_are_the_mean_over_the_edge(steel):
-    plate = Shell(
-        chart=Plate(length=0.3, width=0.1), thickness=2e-3, material=steel, supports={"root": Clamped()},
-        mesh=ShellMesh(order=4, rows=2, around=2),
+    plate = cf.Shell(
+        chart=cf.Plate(length=0.3, width=0.1), thickness=2e-3, material=steel, supports={"root": cf.Clamped()},
+        mesh=cf.ShellMesh(order=4, rows=2, around=2),
     )  # fmt: skip
-    system = assemble(plate)
-    rows, names = tip_rows(system, Tip())
+    system = cf.shell.assemble(plate)
+    rows, names = tip_rows(system, cf.Tip())
     x, y = system.points.T[:2]
     fields = np.stack([x + 3 * y**2, 0 * x, 5 * x + y, 0 * x, 0 * x], axis=1).ravel()
     assert names == ("span", "flap")
@@ -85,25 +78,25 @@ def test_tip_rows_are_the_mean_over_the_edge(steel):
 
 
 def test_tip_of_a_panel_flaps_along_its_normal(steel):
-    panel = Shell(
-        chart=Panel(radius=0.6, length=0.3, angle=0.5), thickness=3e-3, material=steel,
-        supports={"root": Clamped()}, mesh=ShellMesh(order=4, rows=1, around=2),
+    panel = cf.Shell(
+        chart=cf.Panel(radius=0.6, length=0.3, angle=0.5), thickness=3e-3, material=steel,
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=4, rows=1, around=2),
     )  # fmt: skip
-    system = assemble(panel)
-    rows, _ = tip_rows(system, Tip())
+    system = cf.shell.assemble(panel)
+    rows, _ = tip_rows(system, cf.Tip())
     shift = np.zeros((len(system.frames), 5))
     shift[:, 0] = 1.0  # the normal at mid-edge is -+x, z the span
     assert np.abs(rows @ shift.ravel()) == pytest.approx([0.0, 1.0], abs=1e-12)
 
 
 def test_a_rim_needs_a_casing_and_a_tip_a_blade(steel, casing):
-    plate = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, mesh=ShellMesh(order=2))
+    plate = cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.01, material=steel, mesh=cf.ShellMesh(order=2))
     with pytest.raises(ValueError, match="closed casing"):
-        rim_rows(assemble(plate), Rim("tip"))
+        rim_rows(cf.shell.assemble(plate), cf.Rim("tip"))
     with pytest.raises(ValueError, match="open panel or plate"):
-        tip_rows(casing, Tip("top"))
+        tip_rows(casing, cf.Tip("top"))
     with pytest.raises(ValueError, match="edge 'nose'"):
-        tip_rows(assemble(plate), Tip("nose"))
+        tip_rows(cf.shell.assemble(plate), cf.Tip("nose"))
 
 
 def test_a_rim_in_three_directions_on_several_lines(casing):
@@ -112,7 +105,7 @@ def test_a_rim_in_three_directions_on_several_lines(casing):
     fields = np.zeros((len(z), 5))
     radial, axial = z * np.cos(3 * theta), (1.0 - z) * np.sin(2 * theta)
     fields[:, 0], fields[:, 1], fields[:, 2] = radial * np.cos(theta), radial * np.sin(theta), axial
-    rim = Rim("top", n_max=5, axial=True, lines=(0.11, 0.2347))
+    rim = cf.Rim("top", n_max=5, axial=True, lines=(0.11, 0.2347))
     rows, names = rim_rows(casing, rim)
     found = dict(zip(names, rows @ fields.ravel(), strict=True))
     expected = dict.fromkeys(names, 0.0)
@@ -123,91 +116,97 @@ def test_a_rim_in_three_directions_on_several_lines(casing):
     lines = rim_lines(casing.shell, rim)
     np.testing.assert_allclose(lines[:, 0], rim.lines, atol=1e-12)
     np.testing.assert_allclose(lines[:, 1], 0.5 - 0.05 * np.array(rim.lines) / 0.25, atol=1e-12)
-    edge, _ = rim_rows(casing, Rim("top", n_max=5, axial=True))
-    line, _ = rim_rows(casing, Rim("top", n_max=5, axial=True, lines=(0.25,)))
+    edge, _ = rim_rows(casing, cf.Rim("top", n_max=5, axial=True))
+    line, _ = rim_rows(casing, cf.Rim("top", n_max=5, axial=True, lines=(0.25,)))
     np.testing.assert_allclose(line @ fields.ravel(), edge @ fields.ravel(), atol=1e-4)
     with pytest.raises(ValueError, match=r"expected places from 0 to 0\.25"):
-        rim_rows(casing, Rim("top", n_max=5, lines=(0.3,)))
+        rim_rows(casing, cf.Rim("top", n_max=5, lines=(0.3,)))
 
 
 def test_the_radius_of_a_line_is_the_mean_of_the_whole_turn(frustum):
     """A harmonic of the radius is no change of it."""
-    uneven = frustum(mesh=ShellMesh(order=6, rows=1, around=11), radius_defect=FourierField.of({2: (1e-2, 5e-3)}))
-    ((_, radius),) = rim_lines(uneven, Rim("top", n_max=3))
+    uneven = frustum(mesh=cf.ShellMesh(order=6, rows=1, around=11), radius_defect=cf.FourierField.of({2: (1e-2, 5e-3)}))
+    ((_, radius),) = rim_lines(uneven, cf.Rim("top", n_max=3))
     assert radius == pytest.approx(0.45, rel=1e-4)
 
 
 def test_pieces_of_a_tip_average_to_the_tip_and_know_their_directions(steel):
-    chart = Panel(radius=0.3, length=0.12, angle=0.25)
-    shell = Shell(chart=chart, thickness=2e-3, material=steel, supports={"root": Clamped()}, mesh=ShellMesh(order=5))
-    system = assemble(shell)
+    chart = cf.Panel(radius=0.3, length=0.12, angle=0.25)
+    shell = cf.Shell(
+        chart=chart, thickness=2e-3, material=steel, supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=5)
+    )
+    system = cf.shell.assemble(shell)
     along, across = system.grid.nodes
     fields = np.stack([1.0 + 3.0 * across**2, np.sin(9.0 * across), along * (1.0 + across), across, along], axis=1)
-    pieces, names = node_rows(system, TipNodes(count=4))
-    tip, _ = tip_rows(system, Tip())
+    pieces, names = node_rows(system, cf.TipNodes(count=4))
+    tip, _ = tip_rows(system, cf.Tip())
     values = (pieces @ fields.ravel()).reshape(4, 3)
     np.testing.assert_allclose(values[:, :2].mean(axis=0), tip @ fields.ravel(), rtol=1e-5)
     assert names[-1] == "node3.chord"
-    directions = tip_directions(system, TipNodes())
+    directions = tip_directions(system, cf.TipNodes())
     np.testing.assert_allclose(directions @ directions.T, np.eye(3), atol=1e-12)
     turn = np.zeros_like(fields)  # along the edge: nothing but chord, and more of it in no piece than in another
     turn[:, :3] = directions[2]
     np.testing.assert_allclose((pieces @ turn.ravel()).reshape(4, 3), np.tile([0.0, 0.0, 1.0], (4, 1)), atol=1e-9)
     with pytest.raises(ValueError, match="between 1 and 100, found 0"):
-        node_rows(system, TipNodes(count=0))
+        node_rows(system, cf.TipNodes(count=0))
 
 
 def test_pieces_of_a_tip_of_uneven_curvature_have_equal_lengths(steel):
     """Else their mean would not be that of the whole edge; along this one the length per angle changes by a fifth."""
-    shell = Shell(
-        chart=Panel(radius=0.3, length=0.12, angle=1.0), thickness=2e-3, material=steel, supports={"root": Clamped()},
-        mesh=ShellMesh(order=6, rows=1, around=4), radius_defect=FourierField.of({3: (0.0, 0.1)}),
-    )  # fmt: skip
-    system = assemble(shell)
+    shell = cf.Shell(
+        chart=cf.Panel(radius=0.3, length=0.12, angle=1.0),
+        thickness=2e-3,
+        material=steel,
+        supports={"root": cf.Clamped()},
+        mesh=cf.ShellMesh(order=6, rows=1, around=4),
+        radius_defect=cf.FourierField.of({3: (0.0, 0.1)}),
+    )
+    system = cf.shell.assemble(shell)
     across = system.grid.nodes[1]
     fields = np.stack([across, across**2, 1.0 - across, across, across], axis=1).ravel()
-    pieces, _ = node_rows(system, TipNodes(count=3))
-    tip, _ = tip_rows(system, Tip())
+    pieces, _ = node_rows(system, cf.TipNodes(count=3))
+    tip, _ = tip_rows(system, cf.Tip())
     np.testing.assert_allclose((pieces @ fields).reshape(3, 3)[:, :2].mean(axis=0), tip @ fields, rtol=1e-6)
 
 
 @pytest.mark.parametrize(
     ("interface", "words"),
     [
-        (AtNodes((3, 4)), "at: found nodes 3, 4 of a chart, whose nodes have no numbers"),
-        (Rim("top", n_max=2, axis=(1.0, 0.0, 0.0)), "a Rim of a chart turns about z, found another axis"),
-        (Rim("top", n_max=2, point=(0.0, 0.1, 0.0)), "a Rim of a chart turns about z, found another axis"),
-        (Rim("top", n_max=2, lines=(-0.01, 0.1)), r"lines: found -0.01 m, expected places from 0 to 0.25 m"),
-        (Rim("top", n_max=2, lines=(0.1, 0.26)), r"lines: found 0.26 m, expected places from 0 to 0.25 m"),
+        (cf.modal.AtNodes((3, 4)), "at: found nodes 3, 4 of a chart, whose nodes have no numbers"),
+        (cf.Rim("top", n_max=2, axis=(1.0, 0.0, 0.0)), "a Rim of a chart turns about z, found another axis"),
+        (cf.Rim("top", n_max=2, point=(0.0, 0.1, 0.0)), "a Rim of a chart turns about z, found another axis"),
+        (cf.Rim("top", n_max=2, lines=(-0.01, 0.1)), r"lines: found -0.01 m, expected places from 0 to 0.25 m"),
+        (cf.Rim("top", n_max=2, lines=(0.1, 0.26)), r"lines: found 0.26 m, expected places from 0 to 0.25 m"),
     ],
 )
 def test_interfaces_that_a_casing_does_not_have_are_refused(casing, interface, words):
-    with pytest.raises(ModelError, match=words):
+    with pytest.raises(cf.errors.ModelError, match=words):
         interface_rows(casing, interface)
 
 
 def test_lines_may_stand_on_both_ends_of_a_casing(casing):
-    rows, names = interface_rows(casing, Rim("top", n_max=2, lines=(0.0, 0.25)))
+    rows, names = interface_rows(casing, cf.Rim("top", n_max=2, lines=(0.0, 0.25)))
     assert rows.shape == (20, 5 * len(casing.points))
     assert names[-1] == "line1.tangential.sin2"
 
 
 @pytest.mark.parametrize(("count", "refused"), [(1, False), (100, False), (101, True)])
 def test_a_tip_of_a_panel_has_one_to_a_hundred_pieces(steel, count, refused):
-    chart = Panel(radius=0.3, length=0.12, angle=0.25)
-    shell = Shell(
-        chart=chart, thickness=2e-3, material=steel, supports={"root": Clamped()},
-        mesh=ShellMesh(order=3, rows=1, around=1),
+    chart = cf.Panel(radius=0.3, length=0.12, angle=0.25)
+    shell = cf.Shell(
+        chart=chart, thickness=2e-3, material=steel, supports={"root": cf.Clamped()},
+        mesh=cf.ShellMesh(order=3, rows=1, around=1),
     )  # fmt: skip
     if refused:
-        with pytest.raises(ModelError, match=r"TipNodes\.count must lie between 1 and 100, found 101"):
-            interface_rows(assemble(shell), TipNodes(count=count))
+        with pytest.raises(cf.errors.ModelError, match=r"TipNodes\.count must lie between 1 and 100, found 101"):
+            interface_rows(cf.shell.assemble(shell), cf.TipNodes(count=count))
         return
-    system = assemble(shell)
-    rows, names = interface_rows(system, TipNodes(count=count))
+    system = cf.shell.assemble(shell)
+    rows, names = interface_rows(system, cf.TipNodes(count=count))
     assert rows.shape == (3 * count, 5 * len(system.points))
     assert len(names) == 3 * count
-    chord = tip_directions(system, Tip())[2]
+    chord = tip_directions(system, cf.Tip())[2]
     theta = system.grid.nodes[1]
     along = system.points[theta.argmax()] - system.points[theta.argmin()]
     assert chord @ along > 0.0  # towards larger angles

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.campbell import Campbell, zero_crossings
-from casingfem.modal.interaction import DiskFrequencies, blade_over_speed, casing_pairs
+from casingfem.modal.campbell import zero_crossings
+from casingfem.modal.interaction import blade_over_speed, casing_pairs
 from casingfem.modal.mode_set import ModeSet
 
-DATA = Campbell(
+DATA = cf.modal.Campbell(
     omega=2.0 * np.pi * np.array([0.0, 20.0, 60.0]), freq=np.array([[100.0, 300.0], [120.0, 290.0], [150.0, 280.0]]),
     southwell=np.array([1.5, -0.25]), overlap=np.array([[1.0, 1.0], [0.9, 0.8], [0.99, 0.7]]),
 )  # fmt: skip
@@ -79,7 +78,7 @@ def test_pairs_of_a_casing_are_those_with_diameters_beyond_the_rigid_motions():
 
 @pytest.mark.parametrize("casing", [{0: [5.0]}, {2: [0.0, 5.0]}, {2: [-1.0]}])
 def test_a_casing_without_pairs_or_with_frequencies_of_zero_is_refused(casing):
-    with pytest.raises(ModelError, match="interaction-casing"):
+    with pytest.raises(cf.errors.ModelError, match="interaction-casing"):
         casing_pairs(casing)
 
 
@@ -92,31 +91,31 @@ def test_a_blade_over_a_range_has_the_speeds_inside_and_both_ends():
     speed, freq = blade_over_speed([50.0, 70.0], 3, 10.0, 70.0)
     assert speed.tolist() == [10.0, 70.0]
     assert freq.tolist() == [[50.0, 70.0]] * 2
-    disk = DiskFrequencies(blades=7, freq={3: (11.0,), 1: (12.0, 13.0)})
+    disk = cf.modal.DiskFrequencies(blades=7, freq={3: (11.0,), 1: (12.0, 13.0)})
     assert blade_over_speed(disk, 8, 0.0, 5.0)[1].tolist() == [[12.0, 13.0]] * 2
     assert blade_over_speed(disk, 5, 0.0, 5.0)[1].shape == (2, 0)
 
 
 @pytest.mark.parametrize(("n", "folded"), [(0, 0), (3, 3), (4, 3), (6, 1), (7, 0), (9, 2), (18, 3)])
 def test_diameters_fold_at_half_the_number_of_blades(n, folded):
-    assert DiskFrequencies(blades=7, freq={}).folded(n) == folded
-    assert DiskFrequencies(blades=7, freq={folded: (5.0,)}).of(n) == (5.0,)
+    assert cf.modal.DiskFrequencies(blades=7, freq={}).folded(n) == folded
+    assert cf.modal.DiskFrequencies(blades=7, freq={folded: (5.0,)}).of(n) == (5.0,)
 
 
 @pytest.mark.parametrize(
     ("blades", "n", "said"), [(7, 4, "7 blades and nodal diameters [4]"), (0, 0, "0 blades"), (7, -1, "[-1]")]
 )
 def test_a_disk_that_is_none_is_refused(blades, n, said):
-    with pytest.raises(ModelError) as caught:
-        DiskFrequencies(blades=blades, freq={n: (1.0,)})
+    with pytest.raises(cf.errors.ModelError) as caught:
+        cf.modal.DiskFrequencies(blades=blades, freq={n: (1.0,)})
     assert said in str(caught.value)
-    assert DiskFrequencies(blades=7, freq={3: (1.0,), 0: (2.0,)}).of(4) == (1.0,)
-    assert DiskFrequencies(blades=1, freq={0: (2.0,)}).of(5) == (2.0,)
+    assert cf.modal.DiskFrequencies(blades=7, freq={3: (1.0,), 0: (2.0,)}).of(4) == (1.0,)
+    assert cf.modal.DiskFrequencies(blades=1, freq={0: (2.0,)}).of(5) == (2.0,)
 
 
 @pytest.mark.parametrize("freq", [[0.0], [np.nan], [5.0, -1.0]])
 def test_blade_frequencies_are_positive(freq):
-    with pytest.raises(ModelError, match="interaction-blade"):
+    with pytest.raises(cf.errors.ModelError, match="interaction-blade"):
         blade_over_speed(freq, 3, 0.0, 10.0)
 
 
@@ -148,5 +147,5 @@ def test_a_sum_out_of_reach_is_told_by_the_pair_that_comes_nearest(high, said):
 
 def test_speeds_that_are_no_range_are_refused():
     for speeds in ((5.0, 5.0), (-1.0, 5.0), (0.0, np.inf)):
-        with pytest.raises(ModelError, match="found speeds from"):
+        with pytest.raises(cf.errors.ModelError, match="found speeds from"):
             cf.interactions({4: [100.0]}, [20.0], speed_hz=speeds)

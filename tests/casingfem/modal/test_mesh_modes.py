@@ -6,43 +6,37 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelWarning, NumericsError
+import casingfem as cf
 from casingfem.linalg import factor
 from casingfem.linalg.multigrid import multigrid_modes
 from casingfem.modal import mesh_modes as mesh_module
 from casingfem.modal.mesh_modes import check_rigid, meridional_shapes, mesh_modes, projected
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.chart import Frustum
-from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.revolution import elements_around, round_about_z
-from casingfem.structure.imported.shell import MeshShell
-from casingfem.structure.imported.solid import Solid
-from casingfem.structure.shell.shell import Shell
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 
-WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.05)
+WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.05)
 BASE = {"base": (2, 0.0)}
 
 
 def ring(kind="hexahedron20", counts=(1, 18, 2), place=WALL, wrap=1):
-    return grid_mesh(kind, counts, place, groups=BASE, wrap=wrap)
+    return cf.imported.grid_mesh(kind, counts, place, groups=BASE, wrap=wrap)
 
 
 @pytest.fixture(scope="module")
 def found(steel):
-    return mesh_modes(Solid(mesh=ring(counts=(1, 24, 4)), material=steel, supports={"base": Clamped()}), 8)
+    return mesh_modes(cf.Solid(mesh=ring(counts=(1, 24, 4)), material=steel, supports={"base": cf.Clamped()}), 8)
 
 
 def test_ring_has_doublets_with_pure_labels_in_the_order_of_the_shell(found, steel):
     """The chart shell says which n, within the 3.3 % that a thick wall and a coarse mesh cost."""
-    shell = Shell(
-        chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.05, material=steel, supports={"base": Clamped()}
+    shell = cf.Shell(
+        chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
+        thickness=0.05,
+        material=steel,
+        supports={"base": cf.Clamped()},
     )
-    same = modes(shell, 8)
+    same = cf.modes(shell, 8)
     assert found.sturm_count == 8
     assert len(found.doublets) == 4
     assert found.splits.max() < 1e-9
@@ -52,20 +46,20 @@ def test_ring_has_doublets_with_pure_labels_in_the_order_of_the_shell(found, ste
 
 
 def test_modes_are_mass_normalised_and_read_like_those_of_a_shell(found, steel):
-    assert modes(found.structure, 8).freq.tobytes() == found.freq.tobytes()
+    assert cf.modes(found.structure, 8).freq.tobytes() == found.freq.tobytes()
     lines = repr(found).splitlines()
     assert lines[0].split()[:4] == ["mode", "freq", "[Hz]", "n"]
     assert lines[-1].startswith("8 modes, ")
     assert found.records()[0]["doublet"] == 1
     with pytest.raises(ValueError, match="imported structure, found 'fourier'"):
-        modes(found.structure, 4, method="fourier")
+        cf.modes(found.structure, 4, method="fourier")
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0])
 def test_a_band_without_modes_is_an_empty_table(steel, speed):
-    turning = Rotation(omega=speed) if speed else None
-    part = Solid(mesh=ring(counts=(1, 12, 1)), material=steel, supports={"base": Clamped()}, rotation=turning)
-    none = modes(part, band=(1.0, 2.0))
+    turning = cf.Rotation(omega=speed) if speed else None
+    part = cf.Solid(mesh=ring(counts=(1, 12, 1)), material=steel, supports={"base": cf.Clamped()}, rotation=turning)
+    none = cf.modes(part, band=(1.0, 2.0))
     assert len(none) == none.sturm_count == len(none.records()) == 0
     assert "0 modes" in repr(none)
 
@@ -95,7 +89,9 @@ def test_unstructured_tetrahedra_are_labelled_too(steel):
     def twisted(u):
         return WALL(np.stack([u[:, 0], u[:, 1] + 0.006 * np.sin(4 * u[:, 2] + 2 * u[:, 0]), u[:, 2]], axis=1))
 
-    low = mesh_modes(Solid(mesh=ring("tetra10", (1, 18, 2), twisted), material=steel, supports={"base": Clamped()}), 6)
+    low = mesh_modes(
+        cf.Solid(mesh=ring("tetra10", (1, 18, 2), twisted), material=steel, supports={"base": cf.Clamped()}), 6
+    )
     assert low.purity.min() > 0.97
     assert len(low.doublets) == 3
     assert low.splits.max() < 0.01
@@ -119,17 +115,17 @@ def test_bodies_of_revolution_are_recognised(place, wrap, is_round):
 @pytest.mark.parametrize("kind", ["hexahedron20", "tetra10"])
 def test_a_thin_square_is_not_round(kind):
     """One fiftieth thick: few of its facets lean, but more than a meridional section has."""
-    assert not round_about_z(grid_mesh(kind, (4, 4, 1), lambda u: (u - 0.5) * [1.0, 1.0, 0.02]))
+    assert not round_about_z(cf.imported.grid_mesh(kind, (4, 4, 1), lambda u: (u - 0.5) * [1.0, 1.0, 0.02]))
 
 
 def test_elements_around():
     assert elements_around(ring("hexahedron20", (1, 18, 2))) == 18
-    middle = grid_mesh("quad", (2, 2), lambda u: np.insert(u, 1, 0.0, axis=1))
+    middle = cf.imported.grid_mesh("quad", (2, 2), lambda u: np.insert(u, 1, 0.0, axis=1))
     assert elements_around(middle) == 0  # a plate through the axis
 
 
 def test_free_body_shows_its_rigid_motions_first(steel):
-    low = mesh_modes(Solid(mesh=ring(), material=steel), 8)
+    low = mesh_modes(cf.Solid(mesh=ring(), material=steel), 8)
     assert low.rigid == 6
     assert low.freq[5] < 1e-2 < 100 < low.freq[6]
     assert low.nodal_diameters.tolist() == [-1] * 6 + [2, 2]
@@ -138,19 +134,19 @@ def test_free_body_shows_its_rigid_motions_first(steel):
 
 def test_parts_that_hinge_are_doubted(steel):
     """Two bricks with one edge in common swing about it without strain."""
-    one = grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.2, 0.2, 0.1])
+    one = cf.imported.grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.2, 0.2, 0.1])
     kept = one.cells[[0, 3]]
     used, cells = np.unique(kept, return_inverse=True)
-    mesh = MeshData(kind=one.kind, points=one.points[used], cells=cells.reshape(kept.shape))
-    with pytest.warns(ModelWarning, match="7 modes near zero, rigid motions explain 6"):
-        mesh_modes(Solid(mesh=mesh, material=steel), 8)
+    mesh = cf.imported.MeshData(kind=one.kind, points=one.points[used], cells=cells.reshape(kept.shape))
+    with pytest.warns(cf.errors.ModelWarning, match="7 modes near zero, rigid motions explain 6"):
+        mesh_modes(cf.Solid(mesh=mesh, material=steel), 8)
 
 
 @pytest.mark.slow
 def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, monkeypatch):
     def block(size):
-        mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
-        return Solid(mesh=mesh, material=steel, supports={"root": Clamped()})
+        mesh = cf.imported.grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+        return cf.Solid(mesh=mesh, material=steel, supports={"root": cf.Clamped()})
 
     thick, thin = block((1.0, 0.8, 0.6)), block((1.0, 0.8, 0.02))
     exact = mesh_modes(thick, 5)
@@ -173,8 +169,8 @@ def test_large_thick_solids_are_solved_by_multigrid_and_others_are_not(steel, mo
 @pytest.mark.slow
 def test_without_memory_for_a_factor_thick_solids_go_to_multigrid_and_others_are_refused(steel, monkeypatch):
     def block(size):
-        mesh = grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
-        return Solid(mesh=mesh, material=steel, supports={"root": Clamped()})
+        mesh = cf.imported.grid_mesh("hexahedron20", (4, 3, 2), lambda u: u * np.array(size), groups={"root": (0, 0.0)})
+        return cf.Solid(mesh=mesh, material=steel, supports={"root": cf.Clamped()})
 
     thick, thin = block((1.0, 0.8, 0.6)), block((1.0, 0.8, 0.02))
     exact = mesh_modes(thick, 5)
@@ -183,21 +179,21 @@ def test_without_memory_for_a_factor_thick_solids_go_to_multigrid_and_others_are
     assert found.sturm_count is None
     np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-7)
     for structure, wanted in ((thin, 5), (thick, (0.0, 1.1 * exact.freq[0]))):
-        with pytest.raises(NumericsError, match=r"takes .* GB, 0.0001 GB are free: .*\[modes-memory\]"):
+        with pytest.raises(cf.errors.NumericsError, match=r"takes .* GB, 0.0001 GB are free: .*\[modes-memory\]"):
             mesh_modes(structure, wanted)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-kink")
 def test_digits_of_a_file_are_no_meridional_coordinate(steel):
     """A cylinder of straight edges: all its integration points have one radius but for the digits of the nodes."""
-    around = grid_mesh(
-        "quad", (24, 3), lambda u: revolved((0.2, 0.2), (0.0, 0.2), 0.0)(np.insert(u, 0, 0.5, 1)), wrap=0
+    around = cf.imported.grid_mesh(
+        "quad", (24, 3), lambda u: cf.imported.revolved((0.2, 0.2), (0.0, 0.2), 0.0)(np.insert(u, 0, 0.5, 1)), wrap=0
     )
     mesh = replace(around, points=np.round(around.points, 9))
     wave = np.zeros((len(mesh.points), 5, 1))
     theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
     wave[:, :2, 0] = np.cos(2 * theta)[:, None] * mesh.points[:, :2] / 0.2
-    label, purity = projected(MeshShell(mesh=mesh, material=steel, thickness=2e-3), wave, 8).label()
+    label, purity = projected(cf.MeshShell(mesh=mesh, material=steel, thickness=2e-3), wave, 8).label()
     assert label.tolist() == [2]
     assert purity[0] > 0.999
 
@@ -238,7 +234,9 @@ def test_motions_below_a_twentieth_of_the_scale_that_are_not_rigid_are_doubted(f
         rigid=1, frequency_scale=100.0, structure=SimpleNamespace(mesh=SimpleNamespace(source="part.inp"))
     )
     if told:
-        with pytest.warns(ModelWarning, match=r"part\.inp: 2 modes near zero, rigid motions explain 1.*mesh-mechanism"):
+        with pytest.warns(
+            cf.errors.ModelWarning, match=r"part\.inp: 2 modes near zero, rigid motions explain 1.*mesh-mechanism"
+        ):
             check_rigid(system, np.array([0.0, freq, 5.0]))
     else:
         check_rigid(system, np.array([0.0, freq, 5.0]))
@@ -246,8 +244,12 @@ def test_motions_below_a_twentieth_of_the_scale_that_are_not_rigid_are_doubted(f
 
 @pytest.mark.parametrize(("wanted", "count"), [((), 40), ((2,), 2)])
 def test_forty_modes_are_computed_if_nothing_is_said(steel, wanted, count):
-    skin = grid_mesh("quad9", (3, 2), lambda u: np.insert(u * [0.3, 0.1], 2, 0.0, axis=1), groups={"root": (0, 0.0)})
-    found = mesh_modes(MeshShell(mesh=skin, thickness=3e-3, material=steel, supports={"root": Clamped()}), *wanted)
+    skin = cf.imported.grid_mesh(
+        "quad9", (3, 2), lambda u: np.insert(u * [0.3, 0.1], 2, 0.0, axis=1), groups={"root": (0, 0.0)}
+    )
+    found = mesh_modes(
+        cf.MeshShell(mesh=skin, thickness=3e-3, material=steel, supports={"root": cf.Clamped()}), *wanted
+    )
     assert len(found) == count
     assert found.nodal_diameters.tolist() == [-1] * count
     assert found.fields.shape == (35, 5, count)

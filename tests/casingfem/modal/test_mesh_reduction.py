@@ -7,14 +7,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.linalg.factor import factorise
-from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
-from casingfem.modal.interface.output import NodeDisplacement, NodeStrain, NodeStress
 from casingfem.modal.interface.view import view
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.loads import NodeLoad
-from casingfem.structure.imported.mesh.mesh_data import Group
 
 TABLE = cf.FrequencyTable.from_csv(Path(__file__).parents[3] / "data" / "experiments" / "rig_casing.csv")
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -30,7 +24,9 @@ def blade_place(u):
 
 
 def solid(kind="hexahedron20", counts=(6, 3, 1)):
-    return cf.Solid(mesh=grid_mesh(kind, counts, blade_place, groups=ENDS), material=STEEL, supports=CLAMPED)
+    return cf.Solid(
+        mesh=cf.imported.grid_mesh(kind, counts, blade_place, groups=ENDS), material=STEEL, supports=CLAMPED
+    )
 
 
 def strip(counts=(6, 3), flip=False):
@@ -40,20 +36,22 @@ def strip(counts=(6, 3), flip=False):
         y = (0.5 - u[:, 1] if flip else u[:, 1] - 0.5) * 0.04
         return np.stack([0.11 * u[:, 0], y, 0.0 * y], axis=1)
 
-    mesh = grid_mesh("quad9", counts, place, groups=ENDS)
+    mesh = cf.imported.grid_mesh("quad9", counts, place, groups=ENDS)
     return cf.MeshShell(mesh=mesh, thickness=5.4e-3, material=STEEL, supports=CLAMPED)
 
 
 def ring(kind="quad9", counts=(24, 3), place=None, thickness=0.02):
-    wall = place or revolved((0.5, 0.45), (0.0, 0.25), thickness)
+    wall = place or cf.imported.revolved((0.5, 0.45), (0.0, 0.25), thickness)
     groups = {"base": (1, 0.0), "top": (1, 1.0)}
-    mesh = grid_mesh(kind, counts, lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups=groups, wrap=0)
+    mesh = cf.imported.grid_mesh(kind, counts, lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups=groups, wrap=0)
     return cf.MeshShell(mesh=mesh, thickness=thickness, material=STEEL, supports={"base": cf.Clamped()})
 
 
 def tube(groups):
     """A casing of solids."""
-    mesh = grid_mesh("hexahedron20", (1, 48, 5), revolved((0.5, 0.45), (0.0, 0.25), 0.02), groups=groups, wrap=1)
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", (1, 48, 5), cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02), groups=groups, wrap=1
+    )
     return cf.Solid(mesh=mesh, material=STEEL, supports={"base": cf.Clamped()})
 
 
@@ -71,11 +69,11 @@ def test_compliance_at_nodes_is_the_static_answer_to_forces_there(part, method):
     """rows diag(1/omega^2) rows^T + S column by column against a static solution of its own."""
     structure = part()
     nodes = corners(structure)
-    basis = cf.reduce(structure, AtNodes(nodes), modes=8, method=method)
+    basis = cf.reduce(structure, cf.modal.AtNodes(nodes), modes=8, method=method)
     assert basis.channels[:3] == tuple(f"{nodes[0]}.{axis}" for axis in "xyz")
     for k, node in enumerate(nodes):
         for i, force in enumerate(np.eye(3)):
-            bent = cf.solve_static(structure, [NodeLoad(node=node, force=tuple(force))])
+            bent = cf.solve_static(structure, [cf.imported.NodeLoad(node=node, force=tuple(force))])
             answer = np.concatenate([bent.at(other) for other in nodes])
             np.testing.assert_allclose(
                 basis.compliance[:, 3 * k + i], answer, rtol=1e-7, atol=1e-9 * np.abs(answer).max()
@@ -85,7 +83,7 @@ def test_compliance_at_nodes_is_the_static_answer_to_forces_there(part, method):
         assert np.linalg.eigvalsh(basis.S).min() > -1e-12 * np.trace(basis.S)
 
 
-@pytest.mark.parametrize("interface", [Tip("tip"), TipNodes("tip", 3)], ids=["one", "pieces"])
+@pytest.mark.parametrize("interface", [cf.Tip("tip"), cf.TipNodes("tip", 3)], ids=["one", "pieces"])
 @pytest.mark.slow
 def test_a_tip_is_that_of_the_same_blade_on_a_chart(interface):
     chart = cf.Shell(
@@ -103,14 +101,14 @@ def test_a_tip_is_that_of_the_same_blade_on_a_chart(interface):
 
 
 def test_flap_follows_the_normal_of_a_shell():
-    turned = view(strip(flip=True).assembled(), Tip("tip"))
+    turned = view(strip(flip=True).assembled(), cf.Tip("tip"))
     np.testing.assert_allclose(turned.axes, [[1, 0, 0], [0, 0, -1], [0, -1, 0]], atol=1e-9)
 
 
 def test_a_solids_tip_pieces_carry_the_whole_tip():
     """Pieces weighted by their areas are the tip as a whole, rigid translations move each piece by one."""
     system = solid().assembled()
-    pieces, whole = view(system, TipNodes("tip", 3)), view(system, Tip("tip"))
+    pieces, whole = view(system, cf.TipNodes("tip", 3)), view(system, cf.Tip("tip"))
     np.testing.assert_allclose(pieces.loads[:, ::3].mean(axis=1), whole.loads[:, 0], atol=1e-12)
     moved = pieces.loads.T @ system.translations(pieces.axes)
     np.testing.assert_allclose(moved, np.tile(np.eye(3), (3, 1)), atol=1e-12)
@@ -126,7 +124,7 @@ def test_a_rim_is_that_of_the_same_casing_on_a_chart():
         chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.01, material=STEEL,
         supports={"base": cf.Clamped()}, wall="linear", shear_correction=5.0 / (6.0 - STEEL.nu),  # as imported shells
     )  # fmt: skip
-    rim = Rim("top", n_max=6, axial=True)
+    rim = cf.Rim("top", n_max=6, axial=True)
     exact, found = (cf.reduce(part, rim, modes=12) for part in (chart, ring(counts=(72, 12), thickness=0.01)))
     np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-3)
     np.testing.assert_allclose(found.compliance, exact.compliance, atol=4e-3 * np.abs(exact.compliance).max())
@@ -138,10 +136,10 @@ def test_a_rim_is_that_of_the_same_casing_on_a_chart():
 
 @pytest.mark.slow
 def test_a_rim_about_another_axis_is_the_same_rim():
-    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
+    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02)
     # x -> y', y -> z', z -> x': then e1 of the x axis is y
     moved = ring(place=lambda u: np.roll(wall(u), 1, axis=1) + np.array([0.1, 0.2, 0.3]))
-    rim = Rim("top", n_max=4)
+    rim = cf.Rim("top", n_max=4)
     about_x = replace(rim, axis=(2.0, 0.0, 0.0), point=(0.0, 0.2, 0.3))
     one, other = cf.reduce(ring(), rim, modes=6), cf.reduce(moved, about_x, modes=6)
     np.testing.assert_allclose(other.compliance, one.compliance, atol=1e-9 * np.abs(one.compliance).max())
@@ -153,22 +151,22 @@ def test_a_rim_about_another_axis_is_the_same_rim():
 @pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
 @pytest.mark.slow
 def test_a_solids_rim_is_its_end_face():
-    found = cf.reduce(tube({"base": (2, 0.0), "top": (2, 1.0)}), Rim("top", n_max=3), modes=6)
-    exact = cf.reduce(ring(), Rim("top", n_max=3), modes=6)
+    found = cf.reduce(tube({"base": (2, 0.0), "top": (2, 1.0)}), cf.Rim("top", n_max=3), modes=6)
+    exact = cf.reduce(ring(), cf.Rim("top", n_max=3), modes=6)
     np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-2)
     np.testing.assert_allclose(np.diag(found.compliance), np.diag(exact.compliance), rtol=3e-2)
 
 
 @pytest.mark.slow
 def test_an_oval_rim_knows_its_shape():
-    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.02)
+    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02)
 
     def place(u):
         x = wall(u)
         x[:, :2] *= 1.0 + 1e-3 * np.cos(3 * np.arctan2(x[:, 1], x[:, 0]) - 0.4)[:, None]
         return x
 
-    shape = cf.reduce(ring(place=place), Rim("top", n_max=4), modes=4).out_of_roundness[0]
+    shape = cf.reduce(ring(place=place), cf.Rim("top", n_max=4), modes=4).out_of_roundness[0]
     np.testing.assert_allclose(shape[[3, 4 + 3]], 0.45e-3 * np.array([np.cos(0.4), np.sin(0.4)]), rtol=1e-3)
     assert np.abs(np.delete(shape, [3, 7])).max() < 2e-6
 
@@ -178,13 +176,13 @@ def test_outputs_at_nodes_are_those_of_the_static_solution():
     node = corners(structure)[0]
     root = int(structure.mesh.node_numbers[structure.mesh.groups["root"].nodes[0]])
     outputs = [
-        NodeDisplacement(name="tip z", node=node, direction="z"),
-        NodeStrain(name="root eps", node=root, component="xx"),
-        NodeStress(name="root sigma", node=root, component="xy"),
+        cf.modal.NodeDisplacement(name="tip z", node=node, direction="z"),
+        cf.modal.NodeStrain(name="root eps", node=root, component="xx"),
+        cf.modal.NodeStress(name="root sigma", node=root, component="xy"),
     ]
     system = structure.assembled()
-    basis = cf.reduce(structure, Tip("tip"), modes=5, outputs=outputs, recovery=True, system=system)
-    P = view(system, Tip("tip")).loads
+    basis = cf.reduce(structure, cf.Tip("tip"), modes=5, outputs=outputs, recovery=True, system=system)
+    P = view(system, cf.Tip("tip")).loads
     exact = system.expand(factorise(system.K).solve(P))
     static = basis.output_rows @ (basis.rows.T / basis.omega[:, None] ** 2) + basis.output_S
     rows = np.array([output.row(system) for output in outputs])
@@ -195,12 +193,12 @@ def test_outputs_at_nodes_are_those_of_the_static_solution():
 
 
 def test_stress_of_a_pulled_bar_is_force_over_area():
-    mesh = grid_mesh("tetra10", (2, 1, 1), lambda u: u * [1.0, 0.1, 0.1], groups=ENDS)
+    mesh = cf.imported.grid_mesh("tetra10", (2, 1, 1), lambda u: u * [1.0, 0.1, 0.1], groups=ENDS)
     bar = cf.Solid(mesh=mesh, material=replace(STEEL, nu=0.0), supports=CLAMPED)
     pulled = cf.solve_static(bar, [cf.loads.EdgeLoad(edge="tip", force=(3e6, 0.0, 0.0))])
-    row = NodeStress(name="s", node=int(mesh.node_numbers[0]), component="xx").row(bar.assembled())
+    row = cf.modal.NodeStress(name="s", node=int(mesh.node_numbers[0]), component="xx").row(bar.assembled())
     assert float((row * pulled.fields).sum()) == pytest.approx(3e6, rel=1e-9)
-    row = NodeStrain(name="e", node=int(mesh.node_numbers[-1]), component="xx").row(bar.assembled())
+    row = cf.modal.NodeStrain(name="e", node=int(mesh.node_numbers[-1]), component="xx").row(bar.assembled())
     assert float((row * pulled.fields).sum()) == pytest.approx(3e6 / 210e9, rel=1e-9)
 
 
@@ -230,7 +228,7 @@ class Doubled:
 def test_a_structure_of_ones_own_needs_the_protocol_alone():
     one, twice = solid(), Doubled(solid())
     np.testing.assert_allclose(cf.modes(twice, 4).freq, np.sqrt(2.0) * cf.modes(one, 4).freq, rtol=1e-9)
-    a, b = (cf.reduce(part, TipNodes("tip", 2), modes=4) for part in (one, twice))
+    a, b = (cf.reduce(part, cf.TipNodes("tip", 2), modes=4) for part in (one, twice))
     np.testing.assert_allclose(b.compliance, 0.5 * a.compliance, atol=1e-9 * np.abs(a.compliance).max())
     load = [cf.loads.Gravity()]
     assert cf.solve_static(twice, load).energy == pytest.approx(0.5 * cf.solve_static(one, load).energy)
@@ -264,7 +262,7 @@ def test_a_structure_of_ones_own_rotates_by_the_members_of_the_protocol():
     np.testing.assert_allclose(cf.modes(own, 4).freq, cf.modes(one, 4).freq, rtol=1e-9)
     drawn, expected = (cf.campbell(part, [0.0, 500.0], 3).freq for part in (own, one))
     np.testing.assert_allclose(drawn, expected, rtol=1e-9)
-    a, b = (cf.reduce(part, TipNodes("tip", 2), modes=4) for part in (one, own))
+    a, b = (cf.reduce(part, cf.TipNodes("tip", 2), modes=4) for part in (one, own))
     largest = np.abs(a.stiffness_by_speed).max()
     np.testing.assert_allclose(np.abs(b.stiffness_by_speed), np.abs(a.stiffness_by_speed), atol=1e-6 * largest)
     assert a.spin == b.spin != 0.0
@@ -275,47 +273,55 @@ def test_a_rotation_without_the_members_that_model_it_is_refused():
     found = r"found a Rotating with a rotation and without spin and turning, expected .*structure-unknown"
     for call in (
         lambda: cf.modes(own, 2), lambda: cf.campbell(own, [0.0], 2), lambda: cf.whirl_modes(own, 2),
-        lambda: cf.reduce(own, TipNodes("tip", 2), modes=2),
+        lambda: cf.reduce(own, cf.TipNodes("tip", 2), modes=2),
     ):  # fmt: skip
-        with pytest.raises(ModelError, match=found):
+        with pytest.raises(cf.errors.ModelError, match=found):
             call()
 
 
 def cornered():
     """A solid with a group of one node, which no facet has as its only one."""
     part = solid()
-    corner = Group(nodes=part.mesh.groups["tip"].nodes[:1])
+    corner = cf.imported.Group(nodes=part.mesh.groups["tip"].nodes[:1])
     return replace(part, mesh=replace(part.mesh, groups={**part.mesh.groups, "corner": corner}))
 
 
-OPEN = grid_mesh(
-    "quad9", (12, 2), lambda u: revolved((0.5, 0.45), (0.0, 0.25), 0.02)(np.insert(u, 0, 0.5, axis=1) * [1, 0.8, 1]),
+OPEN = cf.imported.grid_mesh(
+    "quad9",
+    (12, 2),
+    lambda u: cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02)(np.insert(u, 0, 0.5, axis=1) * [1, 0.8, 1]),
     groups={"base": (1, 0.0), "top": (1, 1.0)},
-)  # fmt: skip
+)
 BAD = {
-    "no node": (solid, AtNodes((1, 99999)), "node 99999 that no cell has"),
-    "twice": (solid, AtNodes((1, 1)), "each once"),
-    "held": (solid, AtNodes((1,)), "node 1 is held"),
-    "corner": (cornered, Tip("corner"), "grid: interface 'corner': .*mesh-group-no-facets"),
-    "no pieces": (solid, TipNodes("tip", 0), "TipNodes.count must lie between 1 and 100, found 0: .*interface-nodes"),
-    "101 pieces": (solid, TipNodes("tip", 101), "TipNodes.count must lie between 1 and 100, found 101"),
-    "100 pieces": (solid, TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
-    "group": (solid, Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
-    "pieces": (lambda: strip((2, 1)), TipNodes("tip", 60), "has no facet"),
-    "held edge": (solid, Tip("root"), "'root' is held"),
-    "harmonics": (ring, Rim("top", 40), "between 1 and 16 on 'top', found 40"),
-    "lines": (ring, Rim("top", 3, lines=(0.1,)), "lines: found 0.1 m on an imported mesh"),
+    "no node": (solid, cf.modal.AtNodes((1, 99999)), "node 99999 that no cell has"),
+    "twice": (solid, cf.modal.AtNodes((1, 1)), "each once"),
+    "held": (solid, cf.modal.AtNodes((1,)), "node 1 is held"),
+    "corner": (cornered, cf.Tip("corner"), "grid: interface 'corner': .*mesh-group-no-facets"),
+    "no pieces": (
+        solid,
+        cf.TipNodes("tip", 0),
+        "TipNodes.count must lie between 1 and 100, found 0: .*interface-nodes",
+    ),
+    "101 pieces": (solid, cf.TipNodes("tip", 101), "TipNodes.count must lie between 1 and 100, found 101"),
+    "100 pieces": (solid, cf.TipNodes("tip", 100), "piece 0 of 100 on 'tip' has no facet"),
+    "group": (solid, cf.Tip("tpi"), "no group 'tpi' .did you mean 'tip'"),
+    "pieces": (lambda: strip((2, 1)), cf.TipNodes("tip", 60), "has no facet"),
+    "held edge": (solid, cf.Tip("root"), "'root' is held"),
+    "harmonics": (ring, cf.Rim("top", 40), "between 1 and 16 on 'top', found 40"),
+    "lines": (ring, cf.Rim("top", 3, lines=(0.1,)), "lines: found 0.1 m on an imported mesh"),
     "gaps": (
         lambda: cf.MeshShell(mesh=OPEN, thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}),
-        Rim("top", 3), "'top' has a gap of 7. degrees",
+        cf.Rim("top", 3),
+        "'top' has a gap of 7. degrees",
     ),
-    "all round": (lambda: tube({"base": (2, 0.0), "top": (0, 1.0)}), Tip("top"), "point to all sides"),
-    "free": (lambda: replace(solid(), supports={}), Tip("tip"), "rigid motions"),
+    "all round": (lambda: tube({"base": (2, 0.0), "top": (0, 1.0)}), cf.Tip("top"), "point to all sides"),
+    "free": (lambda: replace(solid(), supports={}), cf.Tip("tip"), "rigid motions"),
     "chart": (
         lambda: cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED),
-        AtNodes((3,)), "nodes 3 of a chart",
+        cf.modal.AtNodes((3,)),
+        "nodes 3 of a chart",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.slow
@@ -323,7 +329,7 @@ BAD = {
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 def test_interfaces_that_are_not_there_are_named(name):
     part, interface, message = BAD[name]
-    with pytest.raises(ModelError, match=message):
+    with pytest.raises(cf.errors.ModelError, match=message):
         cf.reduce(part(), interface, modes=3)
 
 
@@ -331,22 +337,22 @@ def test_a_chart_axis_is_z():
     casing = cf.Shell(
         chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.02, material=STEEL, supports={"base": cf.Clamped()}
     )
-    with pytest.raises(ModelError, match="turns about z"):
-        cf.reduce(casing, Rim("top", 3, axis=(1.0, 0.0, 0.0)), modes=3)
+    with pytest.raises(cf.errors.ModelError, match="turns about z"):
+        cf.reduce(casing, cf.Rim("top", 3, axis=(1.0, 0.0, 0.0)), modes=3)
 
 
 def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
     chart = cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.1, material=STEEL, supports=CLAMPED)
     for part, output, message in (
-        (chart, NodeDisplacement(name="a", node=1, direction="x"), "node 1 of a chart"),
+        (chart, cf.modal.NodeDisplacement(name="a", node=1, direction="x"), "node 1 of a chart"),
         (solid(), cf.modal.Displacement(name="a", at=(0.0, 0.0)), "parameters of a chart on an imported part"),
-        (solid(), NodeStress(name="a", node=99999, component="xx"), "node 99999, which no cell has"),
-        (solid(), NodeStress(name="a", node=1, component="rr"), "component 'rr'"),
-        (strip(), NodeStrain(name="a", node=1, component="xx"), "strains at nodes are those of solids"),
-        (solid(), NodeDisplacement(name="a", node=1, direction="r"), "direction 'r'"),
+        (solid(), cf.modal.NodeStress(name="a", node=99999, component="xx"), "node 99999, which no cell has"),
+        (solid(), cf.modal.NodeStress(name="a", node=1, component="rr"), "component 'rr'"),
+        (strip(), cf.modal.NodeStrain(name="a", node=1, component="xx"), "strains at nodes are those of solids"),
+        (solid(), cf.modal.NodeDisplacement(name="a", node=1, direction="r"), "direction 'r'"),
     ):
-        with pytest.raises(ModelError, match=message):
-            cf.reduce(part, Tip("tip"), modes=3, outputs=[output])
+        with pytest.raises(cf.errors.ModelError, match=message):
+            cf.reduce(part, cf.Tip("tip"), modes=3, outputs=[output])
 
 
 @pytest.mark.parametrize(
@@ -354,11 +360,11 @@ def test_outputs_of_the_wrong_kind_of_structure_are_refused_in_words():
     [
         lambda x: cf.modes(x, 3),
         lambda x: cf.solve_static(x, [cf.loads.Gravity()]),
-        lambda x: cf.reduce(x, Tip("tip")),
+        lambda x: cf.reduce(x, cf.Tip("tip")),
     ],
 )
 def test_what_is_no_structure_is_told_what_it_lacks(call):
-    with pytest.raises(ModelError, match="found Material, which has no mesh, supports, density, assembled"):
+    with pytest.raises(cf.errors.ModelError, match="found Material, which has no mesh, supports, density, assembled"):
         call(STEEL)
 
 
@@ -366,10 +372,10 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
     ("name", "call"),
     [
         ("mistune", lambda x: cf.mistune(x, 1)),
-        ("out_of_roundness", lambda x: cf.out_of_roundness(x, Rim("top"))),
+        ("out_of_roundness", lambda x: cf.out_of_roundness(x, cf.Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),
     ],
 )
 def test_what_needs_a_chart_says_so(name, call):
-    with pytest.raises(ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
+    with pytest.raises(cf.errors.ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
         call(solid())

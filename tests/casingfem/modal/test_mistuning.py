@@ -12,15 +12,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import casingfem as cf
 from casingfem.cli import main
 from casingfem.cli.sweep import files_of_draws, words_of_draws
-from casingfem.errors import NumericsError
 from casingfem.modal import mistuning
-from casingfem.modal.mistuning import Mistuning, Pair, drawn_modes, mean_modes, mean_shell, mistune, redrawn_shell
-from casingfem.modal.modes import modes
+from casingfem.modal.mistuning import Pair, drawn_modes, mean_modes, mean_shell, redrawn_shell
 from casingfem.modal.neighbour import guarded, restarted_modes
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.study import load_study
 from casingfem.study.mistuning import MistuneRun, run_mistune
 from casingfem.study.problems import StudyError
@@ -56,12 +53,12 @@ around = 9
 
 @pytest.fixture(scope="module")
 def casing(frustum, coarse):
-    random = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
-    spectrum = Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
+    random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
+    spectrum = cf.field.Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
     return frustum(
         mesh=coarse,
-        radius_defect=FourierField.of({3: 0.001}) + random,
-        modulus_defect=RandomField(spectrum=spectrum, seed=7, stream=1),
+        radius_defect=cf.FourierField.of({3: 0.001}) + random,
+        modulus_defect=cf.field.RandomField(spectrum=spectrum, seed=7, stream=1),
     )
 
 
@@ -74,7 +71,7 @@ def mean(casing):
 def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_nothing(casing, mean):
     for draw in (0, 3):
         drawn = redrawn_shell(casing, draw)
-        quick, full = restarted_modes(drawn, mean, COUNT), modes(drawn, COUNT, method="shell")
+        quick, full = restarted_modes(drawn, mean, COUNT), cf.modes(drawn, COUNT, method="shell")
         np.testing.assert_allclose(quick.freq, full.freq, rtol=3e-6)
         np.testing.assert_array_equal(quick.nodal_diameters, full.nodal_diameters)
         np.testing.assert_allclose(quick.splits, full.splits, atol=3e-6)
@@ -87,7 +84,7 @@ def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_no
 @pytest.mark.slow
 def test_each_block_step_gains_digits(casing, mean):
     drawn = redrawn_shell(casing, 3)
-    exact = modes(drawn, COUNT, method="shell").freq
+    exact = cf.modes(drawn, COUNT, method="shell").freq
     errors = [np.abs(restarted_modes(drawn, mean, COUNT, steps=k).freq / exact - 1).max() for k in (1, 2, 3)]
     assert errors[0] > 30 * errors[1] > 900 * errors[2]
 
@@ -95,17 +92,17 @@ def test_each_block_step_gains_digits(casing, mean):
 @pytest.mark.slow
 def test_the_inertia_sees_what_a_restart_cannot_reach(frustum, coarse, mean):
     """Cosine members alone, on a casing with a plane of symmetry: the sine members stay out of reach."""
-    half = modes(mean_shell(frustum(mesh=coarse)), 40, method="shell")
+    half = cf.modes(mean_shell(frustum(mesh=coarse)), 40, method="shell")
     low = [pair[0] for pair in half.doublets]
     known = replace(half, freq=half.freq[::2], fields=half.fields[:, :, low], own=half.own[:, low])
-    with pytest.raises(NumericsError, match="modes lie below"):
-        restarted_modes(frustum(mesh=coarse, radius_defect=FourierField.of({8: 0.002})), known, COUNT)
+    with pytest.raises(cf.errors.NumericsError, match="modes lie below"):
+        restarted_modes(frustum(mesh=coarse, radius_defect=cf.FourierField.of({8: 0.002})), known, COUNT)
 
 
 @pytest.mark.slow
 def test_a_draw_whose_restart_fails_is_solved_from_nothing(casing, mean, monkeypatch):
     def fails(*arguments):
-        raise NumericsError("13 modes lie below, 12 were found")
+        raise cf.errors.NumericsError("13 modes lie below, 12 were found")
 
     restarted = drawn_modes(casing, mean, COUNT, 1)
     monkeypatch.setattr(mistuning, "restarted_modes", fails)
@@ -137,7 +134,7 @@ def test_what_is_not_random_stays(casing):
 
 
 def test_mesh_is_chosen_for_the_spectrum_not_for_the_draw(frustum):
-    random = RandomField.example(thickness=3e-3, radius=0.475, seed=7)
+    random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7)
     meshes = {frustum(radius_defect=random.redrawn(k)).mesh for k in range(12)}
     assert len(meshes) == 1
 
@@ -145,7 +142,7 @@ def test_mesh_is_chosen_for_the_spectrum_not_for_the_draw(frustum):
 def test_summary_counts_and_quantiles():
     rows = [Pair(k, 4, 1, 100.0 + k, 0.01 * k, 3.0) for k in range(11)] + [Pair(0, 5, 1, 90.0, 0.2, float("nan"))]
     perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 1, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
-    found = Mistuning.of(rows, perfect)
+    found = cf.modal.Mistuning.of(rows, perfect)
     five, four, nine = found.summary()
     assert (four["n"], four["draws"], five["draws"], nine["draws"], nine["split_50"]) == (4, 11, 1, 0, None)
     assert [four[f"split_{k}"] for k in (50, 90, 99)] == pytest.approx([0.05, 0.09, 0.099])
@@ -158,10 +155,10 @@ def test_summary_counts_and_quantiles():
 def test_only_casings_of_revolution_have_pairs(steel):
     from casingfem import Plate, Shell
 
-    field = RandomField(spectrum=Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
+    field = cf.field.RandomField(spectrum=cf.field.Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
     plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=field)
     with pytest.raises(ValueError, match="pairs of casings of revolution"):
-        mistune(plate, 2)
+        cf.mistune(plate, 2)
 
 
 @pytest.mark.slow
@@ -174,7 +171,7 @@ def table_of(text):
 def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
     rows = [Pair(0, 4, 1, 101.0, 0.02, 3.5), Pair(0, 5, 2, 92.0, 0.03, float("nan")), Pair(1, 4, 1, 99.0, 0.04, 7.5)]
     perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
-    found = Mistuning.of(rows, perfect)
+    found = cf.modal.Mistuning.of(rows, perfect)
     source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
     files = files_of_draws(found, {"source": source, "doublets": found.summary()})
     draws, summary = (table_of(files[name]) for name in ("mistune.csv", "mistune_summary.csv"))
@@ -274,7 +271,7 @@ def alive(pid):
 def test_draws_of_another_study_are_not_mixed_in(study, tmp_path):
     loaded = load_study(study)
     first = run_mistune(loaded, 2, processes=1, folder=tmp_path / "draws")
-    alone = mistune(loaded.shell, 2, count=6)
+    alone = cf.mistune(loaded.shell, 2, count=6)
     np.testing.assert_array_equal(first.found.freq, alone.freq)
     study.write_text(STUDY.replace("seed = 7", "seed = 8"))
     with pytest.raises(StudyError, match=r"study\.toml: .*draws holds draws of another study or version"):

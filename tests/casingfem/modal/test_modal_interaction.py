@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.modal.interaction import casing_pairs
 from casingfem.plot.interaction import figure_campbell, figure_zzenf
 
@@ -90,12 +89,12 @@ def test_modes_give_their_pairs_by_the_mean_of_each():
     ],
 )
 def test_bad_input_is_refused(casing, blade, speeds, turning, code):
-    with pytest.raises(ModelError, match=code):
+    with pytest.raises(cf.errors.ModelError, match=code):
         cf.interactions(casing, blade, speed_hz=speeds, turning=turning)
 
 
 def test_a_disk_cannot_have_more_diameters_than_half_its_blades():
-    with pytest.raises(ModelError, match="interaction-blade"):
+    with pytest.raises(cf.errors.ModelError, match="interaction-blade"):
         cf.modal.DiskFrequencies(blades=12, freq={7: (100.0,)})
 
 

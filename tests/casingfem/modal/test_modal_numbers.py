@@ -10,14 +10,8 @@ import pytest
 
 import casingfem as cf
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
-from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
-from casingfem.modal.interface.output import Displacement, Strain
-from casingfem.modal.mistuning import mistune
 from casingfem.modal.modes import count_below, finest_shares
 from casingfem.modal.neighbour import restarted_modes
-from casingfem.structure.field.random import RandomField
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.shell.assembly import assemble
 from tests.probed import probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -49,7 +43,7 @@ def blade(**parts):
 
 
 def solid(**parts):
-    mesh = grid_mesh(
+    mesh = cf.imported.grid_mesh(
         "hexahedron20",
         (4, 1, 1),
         lambda u: (u - [0.0, 0.5, 0.5]) * [0.2, 0.05, 0.01],
@@ -88,7 +82,7 @@ def test_numbers_of_a_rim(held):
     casings = {"free": casing(radius_defect=WAVES), "craig-bampton": casing(radius_defect=WAVES)}
     found = {}
     for method, shell in casings.items():
-        made = cf.reduce(shell, Rim("top", n_max=5), modes=7, method=method, zeta=0.003, recovery=True)
+        made = cf.reduce(shell, cf.Rim("top", n_max=5), modes=7, method=method, zeta=0.003, recovery=True)
         found |= {
             f"omega {method}": made.omega,
             f"zeta {method}": made.zeta,
@@ -97,7 +91,7 @@ def test_numbers_of_a_rim(held):
             f"S {method}": probed(made.S),
             f"recovered {method}": np.sum(made.recovery**2, axis=0),
         }
-    shape = cf.out_of_roundness(casings["free"], Rim("top", n_max=8))
+    shape = cf.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
     held(**found, shape=[value for term in shape for value in term.values()])
 
 
@@ -108,9 +102,12 @@ def test_numbers_of_a_blade(name, held):
     outputs = (
         ()
         if "solid" in name
-        else (Displacement(at=(0.1, 0.01), direction="z", name="u"), Strain(at=(0.02, 0.0), component="11", name="e"))
+        else (
+            cf.modal.Displacement(at=(0.1, 0.01), direction="z", name="u"),
+            cf.modal.Strain(at=(0.02, 0.0), component="11", name="e"),
+        )
     )
-    interface = Tip() if name == "tip" else AtNodes((20, 40)) if name == "solid" else TipNodes("tip", 3)
+    interface = cf.Tip() if name == "tip" else cf.modal.AtNodes((20, 40)) if name == "solid" else cf.TipNodes("tip", 3)
     made = cf.reduce(part, interface, modes=4, outputs=outputs)
     more = {} if made.output_rows is None else {"outputs": np.sum(made.output_rows**2, axis=-1)}
     if made.participation is not None:
@@ -151,8 +148,8 @@ def test_numbers_of_meetings(held):
 
 @pytest.mark.slow
 def test_numbers_of_draws(held):
-    random = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
-    found = mistune(casing(radius_defect=random), 2, count=6)
+    random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
+    found = cf.mistune(casing(radius_defect=random), 2, count=6)
     held(1e-5, **{f"{k}": column for k, column in found.columns().items() if np.asarray(column).dtype.kind in "if"})
 
 
@@ -160,7 +157,7 @@ def test_numbers_of_draws(held):
 def test_numbers_of_changes(held):
     bolts = cf.Bolts(count=6, k=2e8, k_rot=1e5)
     shell = casing(supports={"base": bolts}, mesh=cf.ShellMesh(order=4, rows=1, around=12))
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     model = affine_model(system, [*bolt_changes(system, "base"), *mass_changes(system, "top", np.array([0.3, 2.0]))], 6)
     amounts = np.array([-0.5, 0.0, 0.0, -0.1, 0.0, 0.0, 0.3, 0.1])
     held(freq=model.modes(amounts, 6).freq, size=[model.changes])

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import (
     ModeSet,
@@ -18,8 +19,7 @@ from casingfem.modal.mode_set import (
     turned,
 )
 from casingfem.modal.modes import finest_shares, split_by_mesh
-from casingfem.structure.geometry.chart import Plate
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 
 NAN = np.nan
 PSI = 0.2
@@ -160,7 +160,7 @@ def test_the_first_modes_keep_pairs_that_are_whole(kept, pairs):
 
 def test_the_share_of_the_finest_polynomials_is_that_of_legendre():
     """On one element of order 3: P_3 along the span, P_3 across; their mean squares are 1/7."""
-    chart, mesh = Plate(length=2.0, width=2.0), ShellMesh(order=3, rows=1, around=1)
+    chart, mesh = cf.Plate(length=2.0, width=2.0), cf.ShellMesh(order=3, rows=1, around=1)
     grid = make_grid(chart, mesh)
     a, b = grid.nodes
     s, t = a - 1.0, b - b.mean()

@@ -6,11 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.campbell import campbell
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.loads import EdgeLoad
-from casingfem.structure.shell.static import solve_static
 from reports.rub.harmonic_basis import harmonic_basis
 
 LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
@@ -47,21 +42,21 @@ def test_a_tip_load_strains_the_root_as_a_beam(strip, method):
     sign = np.sign(middle)
     assert root == pytest.approx(-sign * exact, rel=2e-3)
     assert below == pytest.approx(-root, rel=1e-9)
-    full = solve_static(strip, [EdgeLoad(edge="tip", force=(0.0, 0.0, sign * force / WIDTH))])
+    full = cf.shell.solve_static(strip, [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, sign * force / WIDTH))])
     assert middle == pytest.approx(full.at(0.5 * LENGTH, 0.01)[2], rel=1e-4)
     assert abs(along) < 1e-12
 
 
 def test_around_the_axis_there_is_no_direction_on_it(strip):
     """The z axis meets the plate in the middle of its root; beside it radial is along the plate, tangential across."""
-    system = assemble(strip)
+    system = cf.shell.assemble(strip)
 
     def row(direction, x):
         return cf.modal.Displacement(name="u", at=(x, 0.0), direction=direction).row(system)
 
     for direction, cartesian in (("radial", "x"), ("tangential", "y")):
         np.testing.assert_allclose(row(direction, 1e-9), row(cartesian, 1e-9), atol=1e-12)
-        with pytest.raises(ModelError, match=f"output 'u': found {direction} on the axis.*output-direction"):
+        with pytest.raises(cf.errors.ModelError, match=f"output 'u': found {direction} on the axis.*output-direction"):
             row(direction, 0.0)
 
 
@@ -86,7 +81,7 @@ def test_outputs_survive_the_file_and_the_modes_cut_off(strip, tmp_path):
 def test_a_rotating_blade_brings_its_stiffening(strip):
     rotation = cf.Rotation.of_blade(strip.chart, omega=0.0, hub_radius=0.3)
     basis = cf.reduce(replace(strip, rotation=rotation), cf.Tip(), modes=3)
-    found = campbell(replace(strip, rotation=rotation), [0.0, 300.0], count=3)
+    found = cf.campbell(replace(strip, rotation=rotation), [0.0, 300.0], count=3)
     np.testing.assert_allclose(np.diag(basis.stiffness_by_speed), found.southwell, rtol=1e-6)
     at_speed = np.sqrt(np.linalg.eigvalsh(np.diag(basis.omega**2) + 300.0**2 * basis.stiffness_by_speed)) / (
         2.0 * np.pi

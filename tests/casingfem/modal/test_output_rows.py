@@ -7,30 +7,23 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.modal.affine import independent, products
-from casingfem.modal.basis import ModalBasis
-from casingfem.modal.interface.chart_rows import out_of_roundness, rim_shape, rim_thickness
-from casingfem.modal.interface.kinds import Rim
-from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain, output_rows
+from casingfem.modal.interface.chart_rows import rim_shape, rim_thickness
+from casingfem.modal.interface.output import output_rows
 from casingfem.modal.interface.view import load_columns
-from casingfem.modal.matrices import basis_matrices, channel_dofs, of_system
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
+from casingfem.modal.matrices import channel_dofs, of_system
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-PANEL = assemble(
+PANEL = cf.shell.assemble(
     cf.Shell(
         chart=cf.Panel(radius=0.5, length=0.3, angle=0.8), thickness=4e-3, material=STEEL,
-        supports={"root": cf.Clamped()}, mesh=ShellMesh(order=4, rows=1, around=1),
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=4, rows=1, around=1),
     )
 )  # fmt: skip
-PLATE = assemble(
+PLATE = cf.shell.assemble(
     cf.Shell(
         chart=cf.Plate(length=0.3, width=0.2), thickness=4e-3, material=STEEL,
-        supports={"root": cf.Clamped()}, mesh=ShellMesh(order=4, rows=1, around=1),
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=4, rows=1, around=1),
     )
 )  # fmt: skip
 AT = (0.13, 0.07)
@@ -44,9 +37,9 @@ def test_a_displacement_is_read_along_its_direction(direction):
     x, y, _ = PANEL.shell.geometry(*(np.array([v]) for v in AT)).surface.x[:, 0]
     c, s = x / np.hypot(x, y), y / np.hypot(x, y)
     units = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1], "radial": [c, s, 0.0], "tangential": [-s, c, 0.0]}
-    row = Displacement(name="u", at=AT, direction=direction).row(PANEL)
+    row = cf.modal.Displacement(name="u", at=AT, direction=direction).row(PANEL)
     if direction == "normal":
-        assert Displacement(name="u", at=AT).direction == "normal"
+        assert cf.modal.Displacement(name="u", at=AT).direction == "normal"
         assert abs(np.sum(row * fields)) == pytest.approx(abs(here @ [c, s, 0.0]), rel=1e-9)
     else:
         assert np.sum(row * fields) == pytest.approx(here @ units[direction], rel=1e-9)
@@ -62,38 +55,38 @@ def test_strains_of_a_plate_are_those_of_membrane_and_bending(component, side):
     a, b = AT
     membrane = {"11": 4.0 * a, "22": b - a, "12": 3.0 - b}[component]
     bending = {"11": 7.0, "22": 11.0, "12": 4.0 * b + 5.0}[component]
-    row = Strain(name="e", at=AT, component=component, side=side).row(PLATE)
+    row = cf.modal.Strain(name="e", at=AT, component=component, side=side).row(PLATE)
     assert np.sum(row * fields) == pytest.approx(membrane + side * 2e-3 * bending, rel=1e-9)
-    assert (Strain(name="e", at=AT).component, Strain(name="e", at=AT).side) == ("11", 1.0)
+    assert (cf.modal.Strain(name="e", at=AT).component, cf.modal.Strain(name="e", at=AT).side) == ("11", 1.0)
 
 
 @pytest.mark.parametrize(
     ("output", "words"),
     [
-        (Strain(name="e", at=AT, component="13"), "output 'e': found component '13', side 1.0"),
-        (Strain(name="e", at=AT, side=1.001), "found component '11', side 1.001"),
-        (Strain(name="e", at=AT, side=-1.001), "side -1.001"),
-        (Displacement(name="u", at=AT, direction="w"), "output 'u': found direction 'w'"),
-        (Displacement(name="u", at=(0.4, 0.0)), "output 'u': "),
-        (NodeDisplacement(name="n", node=3, direction="x"), "output 'n': found node 3 of a chart"),
+        (cf.modal.Strain(name="e", at=AT, component="13"), "output 'e': found component '13', side 1.0"),
+        (cf.modal.Strain(name="e", at=AT, side=1.001), "found component '11', side 1.001"),
+        (cf.modal.Strain(name="e", at=AT, side=-1.001), "side -1.001"),
+        (cf.modal.Displacement(name="u", at=AT, direction="w"), "output 'u': found direction 'w'"),
+        (cf.modal.Displacement(name="u", at=(0.4, 0.0)), "output 'u': "),
+        (cf.modal.NodeDisplacement(name="n", node=3, direction="x"), "output 'n': found node 3 of a chart"),
     ],
 )
 def test_outputs_that_a_chart_does_not_have_are_refused(output, words):
-    with pytest.raises(ModelError) as caught:
+    with pytest.raises(cf.errors.ModelError) as caught:
         output.row(PLATE)
     assert words in str(caught.value)
 
 
 def test_rows_of_outputs_stand_in_their_order_under_names_of_their_own():
-    both = (Displacement(name="u", at=AT), Strain(name="e", at=AT))
+    both = (cf.modal.Displacement(name="u", at=AT), cf.modal.Strain(name="e", at=AT))
     rows = output_rows(PLATE, both)
     np.testing.assert_array_equal(rows, [output.row(PLATE).ravel() for output in both])
     assert output_rows(PLATE, ()).shape == (0, 5 * len(PLATE.points))
-    with pytest.raises(ModelError, match="found the names u, u, expected each once"):
+    with pytest.raises(cf.errors.ModelError, match="found the names u, u, expected each once"):
         output_rows(PLATE, both[:1] * 2)
 
 
-MESH = grid_mesh(
+MESH = cf.imported.grid_mesh(
     "hexahedron20", (2, 1, 1), lambda u: u * [0.4, 0.1, 0.2] + 0.03 * np.roll(u, 1, axis=1) ** 2,
     groups={"root": (0, 0.0)},
 )  # fmt: skip
@@ -114,17 +107,17 @@ def test_strains_and_stresses_at_a_node_of_a_solid_are_those_of_its_linear_field
     G = 210e9 / 2.6
     lame = 0.3 * 210e9 / (1.3 * 0.4)
     for name, value in strain.items():
-        row = NodeStrain(name="e", node=node, component=name).row(SOLID)
+        row = cf.modal.NodeStrain(name="e", node=node, component=name).row(SOLID)
         assert np.sum(row * linear()) == pytest.approx(value, rel=1e-8), name
         normal = name[0] == name[1]
         stress = 2.0 * G * value + lame * np.trace(GRADIENT) if normal else G * value
-        row = NodeStress(name="s", node=node, component=name).row(SOLID)
+        row = cf.modal.NodeStress(name="s", node=node, component=name).row(SOLID)
         assert np.sum(row * linear()) == pytest.approx(stress, rel=1e-8), name
 
 
 @pytest.mark.parametrize(("direction", "column"), [("x", 0), ("y", 1), ("z", 2)])
 def test_a_displacement_of_a_node_is_its_own(direction, column):
-    row = NodeDisplacement(name="u", node=ALONE, direction=direction).row(SOLID)
+    row = cf.modal.NodeDisplacement(name="u", node=ALONE, direction=direction).row(SOLID)
     place = int(np.flatnonzero(MESH.node_numbers == ALONE)[0])
     assert np.sum(row * linear()) == pytest.approx(linear()[place, column], rel=1e-14)
 
@@ -132,14 +125,17 @@ def test_a_displacement_of_a_node_is_its_own(direction, column):
 @pytest.mark.parametrize(
     ("output", "words"),
     [
-        (NodeStrain(name="e", node=ALONE, component="zx"), "output 'e': found component 'zx'"),
-        (NodeStrain(name="e", node=10**6, component="xx"), "output 'e': found node 1000000, which no cell has"),
-        (NodeDisplacement(name="u", node=ALONE, direction="r"), "output 'u': found direction 'r'"),
-        (Displacement(name="d", at=AT), "output 'd': found parameters of a chart on an imported part"),
+        (cf.modal.NodeStrain(name="e", node=ALONE, component="zx"), "output 'e': found component 'zx'"),
+        (
+            cf.modal.NodeStrain(name="e", node=10**6, component="xx"),
+            "output 'e': found node 1000000, which no cell has",
+        ),
+        (cf.modal.NodeDisplacement(name="u", node=ALONE, direction="r"), "output 'u': found direction 'r'"),
+        (cf.modal.Displacement(name="d", at=AT), "output 'd': found parameters of a chart on an imported part"),
     ],
 )
 def test_outputs_that_a_solid_does_not_have_are_refused(output, words):
-    with pytest.raises(ModelError) as caught:
+    with pytest.raises(cf.errors.ModelError) as caught:
         output.row(SOLID)
     assert words in str(caught.value)
 
@@ -152,35 +148,37 @@ def test_loads_on_channels_leave_rotations_out():
     np.testing.assert_array_equal(load_columns(PLATE, rows.reshape(2, -1)), PLATE.restrict(nodal))
 
 
-RIM = Rim("top", n_max=3)
+RIM = cf.Rim("top", n_max=3)
 TUBE = cf.Shell(
     chart=cf.Cylinder(radius=0.5, height=0.2), thickness=3e-3, material=STEEL, supports={"base": cf.Clamped()},
-    radius_defect=FourierField.of({0: 0.1, 2: (2e-3, -1e-3), 3: (0.0, 4e-3), 5: 0.01}),
-    thickness_defect=FourierField.of({2: (0.3, 0.0)}),
+    radius_defect=cf.FourierField.of({0: 0.1, 2: (2e-3, -1e-3), 3: (0.0, 4e-3), 5: 0.01}),
+    thickness_defect=cf.FourierField.of({2: (0.3, 0.0)}),
 )  # fmt: skip
 
 
 def test_the_shape_of_a_rim_is_its_radius_less_the_mean():
     np.testing.assert_allclose(rim_shape(TUBE, RIM), [[0.0, 0.0, 1e-3, 0.0, 0.0, -0.5e-3, 2e-3]], atol=1e-15)
-    terms = out_of_roundness(TUBE, RIM)
+    terms = cf.out_of_roundness(TUBE, RIM)
     assert [term["p"] for term in terms] == [2, 3]
     assert terms[0] == {"p": 2, "cos": pytest.approx(1e-3), "sin": pytest.approx(-0.5e-3)}
     assert terms[1] == {"p": 3, "cos": pytest.approx(0.0, abs=1e-15), "sin": pytest.approx(2e-3)}
     assert rim_thickness(TUBE, RIM) == pytest.approx(3e-3 * 0.7, rel=1e-3)
-    many = Rim("top", n_max=40)
-    assert rim_shape(replace(TUBE, radius_defect=FourierField.of({33: 1e-3})), many)[0, 33] == pytest.approx(0.5e-3)
+    many = cf.Rim("top", n_max=40)
+    assert rim_shape(replace(TUBE, radius_defect=cf.FourierField.of({33: 1e-3})), many)[0, 33] == pytest.approx(0.5e-3)
     for line in (1, -1):
-        with pytest.raises(ModelError, match=f"line must lie between 0 and 0 here, found {line}"):
-            out_of_roundness(TUBE, RIM, line=line)
+        with pytest.raises(cf.errors.ModelError, match=f"line must lie between 0 and 0 here, found {line}"):
+            cf.out_of_roundness(TUBE, RIM, line=line)
     cone = replace(TUBE, chart=cf.Frustum(r_base=0.5, r_top=0.25, height=0.2))
-    two = rim_shape(cone, Rim("top", n_max=3, lines=(0.0, 0.2)))
+    two = rim_shape(cone, cf.Rim("top", n_max=3, lines=(0.0, 0.2)))
     np.testing.assert_allclose(two[1], 0.5 * two[0], atol=1e-15)
-    assert out_of_roundness(cone, Rim("top", n_max=3, lines=(0.0, 0.2)), line=1)[0]["cos"] == pytest.approx(0.5e-3)
+    assert cf.out_of_roundness(cone, cf.Rim("top", n_max=3, lines=(0.0, 0.2)), line=1)[0]["cos"] == pytest.approx(
+        0.5e-3
+    )
 
 
 def basis(S, channels=("6.x", "6.z"), zeta=0.02):
     rows = np.array([[1.0, 0.5, -0.2], [0.3, -1.0, 0.7]])
-    return ModalBasis(
+    return cf.ModalBasis(
         omega=np.array([10.0, 20.0, 40.0]), zeta=np.full(3, zeta), channels=channels, rows=rows, S=S, kind="point"
     )
 
@@ -197,7 +195,7 @@ def test_channels_and_scalars_are_numbered():
 def test_matrices_of_a_basis_answer_as_it_does(S, zeta):
     """u = rows (omega^2 - w^2 + 2 i zeta omega w)^-1 rows^T + S at any frequency."""
     given = basis(S, zeta=zeta)
-    found = basis_matrices(given)
+    found = cf.modal.basis_matrices(given)
     w = 13.0
     C = np.zeros(found.K.shape) if found.C is None else found.C.toarray()
     assert (found.C is None) == (zeta == 0.0)
@@ -208,16 +206,16 @@ def test_matrices_of_a_basis_answer_as_it_does(S, zeta):
 
 
 def test_matrices_of_channels_that_hang_together_are_refused():
-    with pytest.raises(ModelError, match="found a singular S"):
-        basis_matrices(basis(np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e-3))
+    with pytest.raises(cf.errors.ModelError, match="found a singular S"):
+        cf.modal.basis_matrices(basis(np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e-3))
     given = basis(np.zeros((2, 2)))
-    with pytest.raises(ModelError, match="found 2 channels that 3 modes do not move independently"):
-        basis_matrices(replace(given, rows=np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])))
-    few = ModalBasis(
+    with pytest.raises(cf.errors.ModelError, match="found 2 channels that 3 modes do not move independently"):
+        cf.modal.basis_matrices(replace(given, rows=np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0]])))
+    few = cf.ModalBasis(
         omega=np.ones(1), zeta=np.zeros(1), channels=("a", "b"), rows=np.ones((2, 1)), S=np.zeros((2, 2)), kind="point"
     )
-    with pytest.raises(ModelError, match="found 2 channels that 1 modes"):
-        basis_matrices(few)
+    with pytest.raises(cf.errors.ModelError, match="found 2 channels that 1 modes"):
+        cf.modal.basis_matrices(few)
 
 
 def test_free_dofs_are_named_by_node_and_direction():

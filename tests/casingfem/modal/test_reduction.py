@@ -5,47 +5,38 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.linalg.factor import factorise
-from casingfem.modal.basis import ModalBasis
 from casingfem.modal.interface.chart_rows import rim_rows, tip_directions, tip_rows
-from casingfem.modal.interface.kinds import Rim, Tip
 from casingfem.modal.interface.view import load_columns
-from casingfem.modal.modes import modes
-from casingfem.modal.reduction import free_vectors, reduce
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder, Panel, Plate
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.loads import Gravity
-from casingfem.structure.shell.shell import Shell
+from casingfem.modal.reduction import free_vectors
 
-RIM = Rim("top", n_max=8)
+RIM = cf.Rim("top", n_max=8)
 
 
 @pytest.fixture(scope="module")
 def casing(frustum):
     """Imperfect, elastically embedded."""
-    edge = ElasticEdge(k_face=5e12, around=FourierField.of({4: (0.3, 0.1)}))
+    edge = cf.ElasticEdge(k_face=5e12, around=cf.FourierField.of({4: (0.3, 0.1)}))
     shell = frustum(
-        radius_defect=FourierField.of({2: 0.004, 8: 0.002}),
+        radius_defect=cf.FourierField.of({2: 0.004, 8: 0.002}),
         supports={"base": edge},
-        mesh=ShellMesh(order=6, rows=1, around=9),
+        mesh=cf.ShellMesh(order=6, rows=1, around=9),
     )
-    return assemble(shell)
+    return cf.shell.assemble(shell)
 
 
 @pytest.fixture(scope="module")
 def blade(steel):
-    shell = Shell(
-        chart=Panel(radius=0.3, length=0.12, angle=0.25), thickness=2e-3, material=steel,
-        supports={"root": Clamped()}, mesh=ShellMesh(order=6, rows=2, around=1),
+    shell = cf.Shell(
+        chart=cf.Panel(radius=0.3, length=0.12, angle=0.25), thickness=2e-3, material=steel,
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=2, around=1),
     )  # fmt: skip
-    return assemble(shell)
+    return cf.shell.assemble(shell)
 
 
 def bodies(request_name, casing, blade):
-    return (casing, RIM, rim_rows) if request_name == "rim" else (blade, Tip(), tip_rows)
+    return (casing, RIM, rim_rows) if request_name == "rim" else (blade, cf.Tip(), tip_rows)
 
 
 def full_solution(system, rows):
@@ -62,7 +53,7 @@ def full_solution(system, rows):
 )
 def test_static_push_equals_the_full_model(casing, blade, kind, method, count):
     system, interface, rows_of = bodies(kind, casing, blade)
-    made = reduce(system.shell, interface, modes=count, method=method, system=system)
+    made = cf.reduce(system.shell, interface, modes=count, method=method, system=system)
     _, compliance = full_solution(system, rows_of(system, interface)[0])
     assert np.abs(made.compliance - compliance).max() < 1e-10 * np.abs(compliance).max()
 
@@ -72,7 +63,7 @@ def test_static_push_equals_the_full_model(casing, blade, kind, method, count):
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_recovery_gives_the_full_static_solution(casing, blade, kind, method):
     system, interface, rows_of = bodies(kind, casing, blade)
-    made = reduce(system.shell, interface, modes=9, method=method, recovery=True, system=system)
+    made = cf.reduce(system.shell, interface, modes=9, method=method, recovery=True, system=system)
     exact, _ = full_solution(system, rows_of(system, interface)[0])
     static = made.recovery @ (made.rows.T / made.omega[:, None] ** 2) + made.recovery_S
     assert np.abs(static - exact).max() < 1e-9 * np.abs(exact).max()
@@ -81,8 +72,8 @@ def test_recovery_gives_the_full_static_solution(casing, blade, kind, method):
 
 @pytest.mark.slow
 def test_free_basis_is_the_shells_modes(casing):
-    made = reduce(casing.shell, RIM, modes=12, system=casing, zeta=0.002)
-    found = modes(casing.shell, 12, system=casing)
+    made = cf.reduce(casing.shell, RIM, modes=12, system=casing, zeta=0.002)
+    found = cf.modes(casing.shell, 12, system=casing)
     np.testing.assert_allclose(made.omega, found.omega, rtol=1e-12)
     rows, _ = rim_rows(casing, RIM)
     np.testing.assert_allclose(made.rows, rows @ found.fields.reshape(-1, 12), atol=1e-9 * np.abs(made.rows).max())
@@ -91,8 +82,8 @@ def test_free_basis_is_the_shells_modes(casing):
 
 @pytest.mark.slow
 def test_craig_bampton_frequencies_lie_above_the_exact_ones_and_close(casing):
-    made = reduce(casing.shell, RIM, modes=60, method="craig-bampton", system=casing)
-    exact = modes(casing.shell, 10, system=casing).omega
+    made = cf.reduce(casing.shell, RIM, modes=60, method="craig-bampton", system=casing)
+    exact = cf.modes(casing.shell, 10, system=casing).omega
     assert len(made) == 60 + 2 * 17
     error = made.omega[:10] / exact - 1
     assert error.min() > -1e-10
@@ -102,9 +93,9 @@ def test_craig_bampton_frequencies_lie_above_the_exact_ones_and_close(casing):
 
 @pytest.mark.slow
 def test_craig_bampton_converges_with_its_fixed_modes(casing):
-    exact = modes(casing.shell, 8, system=casing).omega
+    exact = cf.modes(casing.shell, 8, system=casing).omega
     errors = [
-        np.abs(reduce(casing.shell, RIM, modes=count, method="craig-bampton", system=casing).omega[:8] / exact - 1)
+        np.abs(cf.reduce(casing.shell, RIM, modes=count, method="craig-bampton", system=casing).omega[:8] / exact - 1)
         for count in (5, 40)
     ]
     assert errors[1].max() < 0.3 * errors[0].max()
@@ -113,9 +104,9 @@ def test_craig_bampton_converges_with_its_fixed_modes(casing):
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_modes_are_orthonormal(casing, method):
-    made = reduce(casing.shell, RIM, modes=10, method=method, recovery=True, system=casing)
+    made = cf.reduce(casing.shell, RIM, modes=10, method=method, recovery=True, system=casing)
     if method == "free":
-        found = modes(casing.shell, 10, system=casing)
+        found = cf.modes(casing.shell, 10, system=casing)
         phi = casing.collect(found.fields, found.own)
         np.testing.assert_allclose(phi.T @ (casing.mass[:, None] * phi), np.eye(10), atol=1e-9)
     # kinetic energy of the translations alone: less than one by the rotations' share
@@ -130,7 +121,7 @@ def test_modes_are_orthonormal(casing, method):
 def test_residual_compliance_is_symmetric_positive_and_falls_with_modes(casing):
     traces = []
     for count in (1, 10, 40):
-        S = reduce(casing.shell, RIM, modes=count, system=casing).S
+        S = cf.reduce(casing.shell, RIM, modes=count, system=casing).S
         assert np.array_equal(S, S.T)
         assert np.linalg.eigvalsh(S).min() > -1e-12 * np.trace(S)
         traces.append(np.trace(S))
@@ -139,24 +130,24 @@ def test_residual_compliance_is_symmetric_positive_and_falls_with_modes(casing):
 
 @pytest.mark.slow
 def test_diaphragm_edges_are_reduced_in_their_own_frame(frustum):
-    tube, held = Cylinder(radius=0.5, height=0.3), {"base": ShearDiaphragm(), "top": ElasticEdge(k_z=1e9)}
-    system = assemble(frustum(chart=tube, supports=held, mesh=ShellMesh(order=6, rows=1, around=7)))
-    with_frames = reduce(system.shell, Rim("top", n_max=3), modes=4, system=system, recovery=True)
-    springs = {"base": ElasticEdge(k_r=1e15, k_theta=1e15), "top": ElasticEdge(k_z=1e9)}
-    near = modes(frustum(chart=tube, supports=springs, mesh=system.grid.mesh), 4, method="shell")
+    tube, held = cf.Cylinder(radius=0.5, height=0.3), {"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_z=1e9)}
+    system = cf.shell.assemble(frustum(chart=tube, supports=held, mesh=cf.ShellMesh(order=6, rows=1, around=7)))
+    with_frames = cf.reduce(system.shell, cf.Rim("top", n_max=3), modes=4, system=system, recovery=True)
+    springs = {"base": cf.ElasticEdge(k_r=1e15, k_theta=1e15), "top": cf.ElasticEdge(k_z=1e9)}
+    near = cf.modes(frustum(chart=tube, supports=springs, mesh=system.grid.mesh), 4, method="shell")
     np.testing.assert_allclose(with_frames.freq, near.freq, rtol=1e-3)
 
 
-@pytest.mark.parametrize("support", [Clamped(), ShearDiaphragm()], ids=["clamped", "diaphragm"])
+@pytest.mark.parametrize("support", [cf.Clamped(), cf.ShearDiaphragm()], ids=["clamped", "diaphragm"])
 def test_a_held_rim_cannot_be_pushed(frustum, support):
-    tube = frustum(chart=Cylinder(radius=0.5, height=0.3), supports={"base": Clamped(), "top": support})
+    tube = frustum(chart=cf.Cylinder(radius=0.5, height=0.3), supports={"base": cf.Clamped(), "top": support})
     with pytest.raises(ValueError, match="'top' is held, nothing can be pushed there"):
-        reduce(replace(tube, mesh=ShellMesh(order=4, rows=1, around=7)), Rim("top", n_max=3), modes=4)
+        cf.reduce(replace(tube, mesh=cf.ShellMesh(order=4, rows=1, around=7)), cf.Rim("top", n_max=3), modes=4)
 
 
 def test_round_trip_and_provenance(casing, tmp_path):
-    made = reduce(casing.shell, RIM, modes=6, system=casing, recovery=True)
-    again = ModalBasis.load(made.save(tmp_path / "casing.npz"))
+    made = cf.reduce(casing.shell, RIM, modes=6, system=casing, recovery=True)
+    again = cf.ModalBasis.load(made.save(tmp_path / "casing.npz"))
     np.testing.assert_array_equal(again.compliance, made.compliance)
     assert again.provenance == made.provenance
     assert made.provenance["method"] == "free"
@@ -169,14 +160,14 @@ def test_round_trip_and_provenance(casing, tmp_path):
 
 @pytest.mark.slow
 def test_provenance_tells_two_structures_apart(casing, frustum):
-    other = reduce(frustum(mesh=casing.grid.mesh), RIM, modes=2)
-    assert other.provenance["matrices"] != reduce(casing.shell, RIM, modes=2).provenance["matrices"]
+    other = cf.reduce(frustum(mesh=casing.grid.mesh), RIM, modes=2)
+    assert other.provenance["matrices"] != cf.reduce(casing.shell, RIM, modes=2).provenance["matrices"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 def test_two_calls_agree_bit_by_bit(casing, method):
-    a, b = (reduce(casing.shell, RIM, modes=6, method=method, system=casing) for _ in range(2))
+    a, b = (cf.reduce(casing.shell, RIM, modes=6, method=method, system=casing) for _ in range(2))
     assert a.rows.tobytes() == b.rows.tobytes()
     assert a.omega.tobytes() == b.omega.tobytes()
 
@@ -192,30 +183,30 @@ def test_two_calls_agree_bit_by_bit(casing, method):
 )
 def test_refuses_options_that_are_none(casing, options, message):
     with pytest.raises(ValueError, match=message):
-        reduce(casing.shell, RIM, system=casing, **options)
+        cf.reduce(casing.shell, RIM, system=casing, **options)
 
 
 def test_refuses_an_interface_the_shell_does_not_have(casing, blade):
     with pytest.raises(ValueError, match="open panel"):
-        reduce(casing.shell, Tip(), system=casing)
+        cf.reduce(casing.shell, cf.Tip(), system=casing)
     with pytest.raises(ValueError, match="closed casing"):
-        reduce(blade.shell, Rim("tip"), system=blade)
+        cf.reduce(blade.shell, cf.Rim("tip"), system=blade)
 
 
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 @pytest.mark.filterwarnings("ignore:.*support-incomplete")
-@pytest.mark.parametrize("supports", [{}, {"base": ElasticEdge(k_z=1e12)}], ids=["free", "sliding"])
+@pytest.mark.parametrize("supports", [{}, {"base": cf.ElasticEdge(k_z=1e12)}], ids=["free", "sliding"])
 def test_refuses_rigid_motions(frustum, supports, method):
-    shell = frustum(supports=supports, mesh=ShellMesh(order=6, rows=1, around=9))
+    shell = frustum(supports=supports, mesh=cf.ShellMesh(order=6, rows=1, around=9))
     with pytest.raises(ValueError, match="rigid motions"):
-        reduce(shell, RIM, modes=6, method=method)
+        cf.reduce(shell, RIM, modes=6, method=method)
 
 
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
 @pytest.mark.parametrize("count", [0, -2, 10**6])
 def test_refuses_a_number_of_modes_there_is_not(casing, method, count):
     with pytest.raises((ValueError, RuntimeError), match=r"count|modes"):
-        reduce(casing.shell, RIM, modes=count, method=method, system=casing)
+        cf.reduce(casing.shell, RIM, modes=count, method=method, system=casing)
 
 
 @pytest.mark.slow
@@ -223,15 +214,15 @@ def test_participation_is_the_modal_force_of_gravity_and_gives_a_blades_sag(casi
     """Phi^T M a against the nodal loads of the same body force; rows (Phi^T M a)/omega^2 against the mesh's statics."""
     a = np.array([1.5, -9.0, 4.0])
     for system, interface, rows_of in (bodies("tip", casing, blade), bodies("rim", casing, blade)):
-        basis = reduce(system.shell, interface, modes=30, system=system)
-        axes = np.eye(3) if isinstance(interface, Rim) else tip_directions(system, interface)
+        basis = cf.reduce(system.shell, interface, modes=30, system=system)
+        axes = np.eye(3) if isinstance(interface, cf.Rim) else tip_directions(system, interface)
         load = system.restrict(
-            Gravity(acceleration=tuple((a @ axes).tolist())).nodal(system.shell, system.grid)[:, :, None]
+            cf.loads.Gravity(acceleration=tuple((a @ axes).tolist())).nodal(system.shell, system.grid)[:, :, None]
         )
         vectors, _ = free_vectors(system, 30)
         force = basis.participation.T @ a
         assert force == pytest.approx((vectors.T @ load)[:, 0], abs=1e-9 * np.abs(force).max())
-        if not isinstance(interface, Rim):  # of a casing's rim thirty modes know little: few have one diameter
+        if not isinstance(interface, cf.Rim):  # of a casing's rim thirty modes know little: few have one diameter
             rows, _ = rows_of(system, interface)
             exact = (load_columns(system, rows).T @ factorise(system.K).solve(load))[:, 0]
             assert np.abs(basis.rows @ (force / basis.omega**2) - exact).max() <= 1e-3 * np.abs(exact).max()
@@ -240,17 +231,17 @@ def test_participation_is_the_modal_force_of_gravity_and_gives_a_blades_sag(casi
 @pytest.mark.slow
 def test_effective_masses_are_those_of_a_cantilever_beam(steel):
     """First three flap modes: .6131, .1883 and .0647 of the mass (Blevins 1979, of the thin beam)."""
-    strip = Shell(
-        chart=Plate(length=0.4, width=0.02), thickness=1e-3, material=replace(steel, nu=0.0),
-        supports={"root": Clamped()}, mesh=ShellMesh(order=7, rows=3, around=1),
+    strip = cf.Shell(
+        chart=cf.Plate(length=0.4, width=0.02), thickness=1e-3, material=replace(steel, nu=0.0),
+        supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=7, rows=3, around=1),
     )  # fmt: skip
-    basis = reduce(strip, Tip(), modes=12)
+    basis = cf.reduce(strip, cf.Tip(), modes=12)
     shares = np.sort(basis.participation[1] ** 2)[::-1][:3] / (0.4 * 0.02 * 1e-3 * steel.rho)
     assert shares == pytest.approx([0.6131, 0.1883, 0.0647], rel=2e-3)
     assert basis.participation.shape == (3, 12)
 
 
 def test_participation_survives_the_file(blade, tmp_path):
-    basis = reduce(blade.shell, Tip(), modes=4, system=blade)
-    again = ModalBasis.load(basis.save(tmp_path / "blade.npz"))
+    basis = cf.reduce(blade.shell, cf.Tip(), modes=4, system=blade)
+    again = cf.ModalBasis.load(basis.save(tmp_path / "blade.npz"))
     assert np.array_equal(again.participation, basis.participation)

@@ -8,7 +8,6 @@ import pytest
 import casingfem as cf
 import contact as ct
 from casingfem.modal.interface.chart_rows import rim_shape, rim_thickness
-from contact.scene.load import load_scene
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 WAVES = {2: (1e-3, -4e-4), 5: (0.0, 2e-4), 8: (3e-4, 0.0)}
@@ -103,7 +102,7 @@ def test_the_basis_carries_it_to_the_scene(folder):
     (folder / "scene.toml").write_text(SCENE.format('"basis"'))
     given = ", ".join(f"{{p = {t['p']}, cos = {t['cos']!r}, sin = {t['sin']!r}}}" for t in terms)
     (folder / "given.toml").write_text(SCENE.format(f"[{given}]"))
-    named, listed = (load_scene(folder / name).what for name in ("scene.toml", "given.toml"))
+    named, listed = (ct.load_scene(folder / name).what for name in ("scene.toml", "given.toml"))
     assert list(named.out_of_roundness) == list(listed.out_of_roundness) == terms
 
 
@@ -113,10 +112,10 @@ def test_a_basis_without_it_is_refused_with_the_key(folder, tmp_path):
     (tmp_path / "blade.npz").write_bytes((folder / "blade.npz").read_bytes())
     (tmp_path / "scene.toml").write_text(SCENE.format('"basis"'))
     with pytest.raises(ct.InputError, match=r"scene\.toml: out_of_roundness: found a basis without it, expected"):
-        load_scene(tmp_path / "scene.toml")
+        ct.load_scene(tmp_path / "scene.toml")
     (tmp_path / "scene.toml").write_text(SCENE.format('"survey"'))
     with pytest.raises(ct.InputError, match=r"contact\.out_of_roundness"):
-        load_scene(tmp_path / "scene.toml")
+        ct.load_scene(tmp_path / "scene.toml")
 
 
 def test_arrays_that_do_not_fit_are_refused(folder):

@@ -7,7 +7,6 @@ import pytest
 
 import casingfem as cf
 from casingfem.modal.campbell import spin_from_rest
-from casingfem.structure.imported.grid import grid_mesh, revolved
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 CHART = cf.Plate(length=0.2, width=0.06)
@@ -29,8 +28,10 @@ def drum(turning=1.0):
 
 
 def ring(turning=1.0, **rotation):
-    wall = revolved((0.2, 0.2), (0.0, 0.1), 0.01)
-    mesh = grid_mesh("quad9", (11, 1), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0)
+    wall = cf.imported.revolved((0.2, 0.2), (0.0, 0.1), 0.01)
+    mesh = cf.imported.grid_mesh(
+        "quad9", (11, 1), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0
+    )
     return cf.MeshShell(
         mesh=mesh, thickness=10e-3, material=STEEL, supports={"base": cf.Clamped()},
         rotation=cf.Rotation(omega=turning * 900.0, **rotation),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.linalg.eigen import EigenResult
 from casingfem.modal.mesh_modes import require_stable
 
@@ -17,6 +17,8 @@ def test_round_off_of_a_rigid_motion_is_no_instability():
 
     for value in (-0.99 * unit, 0.0, 1.0):
         require_stable(K, lowest(value))
-    with pytest.raises(ModelError, match=r"modes: found omega\^2 = -2.243e-16 rad\^2/s\^2 here: .*rotation-unstable"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"modes: found omega\^2 = -2.243e-16 rad\^2/s\^2 here: .*rotation-unstable"
+    ):
         require_stable(K, lowest(-1.01 * unit), " here")
     require_stable(K, EigenResult(np.zeros(0), np.zeros((2, 0)), 0))

@@ -7,10 +7,6 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.errors import ModelError
-from casingfem.modal.cyclic.reduction import cyclic_reduce
-from casingfem.modal.cyclic.whirl import cyclic_whirl
-from casingfem.structure.imported.grid import grid_mesh, revolved
 from reports.modes.cyclic import bladed_disk
 from reports.verification.rotation import drum, ring_waves
 
@@ -104,9 +100,9 @@ def test_rim_turns_about_its_own_axis_whichever_way_the_study_turns():
 @pytest.mark.parametrize("kind", ["quad9", "hexahedron20"])
 def test_imported_casing_at_rest_turns_as_its_full_model(kind):
     """About an axis of its own; the full model turns at the speed."""
-    wall, flat = revolved((0.2, 0.2), (0.0, 0.1), 0.006), kind == "quad9"
+    wall, flat = cf.imported.revolved((0.2, 0.2), (0.0, 0.1), 0.006), kind == "quad9"
     turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # z -> x
-    mesh = grid_mesh(
+    mesh = cf.imported.grid_mesh(
         kind, (24, 4) if flat else (1, 24, 3), lambda u: wall(np.insert(u, 0, 0.5, axis=1) if flat else u) @ turn.T,
         groups={"base": (2 - flat, 0.0), "top": (2 - flat, 1.0)}, wrap=1 - flat,
     )  # fmt: skip
@@ -146,13 +142,13 @@ def test_wheel_turns_towards_the_next_sector(axis):
     """Waves of one nodal diameter: frequencies and the sector that they reach next, whichever way the axis points."""
     N, omega = 4, 900.0
     sector = replace(bladed_disk(N, (1, 1, 2, 1), cf.Rotation(omega=omega)), axis=axis)
-    body = ct.ModalBody.of(cyclic_reduce(sector, cf.TipNodes("tip", 1), modes=6))
+    body = ct.ModalBody.of(cf.modal.cyclic_reduce(sector, cf.TipNodes("tip", 1), modes=6))
     way = np.sign(axis[2])
     assert body.spin == way * omega
     found, vectors = poles(body, way * omega)
     tips = (body.rows @ vectors).reshape(N, 3, -1)[:, 1]
     ahead = np.abs(np.fft.fft(tips, axis=0))[[-1 % N, 1]]  # e^(-i n theta) e^(i omega t) runs to larger theta
-    exact = cyclic_whirl(sector, 1, diameters=[1])
+    exact = cf.modal.cyclic_whirl(sector, 1, diameters=[1])
     for sense, freq in zip(exact.sense, exact.freq, strict=True):
         k = int(np.abs(found - 2.0 * np.pi * freq).argmin())
         assert found[k] / (2.0 * np.pi) == pytest.approx(freq, rel=1e-4)
@@ -163,7 +159,9 @@ def test_casing_that_turns_about_another_axis_than_its_rim_is_refused():
     mesh = cf.ShellMesh(order=4, rows=1, around=9)
     wall = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=4e-3, supports=BASE, material=STEEL, mesh=mesh)
     for rotation in (cf.Rotation(omega=1.0, axis=(0.0, 1.0, 1.0)), cf.Rotation(omega=0.0, centre=(0.01, 0.0, 0.0))):
-        with pytest.raises(ModelError, match=r"rotation: found axis .* beside \(0\.0, 0\.0, 1\.0\) .*reduce-axis"):
+        with pytest.raises(
+            cf.errors.ModelError, match=r"rotation: found axis .* beside \(0\.0, 0\.0, 1\.0\) .*reduce-axis"
+        ):
             cf.reduce(replace(wall, rotation=rotation), cf.Rim("top", n_max=2), modes=4)
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import NumericsError
 from casingfem.modal.neighbour import guarded, restarted_modes
 
 
@@ -45,7 +44,7 @@ def test_a_restart_needs_four_modes_more_than_it_gives_on_the_same_mesh(known):
 def test_a_mode_that_the_start_does_not_hold_is_missed_in_the_count(known):
     """All but the lowest, and no steps that would find it."""
     rest = replace(known, freq=known.freq[1:], fields=known.fields[:, :, 1:], own=known.own[:, 1:])
-    with pytest.raises(NumericsError, match=r"5 modes lie below [\d.]+ Hz, 4 were found"):
+    with pytest.raises(cf.errors.NumericsError, match=r"5 modes lie below [\d.]+ Hz, 4 were found"):
         restarted_modes(plate(), rest, 4, steps=0)
     found = restarted_modes(plate(), known, 4, steps=0)
     np.testing.assert_allclose(found.freq, known.freq[:4], rtol=1e-9)

@@ -8,9 +8,8 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, eigs
 
 import casingfem as cf
-from casingfem.errors import NumericsError
 from casingfem.modal import whirl
-from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.shell.assembly import spin
 from reports.verification import rotation as verify_rotation
 from reports.verification.rotation import drum, in_plane, ring_waves
 
@@ -35,7 +34,7 @@ def test_hardly_turning_the_modes_are_those_at_rest(casing):
 def test_pairs_split_by_their_gyroscopic_coupling(casing):
     """First order: omega -+ Omega |phi_c^T G phi_s|/2 about the pair at speed; forward waves are the lower ones."""
     found, pairs = cf.whirl_modes(casing, 6), cf.modes(casing, 6)
-    system = assemble(replace(casing, rotation=None))
+    system = cf.shell.assemble(replace(casing, rotation=None))
     shapes = system.collect(pairs.fields, pairs.own)
     coupling = np.abs(shapes.T @ (spin(system, casing.rotation).G @ shapes)) * 200.0 / (2.0 * np.pi)
     assert found.sense[np.argsort(found.nodal_diameters, kind="stable")].tolist() == [1, -1] * 3
@@ -79,7 +78,7 @@ def test_a_missed_mode_is_noticed(casing, monkeypatch):
     monkeypatch.setattr(
         whirl, "gap_after", lambda values, count: (count - 1, 0.5 * (values[count - 1] + values[count]))
     )
-    with pytest.raises(NumericsError, match="lie below"):
+    with pytest.raises(cf.errors.NumericsError, match="lie below"):
         cf.whirl_modes(casing, 4)
 
 
@@ -92,7 +91,7 @@ def test_masses_on_turning_springs_have_their_closed_form(monkeypatch):
     np.testing.assert_allclose(found, exact[:2], rtol=1e-12)
     assert certified == 2
     for count in (0, 3):
-        with pytest.raises(NumericsError, match=f"count must lie between 1 and 2, found {count}"):
+        with pytest.raises(cf.errors.NumericsError, match=f"count must lie between 1 and 2, found {count}"):
             whirl.gyroscopic_modes(A, G, count, scale=3.0, extra=3)
 
     def hands_over(part):
@@ -105,20 +104,20 @@ def test_masses_on_turning_springs_have_their_closed_form(monkeypatch):
     monkeypatch.setattr(whirl, "eigs", hands_over(10))
     assert np.array_equal(whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)[0], found)
     monkeypatch.setattr(whirl, "eigs", hands_over(9))
-    with pytest.raises(NumericsError, match="ARPACK did not converge on 5 rotating modes"):
+    with pytest.raises(cf.errors.NumericsError, match="ARPACK did not converge on 5 rotating modes"):
         whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
 
     def fails(*_, **__):
         raise ArpackError(-9999)
 
     monkeypatch.setattr(whirl, "eigs", fails)
-    with pytest.raises(NumericsError, match="ARPACK did not converge on 5 rotating modes"):
+    with pytest.raises(cf.errors.NumericsError, match="ARPACK did not converge on 5 rotating modes"):
         whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
 
 
 @pytest.mark.slow
 def test_counts_out_of_reach_are_refused(casing):
-    with pytest.raises(NumericsError, match="count must lie"):
+    with pytest.raises(cf.errors.NumericsError, match="count must lie"):
         cf.whirl_modes(casing, 0)
 
 

@@ -8,42 +8,35 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelWarning
-from casingfem.structure.field.field import SumField
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.random import RandomField, Spectrum
 from casingfem.structure.field.survey.fit import _check_coverage
 from casingfem.structure.geometry.chart_checks import check_chart
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
-from casingfem.structure.geometry.rotation import Rotation, axis_frame
+from casingfem.structure.geometry.rotation import axis_frame
 from casingfem.structure.geometry.survey_check import check_survey
 from casingfem.structure.imported.grid import cube_cells
-from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 INF, NAN = math.inf, math.nan
 PLATE, TUBE = cf.Plate(length=0.3, width=0.1), cf.Cylinder(radius=1.0, height=1.0)
 
 
 def field(**changes):
-    return FourierField(**{"p": [0, 2], "cos": [[1.0], [2.0]], "sin": [[0.0], [3.0]]} | changes)
+    return cf.FourierField(**{"p": [0, 2], "cos": [[1.0], [2.0]], "sin": [[0.0], [3.0]]} | changes)
 
 
 def spectrum(**changes):
-    return Spectrum(**{"p": [1, 2], "median": [0.1, 0.2], "high": [0.3, 0.4]} | changes)
+    return cf.field.Spectrum(**{"p": [1, 2], "median": [0.1, 0.2], "high": [0.3, 0.4]} | changes)
 
 
 def drawn(**changes):
-    return RandomField(**{"spectrum": spectrum(), "seed": 7} | changes)
+    return cf.field.RandomField(**{"spectrum": spectrum(), "seed": 7} | changes)
 
 
 def tetra(**changes):
     given = {"kind": "tetra", "points": np.vstack([np.zeros(3), np.eye(3)]), "cells": np.arange(4)[None]}
-    return MeshData(**given | changes)
+    return cf.imported.MeshData(**given | changes)
 
 
 def hung(node):
-    return tetra(attachments=Attachments(masses=(PointMass(node=node, mass=1.0),)))
+    return tetra(attachments=cf.imported.Attachments(masses=(cf.imported.PointMass(node=node, mass=1.0),)))
 
 
 def covered(gap=10.0, n_max=None, degree=None):
@@ -67,8 +60,8 @@ def surveyed(quantity="radius", mean=0.5, thickness=None, z=(0.0, 0.2), of="radi
 
 def bent(radius):
     """A way of 0.2 m along an arc."""
-    piece = Piece(to=(0.5, 0.2), radius=radius)
-    return PiecewiseMeridian(start=(0.5, 0.0), pieces=(piece,))
+    piece = cf.geometry.Piece(to=(0.5, 0.2), radius=radius)
+    return cf.geometry.PiecewiseMeridian(start=(0.5, 0.0), pieces=(piece,))
 
 
 def of_bounds(bounds):
@@ -98,7 +91,7 @@ def wound(gap):
 
 def walled(chart, thickness):
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelWarning)
+        warnings.simplefilter("ignore", cf.errors.ModelWarning)
         cf.Shell(chart=chart, thickness=thickness, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={})
 
 
@@ -113,9 +106,12 @@ BOUNDS = {
     "chart.place": (lambda k: holed("x", (0.0, NAN)[k]), "surface or its derivatives are not finite somewhere"),
     "chart.last": (lambda k: holed("x22", (0.0, INF)[k]), "surface or its derivatives are not finite somewhere"),
     "chart.seam": (lambda k: wound((1.2e-9, 1.4e-9)[k]), "said to be periodic, its ends lie 1.4e-09 m apart"),
-    "field.sum": (lambda k: SumField((field(),)[k:]), "SumField needs at least one field"),
-    "field.three": (lambda k: FourierField.of({2: (0.1, 0.2, 0.3)[: 2 + k]}), "one number .cos. or a pair .cos, sin."),
-    "field.one": (lambda k: FourierField.of({2: (0.1, 0.2)[k:]}), "each harmonic is one number .cos. or a pair"),
+    "field.sum": (lambda k: cf.field.SumField((field(),)[k:]), "SumField needs at least one field"),
+    "field.three": (
+        lambda k: cf.FourierField.of({2: (0.1, 0.2, 0.3)[: 2 + k]}),
+        "one number .cos. or a pair .cos, sin.",
+    ),
+    "field.one": (lambda k: cf.FourierField.of({2: (0.1, 0.2)[k:]}), "each harmonic is one number .cos. or a pair"),
     "field.z_half": (lambda k: field(z_half=(1e-9, 0.0)[k]), "z_half > 0, not 0.0, 0.0"),
     "field.z_mid": (lambda k: field(z_mid=(1e9, INF)[k]), "need finite z_mid, z_half > 0, not inf"),
     "field.z_inf": (lambda k: field(z_half=(1e9, INF)[k]), "need finite z_mid, z_half > 0, not 0.0, inf"),
@@ -132,7 +128,8 @@ BOUNDS = {
     "spectrum.inf": (lambda k: spectrum(high=[0.3, (1e9, INF)[k]]), "need 0 < median <= high < inf"),
     "spectrum.sizes": (lambda k: spectrum(median=[0.1, 0.2][: 2 - k]), r"p \(2,\), median \(1,\), high \(2,\) must be"),
     "spectrum.none": (
-        lambda k: spectrum(p=[1][k:], median=[0.1][k:], high=[0.2][k:]), r"p \(0,\), median \(0,\), high \(0,\) must be"
+        lambda k: spectrum(p=[1][k:], median=[0.1][k:], high=[0.2][k:]),
+        r"p \(0,\), median \(0,\), high \(0,\) must be",
     ),
     "coverage.n_max": (lambda k: covered(n_max=(1, 0)[k]), "n_max must be a whole number >= 1, not 0"),
     "coverage.whole": (lambda k: covered(n_max=(2, 2.5)[k]), "n_max must be a whole number >= 1, not 2.5"),
@@ -146,7 +143,8 @@ BOUNDS = {
     "survey.high": (lambda k: surveyed(z=((0.099, 0.101)[k], 0.3)), "found points at z from 0.101 to 0.3 m, 50% of"),
     "survey.low": (lambda k: surveyed(z=(-0.1, (0.101, 0.099)[k])), "expected at least half of it or a rule"),
     "survey.wall": (
-        lambda k: surveyed("thickness", (3e-3, 6e-3)[k], 3e-3), "a mean thickness of 0.006 m, expected about 0.003 m"
+        lambda k: surveyed("thickness", (3e-3, 6e-3)[k], 3e-3),
+        "a mean thickness of 0.006 m, expected about 0.003 m",
     ),
     "mesh.points": (lambda k: tetra(points=np.ones((4, 3 + k))), r"points have shape \(4, 4\), expected \(nodes, 3\)"),
     "mesh.cells": (lambda k: tetra(cells=np.arange(4 + k)[None]), r"cells have shape \(1, 5\), expected \(at least 1"),
@@ -157,12 +155,14 @@ BOUNDS = {
     "mesh.first": (lambda k: hung((0, -1)[k]), "attachments name nodes outside 0 to 3"),
     "mesh.kind": (lambda k: tetra(kind=("tetra", "tet")[k]), "cells of kind 'tet', expected one of"),
     "grid": (lambda k: cube_cells("hexahedron", 3 - k), "hexahedron has 3 dimensions, counts has 2"),
-    "hub": (lambda k: Rotation.of_blade(PLATE, omega=1.0, hub_radius=(0.0, -1e-9)[k]), "found hub_radius -1e-09"),
+    "hub": (lambda k: cf.Rotation.of_blade(PLATE, omega=1.0, hub_radius=(0.0, -1e-9)[k]), "found hub_radius -1e-09"),
     "stagger": (
-        lambda k: Rotation.of_blade(PLATE, omega=1.0, hub_radius=0.1, stagger=(9.0, INF)[k]), "0.1, stagger inf"
+        lambda k: cf.Rotation.of_blade(PLATE, omega=1.0, hub_radius=0.1, stagger=(9.0, INF)[k]),
+        "0.1, stagger inf",
     ),
     "hub.closed": (
-        lambda k: Rotation.of_blade((PLATE, TUBE)[k], omega=1.0, hub_radius=0.1), "a stagger on a closed casing"
+        lambda k: cf.Rotation.of_blade((PLATE, TUBE)[k], omega=1.0, hub_radius=0.1),
+        "a stagger on a closed casing",
     ),
     "wall.long": (
         lambda k: walled(cf.Plate(length=0.25, width=0.125), (0.249, 0.25)[k]),
@@ -175,7 +175,7 @@ BOUNDS = {
     "wall.bent": (lambda k: walled(TUBE, (1.0, 1.01)[k]), "1.01 times its smallest radius of curvature"),
     "bend": (lambda k: bent((0.1001, 0.1)[k]), r"chart.piece\[1\].radius: found 0.1 m for a way of 0.2 m"),
     "bend.back": (lambda k: bent((-0.1001, -0.1)[k]), r"chart.piece\[1\].radius: found -0.1 m for a way of 0.2 m"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", BOUNDS)

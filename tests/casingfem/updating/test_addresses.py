@@ -5,27 +5,24 @@ from dataclasses import replace
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.blade import Blade
-from casingfem.structure.geometry.stations import Taper
-from casingfem.updating.addresses import address_of, get_value, with_value
+from casingfem.updating.addresses import address_of
 from casingfem.updating.numbers import named_numbers
-from casingfem.updating.parameters import Parameter, check_parameters
+from casingfem.updating.parameters import check_parameters
 
 OWN = cf.Material(E=190e9, nu=0.29, rho=7900.0)
-BOLTS = Bolts(count=3, k=(1e8, 2e8, 4e8), k_rot=7.0, loose={2: 0.5})
-SPRINGS = ElasticEdge(k_r=3e8, k_z=4e8, around=FourierField.of({0: 0.1, 4: (0.2, -0.1)}))
-RING = Ring(section=Section.rectangle(width=0.03, depth=0.02), material=replace(OWN, rho=8000.0), support=SPRINGS)
+BOLTS = cf.Bolts(count=3, k=(1e8, 2e8, 4e8), k_rot=7.0, loose={2: 0.5})
+SPRINGS = cf.ElasticEdge(k_r=3e8, k_z=4e8, around=cf.FourierField.of({0: 0.1, 4: (0.2, -0.1)}))
+RING = cf.Ring(
+    section=cf.edge.Section.rectangle(width=0.03, depth=0.02), material=replace(OWN, rho=8000.0), support=SPRINGS
+)
 STRIPS = (
     cf.Strip(start=0.0, end=0.1, thickness=4e-3),
     cf.Strip(start=0.1, end=0.15, thickness=6e-3, material=OWN),
 )
-MASSES = {"base": [EdgeMass(angle=0.1, mass=1.0)], "top": [EdgeMass(angle=a, mass=10.0 * a) for a in (0.2, 0.3)]}
+MASSES = {
+    "base": [cf.edge.EdgeMass(angle=0.1, mass=1.0)],
+    "top": [cf.edge.EdgeMass(angle=a, mass=10.0 * a) for a in (0.2, 0.3)],
+}
 
 
 def casing(frustum, base=BOLTS, top=RING):
@@ -34,9 +31,9 @@ def casing(frustum, base=BOLTS, top=RING):
 
 def blade(steel):
     """A chart and a taper with laws of two and three stations, and plain numbers between."""
-    chart = Blade(length=0.3, chord=(0.1, 0.09, 0.07), camber=0.5, twist=(0.0, 0.4))
-    taper = Taper(along=(0.9, 0.5))
-    return cf.Shell(chart=chart, thickness=3e-3, taper=taper, material=steel, supports={"root": Clamped()})
+    chart = cf.Blade(length=0.3, chord=(0.1, 0.09, 0.07), camber=0.5, twist=(0.0, 0.4))
+    taper = cf.Taper(along=(0.9, 0.5))
+    return cf.Shell(chart=chart, thickness=3e-3, taper=taper, material=steel, supports={"root": cf.Clamped()})
 
 
 NUMBERS = {
@@ -65,13 +62,13 @@ NUMBERS = {
 @pytest.mark.parametrize("name", NUMBERS)
 def test_a_number_is_read_and_replaced_alone(frustum, name):
     shell = casing(frustum)
-    assert get_value(shell, name) == NUMBERS[name]
-    changed = with_value(shell, name, 1.25 * NUMBERS[name])
+    assert cf.updating.get_value(shell, name) == NUMBERS[name]
+    changed = cf.updating.with_value(shell, name, 1.25 * NUMBERS[name])
     for other, value in NUMBERS.items():
         expected = 1.25 * value if address_of(shell, other) == address_of(shell, name) else value
         if "support.base.k" in (name, other) and "k" in (name.split(".")[-1], other.split(".")[-1]):
             continue  # the k of all bolts and of one of them go together
-        assert get_value(changed, other) == pytest.approx(expected, rel=1e-15), other
+        assert cf.updating.get_value(changed, other) == pytest.approx(expected, rel=1e-15), other
 
 
 @pytest.mark.parametrize(
@@ -102,24 +99,26 @@ def test_a_number_is_read_and_replaced_alone(frustum, name):
     ],
 )
 def test_names_that_are_none_are_refused_in_words(frustum, name, words):
-    with pytest.raises(InputError) as caught:
-        get_value(casing(frustum), name)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.updating.get_value(casing(frustum), name)
     assert words in str(caught.value)
 
 
 def test_bolts_need_no_edge_where_one_edge_has_them(frustum):
     both = casing(frustum, top=replace(RING, support=BOLTS))
-    with pytest.raises(InputError, match=r"2 edges have bolts; name one as support\.<edge>\.bolts\.1\.k"):
-        get_value(both, "bolts.1.k")
-    under = casing(frustum, base=Clamped(), top=replace(RING, support=BOLTS))
-    assert get_value(under, "bolts.2.k") == 2e8
-    assert get_value(with_value(under, "bolts.2.k", 1e8), "support.top.support.bolts.2.k") == 1e8
-    assert get_value(under, "support.top.k_rot") == 7.0
+    with pytest.raises(cf.errors.InputError, match=r"2 edges have bolts; name one as support\.<edge>\.bolts\.1\.k"):
+        cf.updating.get_value(both, "bolts.1.k")
+    under = casing(frustum, base=cf.Clamped(), top=replace(RING, support=BOLTS))
+    assert cf.updating.get_value(under, "bolts.2.k") == 2e8
+    assert (
+        cf.updating.get_value(cf.updating.with_value(under, "bolts.2.k", 1e8), "support.top.support.bolts.2.k") == 1e8
+    )
+    assert cf.updating.get_value(under, "support.top.k_rot") == 7.0
 
 
 def test_a_shell_without_masses_says_so(frustum):
-    with pytest.raises(InputError, match="this shell has masses: none"):
-        get_value(frustum(), "mass.base.1.mass")
+    with pytest.raises(cf.errors.InputError, match="this shell has masses: none"):
+        cf.updating.get_value(frustum(), "mass.base.1.mass")
 
 
 @pytest.mark.parametrize(
@@ -129,21 +128,23 @@ def test_a_shell_without_masses_says_so(frustum):
 )  # fmt: skip
 def test_a_law_has_a_number_at_each_station(steel, name, value):
     shell = blade(steel)
-    assert get_value(shell, name) == value
-    changed = with_value(shell, name, 0.45)
+    assert cf.updating.get_value(shell, name) == value
+    changed = cf.updating.with_value(shell, name, 0.45)
     names = [other for other in named_numbers(shell) if other != name]
-    assert get_value(changed, name) == 0.45
-    assert [get_value(changed, other) for other in names] == [get_value(shell, other) for other in names]
+    assert cf.updating.get_value(changed, name) == 0.45
+    assert [cf.updating.get_value(changed, other) for other in names] == [
+        cf.updating.get_value(shell, other) for other in names
+    ]
 
 
 @pytest.mark.parametrize("name", ["chart.chord", "chart.chord.0", "chart.chord.4", "chart.chord.x"])
 def test_a_law_without_a_station_is_refused(steel, name):
-    with pytest.raises(InputError, match="expected the number of a station, 1 to 3, after it"):
-        get_value(blade(steel), name)
+    with pytest.raises(cf.errors.InputError, match="expected the number of a station, 1 to 3, after it"):
+        cf.updating.get_value(blade(steel), name)
 
 
 def test_every_number_of_a_casing_has_its_unit(frustum):
-    shell = replace(casing(frustum), radius_defect=FourierField.of({0: 0.1, 3: (0.1, 0.2)}))
+    shell = replace(casing(frustum), radius_defect=cf.FourierField.of({0: 0.1, 3: (0.1, 0.2)}))
     found = named_numbers(shell)
     ring = {"width": "m", "depth": "m", "area": "m^2", "I_r": "m^4", "I_z": "m^4", "J": "m^4"}
     constants = {"E": "Pa", "nu": "-", "rho": "kg/m^3"}
@@ -162,14 +163,14 @@ def test_every_number_of_a_casing_has_its_unit(frustum):
         "mass.base.1.mass": "kg", "mass.base.1.angle": "rad",
         **{f"mass.top.{k}.{name}": unit for k in (1, 2) for name, unit in (("mass", "kg"), ("angle", "rad"))},
     }  # fmt: skip
-    assert all(get_value(shell, name) is not None for name in found)
+    assert all(cf.updating.get_value(shell, name) is not None for name in found)
 
 
 def test_harmonics_of_springs_are_those_they_share_or_have_alone(frustum):
     shared = named_numbers(frustum(supports={"base": SPRINGS}))
     names = [f"support.base.around.{wave}" for wave in ("p0.cos", "p4.cos", "p4.sin")]
     assert [name for name in shared if ".p" in name] == names
-    apart = with_value(frustum(supports={"base": SPRINGS}), "support.base.k_r.p2.sin", 0.3)
+    apart = cf.updating.with_value(frustum(supports={"base": SPRINGS}), "support.base.k_r.p2.sin", 0.3)
     own = {name for name in named_numbers(apart) if ".p2." in name}
     assert own == {"support.base.k_r.p2.cos", "support.base.k_r.p2.sin"}
     assert not any(".around." in name for name in named_numbers(apart))
@@ -183,7 +184,7 @@ def test_parameters_tell_value_and_unit_of_each_number(steel):
     assert rows["shell.thickness"] == (3e-3, "m")
     plate = cf.Shell(
         chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
-        masses={"tip": [EdgeMass(angle=0.25, mass=2.0)]},
+        masses={"tip": [cf.edge.EdgeMass(angle=0.25, mass=2.0)]},
     )  # fmt: skip
     assert named_numbers(plate)["mass.tip.1.angle"] == "of the edge"
 
@@ -200,19 +201,19 @@ def test_parameters_tell_value_and_unit_of_each_number(steel):
     ],
 )
 def test_a_parameter_starts_within_its_bounds_and_both_are_possible(frustum, lower, upper, words):
-    vary = [Parameter(name="shell.thickness", lower=lower, upper=upper)]
+    vary = [cf.Parameter(name="shell.thickness", lower=lower, upper=upper)]
     if words is None:
         check_parameters(frustum(), vary)
     else:
-        with pytest.raises(InputError, match=f"^shell.thickness: {words}"):
+        with pytest.raises(cf.errors.InputError, match=f"^shell.thickness: {words}"):
             check_parameters(frustum(), vary)
 
 
 def test_a_number_varied_under_two_names_is_told_with_both(frustum):
-    vary = [Parameter(name=name, lower=1e7, upper=1e9) for name in ("bolts.1.k", "support.base.bolts.1.k")]
+    vary = [cf.Parameter(name=name, lower=1e7, upper=1e9) for name in ("bolts.1.k", "support.base.bolts.1.k")]
     with pytest.raises(
-        InputError, match=r"^support\.base\.bolts\.1\.k is varied twice: bolts\.1\.k moves the same number$"
+        cf.errors.InputError, match=r"^support\.base\.bolts\.1\.k is varied twice: bolts\.1\.k moves the same number$"
     ):
         check_parameters(casing(frustum), vary)
-    with pytest.raises(InputError, match=r"^bolts\.1\.k is varied twice$"):
+    with pytest.raises(cf.errors.InputError, match=r"^bolts\.1\.k is varied twice$"):
         check_parameters(casing(frustum), vary[:1] * 2)

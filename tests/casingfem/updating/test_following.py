@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.pairing import pair
 from casingfem.updating.following import LostModeError, followed, overlaps, paired_rows
 
 
@@ -52,10 +51,10 @@ def test_a_mode_overlaps_with_itself_and_no_other(casing_modes):
 def test_labels_do_not_matter(casing_modes):
     """Half n = 7, half n = 9: whatever a mode is called on the way, it keeps its row."""
     table = table_of(casing_modes, 8)
-    before = pair(casing_modes, table)
+    before = cf.correlation.pair(casing_modes, table)
     other = cf.modes(mixed_casing(0.0021), 16)
     renamed = replace(other, nodal_diameters=np.where(other.nodal_diameters == 7, 9, other.nodal_diameters))
-    assert paired_rows(pair(renamed, table)) != paired_rows(before)
+    assert paired_rows(cf.correlation.pair(renamed, table)) != paired_rows(before)
     after = followed(before, casing_modes, renamed, table)
     assert paired_rows(after) == paired_rows(before)
     share = overlaps(casing_modes, renamed)
@@ -70,7 +69,7 @@ def test_two_modes_that_cross_swap_their_places():
     assert swapped[1] == 2  # the case is what it is meant to be
     assert swapped[2] == 1
     table = table_of(narrow, 4, labels=False)
-    before = pair(narrow, table)
+    before = cf.correlation.pair(narrow, table)
     after = followed(before, narrow, wide, table)
     assert [match.modes for match in before.matches] == [(0,), (1,), (2,), (3,)]
     assert {match.rows[0]: match.modes[0] for match in after.matches}[1] == 2
@@ -81,7 +80,7 @@ def test_two_modes_that_cross_swap_their_places():
 def test_a_doublet_that_turns_stays_one(casing_modes):
     """Turned by 30 degrees every doublet has other members, but not another plane."""
     table = table_of(casing_modes, 8)
-    before = pair(casing_modes, table)
+    before = cf.correlation.pair(casing_modes, table)
     turned = casing_modes.fields.copy()
     c, s = np.cos(0.5), np.sin(0.5)
     for low, high in casing_modes.doublets:
@@ -92,7 +91,7 @@ def test_a_doublet_that_turns_stays_one(casing_modes):
 
 def test_a_mode_that_is_gone_is_named(casing_modes):
     table = table_of(casing_modes, 8)
-    before = pair(casing_modes, table)
+    before = cf.correlation.pair(casing_modes, table)
     fewer = cf.modes(mixed_casing(), 4)
     with pytest.raises(LostModeError, match="of their mode is found again") as caught:
         followed(before, casing_modes, fewer, table)

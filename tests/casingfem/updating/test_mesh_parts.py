@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.experiment.correlation.matches import Match, Pairing
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.updating.addresses import get_value, with_value
+from casingfem.experiment.correlation.matches import Match
 from casingfem.updating.following import LostModeError, followed, moved, nodal_inertia, overlaps
 from casingfem.updating.numbers import mesh_numbers
-from casingfem.updating.sensitivity import eigen_derivatives, product_derivatives
+from casingfem.updating.sensitivity import product_derivatives
 from tests.casingfem.updating.test_update_judged import blade
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -21,12 +18,14 @@ GROUPS = {"root": (0, 0.0), "tip": (0, 1.0)}
 
 
 def solid():
-    mesh = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [0.3, 0.05, 0.02], groups=GROUPS)
+    mesh = cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [0.3, 0.05, 0.02], groups=GROUPS)
     return cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.ElasticEdge(k_face=1e12)})
 
 
 def skin():
-    mesh = grid_mesh("quad9", (2, 1), lambda u: np.column_stack([u * [0.3, 0.05], 0.0 * u[:, 0]]), groups=GROUPS)
+    mesh = cf.imported.grid_mesh(
+        "quad9", (2, 1), lambda u: np.column_stack([u * [0.3, 0.05], 0.0 * u[:, 0]]), groups=GROUPS
+    )
     return cf.MeshShell(mesh=mesh, thickness=2e-3, material=STEEL, supports={"root": cf.Clamped()})
 
 
@@ -38,9 +37,9 @@ def found(request):
 def test_numbers_of_a_part_are_its_own():
     assert list(mesh_numbers(solid())) == ["material.E", "material.nu", "material.rho", "support.root.k_face"]
     assert list(mesh_numbers(skin())) == ["material.E", "material.nu", "material.rho", "shell.thickness"]
-    assert get_value(solid(), "support.root.k_face") == 1e12
-    assert with_value(skin(), "shell.thickness", 3e-3).thickness == 3e-3
-    assert with_value(solid(), "material.nu", 0.25).material.nu == 0.25
+    assert cf.updating.get_value(solid(), "support.root.k_face") == 1e12
+    assert cf.updating.with_value(skin(), "shell.thickness", 3e-3).thickness == 3e-3
+    assert cf.updating.with_value(solid(), "material.nu", 0.25).material.nu == 0.25
 
 
 def test_stiffness_is_linear_in_the_modulus_and_mass_in_the_density(found):
@@ -61,14 +60,16 @@ def test_stiffness_is_linear_in_the_modulus_and_mass_in_the_density(found):
 
 def test_a_log_parameter_is_varied_in_decades(found):
     plain, log = (cf.Parameter(name="material.E", lower=1.0, upper=1e15, log=log) for log in (False, True))
-    one, other = (eigen_derivatives(found, [p])[0] for p in (plain, log))
+    one, other = (cf.updating.eigen_derivatives(found, [p])[0] for p in (plain, log))
     np.testing.assert_allclose(other, np.log(10.0) * 210e9 * one, rtol=1e-9, atol=1e-6 * found.omega[0] ** 2)
 
 
 def test_the_derivative_by_a_thickness_is_that_of_membrane_bending_and_mass():
     """omega^2 of a plate in bending goes as its thickness squared, but for shear."""
     modes = cf.modes(skin(), 1)
-    slope = eigen_derivatives(modes, [cf.Parameter(name="shell.thickness", lower=1e-3, upper=1e-2)])[0, 0, 0]
+    slope = cf.updating.eigen_derivatives(modes, [cf.Parameter(name="shell.thickness", lower=1e-3, upper=1e-2)])[
+        0, 0, 0
+    ]
     assert slope * 2e-3 / modes.omega[0] ** 2 == pytest.approx(2.0, abs=1e-3)
 
 
@@ -97,8 +98,8 @@ def test_overlaps_of_parts_go_by_their_displacements(found):
 def test_a_rotating_part_is_refused():
     turning = replace(skin(), rotation=cf.Rotation(omega=100.0))
     modes = replace(cf.modes(skin(), 1), structure=turning)
-    with pytest.raises(ModelError, match=r"update: found a rotating part.*rotation-update"):
-        eigen_derivatives(modes, [cf.Parameter(name="material.E", lower=1.0, upper=1e15)])
+    with pytest.raises(cf.errors.ModelError, match=r"update: found a rotating part.*rotation-update"):
+        cf.updating.eigen_derivatives(modes, [cf.Parameter(name="material.E", lower=1.0, upper=1e15)])
 
 
 # --- followed through mixed shapes --------------------------------------------------------------------------------
@@ -132,7 +133,7 @@ def table():
 def test_a_mode_is_lost_with_less_than_a_third_of_it(plain, largest, lost):
     """It goes to the new mode that has most of it, here the third."""
     new = mixed(plain, [0.2, 0.25, largest])
-    pairing = Pairing(matches=(row_of((1,), (0,)),), unpaired_rows=(0,), unpaired_modes=(1, 2, 3, 4, 5))
+    pairing = cf.correlation.Pairing(matches=(row_of((1,), (0,)),), unpaired_rows=(0,), unpaired_modes=(1, 2, 3, 4, 5))
     if lost:
         with pytest.raises(LostModeError, match=r"rows \(1,\): only 0\.33 of their mode is found again") as caught:
             followed(pairing, plain, new, table())

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.pairing import member_of, pair
+from casingfem.experiment.correlation.pairing import member_of
 from casingfem.plot.pages.fit import update_verdict, update_words
 from casingfem.updating import updating
 from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, strongest
@@ -206,4 +206,4 @@ def test_the_member_that_a_single_row_stands_for(angle, split, member):
     )  # fmt: skip
     row = cf.FrequencyTable.from_arrays(n=[8], freq_hz=[319.9], sigma_hz=0.1, angle_deg=[angle])
     assert member_of((0, 1), modes, row, 0) == member
-    assert pair(modes, row).matches[0].modes == (member,)
+    assert cf.correlation.pair(modes, row).matches[0].modes == (member,)

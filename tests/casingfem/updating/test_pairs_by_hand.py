@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.correlation.matches import Match
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.mode_set import ModeSet
@@ -145,5 +144,5 @@ def test_the_models_own_error_is_added_to_each_sigma_in_squares():
     )
     assert with_model_error(rows, 0.0) is rows
     words = r"0\.9999999, which makes sigma_hz 101 at the 101 Hz of row 2"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         with_model_error(replace(rows, freq_hz=np.array([3e6, 101.0, 3e6])), 0.9999999)

@@ -5,18 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from casingfem.errors import InputError, ModelError
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.support import Clamped, ElasticEdge
+import casingfem as cf
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.survey.survey import SurveyField
-from casingfem.structure.geometry.revolved import Arc, Revolved
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.shell import Shell, remade
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.parameters import Parameter, check_parameters
+from casingfem.structure.shell.shell import remade
+from casingfem.updating.parameters import check_parameters
 
 PATHS = {
     "material.E": 210e9,
@@ -47,31 +40,31 @@ PATHS = {
 
 @pytest.fixture(scope="module")
 def casing(frustum):
-    edge = ElasticEdge(k_face=5e12, k_r=1e8, around=FourierField.of({4: (0.2, 0.1)}))
+    edge = cf.ElasticEdge(k_face=5e12, k_r=1e8, around=cf.FourierField.of({4: (0.2, 0.1)}))
     return frustum(
-        supports={"base": edge, "top": Clamped()},
-        radius_defect=FourierField.of({8: (0.002, -0.001), 3: 0.001}),
-        thickness_defect=FourierField.of({2: 0.03}),
-        modulus_defect=FourierField.of({4: 0.02}),
-        density_defect=FourierField.of({2: (0.0, 0.03)}),
-        mesh=ShellMesh(order=3, rows=1, around=7),
+        supports={"base": edge, "top": cf.Clamped()},
+        radius_defect=cf.FourierField.of({8: (0.002, -0.001), 3: 0.001}),
+        thickness_defect=cf.FourierField.of({2: 0.03}),
+        modulus_defect=cf.FourierField.of({4: 0.02}),
+        density_defect=cf.FourierField.of({2: (0.0, 0.03)}),
+        mesh=cf.ShellMesh(order=3, rows=1, around=7),
     )
 
 
 @pytest.mark.parametrize("name", PATHS)
 def test_value_is_read(casing, name):
-    assert get_value(casing, name) == PATHS[name]
+    assert cf.updating.get_value(casing, name) == PATHS[name]
 
 
 @pytest.mark.parametrize("name", PATHS)
 def test_value_is_replaced_and_nothing_else_changes(casing, name):
     value = 0.4 if name == "material.nu" else 1.1 * PATHS[name] + 1e-4
-    changed = with_value(casing, name, value)
-    assert get_value(changed, name) == pytest.approx(value, rel=1e-15)
+    changed = cf.updating.with_value(casing, name, value)
+    assert cf.updating.get_value(changed, name) == pytest.approx(value, rel=1e-15)
     for other, expected in PATHS.items():
         if other != name and not one_pattern(name, other):
-            assert get_value(changed, other) == expected, other
-    assert get_value(casing, name) == PATHS[name]
+            assert cf.updating.get_value(changed, other) == expected, other
+    assert cf.updating.get_value(casing, name) == PATHS[name]
     assert changed.mesh is casing.mesh
 
 
@@ -82,47 +75,51 @@ def one_pattern(name, other):
 
 
 def test_a_spring_leaves_the_pattern_it_shared(casing):
-    changed = with_value(casing, "support.base.k_r.p4.cos", 0.5)
-    values = [get_value(changed, f"support.base.{k}.p4.cos") for k in ("k_r", "k_face", "k_z")]
+    changed = cf.updating.with_value(casing, "support.base.k_r.p4.cos", 0.5)
+    values = [cf.updating.get_value(changed, f"support.base.{k}.p4.cos") for k in ("k_r", "k_face", "k_z")]
     assert values == [0.5, 0.2, 0.2]
-    with pytest.raises(InputError, match="the springs of this edge differ there; name one"):
-        get_value(changed, "support.base.around.p4.cos")
-    both = with_value(changed, "support.base.around.p4.sin", 0.3)
-    assert get_value(both, "support.base.around.p4.sin") == get_value(both, "support.base.k_z.p4.sin") == 0.3
+    with pytest.raises(cf.errors.InputError, match="the springs of this edge differ there; name one"):
+        cf.updating.get_value(changed, "support.base.around.p4.cos")
+    both = cf.updating.with_value(changed, "support.base.around.p4.sin", 0.3)
+    assert (
+        cf.updating.get_value(both, "support.base.around.p4.sin")
+        == cf.updating.get_value(both, "support.base.k_z.p4.sin")
+        == 0.3
+    )
 
 
 @pytest.mark.parametrize("pair", [("around", "k_r"), ("k_r", "around"), ("k_r", "k_r")])
 def test_one_number_is_varied_once(casing, pair):
-    vary = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in pair]
-    with pytest.raises(InputError, match="is varied twice"):
+    vary = [cf.Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in pair]
+    with pytest.raises(cf.errors.InputError, match="is varied twice"):
         check_parameters(casing, vary)
-    apart = [Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_r", "k_face")]
+    apart = [cf.Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_r", "k_face")]
     check_parameters(casing, apart)
 
 
 def test_a_shell_without_fields_gets_one(frustum):
-    shell = with_value(frustum(), "radius.p4.sin", 0.001)
-    assert get_value(frustum(), "radius.p4.sin") == 0.0
+    shell = cf.updating.with_value(frustum(), "radius.p4.sin", 0.001)
+    assert cf.updating.get_value(frustum(), "radius.p4.sin") == 0.0
     theta = np.linspace(0, 6, 7)
     np.testing.assert_allclose(shell.radius_defect.derivatives(0.1, theta).value, 0.001 * np.sin(4 * theta), atol=1e-18)
-    assert with_value(frustum(), "thickness.p2.cos", 0.1).thickness_defect is not None
+    assert cf.updating.with_value(frustum(), "thickness.p2.cos", 0.1).thickness_defect is not None
 
 
 def test_a_survey_is_varied_through_its_fit(frustum):
     theta = np.tile(np.arange(0, 360, 5.0), 2)
     z = np.repeat([0.0, 0.25], 72)
     radius = (0.5 - 0.2 * z) * (1 + 0.002 * np.cos(np.radians(4 * theta)))
-    survey = SurveyField.from_points(np.radians(theta), z, radius)
+    survey = cf.SurveyField.from_points(np.radians(theta), z, radius)
     shell = frustum(radius_defect=survey)
-    assert get_value(shell, "radius.p4.cos") == pytest.approx(0.002, rel=1e-6)
-    assert get_value(with_value(shell, "radius.p4.cos", 0.003), "radius.p4.cos") == 0.003
+    assert cf.updating.get_value(shell, "radius.p4.cos") == pytest.approx(0.002, rel=1e-6)
+    assert cf.updating.get_value(cf.updating.with_value(shell, "radius.p4.cos", 0.003), "radius.p4.cos") == 0.003
 
 
 @pytest.mark.slow
 def test_complex_values_pass(casing):
     for name in PATHS:
-        step = with_value(casing, name, PATHS[name] + 1e-30j)
-        assert np.imag(get_value(step, name)) == 1e-30, name
+        step = cf.updating.with_value(casing, name, PATHS[name] + 1e-30j)
+        assert np.imag(cf.updating.get_value(step, name)) == 1e-30, name
 
 
 @pytest.mark.parametrize(
@@ -147,10 +144,10 @@ def test_complex_values_pass(casing):
     ],
 )
 def test_names_that_are_none(casing, name, message):
-    with pytest.raises(InputError, match=message):
-        get_value(casing, name)
-    with pytest.raises(InputError, match=message):
-        with_value(casing, name, 1.0)
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.updating.get_value(casing, name)
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.updating.with_value(casing, name, 1.0)
 
 
 class Ripple:
@@ -164,8 +161,8 @@ class Ripple:
 
 def test_a_field_that_is_no_series_has_no_harmonics(frustum):
     shell = frustum(radius_defect=Ripple())
-    with pytest.raises(InputError, match="no Fourier series but Ripple"):
-        get_value(shell, "radius.p8.cos")
+    with pytest.raises(cf.errors.InputError, match="no Fourier series but Ripple"):
+        cf.updating.get_value(shell, "radius.p8.cos")
 
 
 @pytest.mark.parametrize(
@@ -182,42 +179,44 @@ def test_a_field_that_is_no_series_has_no_harmonics(frustum):
     ],
 )
 def test_refuses_bounds_and_priors_that_are_none(values, message):
-    with pytest.raises(InputError, match=message):
-        Parameter(name="material.E", **values)
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.Parameter(name="material.E", **values)
 
 
 @given(st.floats(1e-6, 1e14))
 def test_log_parameters_are_varied_in_decades(value):
-    parameter = Parameter(name="support.base.k_face", lower=1e-7, upper=1e15, log=True)
+    parameter = cf.Parameter(name="support.base.k_face", lower=1e-7, upper=1e15, log=True)
     assert parameter.from_internal(parameter.to_internal(value)) == pytest.approx(value, rel=1e-12)
     assert parameter.to_internal(10 * value) - parameter.to_internal(value) == pytest.approx(1.0, rel=1e-12)
-    plain = Parameter(name="material.E", lower=0.0, upper=1.0)
+    plain = cf.Parameter(name="material.E", lower=0.0, upper=1.0)
     assert plain.from_internal(plain.to_internal(value)) == value
 
 
 def test_a_profile_is_no_number(steel):
     """It was handed on as one, and the program ended in a traceback."""
-    bowl = Shell(chart=Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel)
-    with pytest.raises(InputError, match="chart has no numbers, not 'profile'"):
-        get_value(bowl, "chart.profile")
+    bowl = cf.Shell(
+        chart=cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0)), thickness=3e-3, material=steel
+    )
+    with pytest.raises(cf.errors.InputError, match="chart has no numbers, not 'profile'"):
+        cf.updating.get_value(bowl, "chart.profile")
 
 
 def test_bare_parts_are_checked_when_they_are_a_shell_again(frustum):
-    bare = with_value(remade(ShellParts, frustum()), "shell.thickness", -1.0)
+    bare = cf.updating.with_value(remade(ShellParts, frustum()), "shell.thickness", -1.0)
     assert bare.thickness == -1.0
-    with pytest.raises(ModelError, match="thickness"):
-        remade(Shell, bare)
+    with pytest.raises(cf.errors.ModelError, match="thickness"):
+        remade(cf.Shell, bare)
 
 
 def test_bolts_without_stiffness_have_none_to_change(frustum):
     """Three stiffnesses keep their ratios, which zeros do not have; `k_rot` is one number."""
 
     def bolted(frustum, k):
-        return frustum(supports={"base": Bolts(count=4, k=k, k_rot=1e3)})
+        return frustum(supports={"base": cf.Bolts(count=4, k=k, k_rot=1e3)})
 
-    some = with_value(bolted(frustum, (0.0, 0.0, 1e-9)), "support.base.k", 2.0)
+    some = cf.updating.with_value(bolted(frustum, (0.0, 0.0, 1e-9)), "support.base.k", 2.0)
     np.testing.assert_allclose(some.supports["base"].stiffness, [0.0, 0.0, 2.0])
     for name in ("support.base.k", "support.base.bolts.3.k"):
-        with pytest.raises(InputError, match=f"'{name}': bolts whose k is 0 have none to change"):
-            with_value(bolted(frustum, 0.0), name, 1e6)
-    assert with_value(bolted(frustum, 0.0), "support.base.k_rot", 2e3).supports["base"].k_rot == 2e3
+        with pytest.raises(cf.errors.InputError, match=f"'{name}': bolts whose k is 0 have none to change"):
+            cf.updating.with_value(bolted(frustum, 0.0), name, 1e6)
+    assert cf.updating.with_value(bolted(frustum, 0.0), "support.base.k_rot", 2e3).supports["base"].k_rot == 2e3

@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.section import Section
 from casingfem.study import load_study
 from casingfem.study.updated import updated_toml
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.sensitivity import eigen_derivatives
 from tests.casingfem.study.study_texts import THIN, written
 
 STUDY = (
@@ -44,13 +41,13 @@ def study(tmp_path):
 
 
 def test_a_rectangle_stays_one():
-    ring = Section.rectangle(width=0.03, depth=0.02).with_number("width", 0.04)
-    assert ring == Section.rectangle(width=0.04, depth=0.02)
-    assert Section.circle(diameter=0.02).with_number("diameter", 0.03) == Section.circle(diameter=0.03)
+    ring = cf.edge.Section.rectangle(width=0.03, depth=0.02).with_number("width", 0.04)
+    assert ring == cf.edge.Section.rectangle(width=0.04, depth=0.02)
+    assert cf.edge.Section.circle(diameter=0.02).with_number("diameter", 0.03) == cf.edge.Section.circle(diameter=0.03)
 
 
 def test_a_section_by_its_numbers_changes_one_of_them():
-    free = replace(Section.rectangle(width=0.03, depth=0.02), J=1e-8)
+    free = replace(cf.edge.Section.rectangle(width=0.03, depth=0.02), J=1e-8)
     assert free.with_number("width", 0.04) == replace(free, width=0.04)
     with pytest.raises(KeyError, match="a section has width, depth, area"):
         free.number("diameter")
@@ -69,9 +66,9 @@ def test_a_section_by_its_numbers_changes_one_of_them():
     ],
 )
 def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
-    assert get_value(with_value(study.shell, name, value), name) == value
+    assert cf.updating.get_value(cf.updating.with_value(study.shell, name, value), name) == value
     (tmp_path / "new.toml").write_text(updated_toml(study, {name: value}, tmp_path))
-    assert get_value(load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
+    assert cf.updating.get_value(load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +82,7 @@ def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
 )
 def test_numbers_that_do_not_exist_are_refused(study, name, words):
     with pytest.raises(cf.errors.InputError) as caught:
-        get_value(study.shell, name)
+        cf.updating.get_value(study.shell, name)
     assert words in str(caught.value)
 
 
@@ -101,9 +98,9 @@ def test_derivatives_equal_central_differences(study, name):
     waves = cf.FourierField.of({8: (0.002, 0.001), 3: 0.001})
     shell = replace(study.shell, radius_defect=waves, mesh=cf.ShellMesh(order=5, rows=1, around=9))
     found = cf.modes(shell, 8)
-    exact = np.diag(eigen_derivatives(found, [cf.Parameter(name=name, lower=1e-30, upper=1e30)])[0])
-    x = float(get_value(shell, name))
+    exact = np.diag(cf.updating.eigen_derivatives(found, [cf.Parameter(name=name, lower=1e-30, upper=1e30)])[0])
+    x = float(cf.updating.get_value(shell, name))
     h = 1e-4 * x
-    plus, minus = (cf.modes(with_value(shell, name, x + side), 8).omega ** 2 for side in (h, -h))
+    plus, minus = (cf.modes(cf.updating.with_value(shell, name, x + side), 8).omega ** 2 for side in (h, -h))
     numeric = (plus - minus) / (2.0 * h)
     assert np.abs(exact - numeric).max() < 1e-6 * np.abs(numeric).max()

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.shell.assembly import assemble
 from casingfem.updating.problem import Problem
 from tests.casingfem.updating.test_update_judged import blade, table
 
@@ -56,7 +54,9 @@ def test_rows_paired_anew_are_where_modes_are_followed_from(problem):
 
 
 def test_an_imported_part_is_solved_from_nothing_and_counted_as_it_is():
-    mesh = grid_mesh("quad9", (2, 1), lambda u: np.insert(u * [0.3, 0.05], 2, 0.0, axis=1), groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh(
+        "quad9", (2, 1), lambda u: np.insert(u * [0.3, 0.05], 2, 0.0, axis=1), groups={"root": (0, 0.0)}
+    )
     # thick enough for bending to stand out of the round-off of K's sums, on any processor
     part = cf.MeshShell(
         mesh=mesh, thickness=2e-2, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"root": cf.Clamped()}
@@ -86,7 +86,7 @@ def test_a_perfect_casing_is_solved_harmonic_by_harmonic_and_another_as_a_whole(
 
 def test_an_assembled_shell_is_used_by_its_first_solution_alone():
     shell = blade()
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     problem = Problem(shell, table(rows=3), PRIORS, 5, 0.5, system=system)
     assert problem.state(problem.start).solution.system is system
     assert problem.system is None

@@ -5,16 +5,15 @@ import pytest
 
 import casingfem as cf
 from casingfem.updating.identifiability import Identifiability, identifiability, widths
-from casingfem.updating.parameters import Parameter
-from casingfem.updating.regularisation import WEIGHTS, Regularisation, chosen_weight, corner, is_harmonic, trade_off
+from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, is_harmonic, trade_off
 from casingfem.updating.updating import MOST_MODES, mode_count, require_few
 from tests.casingfem.updating.test_update_judged import blade, table, vary
 
 VARY = [
-    Parameter(name="material.E", lower=1e9, upper=3e9),
-    Parameter(name="radius.p8.cos", lower=-0.1, upper=0.5),
-    Parameter(name="support.base.k_face", lower=1e3, upper=1e9, log=True),
-    Parameter(name="support.base.around.p12.sin", lower=-1.0, upper=1.0, sigma=0.25),
+    cf.Parameter(name="material.E", lower=1e9, upper=3e9),
+    cf.Parameter(name="radius.p8.cos", lower=-0.1, upper=0.5),
+    cf.Parameter(name="support.base.k_face", lower=1e3, upper=1e9, log=True),
+    cf.Parameter(name="support.base.around.p12.sin", lower=-1.0, upper=1.0, sigma=0.25),
 ]
 
 
@@ -26,8 +25,8 @@ def test_a_width_is_the_prior_or_that_of_anywhere_between_the_bounds():
 
 def test_harmonics_are_held_unless_others_are_named():
     root = np.sqrt(12.0)
-    np.testing.assert_allclose(Regularisation().among(VARY), [0.0, root / 0.6, 0.0, 4.0], rtol=1e-12)
-    named = Regularisation(names=("material.E", "support.base.k_face"))
+    np.testing.assert_allclose(cf.updating.Regularisation().among(VARY), [0.0, root / 0.6, 0.0, 4.0], rtol=1e-12)
+    named = cf.updating.Regularisation(names=("material.E", "support.base.k_face"))
     np.testing.assert_allclose(named.among(VARY), [root / 2e9, 0.0, root / 6.0, 0.0], rtol=1e-12)
     assert [is_harmonic(name) for name in ("radius.p8.cos", "pitch.E", "chart.p8x", "chart.xp8")] == [True] + [
         False
@@ -108,11 +107,15 @@ def test_a_regularised_update_is_stationary_at_the_weight_that_its_rule_chooses_
     """J^T r + w^2 D^-2 (x - x0) = 0 for the one held, which its prior does not hold as well; the other is free."""
     width = 0.5e-3
     free = [
-        Parameter(name="material.E", lower=100e9, upper=300e9),
-        Parameter(name="shell.thickness", lower=2e-3, upper=4e-3, sigma=width),
+        cf.Parameter(name="material.E", lower=100e9, upper=300e9),
+        cf.Parameter(name="shell.thickness", lower=2e-3, upper=4e-3, sigma=width),
     ]
     fit = cf.update(
-        blade(), table(1e-3), free, regularise=Regularisation(rule=rule, names=("shell.thickness",)), outliers="keep"
+        blade(),
+        table(1e-3),
+        free,
+        regularise=cf.updating.Regularisation(rule=rule, names=("shell.thickness",)),
+        outliers="keep",
     )
     told = fit.regularised
     assert told.names == ("shell.thickness",)

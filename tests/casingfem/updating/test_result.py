@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
-from casingfem.experiment.correlation.matches import Match, Pairing
+from casingfem.experiment.correlation.matches import Match
 from casingfem.updating.following import overlaps, paired_rows, plane_of
 from casingfem.updating.problem import Given, Problem
 from casingfem.updating.solve import covariance, lower_misfit, require_enough, solve, stepped
@@ -144,7 +143,7 @@ def test_a_covariance_leaves_out_what_the_data_do_not_see():
 
 def test_as_many_residuals_as_parameters_are_enough():
     require_enough(3, 3)
-    with pytest.raises(InputError, match="so 2 residuals cannot determine 3 parameters: measure more modes"):
+    with pytest.raises(cf.errors.InputError, match="so 2 residuals cannot determine 3 parameters: measure more modes"):
         require_enough(2, 3, "so ")
 
 
@@ -239,12 +238,14 @@ def row(rows, modes):
     [((1, 2), (), (1, 2)), ((1,), (2,), (1, 2)), ((2,), (1,), (1, 2)), ((1,), (), (1,)), ((0,), (1, 2), (0,))],
 )
 def test_half_a_doublet_has_the_plane_of_both_unless_the_other_has_a_row(modes, unpaired, plane):
-    pairing = Pairing(matches=(), unpaired_rows=(), unpaired_modes=unpaired)
+    pairing = cf.correlation.Pairing(matches=(), unpaired_rows=(), unpaired_modes=unpaired)
     assert plane_of(row((0,) * len(modes), modes), SimpleNamespace(doublets=((1, 2),)), pairing) == plane
 
 
 def test_rows_are_told_by_their_groups_ascending():
-    pairing = Pairing(matches=(row((4,), (0,)), row((0, 2), (1, 2))), unpaired_rows=(), unpaired_modes=())
+    pairing = cf.correlation.Pairing(
+        matches=(row((4,), (0,)), row((0, 2), (1, 2))), unpaired_rows=(), unpaired_modes=()
+    )
     assert paired_rows(pairing) == ((0, 2), (4,))
 
 

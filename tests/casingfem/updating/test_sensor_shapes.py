@@ -7,18 +7,16 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.matches import Match, Pairing
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.matches import Match
 from casingfem.modal.neighbour import solved
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.updating.addresses import get_value, with_value
+from casingfem.structure.mesh.shell_mesh import make_grid
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch, numbered, only_seen
-from casingfem.updating.shapes import SensorShapes, plane_at, redundant, shape_jacobian, shape_values
+from casingfem.updating.shapes import plane_at, redundant, shape_jacobian, shape_values
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 CASING = cf.Shell(
     chart=cf.Frustum(r_base=0.5, r_top=0.4, height=0.25), thickness=3e-3, material=STEEL,
-    supports={"base": cf.Clamped()}, mesh=ShellMesh(order=4, rows=1, around=8),
+    supports={"base": cf.Clamped()}, mesh=cf.ShellMesh(order=4, rows=1, around=8),
 )  # fmt: skip
 NAN = np.nan
 THETA = np.array([0.1, 0.9, 2.0])
@@ -26,7 +24,7 @@ THETA = np.array([0.1, 0.9, 2.0])
 
 def sensors(shapes=((3.0, NAN, 1.0), (4.0, NAN, -1.0), (0.0, NAN, 0.0)), sigma=0.1, **changes):
     given = {"a": np.array([0.1, 0.2, 0.25]), "b": THETA, "directions": np.eye(3)} | changes
-    return SensorShapes(shapes=np.array(shapes), sigma=sigma, **given)
+    return cf.updating.SensorShapes(shapes=np.array(shapes), sigma=sigma, **given)
 
 
 def test_shapes_are_scaled_to_unit_norm_and_have_a_sigma_each():
@@ -63,16 +61,18 @@ def test_arrays_that_do_not_fit_are_refused(changes, words):
 
 
 def test_a_circle_of_sensors_measures_radially_on_its_edge():
-    found = SensorShapes.on_edge(CASING, "base", THETA, np.ones((3, 2)), 0.2)
+    found = cf.updating.SensorShapes.on_edge(CASING, "base", THETA, np.ones((3, 2)), 0.2)
     np.testing.assert_array_equal(found.a, np.zeros(3))
     np.testing.assert_allclose(
         found.directions, np.column_stack([np.cos(THETA), np.sin(THETA), 0.0 * THETA]), atol=1e-14
     )
-    np.testing.assert_array_equal(SensorShapes.on_edge(CASING, "top", THETA, np.ones((3, 1)), 0.2).a, np.full(3, 0.25))
+    np.testing.assert_array_equal(
+        cf.updating.SensorShapes.on_edge(CASING, "top", THETA, np.ones((3, 1)), 0.2).a, np.full(3, 0.25)
+    )
     plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=STEEL)
     for shell, edge in ((plate, "root"), (CASING, "rim")):
         with pytest.raises(ValueError, match=f"{edge!r} is no closed edge"):
-            SensorShapes.on_edge(shell, edge, THETA, np.ones((3, 1)), 0.2)
+            cf.updating.SensorShapes.on_edge(shell, edge, THETA, np.ones((3, 1)), 0.2)
 
 
 def test_readings_are_displacements_along_the_directions():
@@ -88,7 +88,7 @@ def test_readings_are_displacements_along_the_directions():
     np.testing.assert_allclose(at.readings(modes), read[:, None] * [1.0, -2.0], rtol=1e-9)
 
 
-class Read(SensorShapes):
+class Read(cf.updating.SensorShapes):
     """Sensors that read given columns."""
 
     def readings(self, modes):
@@ -156,25 +156,25 @@ def test_measured_shapes_need_a_noise_and_tell_what_is_unused(frustum):
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
 
     def shapes(sigma):
-        return MeasuredShapes.from_arrays(
+        return cf.correlation.MeasuredShapes.from_arrays(
             freq_hz=[100.0, 150.0, 200.0], values=np.eye(3) + 0.1, points=points, directions=np.eye(3), sigma=sigma,
             labels=np.array([4, 5, 9]),
         )  # fmt: skip
 
-    found = SensorShapes.of(shapes([0.1, 0.2, 0.3]), CASING, table)
+    found = cf.updating.SensorShapes.of(shapes([0.1, 0.2, 0.3]), CASING, table)
     assert found.unused_hz == (150.0,)
     assert found.labels.tolist() == [4, 5, 9]
     np.testing.assert_allclose(found.sigma * np.sqrt(3.0), [0.1, 0.3], rtol=1e-12)
     np.testing.assert_allclose(found.a, 0.1, atol=1e-12)
     np.testing.assert_allclose(found.b, THETA, rtol=1e-12)
     with pytest.raises(cf.errors.InputError, match="no uncertainty of the shapes"):
-        SensorShapes.of(shapes([0.1, np.nan, 0.3]), CASING, table)
-    told = SensorShapes.of(shapes([0.1, np.nan, 0.3]), CASING, table, sigma=0.2)
+        cf.updating.SensorShapes.of(shapes([0.1, np.nan, 0.3]), CASING, table)
+    told = cf.updating.SensorShapes.of(shapes([0.1, np.nan, 0.3]), CASING, table, sigma=0.2)
     np.testing.assert_allclose(told.sigma * np.sqrt(3.0), 0.2, rtol=1e-12)
 
 
 def comparison(found, comac):
-    pairing = Pairing(matches=(), unpaired_rows=(), unpaired_modes=(4, 0))
+    pairing = cf.correlation.Pairing(matches=(), unpaired_rows=(), unpaired_modes=(4, 0))
     return ShapeComparison(
         modes=None, pairing=pairing, rows=np.array([0, 2]), mac=np.zeros((2, 5)), found=found, comac=np.array(comac)
     )
@@ -229,9 +229,9 @@ def test_slopes_of_shapes_are_those_of_what_is_left_of_them():
     rng = np.random.default_rng(5)
     plate = cf.Shell(
         chart=cf.Plate(length=0.2, width=0.07), thickness=3e-3, material=STEEL,
-        supports={"root": cf.ElasticEdge(k_face=1e11)}, mesh=ShellMesh(order=4, rows=1, around=1),
+        supports={"root": cf.ElasticEdge(k_face=1e11)}, mesh=cf.ShellMesh(order=4, rows=1, around=1),
     )  # fmt: skip
-    at = SensorShapes(
+    at = cf.updating.SensorShapes(
         a=np.array([0.05, 0.1, 0.15, 0.2, 0.2, 0.12]), b=np.array([0.0, 0.02, -0.03, 0.03, -0.03, -0.01]),
         directions=np.tile([0.0, 0.0, 1.0], (6, 1)), shapes=rng.standard_normal((6, 3)), sigma=np.full(3, 0.1),
     )  # fmt: skip
@@ -242,7 +242,10 @@ def test_slopes_of_shapes_are_those_of_what_is_left_of_them():
     found = shape_jacobian(here, [cf.Parameter(name=name, lower=0.01, upper=1e13) for name in names], at, matches)
     assert found.shape == (18, 2)
     for k, name in enumerate(names):
-        x = get_value(plate, name)
-        ends = [shape_values(solved(with_value(plate, name, x * by), 5).modes, at, matches) for by in (1.0001, 0.9999)]
+        x = cf.updating.get_value(plate, name)
+        ends = [
+            shape_values(solved(cf.updating.with_value(plate, name, x * by), 5).modes, at, matches)
+            for by in (1.0001, 0.9999)
+        ]
         slope = (ends[0] - ends[1]) / (2e-4 * x)
         np.testing.assert_allclose(found[:, k], slope, atol=1e-3 * np.abs(slope).max(), err_msg=name)

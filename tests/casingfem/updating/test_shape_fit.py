@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 import casingfem as cf
 from casingfem.plot.correlation import mac_panel
 from casingfem.plot.pages.fit import figure_shape_mac, shapes_section
-from casingfem.updating.addresses import with_value
 from casingfem.updating.shape_fit import shape_fit
 from tests.test_results import assert_whole
 
@@ -40,7 +39,7 @@ def fit(frustum):
     measured = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=found.freq[seen], values=values, points=points, directions=out, labels=np.arange(101, 121), sigma=0.05
     )
-    start = with_value(truth, "support.base.around.p3.cos", 0.1)
+    start = cf.updating.with_value(truth, "support.base.around.p3.cos", 0.1)
     shapes = cf.updating.SensorShapes.of(measured, start, table)
     return cf.update(
         start, table, [cf.Parameter(name="support.base.around.p3.cos", lower=-0.5, upper=0.7)], shapes=shapes

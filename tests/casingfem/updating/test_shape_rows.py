@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.updating.shape_rows import EXACT, SURE, refuse_doubtful, rows_of_shapes
 
 NONE = np.inf
@@ -17,7 +15,7 @@ def refused(apart, rows, groups=((0,), (1,))):
     """Whether shapes so far `apart` (shapes, rows) from rows, and given `rows`, are refused; the words."""
     count = len(rows)
     measured = SimpleNamespace(
-        freq_hz=100.0 + np.arange(count), error=lambda found, said: InputError(f"{found}; {said}")
+        freq_hz=100.0 + np.arange(count), error=lambda found, said: cf.errors.InputError(f"{found}; {said}")
     )
     table = SimpleNamespace(
         mode=np.array([1, 2]), freq_hz=np.array([100.0, 101.0]), path="table.csv",
@@ -25,7 +23,7 @@ def refused(apart, rows, groups=((0,), (1,))):
     )  # fmt: skip
     try:
         refuse_doubtful(np.array(apart, dtype=float), np.array(rows), measured, table)
-    except InputError as error:
+    except cf.errors.InputError as error:
         return str(error)
     return ""
 
@@ -68,8 +66,8 @@ def test_a_table_in_another_unit_than_its_shapes_is_called_so(factor, words):
     """Some rows have no shape, and some shapes no row."""
     freq = factor * np.array([100.0, 130.0, 150.0, 190.0])
     table = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=1e-3 * freq, path="t.csv")
-    shapes = MeasuredShapes.from_arrays(
+    shapes = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=[130.01, 150.0, 171.0], values=np.eye(3), points=np.eye(3), directions=np.eye(3)
     )
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         rows_of_shapes(shapes, table)

@@ -10,15 +10,10 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import InputError, ModelError, ModelWarning
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.correlation.sensors import sensors_at_nodes
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.mesh_data import Group
 from casingfem.study import load_any
-from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.numbers import mesh_numbers
-from casingfem.updating.sensitivity import eigen_derivatives, of_mesh
+from casingfem.updating.sensitivity import of_mesh
 from reports.modes.mesh_files import write_inp
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -29,12 +24,14 @@ ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
 def grouped(mesh):
     """The mesh with its outer half as a group of cells."""
     far = np.flatnonzero(mesh.points[mesh.cells].mean(axis=1)[:, 0] > 0.1)
-    group = Group(nodes=np.unique(mesh.cells[far]), cells=far)
+    group = cf.imported.Group(nodes=np.unique(mesh.cells[far]), cells=far)
     return replace(mesh, groups={**mesh.groups, "far": group})
 
 
 def solid(**change):
-    mesh = grid_mesh("hexahedron20", (6, 2, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.2, 0.05, 0.008], groups=ENDS)
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", (6, 2, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.2, 0.05, 0.008], groups=ENDS
+    )
     part = cf.Solid(
         mesh=grouped(mesh), material=STEEL, materials={"far": ALUMINIUM}, supports={"root": cf.ElasticEdge(k_face=1e13)}
     )
@@ -42,7 +39,9 @@ def solid(**change):
 
 
 def shell(**change):
-    mesh = grid_mesh("quad9", (6, 2), lambda u: np.insert((u - [0.0, 0.5]) * [0.2, 0.05], 2, 0.0, axis=1), groups=ENDS)
+    mesh = cf.imported.grid_mesh(
+        "quad9", (6, 2), lambda u: np.insert((u - [0.0, 0.5]) * [0.2, 0.05], 2, 0.0, axis=1), groups=ENDS
+    )
     part = cf.MeshShell(
         mesh=grouped(mesh), thickness=4e-3, material=STEEL, thicknesses={"far": 3e-3}, materials={"far": ALUMINIUM},
         supports={"root": cf.Clamped()},
@@ -61,15 +60,15 @@ NUMBERS = [
 @pytest.mark.parametrize(("make", "name"), NUMBERS, ids=[name for _, name in NUMBERS])
 def test_derivatives_are_those_of_the_frequencies(make, name):
     part = make()
-    value = get_value(part, name)
+    value = cf.updating.get_value(part, name)
     found, h = cf.modes(part, 4), 1e-3
-    up, down = (cf.modes(with_value(part, name, value * (1.0 + s * h)), 4).omega ** 2 for s in (1, -1))
+    up, down = (cf.modes(cf.updating.with_value(part, name, value * (1.0 + s * h)), 4).omega ** 2 for s in (1, -1))
     for log, unit in ((False, value), (True, np.log10((1 + h) / (1 - h)) / (2 * h))):
         parameter = cf.Parameter(name=name, lower=0.5 * value, upper=2.0 * value, log=log)
         K, M = of_mesh(found, [parameter], found.fields)
         rate = np.diagonal(K[0] - found.omega**2 * M[0])
         np.testing.assert_allclose(rate, (up - down) / (2 * h * unit), rtol=1e-5, atol=1e-6 * np.abs(rate).max())
-        assert eigen_derivatives(found, [parameter]).shape == (1, 4, 4)
+        assert cf.updating.eigen_derivatives(found, [parameter]).shape == (1, 4, 4)
 
 
 def table_of(part, count=6, noise=0.0):
@@ -89,7 +88,7 @@ def table_of(part, count=6, noise=0.0):
 def test_a_twin_is_found_again(make, truth):
     start, twin = make(), make()
     for name, value in truth.items():
-        twin = with_value(twin, name, value)
+        twin = cf.updating.with_value(twin, name, value)
     vary = [
         cf.Parameter(name=name, lower=0.1 * value, upper=10.0 * value, log=name.endswith("k_face"))
         for name, value in truth.items()
@@ -110,9 +109,9 @@ def test_groups_of_a_shell_have_their_own_wall():
     x = system.restrict(total)
     expected = 0.05 * 0.1 * (7800 * 4e-3 + 2700 * 3e-3)
     assert float((x.T @ (system.M @ x)).item()) == pytest.approx(expected, rel=1e-12)
-    with pytest.raises(ModelError, match=r"shell.thicknesses.far must be above 0"):
+    with pytest.raises(cf.errors.ModelError, match=r"shell.thicknesses.far must be above 0"):
         shell(thicknesses={"far": 0.0})
-    with pytest.raises(ModelError, match="no group 'fra'"):
+    with pytest.raises(cf.errors.ModelError, match="no group 'fra'"):
         shell(thicknesses={"fra": 1e-3})
 
 
@@ -121,7 +120,7 @@ def test_groups_of_a_shell_have_their_own_wall():
     [("chart.radius", "an imported part has material.E"), ("support.root.k_r", "an imported part has"), ("E", "has")],
 )
 def test_numbers_that_are_not_there_are_listed(name, message):
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(cf.errors.InputError, match=message):
         cf.update(solid(), table_of(solid()), [cf.Parameter(name=name, lower=1.0, upper=2.0)])
 
 
@@ -130,10 +129,10 @@ def test_angles_are_left_out_with_a_warning_and_shapes_refused():
     table = table_of(solid())
     angled = replace(table, angle_deg=np.full(len(table), 10.0))
     vary = [cf.Parameter(name="material.E", lower=1e11, upper=3e11)]
-    with pytest.warns(ModelWarning, match="update-angles"):
+    with pytest.warns(cf.errors.ModelWarning, match="update-angles"):
         cf.update(solid(), angled, vary)
     spun = solid(rotation=cf.Rotation(omega=10.0, centre=(-0.1, 0.0, 0.0)))
-    with pytest.raises(ModelError, match="rotation-update"):
+    with pytest.raises(cf.errors.ModelError, match="rotation-update"):
         cf.update(spun, table, vary)
 
 
@@ -145,7 +144,7 @@ def test_shapes_are_not_fitted_on_an_imported_part(make):
     )  # fmt: skip
     shapes = cf.updating.SensorShapes.on_edge(plate, "top", np.zeros(1), np.ones((1, 1)), 0.1)
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=1.0)
-    with pytest.raises(ModelError, match=r"update: found shapes to fit on an imported part.*structure-chart"):
+    with pytest.raises(cf.errors.ModelError, match=r"update: found shapes to fit on an imported part.*structure-chart"):
         cf.update(make(), table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)], shapes=shapes)
 
 
@@ -153,7 +152,9 @@ def test_only_solids_and_shells_have_numbers_to_vary():
     """A structure of one's own has modes, but says nothing of what it is made of."""
     assert "shell.thickness" in mesh_numbers(shell())
     assert "solid.material.far.E" in mesh_numbers(solid())
-    with pytest.raises(ModelError, match=r"found SimpleNamespace, expected a Solid or MeshShell.*structure-chart"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"found SimpleNamespace, expected a Solid or MeshShell.*structure-chart"
+    ):
         mesh_numbers(SimpleNamespace(mesh=solid().mesh))
 
 
@@ -214,7 +215,9 @@ def test_shapes_measured_beside_nodes_correlate_with_their_modes():
     points = part.mesh.points[nodes] + 1e-4
     directions = np.tile([0.0, 0.0, 1.0], (20, 1))
     values = found.fields[nodes, 2]
-    test = MeasuredShapes.from_arrays(freq_hz=1.01 * found.freq, values=values, points=points, directions=directions)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=1.01 * found.freq, values=values, points=points, directions=directions
+    )
     result = cf.correlate(found, test, mass="Guyan", system=part.assembled())
     paired = {row: mode for match in result.pairing.matches for row, mode in zip(match.rows, match.modes, strict=True)}
     flapping = [
@@ -224,5 +227,5 @@ def test_shapes_measured_beside_nodes_correlate_with_their_modes():
     assert all(paired.get(mode) == mode for mode in flapping)
     assert all(result.mac[mode, mode] > 0.999 for mode in flapping)
     assert result.sensors.distance.max() == pytest.approx(1e-4 * np.sqrt(3), rel=1e-6)
-    with pytest.raises(ModelError, match=r"sensor 17 at .* m is .* m from a node"):
+    with pytest.raises(cf.errors.ModelError, match=r"sensor 17 at .* m is .* m from a node"):
         sensors_at_nodes(part, points + 1.0, directions)

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.pairing import pair
 from casingfem.modal.neighbour import solved
-from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.shapes import redundant, shape_jacobian, shape_values
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
@@ -42,7 +40,7 @@ def measured(shell, turn=0.0, noise=0.0):
 
 
 def matched(solution, table):
-    return sorted(pair(solution.modes, table).matches, key=lambda match: match.rows)
+    return sorted(cf.correlation.pair(solution.modes, table).matches, key=lambda match: match.rows)
 
 
 @pytest.mark.slow
@@ -72,10 +70,10 @@ def test_a_shape_is_no_information_in_the_plane_of_its_modes(frustum):
 def test_derivatives_equal_central_differences(frustum, name):
     table, shapes = measured(casing(frustum, c8=0.003, k=3e11), turn=0.3)
     shell = casing(frustum)
-    p, x = cf.Parameter(name=name, lower=-1.0, upper=1.0), float(get_value(shell, name))
+    p, x = cf.Parameter(name=name, lower=-1.0, upper=1.0), float(cf.updating.get_value(shell, name))
 
     def at(value):
-        solution = solved(with_value(shell, name, value), COUNT)
+        solution = solved(cf.updating.with_value(shell, name, value), COUNT)
         return solution, matched(solution, table)
 
     solution, matches = at(x)
@@ -91,7 +89,7 @@ def test_derivatives_equal_central_differences(frustum, name):
 @pytest.mark.slow
 def test_an_update_with_shapes_finds_the_truth_and_knows_more(frustum):
     truth = casing(frustum, c8=0.0025)
-    start = with_value(casing(frustum), "support.base.around.p3.cos", 0.3)
+    start = cf.updating.with_value(casing(frustum), "support.base.around.p3.cos", 0.3)
     table, shapes = measured(truth, turn=0.4, noise=0.005)
     vary = [
         cf.Parameter(name="radius.p8.cos", lower=-0.01, upper=0.01),

@@ -6,18 +6,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.ring import EdgeMass, Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.updating.addresses import get_value, with_value
 from casingfem.updating.regularisation import chosen_weight, corner, trade_off
-from casingfem.updating.sensitivity import eigen_derivatives
-from casingfem.updating.uncertainty.posterior import laplace, parabolas
-from casingfem.updating.uncertainty.prediction import leave_one_out
+from casingfem.updating.uncertainty.posterior import parabolas
 from casingfem.updating.uncertainty.sampling import log_density
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-BAR = Section.rectangle(width=0.02, depth=0.012)
+BAR = cf.edge.Section.rectangle(width=0.02, depth=0.012)
 SPRINGS = cf.ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5, around=cf.FourierField.of({2: (0.3, 0.1)}))
 
 
@@ -29,7 +23,7 @@ def casing():
         supports={"base": SPRINGS},
         radius_defect=cf.FourierField.of({2: 0.004, 3: (0.001, -0.002)}),
         thickness_defect=cf.FourierField.of({1: 0.1}),
-        masses={"top": (EdgeMass(angle=0.3, mass=0.2),)},
+        masses={"top": (cf.edge.EdgeMass(angle=0.3, mass=0.2),)},
         mesh=cf.ShellMesh(order=4, rows=1, around=9),
     )
 
@@ -40,7 +34,7 @@ def ringed():
         thickness=3e-3,
         material=STEEL,
         supports={"base": cf.Ring(section=BAR, offset=(0.004, -0.01), support=cf.Bolts(count=6, k=1e8, k_rot=1e3))},
-        stiffeners=(Stiffener(at=0.125, section=BAR, offset=(0.0075, 0.001)),),
+        stiffeners=(cf.edge.Stiffener(at=0.125, section=BAR, offset=(0.0075, 0.001)),),
         mesh=cf.ShellMesh(order=4, rows=2, around=6),
     )
 
@@ -57,7 +51,7 @@ def blade():
 
 
 def solid():
-    mesh = grid_mesh("hexahedron20", (3, 1, 1), lambda u: u * [0.2, 0.05, 0.02], groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh("hexahedron20", (3, 1, 1), lambda u: u * [0.2, 0.05, 0.02], groups={"root": (0, 0.0)})
     return cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.ElasticEdge(k_face=1e12)})
 
 
@@ -95,13 +89,18 @@ ADDRESSES = {
 def test_numbers_of_derivatives(make, held):
     part = make()
     found = cf.modes(part, 4) if make is not casing else cf.modes(part, 4, method="shell")
-    at = [get_value(part, name) for name in ADDRESSES[make]]
+    at = [cf.updating.get_value(part, name) for name in ADDRESSES[make]]
     vary = [
         cf.Parameter(name=name, lower=value - abs(value) - 1e-3, upper=value + abs(value) + 1e-3)
         for name, value in zip(ADDRESSES[make], at, strict=True)
     ]
-    moved = with_value(part, vary[0].name, 1.1 * at[0])
-    held(1e-5, at=at, slopes=np.sort(eigen_derivatives(found, vary), axis=0), moved=[get_value(moved, vary[0].name)])
+    moved = cf.updating.with_value(part, vary[0].name, 1.1 * at[0])
+    held(
+        1e-5,
+        at=at,
+        slopes=np.sort(cf.updating.eigen_derivatives(found, vary), axis=0),
+        moved=[cf.updating.get_value(moved, vary[0].name)],
+    )
 
 
 @pytest.fixture(scope="module")
@@ -135,8 +134,8 @@ def test_numbers_of_a_fit(fit, held):
 @pytest.mark.slow
 def test_numbers_of_a_posterior(fit, held):
     near = parabolas(fit)
-    around = laplace(fit, near)
-    rows = leave_one_out(fit)
+    around = cf.updating.laplace(fit, near)
+    rows = cf.updating.leave_one_out(fit)
     at = fit.x + np.outer([0.0, 0.3, -0.5], fit.sigma)
     held(
         1e-3,

@@ -61,12 +61,12 @@ def tied(mesh: MeshData, gluings: Sequence[Gluing]) -> MeshData:
 
     Examples
     --------
-    >>> from casingfem.structure.imported.grid import grid_mesh
-    >>> from casingfem.structure.imported.mesh.mesh_data import beside
+    >>> import casingfem as cf
     >>> ends = {"low": (0, 0.0), "high": (0, 1.0)}
-    >>> coarse = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u, groups=ends)
-    >>> fine = grid_mesh("hexahedron20", (2, 3, 3), lambda u: u + [1.0, 0.0, 0.0], groups=ends)
-    >>> both = tied(beside({"a": coarse, "b": fine}), [Gluing(follower="b.low", master="a.high")])
+    >>> coarse = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u, groups=ends)
+    >>> fine = cf.imported.grid_mesh("hexahedron20", (2, 3, 3), lambda u: u + [1.0, 0.0, 0.0], groups=ends)
+    >>> gluing = cf.imported.Gluing(follower="b.low", master="a.high")
+    >>> both = cf.imported.tied(cf.imported.beside({"a": coarse, "b": fine}), [gluing])
     >>> both.attachments, len(both.attachments.glued[0].nodes)
     (1 tie, 40)
     """

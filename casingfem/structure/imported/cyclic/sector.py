@@ -53,12 +53,11 @@ class CyclicSector:
 
     Examples
     --------
-    >>> from casingfem.structure.imported.grid import grid_mesh, revolved
-    >>> from casingfem.structure.material import Material
-    >>> wall = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
-    >>> part = grid_mesh("hexahedron20", (1, 2, 2), lambda u: wall(u * [1.0, 0.125, 1.0]))
-    >>> steel = Material(E=210e9, nu=0.3, rho=7800.0)
-    >>> wheel = CyclicSector(structure=Solid(mesh=part, material=steel), sectors=8)
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 2, 2), lambda u: wall(u * [1.0, 0.125, 1.0]))
+    >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> wheel = cf.imported.CyclicSector(structure=cf.Solid(mesh=part, material=steel), sectors=8)
     >>> wheel.diameters, len(wheel.pairs.low)
     ((0, 1, 2, 3, 4), 13)
     """

@@ -8,7 +8,7 @@ from scipy.linalg import subspace_angles
 from scipy.stats import norm as normal
 from scipy.stats import t as student
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.circle.lines import (
     clear_rate,
     closest,
@@ -18,7 +18,7 @@ from casingfem.experiment.circle.lines import (
     white_level,
 )
 from casingfem.experiment.circle.orientation import Circle, antinode, harmonic, quadrature, reading, spread_of_others
-from casingfem.experiment.circle.record import ScanRecord, from_tacho
+from casingfem.experiment.circle.record import from_tacho
 
 SEED = 3391
 EVEN = 2.0 * np.pi * np.arange(24) / 24
@@ -211,7 +211,7 @@ REFUSED = [
 @pytest.mark.parametrize("case", REFUSED)
 def test_a_record_that_does_not_tell_its_lines_apart_is_refused_in_words(case):
     tones, n, rate, seconds, fs, runout, words = case
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         require_clear(tones, np.array(n), rate, seconds, fs, runout)
 
 
@@ -223,10 +223,10 @@ def test_what_just_suffices_is_taken():
 
 def test_a_record_comes_back_with_or_without_force(tmp_path):
     for force in (None, [4.0, 5.0, 6.0]):
-        given = ScanRecord(
+        given = cf.circle.ScanRecord(
             fs=8.0, velocity=[1.0, 2.0, 3.5], angle=[0.5, 0.75, 1.25], tones=(3.0, 4.0), force=force, card=("a", "b")
         )
-        found = ScanRecord.load(given.save(tmp_path / "scan.npz"))
+        found = cf.circle.ScanRecord.load(given.save(tmp_path / "scan.npz"))
         assert (found.fs, found.tones, found.card) == (8.0, (3.0, 4.0), ("a", "b"))
         assert found.velocity.tolist() == [1.0, 2.0, 3.5]
         assert found.angle.tolist() == [0.5, 0.75, 1.25]
@@ -241,5 +241,5 @@ def test_a_tacho_spans_the_record_and_has_two_pulses():
     for pulses, words in (([0.1, 2.0], "from 0.1 to 2 s, expected them to span the record, 0 to 2 s"),
                           ([0.0, 1.9], "from 0 to 1.9 s"), ([0.0], "two pulses or more"), ([0.0, np.nan], "two pulses"),
                           ([[0.0, 2.0]], "two pulses")):  # fmt: skip
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             from_tacho(pulses, 2.0, 5)

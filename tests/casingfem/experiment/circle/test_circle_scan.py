@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.circle.lines import clear_rate, fit_lines, line_frequencies
 from casingfem.experiment.circle.pair import described, split_pair
-from casingfem.experiment.circle.record import ScanRecord, from_tacho, turning
-from casingfem.experiment.circle.scan import CircleScan, demodulate, one_wave
+from casingfem.experiment.circle.record import from_tacho, turning
+from casingfem.experiment.circle.scan import one_wave
 from casingfem.experiment.rig.files import truth
-from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.scan import Tone, Turning, repeating_noise, scan, spot_angle
+from casingfem.experiment.rig.scan import repeating_noise, spot_angle
 
 SEED = 7719
 FS = 2000.0
@@ -27,13 +25,13 @@ def wave(n, psi, back=0.0, tone=371.3, rate=2.3, seconds=6.0, phase=0.4):
     theta, t = turning(rate, FS, count, first_angle=0.3), np.arange(count) / FS
     carried = 2.0 * np.pi * tone * t + phase
     seen = np.cos(n * (theta - psi)) * np.cos(carried) + back * np.cos(carried + n * (theta - psi))
-    return ScanRecord(fs=FS, velocity=seen, angle=theta, tones=(tone,))
+    return cf.circle.ScanRecord(fs=FS, velocity=seen, angle=theta, tones=(tone,))
 
 
 @pytest.mark.parametrize("rate", [2.3, -1.7])
 @pytest.mark.parametrize(("n", "psi"), [(1, 0.5), (8, 0.11), (13, 0.2)])
 def test_a_standing_wave_gives_two_equal_lines_with_opposite_phases(n, psi, rate):
-    found = demodulate(wave(n, psi, rate=rate), 15)
+    found = cf.circle.demodulate(wave(n, psi, rate=rate), 15)
     up, down = (found.V[0, np.flatnonzero(found.n == k)[0]] for k in (n, -n))
     assert up == pytest.approx(0.5 * np.exp(1j * (0.4 - n * psi)), abs=1e-10)
     assert down == pytest.approx(0.5 * np.exp(1j * (0.4 + n * psi)), abs=1e-10)
@@ -45,7 +43,7 @@ def test_a_standing_wave_gives_two_equal_lines_with_opposite_phases(n, psi, rate
 
 @pytest.mark.parametrize("back", [0.0, 0.25, 3.0])
 def test_what_travels_is_told(back):
-    seen = demodulate(wave(6, 0.2, back=back), 8).wave(0, 6)
+    seen = cf.circle.demodulate(wave(6, 0.2, back=back), 8).wave(0, 6)
     assert seen.travelling == pytest.approx(-back / (1.0 + back), abs=1e-9)
     assert seen.amplitude == pytest.approx(1.0 + back, rel=1e-9)
     assert seen.angle_deg == pytest.approx(np.degrees(0.2), abs=1e-7)
@@ -55,7 +53,7 @@ def test_the_shape_is_the_wave():
     record = wave(5, 0.3, back=0.2)
     theta = np.linspace(0.0, 6.0, 50)
     V = (np.cos(5 * (theta - 0.3)) + 0.2 * np.exp(5j * (theta - 0.3))) * np.exp(0.4j)
-    np.testing.assert_allclose(demodulate(record, 7).shape(0, theta), V, atol=1e-9)
+    np.testing.assert_allclose(cf.circle.demodulate(record, 7).shape(0, theta), V, atol=1e-9)
 
 
 def test_orientation_and_amplitude_err_as_the_cramer_rao_bound_allows():
@@ -64,7 +62,10 @@ def test_orientation_and_amplitude_err_as_the_cramer_rao_bound_allows():
     rng = np.random.default_rng(SEED)
     noisy = [clean.velocity + level * rng.standard_normal(clean.velocity.size) for _ in range(60)]
     waves = [
-        demodulate(ScanRecord(fs=FS, velocity=v, angle=clean.angle, tones=clean.tones), [n]).wave(0, n) for v in noisy
+        cf.circle.demodulate(cf.circle.ScanRecord(fs=FS, velocity=v, angle=clean.angle, tones=clean.tones), [n]).wave(
+            0, n
+        )
+        for v in noisy
     ]
     count = clean.velocity.size
     bound = np.degrees(2.0 * level / (n * np.sqrt(count)))  # of psi at amplitude 1: 4 s^2/(n^2 N)
@@ -84,7 +85,9 @@ def test_orders_that_are_not_there_are_not_seen():
     false = 0
     for _ in range(20):
         noisy = clean.velocity + 0.3 * rng.standard_normal(clean.velocity.size)
-        found = demodulate(ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones), 12)
+        found = cf.circle.demodulate(
+            cf.circle.ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones), 12
+        )
         false += sum(w.seen for w in found.waves()) - 1
     assert false <= 2
 
@@ -92,8 +95,8 @@ def test_orders_that_are_not_there_are_not_seen():
 def test_a_fit_says_what_it_leaves():
     clean = wave(8, 0.11, seconds=4.0)
     noisy = clean.velocity + 0.01 * np.random.default_rng(SEED).standard_normal(clean.velocity.size)
-    record = ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones)
-    whole, part = demodulate(record, 9), demodulate(record, 7)
+    record = cf.circle.ScanRecord(fs=FS, velocity=noisy, angle=clean.angle, tones=clean.tones)
+    whole, part = cf.circle.demodulate(record, 9), cf.circle.demodulate(record, 7)
     assert whole.left == pytest.approx(1.0, abs=0.05)
     assert part.left > 10.0
     assert "orders or tones that were not fitted" in repr(part)
@@ -101,7 +104,7 @@ def test_a_fit_says_what_it_leaves():
 
 
 def test_a_record_of_no_whole_turns_or_periods_does_not_leak():
-    found = demodulate(wave(8, 0.11, seconds=3.4567, rate=1.234), 12)
+    found = cf.circle.demodulate(wave(8, 0.11, seconds=3.4567, rate=1.234), 12)
     others = np.abs(found.V[0, np.abs(found.n) != 8])
     assert others.max() < 1e-11
     record = wave(8, 0.11, seconds=3.4567, rate=1.234)
@@ -112,8 +115,8 @@ def test_a_record_of_no_whole_turns_or_periods_does_not_leak():
 
 def test_a_tacho_mends_an_uneven_rate():
     rig, circle = ring_rig()
-    turn = Turning(mirror=2.0, wander=0.01)
-    made = scan(rig, turn, [Tone(370.4)], circle=circle, drive=0, fs=FS, seconds=8.0, seed=SEED)
+    turn = cf.rig.Turning(mirror=2.0, wander=0.01)
+    made = cf.rig.scan(rig, turn, [cf.rig.Tone(370.4)], circle=circle, drive=0, fs=FS, seconds=8.0, seed=SEED)
     truth = made.V[0, made.n == 8][0]
     turns = made.record.angle / (2.0 * np.pi)
     time = np.arange(len(turns)) / FS
@@ -121,7 +124,9 @@ def test_a_tacho_mends_an_uneven_rate():
     after = pulses[-1] + np.diff(pulses)[-1]
     angle = from_tacho(np.r_[pulses, after], FS, len(turns), per_turn=16)
     known, blind = (
-        demodulate(ScanRecord(fs=FS, velocity=made.record.velocity, angle=a, tones=(370.4,)), [8]).V[0, 1]
+        cf.circle.demodulate(
+            cf.circle.ScanRecord(fs=FS, velocity=made.record.velocity, angle=a, tones=(370.4,)), [8]
+        ).V[0, 1]
         for a in (angle, turning(2.0, FS, len(turns)))
     )
     assert abs(known / truth - 1.0) < 2e-3
@@ -131,12 +136,12 @@ def test_a_tacho_mends_an_uneven_rate():
 def ring_rig(split=0.0, psi=0.13, zeta=0.002, count=48):
     """Pairs n = 8 and n = 7 seen from a circle: cosines and sines about psi."""
     theta = 2.0 * np.pi * np.arange(count) / count
-    probes = [Probe(k + 1, 1, (float(np.cos(a)), float(np.sin(a)), 0.0), float(a)) for k, a in enumerate(theta)]
+    probes = [cf.rig.Probe(k + 1, 1, (float(np.cos(a)), float(np.sin(a)), 0.0), float(a)) for k, a in enumerate(theta)]
     freq = [370.0 - split / 2.0, 370.0 + split / 2.0, 383.0, 384.0]
     shapes = [np.cos(8 * (theta - psi)), np.sin(8 * (theta - psi)), np.cos(7 * theta), np.sin(7 * theta)]
     omega = 2.0 * np.pi * np.array(freq)
     S = 1e-7 * sum(np.cos(n * np.subtract.outer(theta, theta)) for n in (5, 8, 9))
-    return Rig.of(omega=omega, zeta=zeta, rows=np.array(shapes).T, S=S, probes=probes), range(count)
+    return cf.rig.Rig.of(omega=omega, zeta=zeta, rows=np.array(shapes).T, S=S, probes=probes), range(count)
 
 
 def test_the_truth_is_labelled_by_its_shapes():
@@ -151,13 +156,20 @@ def test_the_truth_is_labelled_by_its_shapes():
 
 def test_the_rig_makes_the_lines_of_its_modes():
     rig, circle = ring_rig(split=0.8)
-    made = scan(
-        rig, Turning(mirror=1.7), [Tone(370.2, 2.0, 0.3)], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED
+    made = cf.rig.scan(
+        rig,
+        cf.rig.Turning(mirror=1.7),
+        [cf.rig.Tone(370.2, 2.0, 0.3)],
+        circle=circle,
+        drive=5,
+        fs=FS,
+        seconds=4.0,
+        seed=SEED,
     )
     H = rig.frfs([370.2], sensors=circle, drives=[5], quantity="mobility").responses[:, 0] * 2.0 * np.exp(0.3j)
     theta = np.array([p.angle for p in rig.probes])
     np.testing.assert_allclose(np.exp(1j * np.multiply.outer(theta, made.n)) @ made.V[0], H, rtol=1e-9)
-    found = demodulate(made.record, 12)
+    found = cf.circle.demodulate(made.record, 12)
     inside = np.abs(made.n) <= 12
     np.testing.assert_allclose(found.V[0], made.V[0, inside], atol=1e-9 * np.abs(made.V).max())
 
@@ -165,11 +177,11 @@ def test_the_rig_makes_the_lines_of_its_modes():
 def test_a_turning_casing_runs_the_other_way():
     rig, circle = ring_rig(split=0.8)
     mirror, lathe = (
-        scan(rig, turn, [Tone(370.2)], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED)
-        for turn in (Turning(mirror=1.7), Turning(casing=1.7))
+        cf.rig.scan(rig, turn, [cf.rig.Tone(370.2)], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED)
+        for turn in (cf.rig.Turning(mirror=1.7), cf.rig.Turning(casing=1.7))
     )
     assert lathe.record.rate == pytest.approx(-mirror.record.rate)
-    both = [demodulate(made.record, 9).wave(0, 8) for made in (mirror, lathe)]
+    both = [cf.circle.demodulate(made.record, 9).wave(0, 8) for made in (mirror, lathe)]
     assert both[0].angle_deg == pytest.approx(both[1].angle_deg, abs=1e-7)
     assert both[0].travelling == pytest.approx(both[1].travelling, abs=1e-9)
     assert abs(both[0].travelling) > 0.05  # two members, out of phase
@@ -184,7 +196,9 @@ def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
     split = np.ptp(waves.freq[waves.nodal_diameters == 2])
     rig, circle = ring_rig()
     asked = {"circle": circle, "drive": 5, "fs": FS, "seconds": 0.1, "seed": SEED}
-    still, lathe = (scan(rig, Turning(mirror=1.0, casing=c), [Tone(370.2)], **asked) for c in (0.0, -2.5))
+    still, lathe = (
+        cf.rig.scan(rig, cf.rig.Turning(mirror=1.0, casing=c), [cf.rig.Tone(370.2)], **asked) for c in (0.0, -2.5)
+    )
     assert "Coriolis" not in " ".join(still.record.card)
     (told,) = re.findall(r"pair n = 2 by (\S+) Hz", " ".join(lathe.record.card))
     assert float(told) == pytest.approx(split, rel=0.01)
@@ -194,8 +208,18 @@ def test_the_card_says_by_how_much_a_turning_ring_s_pair_splits(steel):
 def test_a_force_in_space_is_felt_at_as_many_frequencies_as_shapes_have_harmonics(highest, last):
     """At omega - m W each; of a perfect pair only the wave answers that stands in space, n = -m."""
     rig, circle = ring_rig(split=0.0)
-    made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,
-                drive_angle=0.2, fs=FS, seconds=0.1, seed=SEED, highest=highest)  # fmt: skip
+    made = cf.rig.scan(
+        rig,
+        cf.rig.Turning(mirror=2.05, casing=0.05),
+        [cf.rig.Tone(369.9)],
+        circle=circle,
+        drive_circle=circle,
+        drive_angle=0.2,
+        fs=FS,
+        seconds=0.1,
+        seed=SEED,
+        highest=highest,
+    )
     assert made.n.tolist() == list(range(-23, 24))
     np.testing.assert_allclose(made.record.tones, 369.9 + 0.05 * np.arange(-last, last + 1), atol=1e-9)
     for m in (-8, 8):
@@ -206,42 +230,63 @@ def test_a_force_in_space_is_felt_at_as_many_frequencies_as_shapes_have_harmonic
 @pytest.mark.slow
 def test_a_force_fixed_in_space_excites_a_perfect_casing_at_rest_in_space():
     rig, circle = ring_rig(split=0.0)
-    made = scan(rig, Turning(mirror=2.05, casing=0.05), [Tone(369.9)], circle=circle, drive_circle=circle,
-                drive_angle=0.2, fs=FS, seconds=40.0, seed=SEED, highest=8)  # fmt: skip
+    made = cf.rig.scan(
+        rig,
+        cf.rig.Turning(mirror=2.05, casing=0.05),
+        [cf.rig.Tone(369.9)],
+        circle=circle,
+        drive_circle=circle,
+        drive_angle=0.2,
+        fs=FS,
+        seconds=40.0,
+        seed=SEED,
+        highest=8,
+    )
     felt = np.array(made.record.tones)
     np.testing.assert_allclose(felt, 369.9 + 0.05 * np.arange(-8, 9), atol=1e-9)
     for k, order in enumerate(range(8, -9, -1)):  # felt at omega - m W: only n = -m answers, by symmetry
         other = made.n != -order
         if abs(order) == 8:
             assert np.abs(made.V[k, other]).max() < 1e-9 * np.abs(made.V[k, ~other]).max()
-    found = demodulate(made.record, [7, 8])
+    found = cf.circle.demodulate(made.record, [7, 8])
     truth = made.V[:, np.isin(np.abs(made.n), [7, 8])]
     np.testing.assert_allclose(found.V, truth, atol=1e-6 * np.abs(truth).max())
-    still = scan(rig, Turning(casing=0.5), [Tone(369.9)], circle=circle, drive_circle=circle, fs=FS, seconds=40.0,
-                 seed=SEED, highest=8)  # fmt: skip
-    with pytest.raises(InputError, match="fall together"):
-        demodulate(still.record, 8)
+    still = cf.rig.scan(
+        rig,
+        cf.rig.Turning(casing=0.5),
+        [cf.rig.Tone(369.9)],
+        circle=circle,
+        drive_circle=circle,
+        fs=FS,
+        seconds=40.0,
+        seed=SEED,
+        highest=8,
+    )
+    with pytest.raises(cf.errors.InputError, match="fall together"):
+        cf.circle.demodulate(still.record, 8)
 
 
 def test_a_force_in_space_that_hardly_turns_is_one_on_the_casing():
     rig, circle = ring_rig(split=0.8)
     asked = {"circle": circle, "fs": FS, "seconds": 2.0, "seed": SEED}
-    slow = scan(rig, Turning(mirror=2.0, casing=1e-7), [Tone(370.2)], drive_circle=circle,
+    slow = cf.rig.scan(rig, cf.rig.Turning(mirror=2.0, casing=1e-7), [cf.rig.Tone(370.2)], drive_circle=circle,
                 drive_angle=rig.probes[5].angle, **asked)  # fmt: skip
-    fixed = scan(rig, Turning(mirror=2.0), [Tone(370.2)], drive=5, **asked)
+    fixed = cf.rig.scan(rig, cf.rig.Turning(mirror=2.0), [cf.rig.Tone(370.2)], drive=5, **asked)
     np.testing.assert_allclose(slow.V.sum(axis=0), fixed.V[0], atol=1e-4 * np.abs(fixed.V).max())
 
 
 def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
     rig, circle = ring_rig()
-    turn = Turning(mirror=2.0, runout=((0.1, 0.0), (0.0, 0.05)), speckle=1e-3)
-    made = scan(rig, turn, [Tone(370.41)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED)
-    found = demodulate(made.record, 10, runout=3)
+    turn = cf.rig.Turning(mirror=2.0, runout=((0.1, 0.0), (0.0, 0.05)), speckle=1e-3)
+    made = cf.rig.scan(rig, turn, [cf.rig.Tone(370.41)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED)
+    found = cf.circle.demodulate(made.record, 10, runout=3)
     truth = made.V[0, made.n == 8][0]
     assert abs(found.V[0, found.n == 8][0] / truth - 1.0) < 1e-2
     whole = made.record.velocity.reshape(8, -1)  # two turns each, the tone apart
-    rest = Turning(mirror=2.0, speckle=1e-3)
-    quiet = scan(rig, rest, [Tone(370.41, 0.0)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED).record.velocity
+    rest = cf.rig.Turning(mirror=2.0, speckle=1e-3)
+    quiet = cf.rig.scan(
+        rig, rest, [cf.rig.Tone(370.41, 0.0)], circle=circle, drive=5, fs=FS, seconds=8.0, seed=SEED
+    ).record.velocity
     np.testing.assert_allclose(quiet.reshape(16, -1)[1:], quiet.reshape(16, -1)[:-1], atol=1e-12)
     assert np.std(quiet) == pytest.approx(1e-3, rel=0.1)
     assert whole.shape == (8, 2000)
@@ -249,14 +294,16 @@ def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
 
 def test_run_out_is_its_series_in_the_angle():
     angle = np.linspace(-3.0, 9.0, 50)
-    seen = repeating_noise(Turning(mirror=1.0, runout=((0.1, -0.3), (0.2, 0.05))), angle, np.random.default_rng(SEED))
+    seen = repeating_noise(
+        cf.rig.Turning(mirror=1.0, runout=((0.1, -0.3), (0.2, 0.05))), angle, np.random.default_rng(SEED)
+    )
     exact = 0.1 * np.cos(angle) - 0.3 * np.sin(angle) + 0.2 * np.cos(2.0 * angle) + 0.05 * np.sin(2.0 * angle)
     np.testing.assert_allclose(seen, exact, atol=1e-12)
 
 
 def test_a_spot_wanders_by_its_rms_about_its_mean_rate():
     """rms of the rate over many scans, each of which begins where it shall and turns as often as without."""
-    turn, rng = Turning(mirror=-2.0, wander=0.02, first_angle=0.7), np.random.default_rng(SEED)
+    turn, rng = cf.rig.Turning(mirror=-2.0, wander=0.02, first_angle=0.7), np.random.default_rng(SEED)
     angles = np.array([spot_angle(turn, FS, 1001, rng) for _ in range(300)])
     rate = np.diff(angles, axis=1) * FS / (2.0 * np.pi)
     np.testing.assert_allclose(angles[:, 0], 0.7, atol=1e-12)
@@ -267,7 +314,7 @@ def test_a_spot_wanders_by_its_rms_about_its_mean_rate():
 def test_speckle_closes_after_a_turn():
     """It runs straight from each of its 4096 grains to the next, and from the last to the first."""
     angle = 2.0 * np.pi * np.arange(4096 * 8 + 1) / (4096 * 8)
-    speckle = repeating_noise(Turning(mirror=1.0, speckle=1e-3), angle, np.random.default_rng(SEED))
+    speckle = repeating_noise(cf.rig.Turning(mirror=1.0, speckle=1e-3), angle, np.random.default_rng(SEED))
     steps = np.diff(speckle).reshape(4096, 8)
     np.testing.assert_allclose(steps, np.broadcast_to(steps[:, :1], steps.shape), atol=1e-12)
     assert speckle[-1] == speckle[0]
@@ -275,11 +322,13 @@ def test_speckle_closes_after_a_turn():
 
 def test_force_makes_mobility():
     rig, circle = ring_rig(split=0.8)
-    tone = Tone(370.2, 2.0, 0.3)
-    made = scan(rig, Turning(mirror=1.7), [tone], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED).record
+    tone = cf.rig.Tone(370.2, 2.0, 0.3)
+    made = cf.rig.scan(
+        rig, cf.rig.Turning(mirror=1.7), [tone], circle=circle, drive=5, fs=FS, seconds=4.0, seed=SEED
+    ).record
     force = 2.0 * np.cos(2.0 * np.pi * 370.2 * np.arange(len(made.velocity)) / FS + 0.3)
-    with_force = ScanRecord(fs=FS, velocity=made.velocity, angle=made.angle, tones=made.tones, force=force)
-    bare, over = demodulate(made, [8]), demodulate(with_force, [8])
+    with_force = cf.circle.ScanRecord(fs=FS, velocity=made.velocity, angle=made.angle, tones=made.tones, force=force)
+    bare, over = cf.circle.demodulate(made, [8]), cf.circle.demodulate(with_force, [8])
     np.testing.assert_allclose(over.V, bare.V / (2.0 * np.exp(0.3j)), rtol=1e-8)
 
 
@@ -287,9 +336,11 @@ def test_force_makes_mobility():
 @pytest.mark.parametrize("split", [1.5, 0.75])  # half-power bandwidth 1.48 Hz
 def test_a_close_pair_both_excited_is_told_apart(split):
     rig, circle = ring_rig(split=split, zeta=[0.002, 0.0025, 0.002, 0.002])
-    tones = [Tone(f) for f in np.linspace(368.13, 371.93, 13)]
-    made = scan(rig, Turning(mirror=2.71), tones, circle=circle, drive=5, fs=FS, seconds=20.0, seed=SEED, snr_db=30.0)
-    pair = split_pair(demodulate(made.record, [8]), 8)
+    tones = [cf.rig.Tone(f) for f in np.linspace(368.13, 371.93, 13)]
+    made = cf.rig.scan(
+        rig, cf.rig.Turning(mirror=2.71), tones, circle=circle, drive=5, fs=FS, seconds=20.0, seed=SEED, snr_db=30.0
+    )
+    pair = split_pair(cf.circle.demodulate(made.record, [8]), 8)
     np.testing.assert_allclose(pair.freq, rig.freq[:2], atol=0.01)
     assert np.all(np.abs(pair.freq - rig.freq[:2]) < 4.0 * pair.freq_sigma)
     truth = np.degrees(0.13) + np.array([0.0, 90.0 / 8])
@@ -318,7 +369,9 @@ def close_pair(rng):
     V = 0.5 * np.column_stack([cosine + 1j * sine, cosine - 1j * sine])
     sigma = np.full(V.shape, 0.003 * np.abs(V).max())
     noise = sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
-    return CircleScan(tones=tones, n=np.array([-8, 8]), V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
+    return cf.circle.CircleScan(
+        tones=tones, n=np.array([-8, 8]), V=V + noise, sigma=sigma, floor=sigma, rate=2.0, left=1.0
+    )
 
 
 def left_over(seen, pair):
@@ -361,13 +414,17 @@ def test_lines_that_fall_together_are_named_and_a_better_rate_works():
     n = np.arange(-9, 10)
     tones = (370.0, 383.0)  # 13 Hz apart: 13 W at 1 turn/s
     with pytest.raises(
-        InputError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s"
+        cf.errors.InputError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s"
     ) as caught:
-        demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(1.0, FS, 20000), tones=tones), 9)
+        cf.circle.demodulate(
+            cf.circle.ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(1.0, FS, 20000), tones=tones), 9
+        )
     better = float(str(caught.value).split("turn at ")[1].split()[0])
     freq = np.sort(line_frequencies(tones, n, better))
     assert np.diff(freq).min() >= 0.19
-    demodulate(ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(better, FS, 20000), tones=tones), 9)
+    cf.circle.demodulate(
+        cf.circle.ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(better, FS, 20000), tones=tones), 9
+    )
     assert clear_rate(tones, n, 0.1, 1.0, FS) is None
 
 
@@ -377,7 +434,7 @@ def test_lines_are_told_apart_by_the_record_until_it_is_too_short():
     close, closer = (np.array([300.0, 300.0 + x / np.pi]) for x in (0.0246, 0.0244))  # 1.009e-4 and 0.992e-4
     found = fit_lines(record, 2.0 * np.pi * close, np.zeros(2))
     np.testing.assert_allclose(found.amplitude, [1.0, 0.0], atol=1e-9)
-    with pytest.raises(InputError, match=r"does not tell its lines apart \(least eigenvalue 9\.9e-05\)"):
+    with pytest.raises(cf.errors.InputError, match=r"does not tell its lines apart \(least eigenvalue 9\.9e-05\)"):
         fit_lines(record, 2.0 * np.pi * closer, np.zeros(2))
 
 
@@ -392,7 +449,7 @@ def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
     if seed is not None:
         rng = np.random.default_rng(seed)
         V = V + sigma * (rng.standard_normal(V.shape) + 1j * rng.standard_normal(V.shape))
-    return CircleScan(tones=tones, n=orders, V=V, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
+    return cf.circle.CircleScan(tones=tones, n=orders, V=V, sigma=sigma, floor=sigma, rate=2.0, left=1.0)
 
 
 @pytest.mark.slow
@@ -414,7 +471,9 @@ def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
 )
 @pytest.mark.slow
 def test_two_members_of_one_frequency_and_damping_are_not_told_apart(freq, amplitude, seed):
-    with pytest.raises(InputError, match="the pair n = 8: the tones do not tell two members apart: found a misfit of"):
+    with pytest.raises(
+        cf.errors.InputError, match="the pair n = 8: the tones do not tell two members apart: found a misfit of"
+    ):
         split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
 
 
@@ -429,14 +488,14 @@ def test_a_split_of_a_fifteenth_of_the_bandwidth_is_told_from_noise():
 def test_noise_makes_no_two_of_a_double():
     """At a level of 1e-3 none of 200 draws, but once in five such counts."""
     for seed in range(200):
-        with pytest.raises(InputError, match="do not tell two members apart"):
+        with pytest.raises(cf.errors.InputError, match="do not tell two members apart"):
             split_pair(scan_of_a_pair([370.0, 370.0], seed=seed), 8)
 
 
 def test_what_cannot_be_demodulated_is_refused():
     def record(seconds=5.0, rate=2.3, tones=(371.3,), fs=FS):
         count = round(seconds * fs)
-        return ScanRecord(fs=fs, velocity=np.ones(count), angle=turning(rate, fs, count), tones=tones)
+        return cf.circle.ScanRecord(fs=fs, velocity=np.ones(count), angle=turning(rate, fs, count), tones=tones)
 
     for given, orders, words in (
         (record(seconds=0.5), 8, r"too short: found 1.15 turns.*1.5 \(0.652 s, or a faster"),
@@ -445,23 +504,23 @@ def test_what_cannot_be_demodulated_is_refused():
         (record(), [-1], "orders"),
         (record(), [], "orders"),
     ):
-        with pytest.raises(InputError, match=words):
-            demodulate(given, orders)
-    with pytest.raises(InputError, match="run-out's harmonic"):
-        demodulate(record(tones=(4.6,)), 3, runout=4)
-    found = demodulate(record(), 8)
+        with pytest.raises(cf.errors.InputError, match=words):
+            cf.circle.demodulate(given, orders)
+    with pytest.raises(cf.errors.InputError, match="run-out's harmonic"):
+        cf.circle.demodulate(record(tones=(4.6,)), 3, runout=4)
+    found = cf.circle.demodulate(record(), 8)
     for call, words in (
         (lambda: found.wave(0, 9), "order n = 9"),
         (lambda: split_pair(found, 8), "found 1 tones"),
         (lambda: split_pair(found, 9), "order n = 9"),
         (lambda: record(tones=(0.0,)), "tones"),
         (lambda: record(tones=()), "tones"),
-        (lambda: ScanRecord(fs=FS, velocity=[1.0], angle=[1.0, 2.0], tones=(3.0,)), "angle: found shape"),
-        (lambda: ScanRecord(fs=FS, velocity=[np.nan], angle=[1.0], tones=(3.0,)), "velocity: found shape"),
+        (lambda: cf.circle.ScanRecord(fs=FS, velocity=[1.0], angle=[1.0, 2.0], tones=(3.0,)), "angle: found shape"),
+        (lambda: cf.circle.ScanRecord(fs=FS, velocity=[np.nan], angle=[1.0], tones=(3.0,)), "velocity: found shape"),
         (lambda: from_tacho([0.0, 1.0], FS, 5000), "span the record"),
         (lambda: from_tacho([0.0, 0.0], FS, 5), "ascending"),
     ):
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             call()
 
 
@@ -469,17 +528,17 @@ def test_what_cannot_be_scanned_is_refused():
     rig, circle = ring_rig()
     asked = {"circle": circle, "drive": 0, "fs": FS, "seconds": 1.0, "seed": SEED}
     for turn, changes, words in (
-        (Turning(mirror=1.0), {"drive": None}, "a probe fixed to the casing, or a circle"),
-        (Turning(mirror=1.0), {"drive_circle": circle}, "a probe fixed to the casing, or a circle"),
-        (Turning(mirror=1.0), {"circle": [0, 1, 3]}, "uneven angles"),
-        (Turning(mirror=1.0), {"seconds": 0.0}, "two samples"),
-        (Turning(mirror=1.0), {"drive": 99}, "each from 0 to 47"),
+        (cf.rig.Turning(mirror=1.0), {"drive": None}, "a probe fixed to the casing, or a circle"),
+        (cf.rig.Turning(mirror=1.0), {"drive_circle": circle}, "a probe fixed to the casing, or a circle"),
+        (cf.rig.Turning(mirror=1.0), {"circle": [0, 1, 3]}, "uneven angles"),
+        (cf.rig.Turning(mirror=1.0), {"seconds": 0.0}, "two samples"),
+        (cf.rig.Turning(mirror=1.0), {"drive": 99}, "each from 0 to 47"),
     ):
-        with pytest.raises(InputError, match=words):
-            scan(rig, turn, [Tone(370.0)], **(asked | changes))
+        with pytest.raises(cf.errors.InputError, match=words):
+            cf.rig.scan(rig, turn, [cf.rig.Tone(370.0)], **(asked | changes))
     for bad in ({}, {"mirror": np.inf}, {"mirror": 1.0, "wander": 0.5}, {"mirror": 1.0, "casing": 1.0}):
-        with pytest.raises(InputError):
-            Turning(**bad)
+        with pytest.raises(cf.errors.InputError):
+            cf.rig.Turning(**bad)
 
 
 @pytest.mark.parametrize(("seconds", "kept"), [(2.0001, True), (1.9999, False)])
@@ -495,10 +554,10 @@ def test_the_floor_is_the_noise_in_one_bin_and_goes_by_the_force():
     clean, level = wave(8, 0.11), 0.5
     noisy = clean.velocity + level * np.random.default_rng(SEED).standard_normal(clean.velocity.size)
     record = replace(clean, velocity=noisy)
-    found = demodulate(record, 9)
+    found = cf.circle.demodulate(record, 9)
     assert np.sqrt(np.mean(found.floor**2) * noisy.size / 2.0) == pytest.approx(level, rel=0.1)
     force = 2.0 * np.cos(2.0 * np.pi * 371.3 * np.arange(noisy.size) / FS + 0.3)
-    over = demodulate(replace(record, force=force), 9)
+    over = cf.circle.demodulate(replace(record, force=force), 9)
     np.testing.assert_allclose(over.floor, found.floor / 2.0, rtol=1e-8)
     np.testing.assert_allclose(over.sigma, found.sigma / 2.0, rtol=1e-8)
     one, other = found.wave(0, 8), over.wave(0, 8)
@@ -523,7 +582,9 @@ def test_the_sigma_of_a_wave_are_those_of_its_two_lines():
 
 @pytest.mark.parametrize("psi", [0.05, 0.3])
 def test_the_phase_of_a_wave_is_that_at_its_antinode(psi):
-    assert demodulate(wave(5, psi, phase=0.4), 6).wave(0, 5).phase_deg == pytest.approx(np.degrees(0.4), abs=1e-7)
+    assert cf.circle.demodulate(wave(5, psi, phase=0.4), 6).wave(0, 5).phase_deg == pytest.approx(
+        np.degrees(0.4), abs=1e-7
+    )
 
 
 @pytest.mark.parametrize("direction", [1, -1])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import f
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.circle import pair
 from casingfem.experiment.circle.pair import (
     basis,
@@ -80,10 +80,10 @@ def test_six_tones_tell_a_pair_and_five_do_not():
     seen = scan_of_a_pair([369.0, 371.0])
     assert split_pair(seen, 8).split == pytest.approx(2.0, rel=1e-6)
     fewer = replace(seen, tones=seen.tones[:5], V=seen.V[:5], sigma=seen.sigma[:5], floor=seen.floor[:5])
-    with pytest.raises(InputError, match="the pair n = 8: found 5 tones, expected 6 or more across it"):
+    with pytest.raises(cf.errors.InputError, match="the pair n = 8: found 5 tones, expected 6 or more across it"):
         split_pair(fewer, 8)
     for n in (0, 7, -8):
-        with pytest.raises(InputError, match=f"order n = {n}: expected one of the orders fitted, 1 or more"):
+        with pytest.raises(cf.errors.InputError, match=f"order n = {n}: expected one of the orders fitted, 1 or more"):
             split_pair(seen, n)
 
 
@@ -103,7 +103,7 @@ def test_two_are_told_from_one_where_noise_would_do_it_once_in_a_thousand(monkey
         require_two(8, TONES, data, SIGMA, factor * misfit)
     else:
         said = f"found a misfit of {factor * misfit:.3g} with two and {np.sqrt(squares / 22):.3g} with one"
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(cf.errors.InputError, match=said):
             require_two(8, TONES, data, SIGMA, factor * misfit)
 
 

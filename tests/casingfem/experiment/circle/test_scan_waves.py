@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.circle.record import ScanRecord, turning
-from casingfem.experiment.circle.scan import CircleScan, demodulate, one_wave
+import casingfem as cf
+from casingfem.experiment.circle.record import turning
+from casingfem.experiment.circle.scan import one_wave
 
 
 def test_a_wave_of_n_0_has_a_size_and_a_phase_alone():
@@ -47,8 +47,8 @@ def test_a_wave_that_is_not_there_has_no_side_and_any_angle():
 
 
 def test_a_record_without_motion_has_no_waves():
-    silent = ScanRecord(fs=500.0, velocity=np.zeros(1000), angle=turning(2.0, 500.0, 1000), tones=(50.0,))
-    found = demodulate(silent, 2)
+    silent = cf.circle.ScanRecord(fs=500.0, velocity=np.zeros(1000), angle=turning(2.0, 500.0, 1000), tones=(50.0,))
+    found = cf.circle.demodulate(silent, 2)
     assert [(wave.amplitude, wave.travelling, wave.travelling_sigma, wave.seen) for wave in found.waves()] == [
         (0.0, 0.0, 0.0, False)
     ] * 3
@@ -57,11 +57,11 @@ def test_a_record_without_motion_has_no_waves():
 
 @pytest.mark.parametrize(("asked", "n"), [(2, range(-2, 3)), ([3, 1], [-3, -1, 1, 3]), ([0, 2], [-2, 0, 2]), (0, [0])])
 def test_orders_are_all_up_to_one_or_those_named_both_ways_round(asked, n):
-    record = ScanRecord(fs=500.0, velocity=np.ones(1000), angle=turning(2.0, 500.0, 1000), tones=(50.0,))
-    assert demodulate(record, asked).n.tolist() == list(n)
+    record = cf.circle.ScanRecord(fs=500.0, velocity=np.ones(1000), angle=turning(2.0, 500.0, 1000), tones=(50.0,))
+    assert cf.circle.demodulate(record, asked).n.tolist() == list(n)
     for wrong in ([2, -1], -1, []):
-        with pytest.raises(InputError, match="expected numbers of nodal diameters, 0 or more"):
-            demodulate(record, wrong)
+        with pytest.raises(cf.errors.InputError, match="expected numbers of nodal diameters, 0 or more"):
+            cf.circle.demodulate(record, wrong)
 
 
 @pytest.mark.parametrize("harmonics", [1, 3])
@@ -70,9 +70,9 @@ def test_what_repeats_every_turn_is_fitted_beside_the_waves(harmonics):
     theta = turning(2.1, 500.0, 1000, first_angle=0.3)
     tone = np.cos(2.0 * np.pi * 50.3 * np.arange(1000) / 500.0)
     out = 0.7 + sum(np.cos(k * theta - 0.2 * k) for k in range(1, harmonics + 1))
-    record = ScanRecord(fs=500.0, velocity=tone + out, angle=theta, tones=(50.3,))
+    record = cf.circle.ScanRecord(fs=500.0, velocity=tone + out, angle=theta, tones=(50.3,))
     for fitted, exact in ((harmonics, True), (harmonics - 1, False)):
-        V = demodulate(record, 1, runout=fitted).V[0]
+        V = cf.circle.demodulate(record, 1, runout=fitted).V[0]
         assert np.allclose(V, [0.0, 1.0, 0.0], rtol=0.0, atol=1e-9) == exact
 
 
@@ -86,7 +86,7 @@ def scan(**changes):
         "sigma": np.full(V.shape, 0.1),
     }
     given |= {"floor": np.full(V.shape, 0.01), "rate": 1.5, "left": 1.0}
-    return CircleScan(**given | changes)
+    return cf.circle.CircleScan(**given | changes)
 
 
 def test_a_scan_lists_its_lines_and_its_waves_tone_by_tone():
@@ -97,7 +97,7 @@ def test_a_scan_lists_its_lines_and_its_waves_tone_by_tone():
     assert found.wave(0, 2) == one_wave(50.0, 2, np.array([3.0j, 1.0]), np.array([0.1, 0.1]))
     assert not found.V.flags.writeable
     for n in (1, -2):
-        with pytest.raises(InputError, match=rf"order n = {n}: expected one of \[0, 2\]"):
+        with pytest.raises(cf.errors.InputError, match=rf"order n = {n}: expected one of \[0, 2\]"):
             found.wave(0, n)
 
 

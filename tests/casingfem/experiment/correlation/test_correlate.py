@@ -6,44 +6,36 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
-from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.correlate import correlate
+import casingfem as cf
 from casingfem.experiment.correlation.expansion import (
     expand,
     guyan_mass,
     serep_mass,
     well_conditioned,
 )
-from casingfem.experiment.correlation.mac import comac, ecomac, mac
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
+from casingfem.experiment.correlation.mac import comac, ecomac
+from casingfem.experiment.correlation.measured_shapes import uff_shapes
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
 from casingfem.experiment.uff.nodes import Nodes
-from casingfem.experiment.uff.read import read_uff
 from casingfem.export.modes_uff import write_modes_uff
-from casingfem.modal.modes import modes
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Plate
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.shell import Shell
 
 HEIGHTS = (0.12, 0.25)
 
 
 @pytest.fixture(scope="module")
 def casing(frustum):
-    mesh = ShellMesh(order=6, rows=1, around=13)
-    return frustum(radius_defect=FourierField.of({3: 1e-3, 14: 3e-4}), mesh=mesh)
+    mesh = cf.ShellMesh(order=6, rows=1, around=13)
+    return frustum(radius_defect=cf.FourierField.of({3: 1e-3, 14: 3e-4}), mesh=mesh)
 
 
 @pytest.fixture(scope="module")
 def system(casing):
-    return assemble(casing)
+    return cf.shell.assemble(casing)
 
 
 @pytest.fixture(scope="module")
 def found(casing, system):
-    return modes(casing, 12, method="shell", system=system)
+    return cf.modes(casing, 12, method="shell", system=system)
 
 
 def placed(casing, count=24, outward=0.0):
@@ -58,8 +50,10 @@ def placed(casing, count=24, outward=0.0):
 def test_of_itself(casing, found):
     points, out = placed(casing)
     values = sensors_of(found, points, out).shapes(found.fields)
-    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=values * -3.0, points=points, directions=out)
-    result = correlate(found, test)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=found.freq, values=values * -3.0, points=points, directions=out
+    )
+    result = cf.correlate(found, test)
     assert [match.modes for match in result.pairing.matches] == [match.rows for match in result.pairing.matches]
     np.testing.assert_allclose(result.alike, 1.0, atol=1e-12)
     np.testing.assert_allclose(np.diag(result.nco), 1.0, atol=1e-9)
@@ -77,8 +71,8 @@ def test_a_rotated_doublet_is_no_difference_and_a_sensor_turned_over_is_found(ca
     for low, high in found.doublets:
         turned[:, [low, high]] = values[:, [low, high]] @ np.array([[0.6, -0.8], [0.8, 0.6]])
     turned[5] *= -1.0
-    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=turned, points=points, directions=out)
-    result = correlate(found, test)
+    test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=found.freq, values=turned, points=points, directions=out)
+    result = cf.correlate(found, test)
     assert np.diag(result.mac).max() < 0.75
     assert result.alike.min() > 0.7
     assert int(result.ecomac.argmax()) == 5
@@ -90,8 +84,8 @@ def test_unpaired_shapes_are_listed(casing, found):
     values = sensors_of(found, points, out).shapes(found.fields)[:, :6]
     freq = found.freq[:6].copy()
     freq[5] = 2.0 * freq[5]
-    test = MeasuredShapes.from_arrays(freq_hz=freq, values=values, points=points, directions=out)
-    result = correlate(found, test)
+    test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=freq, values=values, points=points, directions=out)
+    result = cf.correlate(found, test)
     assert result.pairing.unpaired_rows == (5,)
     assert 5 in result.pairing.unpaired_modes
     assert "unpaired: 1 measured, 7 computed" in repr(result)
@@ -110,24 +104,24 @@ def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, 
     static = splu(system.K).solve(sensors.loads(system) @ force)
     motion = sensors.loads(system).T @ static
     assert motion @ M @ motion == pytest.approx(static @ (system.mass * static), rel=1e-8)
-    guyan = mac(at, at, M)
+    guyan = cf.correlation.mac(at, at, M)
     assert (guyan - np.diag(np.diag(guyan)))[:4, :4].max() < 0.01
     basis = at[:, :8]
     np.testing.assert_allclose(basis.T @ serep_mass(basis) @ basis, np.eye(8), atol=1e-10)
     twice = sensors_on(casing, found.grid, points[[0, 1, 0]], out[[0, 1, 0]])
-    with pytest.raises(ModelError, match="sensor-twice"):
+    with pytest.raises(cf.errors.ModelError, match="sensor-twice"):
         guyan_mass(system, twice)
 
 
 def test_the_mass_of_orthogonality_is_the_one_that_is_asked_for(casing, system, found):
     points, out = placed(casing)
     values = sensors_of(found, points, out).shapes(found.fields)
-    test = MeasuredShapes.from_arrays(freq_hz=found.freq, values=values, points=points, directions=out)
+    test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=found.freq, values=values, points=points, directions=out)
     sensors = sensors_of(found, points, out)
     for mass, options, M in (
         ("Guyan", {"system": system}, guyan_mass(system, sensors)), ("SEREP", {"system": system}, None),
     ):  # fmt: skip
-        result = correlate(found, test, mass=mass, **options)
+        result = cf.correlate(found, test, mass=mass, **options)
         M = serep_mass(values[:, result.expansion.modes]) if M is None else M
         size = np.sqrt(np.einsum("ik,ij,jk->k", values, M, values))
         inner = (values.T @ M @ values / np.multiply.outer(size, size)) ** 2
@@ -135,7 +129,7 @@ def test_the_mass_of_orthogonality_is_the_one_that_is_asked_for(casing, system, 
         np.testing.assert_allclose(result.nco, inner, atol=1e-9)
     for mass, options in (("Guyan", {}), ("guyan", {"system": system}), ("IRS", {})):
         with pytest.raises(ValueError, match='mass must be "SEREP", or "Guyan" with the assembled system'):
-            correlate(found, test, mass=mass, **options)
+            cf.correlate(found, test, mass=mass, **options)
 
 
 def test_loads_are_the_sensors_own(system, found):
@@ -174,12 +168,12 @@ def test_expansion_gives_the_whole_shape_and_the_left_out_error_of_a_refit(casin
 def test_expansion_refuses_what_the_sensors_do_not_tell():
     shapes = np.column_stack([np.ones(6), np.ones(6), np.arange(6.0)])
     assert well_conditioned(shapes) == [0, 2]
-    with pytest.raises(ModelError, match="look alike"):
+    with pytest.raises(cf.errors.ModelError, match="look alike"):
         expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1])
-    with pytest.raises(ModelError, match="4 modes on 3 channels"):
+    with pytest.raises(cf.errors.ModelError, match="4 modes on 3 channels"):
         expand(np.ones((3, 1)), np.ones((3, 4)), np.arange(3), modes=[0, 1, 2, 3])
     shapes[:, 1] += np.arange(6.0)
-    with pytest.raises(ModelError, match="3 modes look alike on 6 channels"):
+    with pytest.raises(cf.errors.ModelError, match="3 modes look alike on 6 channels"):
         expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1, 2])
 
 
@@ -212,12 +206,12 @@ def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
     np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
     assert sensors.labels.tolist() == list(range(1, 49))
     assert sensors_on(casing, found.grid, points[:2], out[:2], [7, 7]).labels.tolist() == [7, 7]
-    with pytest.raises(ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
+    with pytest.raises(cf.errors.ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
         sensors_of(found, points * 1.2, out)
 
 
 def test_sensors_on_a_plate(steel):
-    plate = Shell(chart=Plate(length=0.4, width=0.2), thickness=2e-3, material=steel)
+    plate = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=2e-3, material=steel)
     a, b = nearest(plate, np.array([[0.1, 0.05, 0.0], [0.39, -0.1, 0.01]]))
     x = np.real(plate.geometry(a, b).surface.x).T
     np.testing.assert_allclose(x[0], [0.1, 0.05, 0.0], atol=1e-12)
@@ -238,9 +232,9 @@ def test_comac_is_one_where_shapes_agree_and_enhanced_comac_sees_signs():
 @pytest.mark.slow
 def test_universal_files_give_shapes_at_their_points(tmp_path, found):
     path = write_modes_uff(found, tmp_path / "modes.uff", [0, 1, 4], nodes_set="2411")
-    test = MeasuredShapes.from_uff(path)
+    test = cf.correlation.MeasuredShapes.from_uff(path)
     np.testing.assert_allclose(test.freq_hz, found.freq[[0, 1, 4]], rtol=1e-5)
-    result = correlate(found, test)
+    result = cf.correlate(found, test)
     assert [match.modes for match in result.pairing.matches] == [(0, 1), (4,)]
     assert result.alike.min() > 0.9999
     assert result.sensors.distance.max() < 1e-4
@@ -274,17 +268,17 @@ def scalars(shape):
     ],
 )
 def test_universal_files_whose_shapes_have_no_place_are_refused(tmp_path, found, nodes, change, words):
-    given = read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0, 1]))
+    given = cf.uff.read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0, 1]))
     first, second = given.shapes
     if words.startswith("found 2 shapes"):
         first = change(first)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         uff_shapes(replace(given, nodes=nodes(given.nodes), shapes=(first, change(second))))
 
 
 @pytest.mark.parametrize("width", [3, 6])
 def test_translations_of_a_universal_file_come_with_or_without_turns(tmp_path, found, width):
-    given = read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0]))
+    given = cf.uff.read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0]))
     values = np.zeros((len(given.nodes.labels), width))
     values[:, :3] = np.arange(1.0, 1.0 + values[:, :3].size).reshape(-1, 3)
     values[:, 3:] = 1e9  # turns, which no translation is
@@ -296,7 +290,9 @@ def test_complex_shapes_are_made_real():
     theta = 2.0 * np.pi * np.arange(12) / 12
     out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
     turned = np.cos(3 * theta) * np.exp(0.7j)
-    test = MeasuredShapes.from_arrays(freq_hz=[300.0], values=turned[:, None], points=out, directions=out)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=[300.0], values=turned[:, None], points=out, directions=out
+    )
     assert abs(np.corrcoef(test.real[:, 0], np.cos(3 * theta))[0, 1]) == pytest.approx(1.0)
     assert test.collinearity[0] == pytest.approx(1.0)
 
@@ -314,13 +310,15 @@ def test_complex_shapes_are_made_real():
 )
 def test_bad_shapes_are_named(changes, words):
     good = {"freq_hz": [100.0], "values": np.ones((4, 1)), "points": np.ones((4, 3)), "directions": np.ones((4, 3))}
-    with pytest.raises(InputError, match=words):
-        MeasuredShapes.from_arrays(**(good | changes))
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.correlation.MeasuredShapes.from_arrays(**(good | changes))
 
 
 def test_what_belongs_to_a_shape_is_sorted_with_its_frequency():
     given = {"values": np.diag([3.0, 1.0, 2.0]), "sigma": [0.3, 0.1, 0.2], "n": [3, 1, 2]}
-    test = MeasuredShapes.from_arrays(freq_hz=[30.0, 10.0, 20.0], points=np.eye(3), directions=np.eye(3), **given)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=[30.0, 10.0, 20.0], points=np.eye(3), directions=np.eye(3), **given
+    )
     assert test.freq_hz.tolist() == [10.0, 20.0, 30.0]
     assert test.values.sum(axis=0).tolist() == [1.0, 2.0, 3.0]
     assert test.sigma.tolist() == [0.1, 0.2, 0.3]
@@ -332,7 +330,9 @@ def test_the_collinearity_of_an_ellipse_is_the_share_of_its_longer_axis():
     theta = 2.0 * np.pi * np.arange(12) / 12
     out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
     values = (np.cos(3 * theta) + 0.5j * np.sin(2 * theta)) * np.exp(0.9j)
-    test = MeasuredShapes.from_arrays(freq_hz=[300.0], values=values[:, None], points=out, directions=out)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=[300.0], values=values[:, None], points=out, directions=out
+    )
     assert test.collinearity[0] == pytest.approx(0.8, rel=1e-12)
 
 
@@ -349,7 +349,7 @@ def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
     points, out = placed(casing)
     values = sensors_of(found, points, out).shapes(found.fields)[:, :3].copy()
     values[5] *= 1.5
-    result = correlate(found, MeasuredShapes.from_arrays(
+    result = cf.correlate(found, cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=found.freq[:3], values=values, points=points, directions=out))  # fmt: skip
     told = [row["left_out_error"] for row in result.records()]
     np.testing.assert_allclose(np.square(told), np.mean(result.expansion.left_out**2, axis=0))
@@ -364,10 +364,12 @@ def test_shapes_a_fifth_off_in_frequency_pair_and_no_others_unless_asked(casing,
     points, out = placed(casing)
     values = sensors_of(found, points, out).shapes(found.fields)[:, :1]
     near, far = (
-        MeasuredShapes.from_arrays(freq_hz=factor * found.freq[:1], values=values, points=points, directions=out)
+        cf.correlation.MeasuredShapes.from_arrays(
+            freq_hz=factor * found.freq[:1], values=values, points=points, directions=out
+        )
         for factor in (0.84, 0.82)
     )
-    assert len(correlate(found, near).pairing) == 1
-    with pytest.raises(InputError, match=r"no shape that pairs with a mode; expected one within 0\.2 of a"):
-        correlate(found, far)
-    assert len(correlate(found, far, reach=0.25).pairing) == 1
+    assert len(cf.correlate(found, near).pairing) == 1
+    with pytest.raises(cf.errors.InputError, match=r"no shape that pairs with a mode; expected one within 0\.2 of a"):
+        cf.correlate(found, far)
+    assert len(cf.correlate(found, far, reach=0.25).pairing) == 1

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from scipy.linalg import sqrtm, subspace_angles
 
-from casingfem.errors import InputError, ModelError
+import casingfem as cf
 from casingfem.experiment.correlation.correlate import alike, partners, plane_of, seen_mac
 from casingfem.experiment.correlation.expansion import expand, well_conditioned
-from casingfem.experiment.correlation.mac import comac, ecomac, mac, nearest_in_plane, subspace_mac
+from casingfem.experiment.correlation.mac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.matches import Match
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes, uff_shapes
+from casingfem.experiment.correlation.measured_shapes import uff_shapes
 from casingfem.experiment.correlation.sensors import refuse_far
 from casingfem.experiment.uff.nodes import Nodes
-from casingfem.experiment.uff.read import UniversalFile
 from casingfem.experiment.uff.set_55 import Shape
 
 RNG_SEED = 2231
@@ -31,18 +30,18 @@ def test_a_subspace_mac_is_the_mean_squared_cosine_of_principal_angles(left, rig
     M = half @ half.T + np.eye(7) if weighted else np.eye(7)
     root = np.real(sqrtm(M))
     exact = np.mean(np.cos(subspace_angles(root @ A, root @ B)) ** 2)
-    assert subspace_mac(A, B, M if weighted else None) == pytest.approx(exact, rel=1e-9)
+    assert cf.correlation.subspace_mac(A, B, M if weighted else None) == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
 def test_planes_of_any_size_and_phase_have_their_likeness(size):
     a, b = (rng().normal(size=(6, k)) + 1j * rng().normal(size=(6, k)) for k in (2, 3))
     exact = np.mean(np.cos(subspace_angles(a, b)) ** 2)
-    assert subspace_mac(size * a, b) == pytest.approx(exact, rel=1e-9)
+    assert cf.correlation.subspace_mac(size * a, b) == pytest.approx(exact, rel=1e-9)
     with pytest.raises(ValueError, match="linearly independent"):
-        subspace_mac(size * a[:, [0, 0]], b)
+        cf.correlation.subspace_mac(size * a[:, [0, 0]], b)
     with pytest.raises(ValueError, match="same dofs, not 5 and 6"):
-        subspace_mac(a[:5], b)
+        cf.correlation.subspace_mac(a[:5], b)
 
 
 def test_likeness_of_complex_shapes_takes_the_weight_on_both_sides():
@@ -51,11 +50,11 @@ def test_likeness_of_complex_shapes_takes_the_weight_on_both_sides():
     exact = [
         [abs(x.conj() @ M @ y) ** 2 / ((x.conj() @ M @ x).real * (y.conj() @ M @ y).real) for y in b.T] for x in a.T
     ]
-    np.testing.assert_allclose(mac(a, b, M), exact, rtol=1e-12)
-    assert mac(np.zeros((4, 0)), b).shape == (0, 3)
+    np.testing.assert_allclose(cf.correlation.mac(a, b, M), exact, rtol=1e-12)
+    assert cf.correlation.mac(np.zeros((4, 0)), b).shape == (0, 3)
     for one, other in ((a * [1.0, 0.0], b), (a, b * [1.0, 0.0, 1.0])):
         with pytest.raises(ValueError, match="a shape has no norm"):
-            mac(one, other)
+            cf.correlation.mac(one, other)
 
 
 def test_where_shapes_differ_by_hand():
@@ -110,7 +109,7 @@ def test_an_expansion_has_a_mode_at_least_and_no_more_than_channels():
         ([0, 1, 2, 3], "4 modes on 3 channels"),
         ([1, 1], "2 modes look al"),
     ):
-        with pytest.raises(ModelError, match=words):
+        with pytest.raises(cf.errors.ModelError, match=words):
             expand(shapes[:, :1], shapes, np.arange(3), modes)
 
 
@@ -162,13 +161,13 @@ def test_a_sensor_is_refused_where_it_stands_further_away_than_is_allowed(allowe
         refuse_far(where, np.array([11, 12]), distance, allowed, "the wall")
         return
     with pytest.raises(
-        ModelError, match=r"sensor 12 at \[4.0, 5.0, 6.1234\] m is 0.3 m from the wall, 0.2 m are allowed"
+        cf.errors.ModelError, match=r"sensor 12 at \[4.0, 5.0, 6.1234\] m is 0.3 m from the wall, 0.2 m are allowed"
     ):
         refuse_far(where, np.array([11, 12]), distance, allowed, "the wall")
 
 
 def test_measured_shapes_have_unit_directions_numbers_and_a_table():
-    test = MeasuredShapes.from_arrays(
+    test = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=[20.0, 10.0],
         values=[[1.0, 2.0], [3.0, 4.0]],
         points=np.eye(3)[:2],
@@ -202,12 +201,12 @@ def test_a_file_s_channels_are_the_directions_in_which_a_mode_moves():
     second = shape([[1.0j, 0.0, 0.0], [0.0, 0.0, 0.5]], 3, (0.0, 2.0 * np.pi * 30.0, 0.0, 0.0, 0.0, 0.0))
     third = shape([[0.5, 0.0, 0.0], [0.0, 0.0, 2.0]], 7, (0.0, 2.0 * np.pi * 60.0, 0.0, 0.0, 0.0, 0.0))
     left_out = [shape([[9.0, 9.0, 9.0]] * 2, reals=(0.0, 1.0, 0.0, 0.0)), shape([[9.0, 9.0, 9.0]] * 2, 5)]
-    found = uff_shapes(UniversalFile(path="f.uff", nodes=nodes, shapes=(first, *left_out, second, third)))
+    found = uff_shapes(cf.uff.UniversalFile(path="f.uff", nodes=nodes, shapes=(first, *left_out, second, third)))
     np.testing.assert_allclose(found.freq_hz, [30.0, 50.0, 60.0])
     assert found.labels.tolist() == [4, 2, 2]
     assert found.directions.tolist() == [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     assert found.points.tolist() == [[6.0, 7.0, 8.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0]]
     np.testing.assert_array_equal(found.values, [[1.0j, 2.0, 0.5], [0.0, 2.2e-9, 0.0], [0.5, 1.0, 2.0]])
     assert found.path == "f.uff"
-    with pytest.raises(InputError, match="found 2 shapes, none of a mode"):
-        uff_shapes(UniversalFile(path="f.uff", nodes=nodes, shapes=tuple(left_out)))
+    with pytest.raises(cf.errors.InputError, match="found 2 shapes, none of a mode"):
+        uff_shapes(cf.uff.UniversalFile(path="f.uff", nodes=nodes, shapes=tuple(left_out)))

@@ -5,17 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.experiment.correlation.correlate import Correlation
+import casingfem as cf
 from casingfem.experiment.correlation.expansion import Expansion
-from casingfem.experiment.correlation.matches import Pairing, listed, modes_of, unpaired_words
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.correlation.matches import listed, modes_of, unpaired_words
 from casingfem.experiment.correlation.sensors import Sensors
-from casingfem.experiment.frequency_table import FrequencyTable
 from tests.casingfem.experiment.correlation.test_correlation_parts import match
 
 
 def test_a_pairing_in_numbers():
-    whole = Pairing(
+    whole = cf.correlation.Pairing(
         matches=(
             match((2, 0), (4, 5), measured_hz=(100.0, 200.0), computed_hz=(101.0, 196.0)), match((1,), (0,), n=-1),
         ),
@@ -29,7 +27,7 @@ def test_a_pairing_in_numbers():
 
 def test_a_correlation_in_plain_numbers_counts_from_1():
     """Three shapes at two sensors, of which two are the modes 3 and 2."""
-    measured = MeasuredShapes.from_arrays(
+    measured = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=[10.0, 20.0, 30.0], values=[[1.0, 2.0j, 1.0], [1.0, 1.0, 2.0]], points=np.eye(3)[:2],
         directions=np.eye(3)[1:], labels=[5, 8],
     )  # fmt: skip
@@ -41,8 +39,8 @@ def test_a_correlation_in_plain_numbers_counts_from_1():
         modes=np.array([0, 2]), coordinates=np.zeros((2, 3)), smoothed=np.zeros((2, 3)), condition=7.0,
         outside=np.zeros(3), left_out=np.array([[3.0, 1.0, np.nan], [4.0, 7.0, 2.0]]),
     )  # fmt: skip
-    pairing = Pairing(matches=(match((0, 2), (2, 1)),), unpaired_rows=(1,), unpaired_modes=(0, 3))
-    found = Correlation(
+    pairing = cf.correlation.Pairing(matches=(match((0, 2), (2, 1)),), unpaired_rows=(1,), unpaired_modes=(0, 3))
+    found = cf.correlation.Correlation(
         modes=SimpleNamespace(freq=np.array([1.0, 2.0, 3.0, 4.0])), measured=measured, sensors=sensors, pairing=pairing,
         mac=np.arange(12.0).reshape(3, 4), alike=np.array([0.75]), nco=20.0 + np.arange(12.0).reshape(3, 4),
         mass_by="Guyan", comac=np.array([0.5, 0.25]), ecomac=np.array([0.125, 0.375]), expansion=expansion,
@@ -72,5 +70,5 @@ def test_lists_end_after_twelve_names():
     assert listed(range(14)) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 2 more"
     assert unpaired_words([]) == []
     assert unpaired_words([3, 5]) == ["no mode pairs with table modes 3, 5: they took no part"]
-    table = FrequencyTable.from_arrays(freq_hz=[1.0, 2.0, 3.0], sigma_hz=0.1, mode=[7, 8, 9])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[1.0, 2.0, 3.0], sigma_hz=0.1, mode=[7, 8, 9])
     assert modes_of(table, [2, 0]) == (9, 7)

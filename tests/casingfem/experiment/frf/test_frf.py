@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.frf.files import file_coherence, read_coherence, read_places
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.write import write_uff
 
 
 @pytest.fixture
-def three() -> FrfSet:
+def three() -> cf.frf.FrfSet:
     rng = np.random.default_rng(311)
-    return FrfSet.from_arrays(
+    return cf.frf.FrfSet.from_arrays(
         kind="frf",
         x=100.0 + 0.25 * np.arange(33),
         responses=rng.normal(size=(3, 33)) + 1j * rng.normal(size=(3, 33)),
@@ -29,18 +27,18 @@ def three() -> FrfSet:
     )
 
 
-def same(left: FrfSet, right: FrfSet) -> bool:
+def same(left: cf.frf.FrfSet, right: cf.frf.FrfSet) -> bool:
     names = ("x", "responses", "response_point", "response_direction", "reference_point", "reference_direction")
     arrays = all(np.array_equal(getattr(left, name), getattr(right, name)) for name in names)
     return arrays and (left.kind, left.unit) == (right.kind, right.unit)
 
 
 def test_three_formats_hold_every_bit(three, tmp_path):
-    assert same(FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
-    assert same(FrfSet.load(three.save(tmp_path / "f.npz")), three)
+    assert same(cf.frf.FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
+    assert same(cf.frf.FrfSet.load(three.save(tmp_path / "f.npz")), three)
     path = write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
     assert same(cf.frf.FrfSet.from_uff(path), three)
-    assert FrfSet.load(tmp_path / "f.npz").card == three.card
+    assert cf.frf.FrfSet.load(tmp_path / "f.npz").card == three.card
     assert not three.responses.flags.writeable
 
 
@@ -50,9 +48,9 @@ def test_missing_numbers_go_through_every_format(three, tmp_path):
     given = replace(three, responses=holes)
     path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     for read in (
-        FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")),
-        FrfSet.load(given.save(tmp_path / "f.npz")),
-        FrfSet.from_uff(path),
+        cf.frf.FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")),
+        cf.frf.FrfSet.load(given.save(tmp_path / "f.npz")),
+        cf.frf.FrfSet.from_uff(path),
     ):
         np.testing.assert_array_equal(read.responses, holes)
 
@@ -61,12 +59,12 @@ def test_coherence_stands_beside_the_responses_of_a_universal_file(three, tmp_pa
     gamma2 = replace(three, kind="spectrum", responses=np.full((3, 33), 0.9), unit="")
     functions = [replace(each, kind=6, values=each.values.real) for each in gamma2.functions()]
     path = write_uff(tmp_path / "f.uff", functions=[*three.functions(), *functions], binary=True)
-    assert same(FrfSet.from_uff(path), three)
+    assert same(cf.frf.FrfSet.from_uff(path), three)
     assert same(file_coherence(path), gamma2)
     assert same(read_coherence(gamma2.save(tmp_path / "c.npz")), gamma2)
     assert read_coherence(write_uff(tmp_path / "g.uff", functions=three.functions())) is None
     assert file_coherence(tmp_path / "c.npz") is None
-    with pytest.raises(InputError, match=r"ending '\.csv'"):
+    with pytest.raises(cf.errors.InputError, match=r"ending '\.csv'"):
         read_coherence(tmp_path / "f.csv")
 
 
@@ -74,21 +72,23 @@ def test_coherence_stands_beside_the_responses_of_a_universal_file(three, tmp_pa
 def test_time_records_and_spectra_too(kind, three, tmp_path):
     values = three.responses.real if kind == "time" else three.responses
     given = replace(three, kind=kind, responses=values, unit="Pa")
-    assert same(FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")), given)
+    assert same(cf.frf.FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")), given)
     path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
-    assert same(FrfSet.from_uff(path, kind), given)
+    assert same(cf.frf.FrfSet.from_uff(path, kind), given)
     assert ("time_s" in (tmp_path / "f.csv").read_text()) == (kind == "time")
-    with pytest.raises(InputError, match="expected functions of kind 'frf': divide the cross spectrum"):
-        FrfSet.from_uff(path)
+    with pytest.raises(cf.errors.InputError, match="expected functions of kind 'frf': divide the cross spectrum"):
+        cf.frf.FrfSet.from_uff(path)
     nodes = Nodes(labels=np.array([1, 2]), points=np.eye(2, 3), systems=np.zeros(2, int), motions=np.zeros(2, int))
-    with pytest.raises(InputError, match=r"found no functions, but 2 nodes; expected functions of kind '\w+'$"):
-        FrfSet.from_uff(write_uff(tmp_path / "g.uff", nodes=nodes), kind)
+    with pytest.raises(
+        cf.errors.InputError, match=r"found no functions, but 2 nodes; expected functions of kind '\w+'$"
+    ):
+        cf.frf.FrfSet.from_uff(write_uff(tmp_path / "g.uff", nodes=nodes), kind)
 
 
 def test_uneven_abscissas_keep_their_bits(three, tmp_path):
     given = replace(three, x=np.sort(np.random.default_rng(5).uniform(1.0, 2.0, 33)))
     path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
-    assert same(FrfSet.from_uff(path), given)
+    assert same(cf.frf.FrfSet.from_uff(path), given)
 
 
 def test_functions_that_do_not_belong_together_are_refused(three):
@@ -99,8 +99,8 @@ def test_functions_that_do_not_belong_together_are_refused(three):
         (replace(second, axes=second.axes._replace(ordinate=ordinate)), "function 2 in 'm/s'"),
         (replace(second, axes=second.axes._replace(abscissa=ordinate)), "expected frequency in Hz"),
     ):
-        with pytest.raises(InputError, match=words):
-            FrfSet.from_functions([first, odd], "frf")
+        with pytest.raises(cf.errors.InputError, match=words):
+            cf.frf.FrfSet.from_functions([first, odd], "frf")
 
 
 CSV = (
@@ -116,13 +116,15 @@ def test_places_have_their_radius_and_none_below_0(tmp_path):
     assert angles == {4: 90.0, 7: 30.0}
     np.testing.assert_allclose([places[4], places[7]], [[0.0, 0.5, 0.1], [0.0, 0.0, 0.2]], atol=1e-16)
     file.write_text("point,angle_deg,radius_m,z_m\n4,90,0.5,0.1\n7,30,-1e-9,0.2\n")
-    with pytest.raises(InputError, match=r"angles\.csv, line 3, column 'radius_m': found -1e-09; expected 0 or more"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"angles\.csv, line 3, column 'radius_m': found -1e-09; expected 0 or more"
+    ):
         read_places(file)
 
 
 def test_a_table_written_by_hand(tmp_path):
     (tmp_path / "f.csv").write_text(CSV)
-    found = FrfSet.from_csv(tmp_path / "f.csv")
+    found = cf.frf.FrfSet.from_csv(tmp_path / "f.csv")
     assert found.responses.tolist() == [[0.5, 0.6], [0.5 + 1j, 0.6 + 2j]]
     assert found.response_point.tolist() == [1, 2]
     assert repr(found) == "FrfSet(frf, 2 channels, 2 lines, 10 to 20 Hz, m/N)"
@@ -144,8 +146,8 @@ def test_a_table_written_by_hand(tmp_path):
 def test_broken_tables_are_refused(old, new, words, tmp_path):
     assert old in CSV
     (tmp_path / "f.csv").write_text(CSV.replace(old, new))
-    with pytest.raises(InputError, match=words):
-        FrfSet.from_csv(tmp_path / "f.csv")
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.frf.FrfSet.from_csv(tmp_path / "f.csv")
 
 
 def test_arrays_that_do_not_fit_are_refused(three):
@@ -156,5 +158,5 @@ def test_arrays_that_do_not_fit_are_refused(three):
         ({"kind": "time"}, "complex time record"),
         ({"kind": "other"}, "kind 'other'"),
     ):
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             replace(three, **change)

@@ -6,16 +6,15 @@ import h5py
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.frf.files import ARRAYS, read_frfs, read_hdf5, write_hdf5
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.extras import remedy
 
 
 @pytest.fixture
-def two() -> FrfSet:
+def two() -> cf.frf.FrfSet:
     rng = np.random.default_rng(719)
-    return FrfSet.from_arrays(
+    return cf.frf.FrfSet.from_arrays(
         kind="frf",
         x=[10.0, 20.0, 40.0],
         responses=rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3)),
@@ -60,7 +59,7 @@ def change(path, edit):
 def test_what_does_not_fit_is_refused(edit, said, two, tmp_path):
     path = write_hdf5(two, tmp_path / "f.hdf5")
     change(path, edit)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(cf.errors.InputError, match=said):
         read_hdf5(path)
 
 
@@ -68,7 +67,7 @@ def test_without_h5py_it_is_named(two, tmp_path, monkeypatch):
     path = write_hdf5(two, tmp_path / "f.h5")
     monkeypatch.setitem(sys.modules, "h5py", None)
     for call in (lambda: read_hdf5(path), lambda: write_hdf5(two, path)):
-        with pytest.raises(InputError) as caught:
+        with pytest.raises(cf.errors.InputError) as caught:
             call()
         assert f"{path}: found an HDF5 file; expected the package h5py: {remedy('test-data')}" in str(caught.value)
 
@@ -84,11 +83,11 @@ def test_places_may_be_missing(two, tmp_path):
 @pytest.mark.slow
 def test_other_bytes_and_no_file(ending, tmp_path):
     path = tmp_path / f"f{ending}"
-    with pytest.raises(InputError, match="no readable"):
+    with pytest.raises(cf.errors.InputError, match="no readable"):
         read_frfs(path)
     path.write_bytes(b"freq_hz,real,imag\n")
-    with pytest.raises(InputError, match="no readable"):
+    with pytest.raises(cf.errors.InputError, match="no readable"):
         read_frfs(path)
     path.write_bytes(b"PK\x03\x04")
-    with pytest.raises(InputError, match="no readable"):
+    with pytest.raises(cf.errors.InputError, match="no readable"):
         read_frfs(path)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from openpyxl import Workbook
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.frf.files import file_places, read_coherence, read_frfs, read_picks, read_places
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import angles_of, form_of, radial_signs, sensor_grid
 from casingfem.experiment.uff.nodes import Nodes
 from casingfem.experiment.uff.set_58 import Axes, Axis
@@ -17,7 +16,7 @@ from casingfem.experiment.uff.write import write_uff
 
 def frfs(**changes):
     given = {"kind": "frf", "x": [10.0, 20.0, 40.0], "responses": [[1.0, 2.0, 3.0j]], "unit": "m/N"}
-    return FrfSet.from_arrays(**given | changes)
+    return cf.frf.FrfSet.from_arrays(**given | changes)
 
 
 def test_places_of_one_number_are_those_of_every_channel_and_0_if_nothing_is_said():
@@ -36,14 +35,18 @@ def test_places_are_whole_numbers(value, whole):
     if whole:
         assert frfs(response_point=np.array([value])).response_point.tolist() == [int(value)]
         return
-    with pytest.raises(InputError, match="found response_point that are not whole numbers; expected those of points"):
+    with pytest.raises(
+        cf.errors.InputError, match="found response_point that are not whole numbers; expected those of points"
+    ):
         frfs(response_point=np.array([value]))
 
 
 def test_which_numbers_are_none_is_counted():
     bad = np.ones((3, 3))
     bad[0, 1] = bad[2, 1] = bad[2, 2] = np.inf
-    with pytest.raises(InputError, match="infinity in 2 of 3 channels, on 2 of 3 lines, first at 20; expected finite"):
+    with pytest.raises(
+        cf.errors.InputError, match="infinity in 2 of 3 channels, on 2 of 3 lines, first at 20; expected finite"
+    ):
         frfs(responses=bad)
 
 
@@ -87,7 +90,7 @@ def test_functions_say_their_kind_their_places_and_their_axes(kind, number, axis
 def test_a_unit_is_that_of_the_ordinate_over_its_denominator(above, below, unit):
     (function,) = frfs().functions()
     axes = function.axes._replace(ordinate=Axis(unit=above), denominator=Axis(unit=below))
-    assert FrfSet.from_functions([replace(function, axes=axes)], "frf").unit == unit
+    assert cf.frf.FrfSet.from_functions([replace(function, axes=axes)], "frf").unit == unit
 
 
 @pytest.mark.parametrize(
@@ -103,13 +106,13 @@ def test_functions_stand_over_hertz_or_seconds(kind, axis, taken):
     (function,) = frfs(kind=kind, responses=[[1.0, 2.0, 3.0]]).functions()
     given = replace(function, axes=Axes(axis, function.axes.ordinate))
     if taken:
-        assert len(FrfSet.from_functions([given], kind)) == 1
+        assert len(cf.frf.FrfSet.from_functions([given], kind)) == 1
         return
     words = "frequency in Hz" if kind == "frf" else "time in s"
     with pytest.raises(
-        InputError, match=rf"function 1 over 'NONE' in '{axis.unit}' \(kind {axis.kind}\); expected {words}"
+        cf.errors.InputError, match=rf"function 1 over 'NONE' in '{axis.unit}' \(kind {axis.kind}\); expected {words}"
     ):
-        FrfSet.from_functions([given], kind)
+        cf.frf.FrfSet.from_functions([given], kind)
 
 
 def test_kinds_of_functions_are_chosen_by_their_numbers(tmp_path):
@@ -117,8 +120,8 @@ def test_kinds_of_functions_are_chosen_by_their_numbers(tmp_path):
     (one,) = frfs(kind="spectrum", responses=[[1.0, 2.0, 3.0]]).functions()
     every = [replace(one, kind=k, response=one.response._replace(node=k), values=one.values.real) for k in range(28)]
     path = write_uff(tmp_path / "f.uff", functions=every)
-    assert FrfSet.from_uff(path, "spectrum").response_point.tolist() == [2, 3, 9, 10, 12]
-    assert FrfSet.from_uff(path).response_point.tolist() == [4]
+    assert cf.frf.FrfSet.from_uff(path, "spectrum").response_point.tolist() == [2, 3, 9, 10, 12]
+    assert cf.frf.FrfSet.from_uff(path).response_point.tolist() == [4]
     assert read_coherence(path).response_point.tolist() == [6, 26]
 
 
@@ -130,7 +133,7 @@ def test_a_table_says_which_of_its_columns_lack_or_are_unknown(tmp_path):
         (head.replace("freq_hz", "time_s") + ",imag", "column 'imag': found an unknown column"),
     ):
         (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * (header.count(",") + 1)) + "\n")
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             read_frfs(tmp_path / "t.csv")
     (tmp_path / "t.csv").write_text(head + ",imag\n10,4,1,5,-3,,\n20,4,1,5,-3,1.5,-2\n")
     found = read_frfs(tmp_path / "t.csv")
@@ -155,17 +158,17 @@ def test_channels_are_sorted_by_sensor_and_reference():
     assert not grid.channels.flags.writeable
     assert len(grid) == 2
     assert np.isnan(sensor_grid(given, None).theta).all()
-    with pytest.raises(InputError, match="found no angle for point 9; expected an angle of every sensor"):
+    with pytest.raises(cf.errors.InputError, match="found no angle for point 9; expected an angle of every sensor"):
         sensor_grid(given, {3: 90.0})
-    with pytest.raises(InputError, match="found no angle for point 3"):
+    with pytest.raises(cf.errors.InputError, match="found no angle for point 3"):
         sensor_grid(given, {3: np.inf, 9: 30.0})
     with pytest.raises(
-        InputError, match="found channels 2 and 4 from the same sensor to the same reference; expected ea"
+        cf.errors.InputError, match="found channels 2 and 4 from the same sensor to the same reference; expected ea"
     ):
         sensor_grid(replace(given, reference_point=[5, 5, 4, 5]), None)
     some = frfs(responses=np.ones((3, 3)), response_point=[9, 3, 9], reference_point=[5, 5, 4])
     with pytest.raises(
-        InputError, match="found no channel from point 3 to reference 4; expected every sensor with every"
+        cf.errors.InputError, match="found no channel from point 3 to reference 4; expected every sensor with every"
     ):
         sensor_grid(some, None)
 
@@ -186,10 +189,12 @@ def test_a_form_that_is_said_counts_and_an_unknown_unit_is_refused():
     for form, power in (("receptance", 0), ("mobility", 1), ("accelerance", 2)):
         assert form_of(frfs(unit="Pa/N"), form) == power
     with pytest.raises(
-        InputError, match=r"found unit 'Pa/N'; expected one such as \(m/s\^2\)/N, or form=receptance|mobi"
+        cf.errors.InputError, match=r"found unit 'Pa/N'; expected one such as \(m/s\^2\)/N, or form=receptance|mobi"
     ):
         form_of(frfs(unit="Pa/N"), None)
-    with pytest.raises(InputError, match="found form 'compliance'; expected receptance or mobility or accelerance"):
+    with pytest.raises(
+        cf.errors.InputError, match="found form 'compliance'; expected receptance or mobility or accelerance"
+    ):
         form_of(frfs(unit="m/N"), "compliance")
 
 
@@ -217,19 +222,21 @@ def test_points_have_one_angle_each_and_picks_a_column(tmp_path):
     file.write_text("point,angle_deg\n4,90\n7,30\n")
     assert read_places(file) == ({4: 90.0, 7: 30.0}, None)
     file.write_text("point,angle_deg\n4,90\n7,30\n4,91\n")
-    with pytest.raises(InputError, match=r"p\.csv, line 4, column 'point': found 4 again; expected each point once"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"p\.csv, line 4, column 'point': found 4 again; expected each point once"
+    ):
         read_places(file)
     file.write_text("point,angle_deg,z_m\n4,90,1\n")
     with pytest.raises(
-        InputError, match="line 1: found point,angle_deg,z_m; expected point,angle_deg, or point,angle_de"
+        cf.errors.InputError, match="line 1: found point,angle_deg,z_m; expected point,angle_deg, or point,angle_de"
     ):
         read_places(file)
     file.write_text("mode,freq_hz\n4,90.5\n5,91\n")
     assert read_picks(file).tolist() == [90.5, 91.0]
     file.write_text("mode,tone\n4,90.5\n")
-    with pytest.raises(InputError, match="line 1: found mode,tone; expected a column freq_hz"):
+    with pytest.raises(cf.errors.InputError, match="line 1: found mode,tone; expected a column freq_hz"):
         read_picks(file)
-    with pytest.raises(InputError, match=r"found ending '\.txt'; expected one of \.uff, "):
+    with pytest.raises(cf.errors.InputError, match=r"found ending '\.txt'; expected one of \.uff, "):
         read_frfs(tmp_path / "f.txt")
 
 
@@ -257,5 +264,5 @@ def test_a_workbook_has_the_rows_of_a_csv_table(tmp_path):
 
 
 def test_a_device_is_named_before_its_ending():
-    with pytest.raises(InputError, match="/dev/null: found a device, expected a file or a pipe"):
+    with pytest.raises(cf.errors.InputError, match="/dev/null: found a device, expected a file or a pipe"):
         read_frfs("/dev/null")

@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 from scipy.io import savemat
 
+import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import InputError
 from casingfem.experiment.frf.files import file_coherence, read_frfs
 
 pytestmark = pytest.mark.slow  # a MATLAB file is read by a process of its own
@@ -94,14 +94,14 @@ def test_modes_of_plain_arrays_by_the_command(kind, tmp_path):
 )
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_arrays_that_do_not_fit_are_refused_with_their_names(kind, arrays, words, tmp_path):
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         read_frfs(written(tmp_path, kind, **arrays))
 
 
 def test_objects_and_damaged_files_are_refused(tmp_path):
     np.savez(tmp_path / "objects.npz", f=FREQ, H=np.array([None, {}], dtype=object))
     (tmp_path / "cut.mat").write_bytes(written(tmp_path, "mat", f=FREQ, H=H).read_bytes()[:900])
-    with pytest.raises(InputError, match="no readable npz"):
+    with pytest.raises(cf.errors.InputError, match="no readable npz"):
         read_frfs(tmp_path / "objects.npz")
-    with pytest.raises(InputError, match="no readable MATLAB file"):
+    with pytest.raises(cf.errors.InputError, match="no readable MATLAB file"):
         read_frfs(tmp_path / "cut.mat")

@@ -3,30 +3,28 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.frf.records.averages import block_spectra, cross
 from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine, band_noise, bump
-from casingfem.experiment.rig.record import (
-    FINER,
-    Record,
-    decimated,
-    differences,
-    measured,
-    prefiltered,
-    record,
-    respond,
-)
-from casingfem.experiment.rig.rig import Converter, Probe, Rig, noise
+from casingfem.experiment.rig.excitation import band_noise, bump
+from casingfem.experiment.rig.record import FINER, Record, decimated, differences, measured, prefiltered, respond
+from casingfem.experiment.rig.rig import noise
 
 SEED = 6120
 OMEGA, ZETA = np.array([300.0, 420.0, 950.0]), np.array([0.01, 0.03, 0.005])
 ROWS = np.array([[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]])
 S = 1e-6 * np.array([[4.0, 1.0, 0.3], [1.0, 3.0, 0.5], [0.3, 0.5, 2.0]])
-RIG = Rig.of(
-    omega=OMEGA, zeta=ZETA, rows=ROWS, S=S,
-    probes=[Probe(4, 1, (0.0, 0.0, 0.0), 0.0), Probe(6, -2, (0.0, 0.0, 0.0), 0.0), Probe(9, 3, (0.0, 0.0, 0.0), 0.0)],
-)  # fmt: skip
+RIG = cf.rig.Rig.of(
+    omega=OMEGA,
+    zeta=ZETA,
+    rows=ROWS,
+    S=S,
+    probes=[
+        cf.rig.Probe(4, 1, (0.0, 0.0, 0.0), 0.0),
+        cf.rig.Probe(6, -2, (0.0, 0.0, 0.0), 0.0),
+        cf.rig.Probe(9, 3, (0.0, 0.0, 0.0), 0.0),
+    ],
+)
 
 
 def rng():
@@ -52,39 +50,39 @@ def test_noise_of_a_band_has_its_lines_both_ends_and_no_mean():
 
 def test_a_burst_ramps_within_its_part_of_the_block_half_if_nothing_is_said():
     time = np.arange(4000) / 1000.0
-    whole = Random(rms=2.0, band=(50.0, 200.0)).force(time, 2.0, rng())
+    whole = cf.rig.Random(rms=2.0, band=(50.0, 200.0)).force(time, 2.0, rng())
     for part, more in ((0.5, {}), (0.3, {"part": 0.3})):
-        burst = BurstRandom(rms=2.0, band=(50.0, 200.0), **more).force(time, 2.0, rng())
+        burst = cf.rig.BurstRandom(rms=2.0, band=(50.0, 200.0), **more).force(time, 2.0, rng())
         np.testing.assert_allclose(burst, whole * bump((time % 2.0) / 2.0 / part), atol=1e-12)
-    assert BurstRandom(rms=1.0, band=(50.0, 200.0)).highest == 200.0
+    assert cf.rig.BurstRandom(rms=1.0, band=(50.0, 200.0)).highest == 200.0
 
 
 def test_a_pulse_is_a_raised_cosine_a_hundredth_of_a_second_late_if_nothing_is_said():
     time = np.array([0.0, 0.009, 0.0105, 0.011, 0.012, 0.014, 0.0141, 0.511, 0.512])
-    force = Impact(peak=8.0, width=0.004).force(time, 0.5, rng())
+    force = cf.rig.Impact(peak=8.0, width=0.004).force(time, 0.5, rng())
     np.testing.assert_allclose(force, [0.0, 0.0, 4.0 - np.sqrt(8.0), 4.0, 8.0, 0.0, 0.0, 4.0, 8.0], atol=1e-9)
-    early = Impact(peak=8.0, width=0.004, delay=0.0)
+    early = cf.rig.Impact(peak=8.0, width=0.004, delay=0.0)
     np.testing.assert_allclose(early.force(np.array([0.0, 0.001]), 0.5, rng()), [0.0, 4.0], atol=1e-9)
     assert early.highest == 500.0
 
 
 def test_a_stepped_sine_rises_within_a_twentieth_of_its_first_block_and_goes_on_in_the_last():
     time = np.arange(300) / 100.0
-    force = StepSine(amplitude=3.0, freq=(7.0, 3.0)).force(time, 1.0, rng())
+    force = cf.rig.StepSine(amplitude=3.0, freq=(7.0, 3.0)).force(time, 1.0, rng())
     turns = np.where(time < 1.0, 7.0 * time, 7.0 + 3.0 * (time - 1.0))
     rise = np.where(time < 0.05, 0.5 - 0.5 * np.cos(np.pi * np.minimum(time / 0.05, 1.0)), 1.0)
     np.testing.assert_allclose(force, 3.0 * np.sin(2.0 * np.pi * turns) * rise, atol=1e-9)
-    assert StepSine(amplitude=3.0, freq=(7.0, 9.0, 3.0)).highest == 9.0
+    assert cf.rig.StepSine(amplitude=3.0, freq=(7.0, 9.0, 3.0)).highest == 9.0
 
 
 @pytest.mark.parametrize("make", [
-    lambda v: Random(rms=v, band=(1.0, 2.0)), lambda v: BurstRandom(rms=v, band=(1.0, 2.0)),
-    lambda v: Impact(peak=v, width=1.0), lambda v: Impact(peak=1.0, width=v),
-    lambda v: StepSine(amplitude=v, freq=(1.0,)),
+    lambda v: cf.rig.Random(rms=v, band=(1.0, 2.0)), lambda v: cf.rig.BurstRandom(rms=v, band=(1.0, 2.0)),
+    lambda v: cf.rig.Impact(peak=v, width=1.0), lambda v: cf.rig.Impact(peak=1.0, width=v),
+    lambda v: cf.rig.StepSine(amplitude=v, freq=(1.0,)),
 ])  # fmt: skip
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 def test_sizes_of_forces_are_finite_and_above_0(make, value):
-    with pytest.raises(InputError, match=f"found {value!r}, expected a number above 0"):
+    with pytest.raises(cf.errors.InputError, match=f"found {value!r}, expected a number above 0"):
         make(value)
 
 
@@ -109,7 +107,7 @@ def test_responses_are_the_sum_of_modes_and_what_they_leave_out(quantity, order)
     force = rng().normal(size=(2, 40))
     exact = S[np.ix_([1, 0], [2, 0])] @ differences(force, 500.0, order)
     for k in range(3):
-        one = Rig.of(omega=OMEGA[k : k + 1], zeta=ZETA[k], rows=[[1.0]])
+        one = cf.rig.Rig.of(omega=OMEGA[k : k + 1], zeta=ZETA[k], rows=[[1.0]])
         exact = exact + np.outer(
             ROWS[[1, 0], k], respond(one, (ROWS[[2, 0], k] @ force)[None], 500.0, [0], [0], quantity)[0]
         )
@@ -120,7 +118,7 @@ def test_responses_are_the_sum_of_modes_and_what_they_leave_out(quantity, order)
 
 def recorded(**changes):
     asked = {"drives": [2, 0], "sensors": [1], "fs": 512.0, "block": 16, "blocks": 2, "seed": SEED} | changes
-    return record(RIG, [Random(rms=1.0, band=(30.0, 200.0))] * len(asked["drives"]), **asked)
+    return cf.rig.record(RIG, [cf.rig.Random(rms=1.0, band=(30.0, 200.0))] * len(asked["drives"]), **asked)
 
 
 @pytest.mark.parametrize(("quantity", "unit"), [("receptance", "m"), ("mobility", "m/s"), ("accelerance", "m/s^2")])
@@ -147,7 +145,7 @@ def test_a_record_has_a_block_of_16_samples_and_reaches_its_highest_frequency():
         ({"blocks": 0}, "block 16, blocks 0: expected 16 samples"),
         ({"sensors": [3]}, r"probes \[3\]: expected at least one, each from 0 to 2"),
     ):
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             recorded(**change)
 
 
@@ -162,7 +160,7 @@ def test_a_chain_says_what_it_does_and_nothing_if_it_does_nothing():
 
 
 def test_a_converter_rounds_to_its_steps_and_ends_one_below_full_scale():
-    adc = Converter(bits=4, full_scale=4.0)
+    adc = cf.rig.Converter(bits=4, full_scale=4.0)
     assert adc.lsb == 0.5
     assert adc.convert(np.array([0.24, 0.26, -0.26, 3.6, 9.0, -3.9, -9.0])).tolist() == [
         0.0,
@@ -225,7 +223,7 @@ def test_an_estimate_is_least_squares_over_blocks_and_its_coherence_what_that_ex
         H, left = np.linalg.lstsq(f, x, rcond=None)[:2]
         np.testing.assert_allclose(found.frfs.responses[:, k], H, rtol=1e-9)
         assert found.coherence.responses[0, k].real == pytest.approx(1.0 - left[0] / np.sum(np.abs(x) ** 2), rel=1e-9)
-    with pytest.raises(InputError, match="found 1 averages; expected 2, one for each force"):
+    with pytest.raises(cf.errors.InputError, match="found 1 averages; expected 2, one for each force"):
         estimate(made(values[:2, :16], values[2:, :16], 16), window="rectangular", overlap=0.0, band=(0.5, 2.2))
     one = estimate(made(values[:1, :16], values[2:, :16], 16), window="rectangular", overlap=0.0)
     assert (one.averages, one.frfs.x.tolist()) == (1, [0.5 * k for k in range(1, 7)])  # up to fs/2.56

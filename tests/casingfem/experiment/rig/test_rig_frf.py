@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
-from casingfem.experiment.rig.rig import SYNTHETIC, Converter, Probe, Rig, noise, noisy
-from casingfem.experiment.rig.structure import Place, circle, damping_spread, rig_of, towards
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.loads import PointLoad
-from casingfem.structure.shell.static import solve_static
+from casingfem.experiment.rig.rig import SYNTHETIC, noise
+from casingfem.experiment.rig.structure import damping_spread, towards
 
 SEED = 20611
 
@@ -17,7 +13,7 @@ SEED = 20611
 def test_one_degree_of_freedom_answers_as_its_equation_says():
     m, k, zeta = 2.5, 4e6, 0.02
     omega = np.sqrt(k / m)
-    rig = Rig.of(omega=[omega], zeta=[zeta], rows=[[1.0 / np.sqrt(m)]])
+    rig = cf.rig.Rig.of(omega=[omega], zeta=[zeta], rows=[[1.0 / np.sqrt(m)]])
     freq = np.linspace(10.0, 500.0, 40)
     w = 2.0 * np.pi * freq
     exact = 1.0 / (k - m * w**2 + 1j * w * 2.0 * zeta * np.sqrt(k * m))
@@ -32,22 +28,22 @@ def casing(coarse, frustum):
 
 
 def test_static_answer_is_that_of_the_whole_model_however_few_the_modes(casing):
-    system = assemble(casing.shell)
-    rig = rig_of(casing, [Place(at=(0.25, 0.3)), Place(at=(0.2, 1.1))], zeta=0.002, system=system)
+    system = cf.shell.assemble(casing.shell)
+    rig = cf.rig.rig_of(casing, [cf.rig.Place(at=(0.25, 0.3)), cf.rig.Place(at=(0.2, 1.1))], zeta=0.002, system=system)
     c, s = np.cos(0.3), np.sin(0.3)
-    pushed = solve_static(casing.shell, [PointLoad(at=(0.25, 0.3), force=(c, s, 0.0))], system=system)
+    pushed = cf.shell.solve_static(casing.shell, [cf.loads.PointLoad(at=(0.25, 0.3), force=(c, s, 0.0))], system=system)
     at = pushed.at(0.2, 1.1) @ [np.cos(1.1), np.sin(1.1), 0.0]
     assert rig.receptance([1], [0], [0.0])[0, 0, 0] == pytest.approx(at, rel=1e-8)
-    without = Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows)
+    without = cf.rig.Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows)
     assert abs(without.receptance([1], [0], [0.0])[0, 0, 0] / at - 1.0) > 0.01
 
 
 @pytest.mark.slow
 def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
     few = cf.modes(casing.shell, 24, method="shell")
-    places = [Place(at=(0.25, 0.3)), *circle(0.25, 4)]
-    full, cut = (rig_of(m, places, zeta=0.002) for m in (casing, few))
-    bare = Rig.of(omega=cut.omega, zeta=cut.zeta, rows=cut.rows)
+    places = [cf.rig.Place(at=(0.25, 0.3)), *cf.rig.circle(0.25, 4)]
+    full, cut = (cf.rig.rig_of(m, places, zeta=0.002) for m in (casing, few))
+    bare = cf.rig.Rig.of(omega=cut.omega, zeta=cut.zeta, rows=cut.rows)
     freq = np.linspace(0.2, 0.6, 50) * few.freq[-1]
     H, with_S, without = (r.receptance([1, 2, 3, 4], [0], freq) for r in (full, cut, bare))
     error, blind = (np.linalg.norm(x - H) / np.linalg.norm(H) for x in (with_S, without))
@@ -56,7 +52,7 @@ def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
 
 
 def test_reciprocity_and_order_of_channels(casing):
-    rig = rig_of(casing, [*circle(0.25, 3), Place(at=(0.1, 2.0))], zeta=0.003)
+    rig = cf.rig.rig_of(casing, [*cf.rig.circle(0.25, 3), cf.rig.Place(at=(0.1, 2.0))], zeta=0.003)
     each = rig.frfs([300.0, 400.0], sensors=[0, 1, 2], drives=[3, 0]).responses
     alone = [rig.frfs([300.0, 400.0], sensors=[s], drives=[d]).responses[0] for d in (3, 0) for s in (0, 1, 2)]
     np.testing.assert_allclose(each, alone, rtol=1e-10)
@@ -70,7 +66,9 @@ def test_reciprocity_and_order_of_channels(casing):
 
 def test_directions_have_their_numbers(casing):
     at = (0.25, np.pi / 2)
-    rig = rig_of(casing, [Place(at=at, direction=d) for d in ("radial", "hoop", "axial", "x", "y")], zeta=0.002)
+    rig = cf.rig.rig_of(
+        casing, [cf.rig.Place(at=at, direction=d) for d in ("radial", "hoop", "axial", "x", "y")], zeta=0.002
+    )
     assert [p.direction for p in rig.probes] == [1, 2, 3, 0, 0]
     assert {p.node for p in rig.probes} == {1}
     np.testing.assert_allclose(rig.rows[0], rig.rows[4], atol=1e-12)
@@ -81,8 +79,8 @@ def test_directions_have_their_numbers(casing):
 def test_the_normal_of_a_cone_points_into_it(coarse, frustum):
     """Along the axis times around: where it is narrower above, in and down, as height to difference of radii."""
     modes = cf.modes(frustum(mesh=coarse), 8, method="shell")
-    chart, places = modes.shell.chart, [Place(at=(0.1, 0.7), direction=d) for d in ("radial", "axial", "normal")]
-    rig = rig_of(modes, places, zeta=0.002)
+    chart, places = modes.shell.chart, [cf.rig.Place(at=(0.1, 0.7), direction=d) for d in ("radial", "axial", "normal")]
+    rig = cf.rig.rig_of(modes, places, zeta=0.002)
     slope = np.array([chart.height, chart.r_base - chart.r_top])
     exact = -slope @ rig.rows[:2] / np.linalg.norm(slope)
     np.testing.assert_allclose(rig.rows[2], exact, atol=1e-12 * np.abs(exact).max())
@@ -98,9 +96,13 @@ def test_directions_of_an_open_part_are_x_y_z():
 
 
 def test_channels_have_the_directions_of_their_own_probes():
-    probes = [Probe(7, 1, (0.0, 0.0, 0.0), 0.0), Probe(8, -2, (0.0, 0.0, 0.0), 0.0), Probe(9, 3, (0.0, 0.0, 0.0), 0.0)]
+    probes = [
+        cf.rig.Probe(7, 1, (0.0, 0.0, 0.0), 0.0),
+        cf.rig.Probe(8, -2, (0.0, 0.0, 0.0), 0.0),
+        cf.rig.Probe(9, 3, (0.0, 0.0, 0.0), 0.0),
+    ]
     S = 1e-6 * np.array([[3.0, 1.0, 2.0], [1.0, 4.0, 0.5], [2.0, 0.5, 5.0]])
-    rig = Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0], [2.0], [3.0]], S=S, probes=probes)
+    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0], [2.0], [3.0]], S=S, probes=probes)
     frfs = rig.frfs([1.0], sensors=[2, 0], drives=[1])
     assert frfs.response_direction.tolist() == [3, 1]
     assert frfs.reference_direction.tolist() == [-2, -2]
@@ -110,9 +112,9 @@ def test_channels_have_the_directions_of_their_own_probes():
 
 
 def test_noise_is_as_strong_as_said_and_the_same_for_a_seed():
-    rig = Rig.of(omega=[600.0, 900.0], zeta=[0.01, 0.02], rows=[[1.0, 0.5], [0.1, -0.2]])
+    rig = cf.rig.Rig.of(omega=[600.0, 900.0], zeta=[0.01, 0.02], rows=[[1.0, 0.5], [0.1, -0.2]])
     clean = rig.frfs(np.linspace(50.0, 200.0, 4000), sensors=[0, 1], drives=[0])
-    dirty, again, other = (noisy(clean, 30.0, seed=s) for s in (SEED, SEED, SEED + 1))
+    dirty, again, other = (cf.rig.noisy(clean, 30.0, seed=s) for s in (SEED, SEED, SEED + 1))
     added = dirty.responses - clean.responses
     rms = np.sqrt(np.mean(np.abs(added) ** 2, axis=1) / np.mean(np.abs(clean.responses) ** 2, axis=1))
     np.testing.assert_allclose(20.0 * np.log10(rms), -30.0, atol=0.2)
@@ -124,10 +126,10 @@ def test_noise_is_as_strong_as_said_and_the_same_for_a_seed():
 def test_a_converter_errs_by_a_twelfth_of_its_step_squared():
     rng = np.random.default_rng(SEED)
     values = rng.normal(0.0, 1.0, 200_000)
-    adc = Converter(bits=12, full_scale=8.0)
+    adc = cf.rig.Converter(bits=12, full_scale=8.0)
     error = adc.convert(values) - values
     assert np.mean(error**2) == pytest.approx(adc.lsb**2 / 12.0, rel=0.01)
-    narrow = Converter(bits=12, full_scale=1.0).convert(values)
+    narrow = cf.rig.Converter(bits=12, full_scale=1.0).convert(values)
     assert (narrow.min(), narrow.max()) == (-1.0, 1.0 - 1.0 / 2048)
 
 
@@ -142,7 +144,9 @@ BELOW = np.nextafter(1.0, 0.0)
 
 @pytest.mark.parametrize(("zeta", "spread"), [(0.0, 0.0), (1.0, 0.0), (0.1, -1e-9), (0.1, 2.0), (np.nan, 0.0)])
 def test_damping_that_is_none_is_refused(zeta, spread):
-    with pytest.raises(InputError, match=f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread"):
+    with pytest.raises(
+        cf.errors.InputError, match=f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread"
+    ):
         damping_spread(zeta, spread, 2, seed=SEED)
 
 
@@ -153,9 +157,9 @@ def test_the_last_damping_is_taken(zeta, spread):
 
 
 def test_a_circle_has_at_least_one_place():
-    assert circle(0.25, 1, first_angle=0.3) == [Place(at=(0.25, 0.3))]
-    with pytest.raises(InputError, match="count: found 0, expected at least one place"):
-        circle(0.25, 0)
+    assert cf.rig.circle(0.25, 1, first_angle=0.3) == [cf.rig.Place(at=(0.25, 0.3))]
+    with pytest.raises(cf.errors.InputError, match="count: found 0, expected at least one place"):
+        cf.rig.circle(0.25, 0)
 
 
 @pytest.mark.parametrize(
@@ -178,37 +182,37 @@ def test_a_circle_has_at_least_one_place():
     ],
 )
 def test_a_rig_that_cannot_be_is_refused(arrays, words):
-    with pytest.raises(InputError, match=words):
-        Rig.of(**({"omega": [9.0], "zeta": 0.01, "rows": [[1.0]]} | arrays))
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.rig.Rig.of(**({"omega": [9.0], "zeta": 0.01, "rows": [[1.0]]} | arrays))
 
 
 def test_a_rig_has_frequencies_in_hz_and_may_have_two_alike():
-    rig = Rig.of(omega=[9.0, 9.0], zeta=0.01, rows=[[1.0, 1.0]])
+    rig = cf.rig.Rig.of(omega=[9.0, 9.0], zeta=0.01, rows=[[1.0, 1.0]])
     np.testing.assert_allclose(rig.freq, [9.0 / (2.0 * np.pi)] * 2, rtol=1e-15)
-    assert (len(rig), rig.S.tolist(), rig.probes) == (2, [[0.0]], (Probe(1, 0, (0.0, 0.0, 0.0), 0.0),))
+    assert (len(rig), rig.S.tolist(), rig.probes) == (2, [[0.0]], (cf.rig.Probe(1, 0, (0.0, 0.0, 0.0), 0.0),))
     assert not rig.rows.flags.writeable
 
 
 def test_what_cannot_be_asked_is_refused(casing, frustum, coarse):
-    rig = Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]])
+    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]])
     for sensors, drives in (([1], [0]), ([0], [-1]), ([], [0])):
-        with pytest.raises(InputError, match="each from 0 to 0"):
+        with pytest.raises(cf.errors.InputError, match="each from 0 to 0"):
             rig.frfs([1.0], sensors=sensors, drives=drives)
-    with pytest.raises(InputError, match="'velocity', expected receptance or mobility or accelerance"):
+    with pytest.raises(cf.errors.InputError, match="'velocity', expected receptance or mobility or accelerance"):
         rig.frfs([1.0], sensors=[0], drives=[0], quantity="velocity")
-    with pytest.raises(InputError, match="off the surface"):
-        rig_of(casing, [Place(at=(0.3, 0.0))], zeta=0.002)
-    with pytest.raises(InputError, match="found none"):
-        rig_of(casing, [], zeta=0.002)
-    with pytest.raises(InputError, match="direction: found 'up'"):
-        Place(at=(0.0, 0.0), direction="up")
-    with pytest.raises(InputError, match="bits: found 2"):
-        Converter(bits=2, full_scale=1.0)
-    with pytest.raises(InputError, match="snr_db"):
+    with pytest.raises(cf.errors.InputError, match="off the surface"):
+        cf.rig.rig_of(casing, [cf.rig.Place(at=(0.3, 0.0))], zeta=0.002)
+    with pytest.raises(cf.errors.InputError, match="found none"):
+        cf.rig.rig_of(casing, [], zeta=0.002)
+    with pytest.raises(cf.errors.InputError, match="direction: found 'up'"):
+        cf.rig.Place(at=(0.0, 0.0), direction="up")
+    with pytest.raises(cf.errors.InputError, match="bits: found 2"):
+        cf.rig.Converter(bits=2, full_scale=1.0)
+    with pytest.raises(cf.errors.InputError, match="snr_db"):
         noise(np.ones((1, 3)), np.nan, np.random.default_rng(1))
 
 
 def test_a_loose_body_is_refused(frustum, coarse):
     loose = cf.modes(frustum(mesh=coarse, supports={}), 8, method="shell")
-    with pytest.raises(InputError, match="6 rigid motions"):
-        rig_of(loose, [Place(at=(0.25, 0.0))], zeta=0.002)
+    with pytest.raises(cf.errors.InputError, match="6 rigid motions"):
+        cf.rig.rig_of(loose, [cf.rig.Place(at=(0.25, 0.0))], zeta=0.002)

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
-from casingfem.experiment.rig.rig import Rig
-from casingfem.experiment.rig.structure import Place, circle, loaded, rig_of, towards
-from casingfem.structure.shell.assembly import assemble
+from casingfem.experiment.rig.structure import loaded, towards
 
 ANGLES = (0.2, 1.9)
 MASS = 0.012
@@ -20,7 +17,7 @@ def bare(coarse, frustum):
 
 
 def test_a_mass_on_one_degree_of_freedom():
-    rig = Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0], [1.0]])  # 1/4 kg
+    rig = cf.rig.Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0], [1.0]])  # 1/4 kg
     heavy = loaded(rig, [0], [0.01])
     assert heavy.omega[0] == pytest.approx(700.0 * np.sqrt(0.25 / 0.26), rel=1e-12)
     np.testing.assert_allclose(heavy.rows[:, 0], [1.0 / np.sqrt(0.26), 0.5 / np.sqrt(0.26)], rtol=1e-12)
@@ -32,7 +29,7 @@ def test_loaded_modes_are_free_vibrations_of_the_bare_rig_under_the_masses_inert
     """phi = omega^2 H(omega) m phi with the bare rig's undamped H, S and all; unit modal mass; damping of its parts."""
     rows = np.array([[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1], [0.6, -0.8, 0.1]])
     half = np.array([[2.0, 0.0, 0.0, 0.0], [0.5, 1.5, 0.0, 0.0], [0.3, -0.4, 1.2, 0.0], [0.1, 0.2, 0.3, 1.0]])
-    bare = Rig.of(omega=[900.0, 1300.0, 2500.0], zeta=[0.01, 0.02, 0.005], rows=rows, S=1e-7 * half @ half.T)
+    bare = cf.rig.Rig.of(omega=[900.0, 1300.0, 2500.0], zeta=[0.01, 0.02, 0.005], rows=rows, S=1e-7 * half @ half.T)
     at, m = [2, 0], np.array([0.3, 0.12])
     heavy = loaded(bare, at, m)
     assert np.all(heavy.omega < 0.999 * bare.omega)
@@ -48,8 +45,8 @@ def test_loaded_modes_are_free_vibrations_of_the_bare_rig_under_the_masses_inert
 
 @pytest.mark.slow
 def test_masses_of_sensors_move_the_modes_as_masses_of_the_model_do(bare):
-    places = [Place(at=(0.25, a), mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]
-    rig = rig_of(bare, places, zeta=0.002)
+    places = [cf.rig.Place(at=(0.25, a), mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]
+    rig = cf.rig.rig_of(bare, places, zeta=0.002)
     masses = {"top": [cf.edge.EdgeMass(angle=a, mass=m) for a, m in zip(ANGLES, MASSES, strict=True)]}
     truth = cf.modes(cf.Shell(chart=bare.shell.chart, thickness=bare.shell.thickness, material=bare.shell.material,
                               supports=bare.shell.supports, mesh=bare.shell.mesh, masses=masses), 30)  # fmt: skip
@@ -59,41 +56,41 @@ def test_masses_of_sensors_move_the_modes_as_masses_of_the_model_do(bare):
 
 
 def test_without_the_residual_the_shift_is_too_small(bare):
-    at = [Place(at=(0.25, a), direction=d) for a in ANGLES for d in ("x", "y", "z")]
-    rig = rig_of(bare, at, zeta=0.002)
+    at = [cf.rig.Place(at=(0.25, a), direction=d) for a in ANGLES for d in ("x", "y", "z")]
+    rig = cf.rig.rig_of(bare, at, zeta=0.002)
     with_S = loaded(rig, range(6), MASS).freq
-    without = loaded(Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows), range(6), MASS).freq
+    without = loaded(cf.rig.Rig.of(omega=rig.omega, zeta=rig.zeta, rows=rig.rows), range(6), MASS).freq
     assert np.max(without[:20] / with_S[:20] - 1.0) > 2e-4
 
 
 def test_static_answers_do_not_feel_the_mass(bare):
-    system = assemble(bare.shell)
-    places = circle(0.25, 5)
-    light = rig_of(bare, places, zeta=0.002, system=system)
-    heavy = rig_of(bare, circle(0.25, 5, mass=0.05), zeta=0.002, system=system)
+    system = cf.shell.assemble(bare.shell)
+    places = cf.rig.circle(0.25, 5)
+    light = cf.rig.rig_of(bare, places, zeta=0.002, system=system)
+    heavy = cf.rig.rig_of(bare, cf.rig.circle(0.25, 5, mass=0.05), zeta=0.002, system=system)
     at = range(5)
     np.testing.assert_allclose(heavy.receptance(at, at, [0.0]), light.receptance(at, at, [0.0]), rtol=1e-9, atol=1e-18)
 
 
 def test_bad_masses_are_refused():
-    rig = Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0]])
-    with pytest.raises(InputError, match="expected 0 or more"):
-        Place(at=(0.0, 0.0), mass=np.inf)
+    rig = cf.rig.Rig.of(omega=[700.0], zeta=[0.02], rows=[[2.0]])
+    with pytest.raises(cf.errors.InputError, match="expected 0 or more"):
+        cf.rig.Place(at=(0.0, 0.0), mass=np.inf)
     for mass in (-1.0, np.nan):
-        with pytest.raises(InputError, match="masses of 0 kg or more"):
+        with pytest.raises(cf.errors.InputError, match="masses of 0 kg or more"):
             loaded(rig, [0], [mass])
-        with pytest.raises(InputError, match="masses of 0 kg or more"):
+        with pytest.raises(cf.errors.InputError, match="masses of 0 kg or more"):
             loaded(rig, [0, 0], [0.1, mass])
-        with pytest.raises(InputError, match="expected 0 or more"):
-            Place(at=(0.0, 0.0), mass=mass)
+        with pytest.raises(cf.errors.InputError, match="expected 0 or more"):
+            cf.rig.Place(at=(0.0, 0.0), mass=mass)
 
 
 def test_places_at_one_point_have_one_number_and_probes_their_points(bare):
-    places = [Place(at=(0.25, 0.1)), Place(at=(0.1, -2.0)), Place(at=(0.25, 0.1), direction="y")]
+    places = [cf.rig.Place(at=(0.25, 0.1)), cf.rig.Place(at=(0.1, -2.0)), cf.rig.Place(at=(0.25, 0.1), direction="y")]
     zeta = np.linspace(0.001, 0.002, 30)
-    rig = rig_of(bare, places, zeta=zeta, first=5)
+    rig = cf.rig.rig_of(bare, places, zeta=zeta, first=5)
     assert [p.node for p in rig.probes] == [5, 6, 5]
-    assert [p.node for p in rig_of(bare, places[:2], zeta=0.1).probes] == [1, 2]
+    assert [p.node for p in cf.rig.rig_of(bare, places[:2], zeta=0.1).probes] == [1, 2]
     np.testing.assert_allclose([p.angle for p in rig.probes], [0.1, -2.0, 0.1], atol=1e-12)
     x = np.real(bare.shell.geometry(np.array([0.25, 0.1]), np.array([0.1, -2.0])).surface.x).T
     np.testing.assert_allclose([p.point for p in rig.probes], x[[0, 1, 0]], atol=1e-12)
@@ -103,11 +100,11 @@ def test_places_at_one_point_have_one_number_and_probes_their_points(bare):
 
 
 def test_a_circle_of_sensors_goes_round_from_its_first_angle():
-    found = circle(0.2, 3, first_angle=0.5, direction="axial", mass=0.01)
+    found = cf.rig.circle(0.2, 3, first_angle=0.5, direction="axial", mass=0.01)
     assert [place.at[0] for place in found] == [0.2] * 3
     np.testing.assert_allclose([place.at[1] for place in found], 0.5 + 2.0 * np.pi / 3.0 * np.arange(3), rtol=1e-14)
     assert {(place.direction, place.mass) for place in found} == {("axial", 0.01)}
-    assert {(place.direction, place.mass) for place in circle(0.2, 2)} == {("radial", 0.0)}
+    assert {(place.direction, place.mass) for place in cf.rig.circle(0.2, 2)} == {("radial", 0.0)}
 
 
 C, S = np.cos(0.3), np.sin(0.3)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.scan import Tone, Turning, circle_content, in_space, scan, velocity_at_spot
+import casingfem as cf
+from casingfem.experiment.rig.scan import circle_content, in_space, velocity_at_spot
 
 SEED = 5120
 OMEGA, ZETA = 2.0 * np.pi * np.array([90.0, 104.0]), np.array([0.01, 0.03])
@@ -19,8 +18,8 @@ def ring(angles=WRAPPED):
     """A probe inside a ring of five, two modes of no symmetry, and what they leave out."""
     rng = np.random.default_rng(SEED)
     half = rng.normal(size=(6, 6))
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(np.r_[0.0, angles])]
-    return Rig.of(omega=OMEGA, zeta=ZETA, rows=rng.normal(size=(6, 2)), S=1e-6 * half @ half.T, probes=probes)
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(np.r_[0.0, angles])]
+    return cf.rig.Rig.of(omega=OMEGA, zeta=ZETA, rows=rng.normal(size=(6, 2)), S=1e-6 * half @ half.T, probes=probes)
 
 
 def waves(rig, freq, forces):
@@ -41,8 +40,8 @@ def at(probes, forces):
 @pytest.mark.parametrize(("count", "last"), [(3, 1), (4, 1), (5, 2), (6, 2), (7, 3)])
 def test_a_circle_has_the_orders_that_its_probes_tell(count, last):
     theta = -2.0 + 2.0 * np.pi * np.arange(count) / count
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(np.angle(np.exp(1j * a)))) for k, a in enumerate(theta)]
-    rig = Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((count, 1)), probes=probes)
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(np.angle(np.exp(1j * a)))) for k, a in enumerate(theta)]
+    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((count, 1)), probes=probes)
     n, transform = circle_content(rig, range(count))
     assert n.tolist() == list(range(-last, last + 1))
     shapes = np.exp(1j * np.multiply.outer(theta, n))
@@ -55,22 +54,30 @@ def test_probes_may_be_uneven_by_round_off_alone(off, even):
     if even:
         circle_content(rig, CIRCLE)
         return
-    with pytest.raises(InputError, match="found 5 probes at uneven angles, expected 3 or more"):
+    with pytest.raises(cf.errors.InputError, match="found 5 probes at uneven angles, expected 3 or more"):
         circle_content(rig, CIRCLE)
 
 
 def test_two_probes_make_no_circle():
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), k * np.pi) for k in range(2)]
-    rig = Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((2, 1)), probes=probes)
-    with pytest.raises(InputError, match="found 2 probes at uneven angles"):
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), k * np.pi) for k in range(2)]
+    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((2, 1)), probes=probes)
+    with pytest.raises(cf.errors.InputError, match="found 2 probes at uneven angles"):
         circle_content(rig, [0, 1])
 
 
 def test_a_scan_is_what_a_spot_sees_of_the_waves_of_its_shaker():
     """Two tones, given from above; without a word there is neither noise nor wander, and 1 N in phase."""
-    rig, turn = ring(), Turning(mirror=2.5, casing=0.7)
-    found = scan(rig, turn, [Tone(101.0, 3.0, 0.4), Tone(95.0)], circle=CIRCLE, drive=DRIVE, fs=500.0, seconds=0.3,
-                 seed=SEED)  # fmt: skip
+    rig, turn = ring(), cf.rig.Turning(mirror=2.5, casing=0.7)
+    found = cf.rig.scan(
+        rig,
+        turn,
+        [cf.rig.Tone(101.0, 3.0, 0.4), cf.rig.Tone(95.0)],
+        circle=CIRCLE,
+        drive=DRIVE,
+        fs=500.0,
+        seconds=0.3,
+        seed=SEED,
+    )
     V = np.array([waves(rig, 95.0, at(0, 1.0)), waves(rig, 101.0, at(0, 3.0 * np.exp(0.4j)))])
     assert found.n.tolist() == ORDERS.tolist()
     assert found.record.tones == (95.0, 101.0)
@@ -93,8 +100,8 @@ def test_a_force_in_space_is_its_harmonics_each_at_a_frequency_of_its_own(highes
 
     Two tones that are W apart meet: what they make adds up.
     """
-    rig, turn = ring(), Turning(mirror=3.0, casing=0.25)
-    tones = [Tone(97.0, 2.0, -0.3), Tone(97.25, 0.5)]
+    rig, turn = ring(), cf.rig.Turning(mirror=3.0, casing=0.25)
+    tones = [cf.rig.Tone(97.0, 2.0, -0.3), cf.rig.Tone(97.25, 0.5)]
     felt = in_space(rig, CIRCLE, turn, tones, CIRCLE, 0.6, highest)
     exact = {}
     for tone in tones:
@@ -109,18 +116,20 @@ def test_a_force_in_space_is_its_harmonics_each_at_a_frequency_of_its_own(highes
 
 
 def test_a_scan_with_a_force_in_space_begins_at_its_angle():
-    rig, turn = ring(), Turning(mirror=3.0, casing=0.25)
+    rig, turn = ring(), cf.rig.Turning(mirror=3.0, casing=0.25)
     asked = {"circle": CIRCLE, "drive_circle": CIRCLE, "fs": 500.0, "seconds": 0.1, "seed": SEED}
     for more, angle, highest in (({}, 0.0, None), ({"drive_angle": 0.6, "highest": 1}, 0.6, 1)):
-        found = scan(rig, turn, [Tone(97.0)], **asked, **more)
-        felt = in_space(rig, CIRCLE, turn, [Tone(97.0)], CIRCLE, angle, highest)
+        found = cf.rig.scan(rig, turn, [cf.rig.Tone(97.0)], **asked, **more)
+        felt = in_space(rig, CIRCLE, turn, [cf.rig.Tone(97.0)], CIRCLE, angle, highest)
         assert found.record.tones == tuple(sorted(felt))
         np.testing.assert_array_equal(found.V, [felt[freq] for freq in sorted(felt)])
 
 
 def test_frequencies_that_differ_by_round_off_are_one():
     """.3 - .1 is not .2 to the last bit."""
-    felt = in_space(ring(), CIRCLE, Turning(mirror=3.0, casing=0.1), [Tone(90.3), Tone(90.2)], CIRCLE, 0.0, 1)
+    felt = in_space(
+        ring(), CIRCLE, cf.rig.Turning(mirror=3.0, casing=0.1), [cf.rig.Tone(90.3), cf.rig.Tone(90.2)], CIRCLE, 0.0, 1
+    )
     assert sorted(felt) == [90.1, 90.2, 90.3, 90.4]
 
 
@@ -139,7 +148,10 @@ def test_a_spot_sees_each_wave_at_its_own_angle():
 
 def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():
     asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 4000.0, "seconds": 2.0, "seed": SEED}
-    quiet, loud = (scan(ring(), Turning(mirror=2.5), [Tone(95.0)], snr_db=snr, **asked).record for snr in (None, 26.0))
+    quiet, loud = (
+        cf.rig.scan(ring(), cf.rig.Turning(mirror=2.5), [cf.rig.Tone(95.0)], snr_db=snr, **asked).record
+        for snr in (None, 26.0)
+    )
     added = loud.velocity - quiet.velocity
     assert np.std(added) / np.std(quiet.velocity) == pytest.approx(10.0 ** (-26.0 / 20.0), rel=0.03)
     assert loud.card[-1] == "noise: 26 dB below the rms"
@@ -149,7 +161,9 @@ def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():
 def test_run_out_adds_to_what_the_spot_sees():
     asked = {"circle": CIRCLE, "drive": DRIVE, "fs": 400.0, "seconds": 0.5, "seed": SEED}
     still, out = (
-        scan(ring(), Turning(mirror=2.5, first_angle=0.4, runout=runout), [Tone(95.0)], **asked).record
+        cf.rig.scan(
+            ring(), cf.rig.Turning(mirror=2.5, first_angle=0.4, runout=runout), [cf.rig.Tone(95.0)], **asked
+        ).record
         for runout in ((), ((0.1, -0.3), (0.0, 0.2)))
     )
     theta = 0.4 + 2.0 * np.pi * 2.5 * np.arange(200) / 400.0
@@ -163,10 +177,10 @@ def test_run_out_adds_to_what_the_spot_sees():
 def test_a_record_has_two_samples_at_least(fs, seconds, taken):
     asked = {"circle": CIRCLE, "drive": DRIVE, "fs": fs, "seconds": seconds, "seed": SEED}
     if taken:
-        assert len(scan(ring(), Turning(mirror=1.0), [Tone(95.0)], **asked).record.velocity) == 2
+        assert len(cf.rig.scan(ring(), cf.rig.Turning(mirror=1.0), [cf.rig.Tone(95.0)], **asked).record.velocity) == 2
         return
-    with pytest.raises(InputError, match="expected a record of two samples or more"):
-        scan(ring(), Turning(mirror=1.0), [Tone(95.0)], **asked)
+    with pytest.raises(cf.errors.InputError, match="expected a record of two samples or more"):
+        cf.rig.scan(ring(), cf.rig.Turning(mirror=1.0), [cf.rig.Tone(95.0)], **asked)
 
 
 @pytest.mark.parametrize(
@@ -179,10 +193,10 @@ def test_a_record_has_two_samples_at_least(fs, seconds, taken):
     ],
 )  # fmt: skip
 def test_a_spot_that_does_not_move_or_wanders_on_a_lathe_is_refused(given, words):
-    with pytest.raises(InputError, match=words):
-        Turning(**given)
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.rig.Turning(**given)
 
 
 def test_a_spot_runs_at_the_difference_of_mirror_and_casing():
-    assert Turning(mirror=2.5, casing=0.5).spot == 2.0
-    assert Turning(casing=1.5).spot == -1.5
+    assert cf.rig.Turning(mirror=2.5, casing=0.5).spot == 2.0
+    assert cf.rig.Turning(casing=1.5).spot == -1.5

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.rig.rig import Rig
-from casingfem.experiment.rig.troubles import TroubledTruth, Troubles, _noise, troubled_frfs
+import casingfem as cf
+from casingfem.experiment.rig.troubles import TroubledTruth, _noise
 
 SEED = 4407
 X = np.arange(80.0, 160.0, 0.5)
@@ -22,9 +21,9 @@ POWERS = {"receptance": 0, "mobility": 1, "accelerance": 2}
 
 
 def made(quantity="accelerance", seed=SEED, **troubles):
-    rig = Rig.of(omega=OMEGA, zeta=ZETA, rows=ROWS, S=S)
-    what = Troubles(**{"snr_db": QUIET, **troubles})
-    return troubled_frfs(rig, X, what, sensors=SENSORS, drives=DRIVES, seed=seed, quantity=quantity)
+    rig = cf.rig.Rig.of(omega=OMEGA, zeta=ZETA, rows=ROWS, S=S)
+    what = cf.rig.Troubles(**{"snr_db": QUIET, **troubles})
+    return cf.rig.troubled_frfs(rig, X, what, sensors=SENSORS, drives=DRIVES, seed=seed, quantity=quantity)
 
 
 def exact(freq=X, quantity="accelerance", decay=0.0, omega=OMEGA):
@@ -82,13 +81,13 @@ def test_records_that_are_cut_off_lack_the_ringing_after_their_end(quantity):
      ({"cut_off": True, "pre_trigger": 2.5}, "less than the record, 2 s")],
 )  # fmt: skip
 def test_a_pre_trigger_belongs_to_a_record_that_is_cut_off(troubles, words):
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         made(**troubles)
 
 
 def test_without_a_word_there_is_noise_of_a_hundredth_and_no_other_trouble():
-    rig = Rig.of(omega=OMEGA, zeta=ZETA, rows=ROWS, S=S)
-    found = troubled_frfs(rig, X, Troubles(), sensors=SENSORS, drives=DRIVES, seed=SEED)
+    rig = cf.rig.Rig.of(omega=OMEGA, zeta=ZETA, rows=ROWS, S=S)
+    found = cf.rig.troubled_frfs(rig, X, cf.rig.Troubles(), sensors=SENSORS, drives=DRIVES, seed=SEED)
     H, truth = exact(), found.truth
     sigma = 0.01 * np.sqrt(np.mean(np.abs(H) ** 2, axis=1, keepdims=True))
     close(found.coherence.responses.real, np.abs(H) ** 2 / (np.abs(H) ** 2 + 5.0 * sigma**2))
@@ -181,9 +180,15 @@ def test_local_modes_lie_in_the_inner_four_fifths_of_the_band():
 def test_phases_have_their_rms_and_leave_sizes():
     """200 sensors, one mode: A/(s - p) + A*/(s - p*) with |A| = |r|/(2 omega_d)."""
     rows = np.r_[np.linspace(0.5, 1.5, 200), 1.0][:, None]
-    rig = Rig.of(omega=OMEGA[1:2], zeta=0.01, rows=rows)
-    found = troubled_frfs(
-        rig, X, Troubles(snr_db=QUIET, phase_deg=12.0), sensors=range(200), drives=[200], seed=SEED, quantity="mobility"
+    rig = cf.rig.Rig.of(omega=OMEGA[1:2], zeta=0.01, rows=rows)
+    found = cf.rig.troubled_frfs(
+        rig,
+        X,
+        cf.rig.Troubles(snr_db=QUIET, phase_deg=12.0),
+        sensors=range(200),
+        drives=[200],
+        seed=SEED,
+        quantity="mobility",
     )
     s, p = 2j * np.pi * X, OMEGA[1] * (-0.01 + 1j * np.sqrt(1.0 - 0.01**2))
     pole, mirrored = 1.0 / (s - p), 1.0 / (s - np.conj(p))
@@ -204,12 +209,14 @@ def test_spoilt_channels_are_different_ones_and_no_more_than_there_are():
         spoilt = [*truth.dead, *truth.noisy, *truth.flipped, *np.ravel(truth.swapped).astype(int).tolist()]
         assert (len(truth.dead), len(truth.noisy), len(truth.flipped), len(truth.swapped)) == (3, 2, 2, pairs)
         assert len(set(spoilt)) == len(spoilt)
-    with pytest.raises(InputError, match="troubles: found dead 3, noisy 2, flipped 2, swapped 2; expected at most the"):
+    with pytest.raises(
+        cf.errors.InputError, match="troubles: found dead 3, noisy 2, flipped 2, swapped 2; expected at most the"
+    ):
         made(dead=3, noisy=2, flipped=2, swapped=2)
 
 
 def test_a_window_shorter_than_a_period_is_refused():
-    with pytest.raises(InputError, match=r"troubles.exponential: found 1e-300 s; expected none, or at least"):
+    with pytest.raises(cf.errors.InputError, match=r"troubles.exponential: found 1e-300 s; expected none, or at least"):
         made(exponential=1e-300)
 
 
@@ -230,7 +237,7 @@ def test_pairs_are_exchanged_with_their_coherence_and_dead_channels_have_noise_a
 
 
 def test_common_noise_reaches_each_channel_with_a_phase_of_its_own():
-    noise = _noise(Troubles(coherent=1.0), (400, 3), 1, np.random.default_rng(SEED))
+    noise = _noise(cf.rig.Troubles(coherent=1.0), (400, 3), 1, np.random.default_rng(SEED))
     turn = noise[:, 0] / noise[0, 0]
     np.testing.assert_allclose(np.abs(turn), 1.0, rtol=1e-12)
     np.testing.assert_allclose(noise, turn[:, None] * noise[:1], rtol=1e-12)
@@ -261,7 +268,7 @@ ENDS = {"coherent": (0.0, 1.0), "shift": (0.0, 0.05), "double_hit": (0.0, 0.99),
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_ranges_hold_their_ends_and_nothing_beyond(name):
     for value in ENDS.get(name, (0,)):
-        assert getattr(Troubles(**{name: value}), name) == value
+        assert getattr(cf.rig.Troubles(**{name: value}), name) == value
     for value in OUTSIDE[name]:
-        with pytest.raises(InputError, match=f"{name}: found {value!r}, expected "):
-            Troubles(**{name: value})
+        with pytest.raises(cf.errors.InputError, match=f"{name}: found {value!r}, expected "):
+            cf.rig.Troubles(**{name: value})

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.rig import Probe, Rig
-from casingfem.experiment.rig.troubles import AVERAGES, HIT_DELAY, Troubles, _noise, hann_power, troubled_frfs
+from casingfem.experiment.rig.troubles import AVERAGES, HIT_DELAY, _noise, hann_power
 
 SEED = 9103
 X = np.arange(80.0, 160.0, 0.25)
@@ -15,12 +14,14 @@ QUIET = 200.0  # dB: as good as no noise
 def rig():
     at = np.r_[2.0 * np.pi * np.arange(8) / 8, 0.4]
     rows = np.stack([np.cos(2 * at), np.sin(2 * at), np.cos(3 * at)], axis=1)
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
-    return Rig.of(omega=2 * np.pi * np.array([100.0, 104.0, 130.0]), zeta=0.004, rows=rows, probes=probes)
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
+    return cf.rig.Rig.of(omega=2 * np.pi * np.array([100.0, 104.0, 130.0]), zeta=0.004, rows=rows, probes=probes)
 
 
 def made(**troubles):
-    return troubled_frfs(rig(), X, Troubles(**{"snr_db": QUIET, **troubles}), sensors=range(8), drives=[8], seed=SEED)
+    return cf.rig.troubled_frfs(
+        rig(), X, cf.rig.Troubles(**{"snr_db": QUIET, **troubles}), sensors=range(8), drives=[8], seed=SEED
+    )
 
 
 EXACT = rig().frfs(X, sensors=range(8), drives=[8]).responses
@@ -40,7 +41,7 @@ def test_each_set_up_has_poles_of_its_own():
     test = made(setups=2, shift=0.01)
     assert test.truth.setup.tolist() == [0] * 4 + [1] * 4
     for k in range(2):
-        shifted = Rig.of(omega=2 * np.pi * np.sort(test.truth.freq[k]), zeta=0.004, rows=rig().rows)
+        shifted = cf.rig.Rig.of(omega=2 * np.pi * np.sort(test.truth.freq[k]), zeta=0.004, rows=rig().rows)
         own = shifted.frfs(X, sensors=range(8), drives=[8]).responses
         here = test.truth.setup == k
         assert off(test.frfs.responses[here], own[here]).max() < 1e-7
@@ -51,7 +52,7 @@ def test_an_exponential_window_adds_its_damping():
     test = made(exponential=0.5)
     added = 1.0 / 0.5 / (2 * np.pi * rig().freq)
     np.testing.assert_allclose(test.truth.zeta[0], 0.004 + added, rtol=1e-3)
-    widened = Rig.of(omega=2 * np.pi * test.truth.freq[0], zeta=test.truth.zeta[0], rows=rig().rows)
+    widened = cf.rig.Rig.of(omega=2 * np.pi * test.truth.freq[0], zeta=test.truth.zeta[0], rows=rig().rows)
     like = widened.frfs(X, sensors=range(8), drives=[8]).responses
     assert off(test.frfs.responses, like).max() < 0.02 < 0.2 < off(test.frfs.responses).max()
 
@@ -89,7 +90,7 @@ def test_noise_has_its_size_colour_and_common_part():
 
 def test_noise_has_variance_one_and_its_share_in_common():
     """Two drives, two sensors each: only channels of one drive have anything in common."""
-    noise = _noise(Troubles(coherent=0.3), (4, 40000), 2, np.random.default_rng(SEED))
+    noise = _noise(cf.rig.Troubles(coherent=0.3), (4, 40000), 2, np.random.default_rng(SEED))
     alike = np.abs(noise @ noise.conj().T) / 40000
     np.testing.assert_allclose(alike, np.kron(np.eye(2), [[1.0, 0.3], [0.3, 1.0]]), atol=0.02)
     assert np.var(noise.real) == pytest.approx(0.5, rel=0.02)
@@ -105,7 +106,7 @@ def test_coherence_and_peaks_say_how_large_the_noise_is():
     exact = np.abs(EXACT) ** 2 / (np.abs(EXACT) ** 2 + AVERAGES * sigma**2)
     np.testing.assert_allclose(test.coherence.responses.real, exact, rtol=1e-6)
     for k, freq in enumerate(rig().freq):
-        one = Rig.of(omega=[2.0 * np.pi * freq], zeta=0.004, rows=rig().rows[:, [k]], probes=rig().probes)
+        one = cf.rig.Rig.of(omega=[2.0 * np.pi * freq], zeta=0.004, rows=rig().rows[:, [k]], probes=rig().probes)
         line = int(np.searchsorted(X, test.truth.freq[0, k]))
         peak = np.abs(one.frfs(np.array([freq]), sensors=range(8), drives=[8]).responses[:, 0])
         assert test.truth.peak[k] == pytest.approx(np.sqrt(np.mean((peak / sigma[:, line]) ** 2)), rel=1e-4)
@@ -147,4 +148,4 @@ def test_half_a_rim_local_modes_and_phases():
 @pytest.mark.parametrize("wrong", [{"coherent": 1.5}, {"shift": -0.1}, {"setups": 0}, {"double_hit": 1.0}])
 def test_refuses_troubles_out_of_range(wrong):
     with pytest.raises(cf.errors.InputError, match=next(iter(wrong))):
-        Troubles(**wrong)
+        cf.rig.Troubles(**wrong)

@@ -3,18 +3,22 @@
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.experiment.rig.files import truth
-from casingfem.experiment.rig.rig import SYNTHETIC, Probe, Rig
+from casingfem.experiment.rig.rig import SYNTHETIC
 from casingfem.experiment.rig.structure import damping_spread, loaded, residual_shapes
 
 
 def ring(waves, first=0.4, count=7):
     """Modes a cos n(theta - psi) + b at seven probes round a circle, after one that is elsewhere."""
     theta = first + 2.0 * np.pi * np.arange(count) / count
-    probes = [Probe(9, 1, (0.0, 0.0, 0.0), 0.0), *(Probe(k, 1, (0.0, 0.0, 0.0), t) for k, t in enumerate(theta))]
+    probes = [
+        cf.rig.Probe(9, 1, (0.0, 0.0, 0.0), 0.0),
+        *(cf.rig.Probe(k, 1, (0.0, 0.0, 0.0), t) for k, t in enumerate(theta)),
+    ]
     rows = [np.r_[5.0, a * np.cos(n * (theta - np.radians(psi))) + b] for n, psi, a, b in waves]
     omega = 100.0 * np.arange(1.0, len(waves) + 1.0)
-    return Rig.of(omega=omega, zeta=np.linspace(0.01, 0.02, len(waves)), rows=np.array(rows).T, probes=probes)
+    return cf.rig.Rig.of(omega=omega, zeta=np.linspace(0.01, 0.02, len(waves)), rows=np.array(rows).T, probes=probes)
 
 
 def test_modes_on_a_circle_have_the_n_of_their_largest_wave_and_its_antinode():
@@ -58,7 +62,7 @@ def test_where_nothing_is_left_out_there_are_no_coordinates():
 def test_no_mass_changes_nothing_and_one_number_is_that_of_all():
     rows = np.array([[1.0, 0.2], [-0.4, 0.9], [0.3, 0.3]])
     half = np.array([[2.0, 0.0, 0.0], [0.5, 1.5, 0.0], [0.3, -0.4, 1.2]])
-    bare = Rig.of(omega=[900.0, 1300.0], zeta=[0.01, 0.02], rows=rows, S=1e-7 * half @ half.T)
+    bare = cf.rig.Rig.of(omega=[900.0, 1300.0], zeta=[0.01, 0.02], rows=rows, S=1e-7 * half @ half.T)
     same = loaded(bare, [0, 1], 0.0)
     for name in ("omega", "zeta", "S"):
         np.testing.assert_allclose(getattr(same, name), getattr(bare, name), rtol=1e-9)

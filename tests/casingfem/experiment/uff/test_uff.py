@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError, ModelWarning
+import casingfem as cf
 from casingfem.experiment.uff.nodes import Nodes, Units
-from casingfem.experiment.uff.read import parse_uff, read_headers, read_uff
+from casingfem.experiment.uff.read import parse_uff
 from casingfem.experiment.uff.set_55 import Shape
 from casingfem.experiment.uff.set_58 import Axes, Axis, Channel
 from casingfem.experiment.uff.write import _most_digits, write_uff
@@ -37,13 +37,13 @@ def rounded(values: np.ndarray, digits: int) -> np.ndarray:
 @pytest.mark.parametrize("name", SAMPLES)
 def test_what_was_read_comes_back_bit_for_bit(name, tmp_path):
     parts = SAMPLES[name].parts
-    first = read_uff(write_uff(tmp_path / "first.uff", **parts))
+    first = cf.uff.read_uff(write_uff(tmp_path / "first.uff", **parts))
     kept = {
         "header": first.header, "units": first.units, "nodes": first.nodes, "lines": first.lines,
         "elements": first.elements, "shapes": first.shapes, "functions": first.functions,
     }  # fmt: skip
     options = {key: parts[key] for key in ("binary", "nodes_set") if key in parts}
-    again = read_uff(write_uff(tmp_path / "again.uff", **kept, **options))
+    again = cf.uff.read_uff(write_uff(tmp_path / "again.uff", **kept, **options))
     assert content(again, text=True) == content(first, text=True)
     assert (tmp_path / "again.uff").read_bytes() == (tmp_path / "first.uff").read_bytes()
 
@@ -53,8 +53,8 @@ def test_what_was_read_comes_back_bit_for_bit(name, tmp_path):
 @pytest.mark.parametrize("even", [True, False])
 def test_functions_keep_the_digits_of_their_format(even, is_complex, double, tmp_path):
     given = function(even=even, is_complex=is_complex, double=double)
-    (text,) = read_uff(write_uff(tmp_path / "text.uff", functions=[given])).functions
-    (binary,) = read_uff(write_uff(tmp_path / "binary.uff", functions=[given], binary=True)).functions
+    (text,) = cf.uff.read_uff(write_uff(tmp_path / "text.uff", functions=[given])).functions
+    (binary,) = cf.uff.read_uff(write_uff(tmp_path / "binary.uff", functions=[given], binary=True)).functions
     assert np.array_equal(text.values, rounded(given.values, 13 if double else 6))
     form = (np.complex128 if double else np.complex64) if is_complex else (np.float64 if double else np.float32)
     assert np.array_equal(binary.values, given.values.astype(form))
@@ -72,7 +72,7 @@ def test_an_axis_of_which_nothing_is_said_is_unknown(tmp_path):
     bare = replace(given, axes=Axes(abscissa=given.axes.abscissa, ordinate=Axis()))
     (line,) = (text for text in written(tmp_path, functions=[bare]).decode().splitlines()[10:11])
     assert line.split() == ["0", "0", "0", "0", "NONE", "NONE"]
-    (found,) = read_uff(tmp_path / "file.uff").functions
+    (found,) = cf.uff.read_uff(tmp_path / "file.uff").functions
     assert found.axes.denominator == found.axes.z == found.axes.ordinate == Axis(0, (0, 0, 0), "NONE", "NONE")
 
 
@@ -80,7 +80,7 @@ def test_geometry_and_shapes_come_back(tmp_path):
     parts = {key: value for name in ("82", "2412") for key, value in SAMPLES[name].parts.items()}
     wide = replace_labels(nodes(), 20)
     shapes = (shape(1), shape(2, is_complex=True, values=6))
-    found = read_uff(write_uff(tmp_path / "all.uff", nodes=wide, shapes=shapes, **parts))
+    found = cf.uff.read_uff(write_uff(tmp_path / "all.uff", nodes=wide, shapes=shapes, **parts))
     assert np.array_equal(found.nodes.points, wide.points)
     for given, back in zip(shapes, found.shapes, strict=True):
         assert np.array_equal(back.values, rounded(given.values, 6))
@@ -102,13 +102,13 @@ def test_millimetres_become_metres(tmp_path):
     units = Units(5, "mm (newton)", 1000.0)
     path = write_uff(tmp_path / "mm.uff", units=units, nodes=nodes(), nodes_set="15")
     assert b"  4.50000E+02" in path.read_bytes()
-    assert read_uff(path).nodes.points[0] == pytest.approx([0.45, 0.0, 0.25], abs=1e-15)
+    assert cf.uff.read_uff(path).nodes.points[0] == pytest.approx([0.45, 0.0, 0.25], abs=1e-15)
 
 
 @pytest.mark.parametrize("name", [name for name in SAMPLES if name[:2] in ("58", "15") and name != "151"])
 def test_another_reader_finds_the_same(name, tmp_path):
     path = write_uff(tmp_path / "file.uff", **SAMPLES[name].parts)
-    ours, theirs = read_uff(path), pyuff.UFF(str(path)).read_sets()
+    ours, theirs = cf.uff.read_uff(path), pyuff.UFF(str(path)).read_sets()
     if name == "15":
         assert np.array_equal(np.column_stack([theirs[axis] for axis in "xyz"]), ours.nodes.points)
         return
@@ -129,7 +129,7 @@ def test_what_another_program_writes_is_read(tmp_path):
         load_case_id=0,
     )  # fmt: skip
     pyuff.UFF(str(path)).write_sets(one, "overwrite")
-    (found,) = read_uff(path).functions
+    (found,) = cf.uff.read_uff(path).functions
     assert np.array_equal(found.x, x)
     assert found.values == pytest.approx(values, rel=1e-11)
     assert (found.response.node, found.response.direction, found.reference.direction) == (3, -2, 3)
@@ -177,7 +177,7 @@ def test_errors_name_set_line_and_what_was_found(case, tmp_path):
     name, old, new, line, found = case
     data = written(tmp_path, **SAMPLES[name].parts)
     assert old in data
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(cf.errors.InputError) as caught:
         parse_uff(data.replace(old, new, 1), "rig.uff")
     assert f"rig.uff, line {line}, " in str(caught.value)
     assert found in str(caught.value)
@@ -188,7 +188,7 @@ def test_one_point_too_many_on_the_last_line_of_two_each(tmp_path):
     whole = function(even=False, is_complex=False, double=True)
     data = written(tmp_path, functions=[replace(whole, x=whole.x[:-1], values=whole.values[:-1])])
     assert b"        40" in data
-    with pytest.raises(InputError, match="more than one point"):
+    with pytest.raises(cf.errors.InputError, match="more than one point"):
         parse_uff(data.replace(b"        40", b"        39", 1), "rig.uff")
 
 
@@ -199,7 +199,7 @@ def test_marks_and_minus_ones_in_headers_are_text(tmp_path):
         text=("    -1", "NONE    -1", "", "    -1", "x"),
         response=plain.response._replace(node=-1, direction=0),
     )
-    (found,) = read_uff(write_uff(tmp_path / "odd.uff", functions=[odd])).functions
+    (found,) = cf.uff.read_uff(write_uff(tmp_path / "odd.uff", functions=[odd])).functions
     assert found.text == odd.text
     assert found.response == odd.response
     assert np.array_equal(found.values, rounded(odd.values, 6))
@@ -210,7 +210,9 @@ def test_minus_one_in_place_of_the_sixth_line_of_a_function_is_a_mark(tmp_path):
     given = function(even=True, is_complex=False, double=False)
     lines = written(tmp_path, functions=[given]).split(b"\n")
     lines[7] = b"    -1"
-    with pytest.raises(InputError, match=r"line 8, set 58 \(functions\).*neither another -1 nor the end of the file"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"line 8, set 58 \(functions\).*neither another -1 nor the end of the file"
+    ):
         parse_uff(b"\n".join(lines), "rig.uff")
 
 
@@ -228,41 +230,41 @@ def test_sets_that_are_not_read_are_listed_or_refused(tmp_path):
     found = parse_uff(data, "rig.uff")
     assert [tuple(one) for one in found.skipped] == [("18", "coordinate systems", 2)]
     assert "1 set 18 (coordinate systems) skipped" in repr(found)
-    with pytest.raises(InputError, match=r"line 2, set 18 \(coordinate systems\)"):
+    with pytest.raises(cf.errors.InputError, match=r"line 2, set 18 \(coordinate systems\)"):
         parse_uff(data, "rig.uff", strict=True)
-    with pytest.warns(ModelWarning, match="set 5.*uff-unknown"):
+    with pytest.warns(cf.errors.ModelWarning, match="set 5.*uff-unknown"):
         parse_uff(data.replace(b"    18", b"     5", 1), "rig.uff")
 
 
 def test_what_looks_incomplete_is_doubted(tmp_path):
     data = written(tmp_path, nodes=nodes(), nodes_set="15")
     lines = data.split(b"\n")
-    with pytest.warns(ModelWarning, match=r"nodes 7 left out.*uff-gap"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"nodes 7 left out.*uff-gap"):
         parse_uff(b"\n".join(lines[:8] + lines[9:]), "f")
     shapes = written(tmp_path, shapes=(shape(1), shape(2))).split(b"\n")
-    with pytest.warns(ModelWarning, match="uff-shapes"):
+    with pytest.warns(cf.errors.ModelWarning, match="uff-shapes"):
         parse_uff(b"\n".join(shapes[:-4] + shapes[-2:]), "f")
     local = data.replace(b"         1         0", b"         1         3", 1)
-    with pytest.warns(ModelWarning, match="uff-local"):
+    with pytest.warns(cf.errors.ModelWarning, match="uff-local"):
         parse_uff(b"    -1\n    18\nanything\n    -1\n" + local, "f")
 
 
 def test_references_to_missing_nodes_are_refused(tmp_path):
-    with pytest.raises(InputError, match=r"set 2412 .*node 13 and 7 more, not among"):
-        read_uff(write_uff(tmp_path / "f.uff", nodes=nodes(), **SAMPLES["2412"].parts))
+    with pytest.raises(cf.errors.InputError, match=r"set 2412 .*node 13 and 7 more, not among"):
+        cf.uff.read_uff(write_uff(tmp_path / "f.uff", nodes=nodes(), **SAMPLES["2412"].parts))
 
 
 def test_one_node_in_two_sets_must_lie_at_one_place(tmp_path):
     coarse, fine = written(tmp_path, nodes=nodes(), nodes_set="15"), written(tmp_path, nodes=nodes())
     assert np.array_equal(parse_uff(coarse + fine, "f").nodes.points, nodes().points)
     moved = replace(nodes(), points=nodes().points + 1e-3)
-    with pytest.raises(InputError, match="node 1 at another place"):
+    with pytest.raises(cf.errors.InputError, match="node 1 at another place"):
         parse_uff(fine + written(tmp_path, nodes=moved, nodes_set="15"), "f")
 
 
 def test_bytes_in_the_other_order_are_seen(tmp_path):
     data = written(tmp_path, functions=[function(even=True, is_complex=False, double=True)], binary=True)
-    with pytest.raises(InputError, match="byte order"):
+    with pytest.raises(cf.errors.InputError, match="byte order"):
         parse_uff(data.replace(b"    58b     1", b"    58b     2"), "f")
     given = function(even=True, is_complex=False, double=True)
     swapped = data.replace(given.values.tobytes(), given.values.byteswap().tobytes())
@@ -276,7 +278,7 @@ def test_bytes_that_would_be_nan_in_the_other_order_are_read(tmp_path):
     values = np.frombuffer(bytes([0x7F, 0x80, 0x01, 0x3F] * len(plain.x)), "<f4").astype(float)
     given = replace(plain, values=values)
     assert np.array_equal(
-        read_uff(write_uff(tmp_path / "f.uff", functions=[given], binary=True)).functions[0].values, values
+        cf.uff.read_uff(write_uff(tmp_path / "f.uff", functions=[given], binary=True)).functions[0].values, values
     )
 
 
@@ -308,17 +310,17 @@ def test_headers_are_read_where_the_numbers_are_cut_short(tmp_path):
     lines = text.splitlines(keepends=True)
     last = max(k for k, line in enumerate(lines) if line.strip() == "-1")
     (tmp_path / "cut.uff").write_text("".join(lines[: last - 1] + lines[last:]))
-    whole, cut = read_headers(tmp_path / "cut.uff")
+    whole, cut = cf.uff.read_headers(tmp_path / "cut.uff")
     assert (whole.fault, whole.points, whole.response) == ("", len(given.x), given.response)
     assert (cut.word, cut.points, cut.axes) == ("time response", len(given.x), given.axes)
     assert "found" in cut.fault
     assert f"{len(given.x)} points" in repr(cut)
     assert "not whole" in repr(cut)
-    with pytest.raises(InputError, match=rf"points; expected .* lines|expected .*{len(given.x)} points"):
-        read_uff(tmp_path / "cut.uff")
+    with pytest.raises(cf.errors.InputError, match=rf"points; expected .* lines|expected .*{len(given.x)} points"):
+        cf.uff.read_uff(tmp_path / "cut.uff")
     (tmp_path / "bad.uff").write_text(text.replace(f"{len(given.x):10d}", f"{'x':>10}", 1))
-    with pytest.raises(InputError, match="set 58"):
-        read_headers(tmp_path / "bad.uff")
+    with pytest.raises(cf.errors.InputError, match="set 58"):
+        cf.uff.read_headers(tmp_path / "bad.uff")
 
 
 @pytest.mark.parametrize(
@@ -361,7 +363,7 @@ def test_numbers_that_leave_a_column_free_may_have_exponents_of_three_digits(tmp
     assert row in data
     free = data.replace(row, b" 1.50000E+00 " * 5 + b"1.50000E-100 ")
     assert parse_uff(free, "file.uff").functions[0].values.tolist() == [1.5] * 5 + [1.5e-100]
-    with pytest.raises(InputError, match=r"' 1\.5000E-100 '.*with as many digits each"):
+    with pytest.raises(cf.errors.InputError, match=r"' 1\.5000E-100 '.*with as many digits each"):
         parse_uff(free.replace(b"1.50000E-100", b" 1.5000E-100"), "file.uff")
 
 
@@ -381,7 +383,7 @@ def test_text_between_names_and_numbers_is_refused(column, tmp_path):
     lines = data.decode().splitlines()
     lines[7] = f"{lines[7].ljust(80)[: column - 1]}X{lines[7].ljust(80)[column:]}"
     words = rf"file\.uff, line 8.*found 'X' in column {column}; expected a blank between names and numbers"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         parse_uff("\n".join([*lines, ""]).encode(), "file.uff")
 
 
@@ -399,12 +401,12 @@ def test_a_step_has_as_many_digits_as_leave_a_blank_before_it(value, text):
 
 
 @pytest.mark.parametrize("kept", [4, 10])
-@pytest.mark.parametrize("read", [read_headers, read_uff])
+@pytest.mark.parametrize("read", [cf.uff.read_headers, cf.uff.read_uff])
 def test_a_header_that_ends_early_says_how_many_lines_it_has(read, kept, tmp_path):
     path = tmp_path / "cut.uff"
     write_uff(path, functions=[function(even=True, is_complex=True, double=False)])
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[: 2 + kept], "    -1", ""]))
     words = rf"cut.uff, line {kept + 3}, set 58 \(functions\): found {kept} lines of header; expected 11 lines"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         read(path)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.uff.nodes import TraceLine, Units
-from casingfem.experiment.uff.read import read_uff
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness.uff_samples import elements, function, nodes, shape
 
@@ -57,15 +56,15 @@ def test_a_field_out_of_its_range_is_refused_with_its_line(name, tmp_path):
     kind, row, start, width, text, words = CASES[name]
     path = tmp_path / "part.uff"
     lines = lines_of(kind, path)
-    assert read_uff(path) is not None
+    assert cf.uff.read_uff(path) is not None
     at = next(k for k, line in enumerate(lines) if line.strip() == kind) + 1
     if text == FIRST:
         text = lines[at][:10].strip()
     whole = lines[at + row].ljust(80)
     lines[at + row] = (whole[:start] + text.rjust(width) + whole[start + width :]).rstrip()
     path.write_text("\n".join([*lines, ""]))
-    with pytest.raises(InputError) as caught:
-        read_uff(path)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.uff.read_uff(path)
     assert words in str(caught.value)
     assert "part.uff, line " in str(caught.value)
 
@@ -73,5 +72,5 @@ def test_a_field_out_of_its_range_is_refused_with_its_line(name, tmp_path):
 @pytest.mark.parametrize("count", [1, 8, 9])
 def test_a_trace_line_of_one_node_or_more_comes_back(count, tmp_path):
     line = TraceLine(number=1, name="rim", color=3, nodes=np.arange(1, count + 1))
-    (found,) = read_uff(write_uff(tmp_path / "line.uff", lines=[line])).lines
+    (found,) = cf.uff.read_uff(write_uff(tmp_path / "line.uff", lines=[line])).lines
     assert found.nodes.tolist() == list(range(1, count + 1))

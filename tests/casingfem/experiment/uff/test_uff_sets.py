@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.uff.nodes import read_elements, read_nodes, read_trace_line, read_units
 from casingfem.experiment.uff.numbers import Columns, integers, reals, series
 from casingfem.experiment.uff.read import few_gaps
@@ -28,7 +28,7 @@ def rows(values, each, form="10d"):
 
 
 def refused(call, given, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         call(given)
 
 

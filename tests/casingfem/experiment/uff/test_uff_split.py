@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError, ModelWarning
+import casingfem as cf
 from casingfem.experiment.uff.nodes import Elements, Nodes, TraceLine, Units
 from casingfem.experiment.uff.read import parse_uff
 from casingfem.experiment.uff.set_55 import Shape
@@ -60,7 +60,7 @@ def test_sets_have_their_lines_and_the_number_of_the_first():
     ],
 )
 def test_a_file_that_is_no_series_of_sets_is_refused_with_its_line(lines, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         split(text(*lines), "f.uff")
 
 
@@ -98,7 +98,7 @@ def test_bytes_end_at_their_mark_with_or_without_an_end_of_line(behind):
     ],
 )
 def test_a_binary_function_is_as_its_first_line_says(given, words):
-    with pytest.raises(InputError, match=re.escape(words)) as caught:
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)) as caught:
         split(binary(**given), "f.uff")
     assert caught.value.where == "set 58b (functions, binary)"
     assert caught.value.line == (2 if {"order", "form", "lines"} & set(given) else 13 if "header" in given else 14)
@@ -129,7 +129,9 @@ def test_a_node_of_two_sets_may_lie_apart_by_a_hundred_thousandth_of_the_size(sh
     if one:
         assert parsed(tmp_path, *parts).nodes.points[1].tolist() == [2.0, 1.0, 0.0]
         return
-    with pytest.raises(InputError, match=r"line 14, set 2411 .*: found node 2 at another place than in the set before"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"line 14, set 2411 .*: found node 2 at another place than in the set before"
+    ):
         parsed(tmp_path, *parts)
 
 
@@ -143,7 +145,7 @@ def test_elements_of_several_sets_are_all_there_and_none_twice(tmp_path):
     assert found.elements.labels.tolist() == [5, 6]
     assert [row.tolist() for row in found.elements.nodes] == [[1, 2, 3], [2, 3, 1]]
     with pytest.raises(
-        InputError, match=r"line 8, set 2412 \(elements\): found element 5 again; expected labels that no"
+        cf.errors.InputError, match=r"line 8, set 2412 \(elements\): found element 5 again; expected labels that no"
     ):
         parsed(tmp_path, element(5), element(5))
 
@@ -151,11 +153,13 @@ def test_elements_of_several_sets_are_all_there_and_none_twice(tmp_path):
 def test_a_user_of_nodes_that_are_not_there_is_named(tmp_path):
     line = {"lines": [TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 0, 9]))]}
     assert parsed(tmp_path, line).lines[0].nodes.tolist() == [1, 0, 9]
-    with pytest.raises(InputError, match=r"set 82 \(trace lines\): found node 9, not among the nodes of the file"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"set 82 \(trace lines\): found node 9, not among the nodes of the file"
+    ):
         parsed(tmp_path, line, {"nodes": some([1, 2, 3])})
-    with pytest.raises(InputError, match="found node 1, not among"):
+    with pytest.raises(cf.errors.InputError, match="found node 1, not among"):
         parsed(tmp_path, line, {"nodes": some([2, 3, 9])})
-    with pytest.raises(InputError, match="found node 8 and 1 more, not among"):
+    with pytest.raises(cf.errors.InputError, match="found node 8 and 1 more, not among"):
         parsed(tmp_path, element(5, (1, 9, 8)), {"nodes": some([1, 2, 3])})
 
 
@@ -165,13 +169,13 @@ def shape(nodes):
 
 
 def test_what_looks_incomplete_is_said(tmp_path):
-    with pytest.warns(ModelWarning, match="f.uff: shapes at 2 to 3 nodes, not the same.*uff-shapes"):
+    with pytest.warns(cf.errors.ModelWarning, match="f.uff: shapes at 2 to 3 nodes, not the same.*uff-shapes"):
         parsed(tmp_path, {"shapes": [shape([1, 2]), shape([3, 1, 2])]})
     assert len(parsed(tmp_path, {"shapes": [shape([1, 2, 3]), shape([3, 1, 2])]}).shapes) == 2
     labels = [k for k in range(1, 41) if k not in (3, 5, 7, 9, 11, 13)]
-    with pytest.warns(ModelWarning, match="f.uff: nodes 3, 5, 7, 9, 11 left out and 1 more"):
+    with pytest.warns(cf.errors.ModelWarning, match="f.uff: nodes 3, 5, 7, 9, 11 left out and 1 more"):
         parsed(tmp_path, {"nodes": some(labels)})
-    with pytest.warns(ModelWarning, match="f.uff: elements 6 left out.*uff-gap"):
+    with pytest.warns(cf.errors.ModelWarning, match="f.uff: elements 6 left out.*uff-gap"):
         parsed(tmp_path, *(element(k) for k in (4, 5, 7, 8, 9)))
 
 

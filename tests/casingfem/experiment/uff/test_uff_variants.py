@@ -10,8 +10,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import InputError, ModelWarning
-from casingfem.experiment.uff.read import parse_uff, read_uff
+from casingfem.experiment.uff.read import parse_uff
 from casingfem.experiment.uff.set_58 import Axis
 from casingfem.experiment.uff.write import write_uff
 from reports.robustness.uff_samples import function
@@ -82,7 +81,7 @@ def test_every_type_that_pyuff_writes_is_read(binary, is_complex, even, double, 
     )  # fmt: skip
     file.write_bytes(b"")
     add(file, one, force_double=double)
-    (found,) = read_uff(file).functions
+    (found,) = cf.uff.read_uff(file).functions
     np.testing.assert_allclose(found.values, values, rtol=1e-11 if double or binary else 5e-6)
     np.testing.assert_allclose(found.x, LINES, rtol=5e-6)
     assert found.double == (double or bool(binary))
@@ -91,8 +90,8 @@ def test_every_type_that_pyuff_writes_is_read(binary, is_complex, even, double, 
 def test_a_wrong_number_of_bytes_is_named_beside_the_right_one(tmp_path):
     file = theirs(tmp_path / "theirs.uff", np.tile(receptance((60.0, 1.0)), (3, 1)), binary=1)
     words = r"set 58b .*found 6400 bytes of data, expected 3200 as line 2 states, and 2 more such sets: .*\[uff-bytes\]"
-    with pytest.warns(ModelWarning, match=words) as caught:
-        read_uff(file)
+    with pytest.warns(cf.errors.ModelWarning, match=words) as caught:
+        cf.uff.read_uff(file)
     assert len(caught) == 1
 
 
@@ -103,7 +102,7 @@ def test_a_set_that_is_empty_is_named_and_the_others_are_read(tmp_path):
         (b"    -1\n" + data, "line 1, before the first set: found -1 and no set below it"),
         (data + b"    -1\n", r"line \d+, after set 58 \(functions\): found -1 and no set"),
     ):
-        with pytest.warns(ModelWarning, match=words + r".*\[uff-empty\]"):
+        with pytest.warns(cf.errors.ModelWarning, match=words + r".*\[uff-empty\]"):
             assert len(parse_uff(given, "f.uff").functions) == 1
 
 
@@ -118,7 +117,7 @@ def test_a_function_without_a_last_mark_is_whole_or_refused(binary, tmp_path):
             warnings.simplefilter("always")
             try:
                 found = parse_uff(whole[:cut], "f.uff").functions
-            except InputError:
+            except cf.errors.InputError:
                 continue
         read += 1
         assert len(found) == 2
@@ -154,7 +153,7 @@ def test_codes_state_the_form_and_files_keep_it(codes, unit, form, tmp_path):
 )
 def test_codes_of_other_quantities_and_codes_against_the_unit_need_a_form(codes, unit, words):
     frfs = several(codes, unit)
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         cf.identify(frfs)
     assert cf.identify(frfs, form="receptance").freq[0] == pytest.approx(60.0, rel=1e-5)
 
@@ -171,5 +170,5 @@ def test_functions_of_two_forms_make_no_set(tmp_path):
     other = theirs(tmp_path / "b.uff", [receptance((60.0, 1.0))], binary=0, ordinate=8)
     file.write_bytes(file.read_bytes() + other.read_bytes())
     words = "found function 2 of code 8 (receptance); expected 12 (accelerance) as the first"
-    with pytest.raises(InputError, match=re.escape(words)):
+    with pytest.raises(cf.errors.InputError, match=re.escape(words)):
         cf.frf.FrfSet.from_uff(file)

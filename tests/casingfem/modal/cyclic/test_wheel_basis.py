@@ -4,18 +4,15 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.cyclic.reduction import cyclic_reduce, cylindrical
-from casingfem.modal.interface.kinds import AtNodes
+from casingfem.modal.cyclic.reduction import cylindrical
 from casingfem.structure.imported.cyclic.sector import assemble_cyclic
-from casingfem.structure.imported.grid import grid_mesh
 
 
 @pytest.fixture(scope="module")
 def quarter():
     """A quarter of a square block about z."""
     steel, groups = cf.Material(E=210e9, nu=0.3, rho=7800.0), {"low": (1, 0.0), "high": (0, 0.0), "held": (2, 0.0)}
-    mesh = grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)
+    mesh = cf.imported.grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)
     return cf.imported.CyclicSector(
         structure=cf.Solid(mesh=mesh, material=steel, supports={"held": cf.Clamped()}), sectors=4
     )
@@ -28,7 +25,7 @@ def node(sector, place):
 
 def test_directions_at_nodes_are_radius_angle_and_axis(quarter):
     """At 45 and 0 degrees; the loads are any."""
-    at = AtNodes((node(quarter, [0.1, 0.1, 0.05]), node(quarter, [0.05, 0.0, 0.05])))
+    at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]), node(quarter, [0.05, 0.0, 0.05])))
     P = np.random.default_rng(3).standard_normal((7, 6))
     turned, names = cylindrical(quarter, assemble_cyclic(quarter).system, at, P)
     x, y, z, u, v, w = P.T
@@ -39,16 +36,16 @@ def test_directions_at_nodes_are_radius_angle_and_axis(quarter):
 
 @pytest.mark.slow
 def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
-    at = AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
-    tuned = cyclic_reduce(quarter, at, modes=1)
-    equal = cyclic_reduce(quarter, at, modes=1, zeta=0.02, deviations=[0.0] * 4)
+    at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
+    tuned = cf.modal.cyclic_reduce(quarter, at, modes=1)
+    equal = cf.modal.cyclic_reduce(quarter, at, modes=1, zeta=0.02, deviations=[0.0] * 4)
     np.testing.assert_array_equal(tuned.zeta, np.zeros(4))
     np.testing.assert_array_equal(equal.zeta, np.full(4, 0.02))
     np.testing.assert_array_equal(equal.omega, tuned.omega)
     assert (tuned.provenance["sectors"], tuned.provenance["mistuning"]) == (4, None)
     assert equal.provenance["mistuning"] == [0.0] * 4
     assert (tuned.kind, tuned.sectors, tuned.spin, tuned.stiffness_by_speed.shape) == ("point", 4, 0.0, (0, 0))
-    one = cyclic_reduce(quarter, at, modes=1, deviations=[0.1, 0.0, 0.0, 0.0])
+    one = cf.modal.cyclic_reduce(quarter, at, modes=1, deviations=[0.1, 0.0, 0.0, 0.0])
     assert one.provenance["mistuning"] == [0.1, 0.0, 0.0, 0.0]
     rise = one.omega / np.sort(tuned.omega)  # of a stiffer sector, 1.1 in its own frequency
     assert np.all((rise > 1.0 - 1e-9) & (rise < 1.1))
@@ -56,7 +53,7 @@ def test_a_wheel_tells_its_damping_its_sectors_and_its_mistuning(quarter):
 
 
 def test_six_modes_of_each_diameter_are_kept_if_nothing_is_said(quarter):
-    at = AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
-    assert len(cyclic_reduce(quarter, at)) == 4 * 6
-    with pytest.raises(ModelError, match=r"zeta must lie in \[0, 1\), found -0\.001"):
-        cyclic_reduce(quarter, at, zeta=-0.001)
+    at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]),))
+    assert len(cf.modal.cyclic_reduce(quarter, at)) == 4 * 6
+    with pytest.raises(cf.errors.ModelError, match=r"zeta must lie in \[0, 1\), found -0\.001"):
+        cf.modal.cyclic_reduce(quarter, at, zeta=-0.001)

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.cyclic.mistuned import MistunedModes, checked_deviations, mixed, richer
-from casingfem.modal.cyclic.modes import CyclicModes, checked_diameters, wheel_shapes
+from casingfem.modal.cyclic.mistuned import checked_deviations, mixed, richer
+from casingfem.modal.cyclic.modes import checked_diameters, wheel_shapes
 from casingfem.modal.cyclic.waves import Waves
-from casingfem.modal.cyclic.whirl import CyclicWhirl
 from casingfem.modal.harmonics import Rings
 from casingfem.modal.whirl import expand_complex, freq_at_rest, wave_sense
 
@@ -75,14 +73,16 @@ def test_a_mistuned_wheel_has_blades_of_other_stiffness():
     ],
 )
 def test_deviations_are_one_a_sector_above_minus_one(values, found):
-    with pytest.raises(ModelError, match=rf"found {found}, expected 3, each above -1 .*|found {found}, expected 3"):
+    with pytest.raises(
+        cf.errors.ModelError, match=rf"found {found}, expected 3, each above -1 .*|found {found}, expected 3"
+    ):
         checked_deviations(values, 3)
     assert checked_deviations([-0.999, 0.0, 5.0], 3).tolist() == [-0.999, 0.0, 5.0]
     assert [richer(count) for count in (1, 6)] == [4, 14]
 
 
 def test_a_mistuned_mode_is_told_by_its_diameter_and_its_blade():
-    modes = MistunedModes(
+    modes = cf.modal.MistunedModes(
         freq=np.array([100.0, 210.5]), content=np.array([[0.2, 0.5, 0.3], [0.9, 0.1, 0.0]]),
         energy=np.array([[0.1, 0.2, 0.6, 0.1], [0.4, 0.3, 0.2, 0.1]]),
     )  # fmt: skip
@@ -110,12 +110,12 @@ def test_diameters_are_taken_once_and_ascending(asked, chosen):
 
 @pytest.mark.parametrize("asked", [[], [3], [-1, 0]])
 def test_diameters_that_a_wheel_does_not_have_are_refused(asked):
-    with pytest.raises(ModelError, match=r"expected some of 0 to 2"):
+    with pytest.raises(cf.errors.ModelError, match=r"expected some of 0 to 2"):
         checked_diameters(sector(), asked)
 
 
 def cyclic(counts):
-    return CyclicModes(
+    return cf.modal.CyclicModes(
         sector=sector(), freq=np.array([10.0, 20.0, 11.0, 30.0]), nodal_diameters=np.array([0, 1, 1, 2]),
         rank=np.array([1, 1, 2, 1]), fields=np.zeros((0, 3, 4)), rigid=np.array([True, False, False, False]),
         sturm_counts=counts, unknowns=99, seconds={"assemble": 0.25, "solve": 1.0},
@@ -145,7 +145,7 @@ def test_a_wheel_lists_its_frequencies_by_diameter(counts, said):
 
 def test_a_long_line_of_frequencies_goes_on_below():
     found = cyclic({0: 1})
-    many = CyclicModes(
+    many = cf.modal.CyclicModes(
         sector=found.sector, freq=np.arange(1.0, 12.0), nodal_diameters=np.ones(11, dtype=int), rank=np.arange(1, 12),
         fields=np.zeros((0, 3, 11)), rigid=np.zeros(11, dtype=bool), sturm_counts={1: 11}, unknowns=1, seconds={},
     )  # fmt: skip
@@ -181,7 +181,7 @@ def test_an_observer_at_rest_sees_waves_by_their_sense():
 
 
 def test_a_whirl_names_its_waves():
-    found = CyclicWhirl(
+    found = cf.modal.CyclicWhirl(
         sector=SimpleNamespace(structure=SimpleNamespace(rotation=cf.Rotation(omega=2.0 * np.pi * 7.0))),
         freq=np.array([50.0, 60.0, 5.0]), nodal_diameters=np.array([1, 3, 0]), sense=np.array([-1, 1, 0]),
         fields=np.zeros((0, 3, 3)),

@@ -8,16 +8,10 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.errors import ModelError, NumericsError
 from casingfem.linalg.factor import factorise
-from casingfem.modal.cyclic.mistuned import mistuned_modes, mixed
-from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
-from casingfem.modal.cyclic.reduction import cyclic_reduce
+from casingfem.modal.cyclic.mistuned import mixed
 from casingfem.modal.cyclic.waves import Waves
-from casingfem.modal.cyclic.whirl import cyclic_whirl
-from casingfem.modal.interface.kinds import AtNodes, Rim, TipNodes
 from casingfem.structure.imported.cyclic.wheel import wheel_structure
-from casingfem.structure.imported.grid import grid_mesh, revolved
 from reports.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads
 
 N, COUNT = 4, 4
@@ -39,20 +33,20 @@ def disk():
 
 @pytest.fixture(scope="module")
 def tuned(disk):
-    return cyclic_reduce(disk, TipNodes("tip", 2), modes=3, zeta=0.002)
+    return cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=3, zeta=0.002)
 
 
 @pytest.fixture(scope="module")
 def mistuned(disk):
-    return cyclic_reduce(disk, TipNodes("tip", 2), modes=3, deviations=DEVIATIONS, blade="blade")
+    return cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=3, deviations=DEVIATIONS, blade="blade")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("make", WHEELS.values(), ids=WHEELS)
 def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
     sector = make()
-    found = cyclic_modes(sector, COUNT)
-    whole, wheel = wheel_structure(sector), wheel_modes(found)
+    found = cf.modal.cyclic_modes(sector, COUNT)
+    whole, wheel = wheel_structure(sector), cf.modal.wheel_modes(found)
     below = complete(found, [(n,) for n in found.nodal_diameters.tolist()])
     count = int(np.count_nonzero(wheel.freq < below))
     assert count >= 2 * sector.sectors
@@ -66,26 +60,26 @@ def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
 
 
 def test_a_band_may_hold_no_mode_of_some_diameters_or_of_all(disk):
-    first = cyclic_modes(disk, 1, diameters=[0, 1])
+    first = cf.modal.cyclic_modes(disk, 1, diameters=[0, 1])
     lowest = int(first.freq.argmin())
-    found = cyclic_modes(disk, (1.0, first.freq.mean()), diameters=[0, 1])
+    found = cf.modal.cyclic_modes(disk, (1.0, first.freq.mean()), diameters=[0, 1])
     assert found.nodal_diameters.tolist() == [first.nodal_diameters[lowest]]
     np.testing.assert_allclose(found.freq, first.freq[lowest], rtol=1e-9)
-    none = cyclic_modes(disk, (1.0, 2.0), diameters=[0, 1])
-    assert len(none) == len(wheel_modes(none)) == 0
+    none = cf.modal.cyclic_modes(disk, (1.0, 2.0), diameters=[0, 1])
+    assert len(none) == len(cf.modal.wheel_modes(none)) == 0
     assert none.records() == []
 
 
 def test_a_free_wheel_has_its_six_rigid_motions(disk):
     free = cf.imported.CyclicSector(structure=replace(disk.structure, supports={}), sectors=N)
-    found = cyclic_modes(free, 3, diameters=[0, 1])
+    found = cf.modal.cyclic_modes(free, 3, diameters=[0, 1])
     assert sum(bool(row["rigid"]) for row in found.records()) == 6
     assert found.nodal_diameters[found.rigid].tolist() == [0, 0, 1, 1]
 
 
 def test_a_band_has_the_modes_of_the_whole_wheel_in_it(disk):
     band = (1000.0, 5000.0)
-    found = wheel_modes(cyclic_modes(disk, band))
+    found = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, band))
     np.testing.assert_allclose(found.freq, cf.modes(wheel_structure(disk), band=band).freq, rtol=1e-9)
 
 
@@ -93,13 +87,13 @@ def test_a_band_has_the_modes_of_the_whole_wheel_in_it(disk):
 @pytest.mark.parametrize("name", ["solid turning", "shell turning"])
 def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
     sector = WHEELS[name]()
-    waves = cyclic_whirl(sector, 3)
+    waves = cf.modal.cyclic_whirl(sector, 3)
     labels = list(zip(waves.nodal_diameters.tolist(), waves.sense.tolist(), strict=True))
     freq = np.sort(waves.freq)
     count = int(np.count_nonzero(freq < complete(waves, labels)))
     assert count >= sector.sectors
     np.testing.assert_allclose(freq[:count], cf.whirl_modes(wheel_structure(sector), count).freq[:count], rtol=1e-8)
-    still = cyclic_modes(sector, 3)
+    still = cf.modal.cyclic_modes(sector, 3)
     for n in (1,):
         forward, backward = (waves.freq[(waves.nodal_diameters == n) & (waves.sense == s)] for s in (1, -1))
         pair = still.freq[still.nodal_diameters == n]
@@ -109,22 +103,26 @@ def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
 
 @pytest.mark.slow
 def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
-    one, other = (cyclic_whirl(bladed_disk(N, SMALL, TURNING.at(speed)), 2, diameters=[1]) for speed in (900.0, -900.0))
+    one, other = (
+        cf.modal.cyclic_whirl(bladed_disk(N, SMALL, TURNING.at(speed)), 2, diameters=[1]) for speed in (900.0, -900.0)
+    )
     np.testing.assert_allclose(one.freq, other.freq, rtol=1e-9)
     assert one.sense.tolist() == other.sense.tolist() == [-1, -1, 1, 1]
     assert one.freq_fixed[2] > one.freq[2]
-    with pytest.raises(ModelError, match="rotation-none"):
-        cyclic_whirl(bladed_disk(N, SMALL))
+    with pytest.raises(cf.errors.ModelError, match="rotation-none"):
+        cf.modal.cyclic_whirl(bladed_disk(N, SMALL))
 
 
 @pytest.mark.slow
 def test_waves_run_the_way_they_run_on_a_ring():
     """A body of revolution, on which `cf.whirl_modes` tells n and sense by its own means."""
-    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
-    mesh = grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0)})
+    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0)}
+    )
     steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
     ring = cf.Solid(mesh=mesh, material=steel, supports={"base": cf.Clamped()}, rotation=TURNING)
-    waves = cyclic_whirl(cf.imported.CyclicSector(structure=ring, sectors=8), 1, diameters=[1, 2, 3])
+    waves = cf.modal.cyclic_whirl(cf.imported.CyclicSector(structure=ring, sectors=8), 1, diameters=[1, 2, 3])
     whole = cf.whirl_modes(wheel_structure(waves.sector), 8)
     found = {(n, sense): f for n, sense, f in zip(waves.nodal_diameters, waves.sense, waves.freq, strict=True)}
     told = {(n, sense): f for n, sense, f in zip(whole.nodal_diameters, whole.sense, whole.freq, strict=True)}
@@ -140,7 +138,7 @@ def test_waves_run_the_way_they_run_on_a_ring():
 def test_waves_pass_from_sector_to_sector_with_the_phase_of_their_sense(axis):
     """Whichever way the wheel's axis is given: the sense is that of the rotation."""
     sector = replace(bladed_disk(N, SMALL, TURNING), axis=axis)
-    waves = cyclic_whirl(sector, 1)
+    waves = cf.modal.cyclic_whirl(sector, 1)
     labels = list(zip(waves.nodal_diameters.tolist(), waves.sense.tolist(), strict=True))
     assert labels == [(0, 0), (1, -1), (1, 1), (2, 0)]
     assert np.abs(waves.freq[1] / waves.freq[2] - 1.0) > 1e-4
@@ -154,7 +152,7 @@ def test_waves_pass_from_sector_to_sector_with_the_phase_of_their_sense(axis):
 
 @pytest.mark.slow
 def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
-    waves = cyclic_whirl(bladed_disk(N, SMALL, TURNING), 1, diameters=[2, 1])
+    waves = cf.modal.cyclic_whirl(bladed_disk(N, SMALL, TURNING), 1, diameters=[2, 1])
     turns = 900.0 / (2.0 * np.pi)
     fixed = [abs(waves.freq[0] - turns), waves.freq[1] + turns, waves.freq[2]]
     np.testing.assert_allclose(waves.freq_fixed, fixed, rtol=1e-14)
@@ -175,13 +173,13 @@ def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
 def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
     whole = mistuned_wheel(disk, DEVIATIONS)
     exact = cf.modes(whole, 3 * N).freq
-    tuned = wheel_modes(cyclic_modes(disk, 3)).freq
+    tuned = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, 3)).freq
     assert np.abs(tuned / exact - 1.0).max() > 5e-3
-    found = mistuned_modes(disk, DEVIATIONS, 3, blade="blade")
+    found = cf.modal.mistuned_modes(disk, DEVIATIONS, 3, blade="blade")
     np.testing.assert_allclose(found.freq, exact, rtol=3e-4)
     np.testing.assert_allclose(mistuned.freq, exact, rtol=3e-4)
     assert np.all(found.freq > exact * (1.0 - 1e-9))  # Ritz from above
-    P = tip_loads(disk, whole, TipNodes("tip", 2))
+    P = tip_loads(disk, whole, cf.TipNodes("tip", 2))
     compliance = P.T @ factorise(whole.assembled().K).solve(P)
     assert np.abs(mistuned.compliance - compliance).max() < 5e-4 * np.abs(compliance).max()
     assert int(found.energy[0].argmax()) == 3  # the softest blade moves alone in the lowest mode
@@ -191,18 +189,18 @@ def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
 
 @pytest.mark.slow
 def test_all_blades_alike_scale_nothing_but_the_stiffness_of_a_whole_sector(disk):
-    tuned = wheel_modes(cyclic_modes(disk, 3)).freq
-    np.testing.assert_allclose(mistuned_modes(disk, [0.05] * N, 3).freq, 1.05 * tuned, rtol=1e-9)
+    tuned = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, 3)).freq
+    np.testing.assert_allclose(cf.modal.mistuned_modes(disk, [0.05] * N, 3).freq, 1.05 * tuned, rtol=1e-9)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("at", [TipNodes("tip", 2), None], ids=["pieces", "nodes"])
+@pytest.mark.parametrize("at", [cf.TipNodes("tip", 2), None], ids=["pieces", "nodes"])
 def test_the_basis_of_a_wheel_answers_static_pushes_at_every_tip(disk, tuned, at):
     whole = wheel_structure(disk)
     if at is None:  # span is radial, flap along theta, chord along the axis
         mesh = disk.structure.mesh
         node = int(mesh.groups["tip"].nodes[0])
-        basis = cyclic_reduce(disk, AtNodes((int(mesh.node_numbers[node]),)), modes=2)
+        basis = cf.modal.cyclic_reduce(disk, cf.modal.AtNodes((int(mesh.node_numbers[node]),)), modes=2)
         x, y, _ = mesh.points[node]
         r = np.hypot(x, y)
         pushed = cf.solve_static(
@@ -228,7 +226,8 @@ def node_number(structure, place):
 def test_the_basis_knows_how_the_stiffness_grows_with_speed():
     """Poles, and answers at the tips near the lowest of them, with a basis made at another speed."""
     at, higher = (
-        cyclic_reduce(bladed_disk(N, SMALL, TURNING.at(w)), TipNodes("tip", 1), modes=6) for w in (900.0, 2000.0)
+        cf.modal.cyclic_reduce(bladed_disk(N, SMALL, TURNING.at(w)), cf.TipNodes("tip", 1), modes=6)
+        for w in (900.0, 2000.0)
     )
     grown = np.diag(at.omega**2) + (2000.0**2 - 900.0**2) * at.stiffness_by_speed
     np.testing.assert_allclose(np.sqrt(np.linalg.eigvalsh(grown))[:N], np.sort(higher.omega)[:N], rtol=2e-4)
@@ -254,22 +253,22 @@ def loose(disk):
 def test_nodes_of_a_wheel_stand_off_its_axis():
     """A quarter of a square block: one edge of it is the axis."""
     steel, groups = cf.Material(E=210e9, nu=0.3, rho=7800.0), {"low": (1, 0.0), "high": (0, 0.0), "held": (2, 0.0)}
-    mesh = grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)
+    mesh = cf.imported.grid_mesh("hexahedron20", (2, 2, 1), lambda u: u * [0.1, 0.1, 0.05], groups=groups)
     part = cf.Solid(mesh=mesh, material=steel, supports={"held": cf.Clamped()})
     quarter = cf.imported.CyclicSector(structure=part, sectors=4)
     on, off = (int(mesh.node_numbers[np.linalg.norm(mesh.points - at, axis=1).argmin()]) for at in
                ([0.0, 0.0, 0.05], [0.1, 0.1, 0.05]))  # fmt: skip
-    assert cyclic_reduce(quarter, AtNodes((off,)), modes=1).channels[:3] == tuple(
+    assert cf.modal.cyclic_reduce(quarter, cf.modal.AtNodes((off,)), modes=1).channels[:3] == tuple(
         f"sector0.{off}.{name}" for name in ("span", "flap", "chord")
     )
-    with pytest.raises(ModelError, match=f"at: found node {on} on the wheel's axis.*interface-nodes"):
-        cyclic_reduce(quarter, AtNodes((off, on)), modes=1)
+    with pytest.raises(cf.errors.ModelError, match=f"at: found node {on} on the wheel's axis.*interface-nodes"):
+        cf.modal.cyclic_reduce(quarter, cf.modal.AtNodes((off, on)), modes=1)
 
 
 def turning_ring(speed, k):
     """A ring about z as a wheel of eight sectors, both its edges on springs of k [N/m^3], or free."""
-    wall = revolved((0.5, 0.5), (0.0, 0.05), 0.02)
-    mesh = grid_mesh(
+    wall = cf.imported.revolved((0.5, 0.5), (0.0, 0.05), 0.02)
+    mesh = cf.imported.grid_mesh(
         "hexahedron20", (1, 1, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0), "top": (2, 1.0)}
     )
     springs = dict.fromkeys(("base", "top"), cf.ElasticEdge(k_face=k)) if k else {}
@@ -284,11 +283,13 @@ def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
     own = np.sqrt(2.0 * 1e6 / (7800.0 * 0.05))
 
     def lowest(speed):
-        return cyclic_modes(turning_ring(speed * own, 1e6), 1, diameters=[1]).freq[0]
+        return cf.modal.cyclic_modes(turning_ring(speed * own, 1e6), 1, diameters=[1]).freq[0]
 
     for below in (0.99, 0.99995):  # the second leaves 0.51 rad^2/s^2
         assert (2.0 * np.pi * lowest(below) / own) ** 2 == pytest.approx(1.0 - below**2, abs=1e-6)
-    with pytest.raises(ModelError, match=r"modes: found omega\^2 = -103\.\d rad\^2/s\^2, n = 1.*rotation-unstable"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"modes: found omega\^2 = -103\.\d rad\^2/s\^2, n = 1.*rotation-unstable"
+    ):
         lowest(1.01)
 
 
@@ -296,11 +297,11 @@ def test_a_ring_on_soft_springs_is_unstable_beyond_its_own_frequency():
 def test_a_free_wheel_turns_and_slides_along_its_axis_at_any_speed(speed):
     """Both are rigid, omega = 0 but for round-off of either sign; across the axis it leaves the turning frame."""
     wheel = turning_ring(speed, 0.0)
-    found = cyclic_modes(wheel, 3, diameters=[0])
+    found = cf.modal.cyclic_modes(wheel, 3, diameters=[0])
     assert found.rigid.tolist() == [True, True, False]
     np.testing.assert_allclose(found.freq[:2], 0.0, atol=0.01)
-    with pytest.raises(ModelError, match=r"omega\^2 = -.* rad\^2/s\^2, n = 1") as refused:
-        cyclic_modes(wheel, 1, diameters=[1])
+    with pytest.raises(cf.errors.ModelError, match=r"omega\^2 = -.* rad\^2/s\^2, n = 1") as refused:
+        cf.modal.cyclic_modes(wheel, 1, diameters=[1])
     told = re.search(r"= (-[\d.e+]+) rad", str(refused.value))
     assert told is not None
     assert float(told[1]) == pytest.approx(-(speed**2), rel=1e-3, abs=1e-3)  # K holds it to some 1e-4
@@ -319,25 +320,37 @@ def test_a_softer_blade_may_leave_a_wheel_no_stiffness_but_not_less(energy, omeg
     np.testing.assert_allclose(found, [omega], atol=1e-7)
     assert abs(turn.item()) == 1.0
     softer = replace(wave, blade=12.001 * one[None])
-    with pytest.raises(NumericsError, match=r"mistuned wheel: found omega\^2 = -0\.00075 rad\^2/s\^2"):
+    with pytest.raises(cf.errors.NumericsError, match=r"mistuned wheel: found omega\^2 = -0\.00075 rad\^2/s\^2"):
         mixed(softer, -0.5 * one)
 
 
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda disk: cyclic_modes(disk, 1, diameters=[3]), r"found \[3\], expected some of 0 to 2.*cyclic-diameters"),
-        (lambda disk: mistuned_modes(disk, [0.1] * 3), "found 3 values, expected 4.*cyclic-mistuning"),
-        (lambda disk: mistuned_modes(disk, [0.1, 0.0, 0.0, -1.0]), "found -1, expected 4.*cyclic-mistuning"),
-        (lambda disk: mistuned_modes(disk, DEVIATIONS, blade="vane"), "mesh-no-group"),
-        (lambda disk: cyclic_reduce(disk, Rim("tip", 2)), "interface-edge"),
-        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), zeta=1.0), "reduce-damping"),
-        (lambda disk: cyclic_reduce(disk, TipNodes("hub", 1)), "interface-held"),
-        (lambda disk: cyclic_reduce(loose(disk), TipNodes("tip", 2)), "an unsupported structure has .*reduce-rigid"),
-        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), modes=0), "between 1 and 74, found 0.*modes-count"),
-        (lambda disk: cyclic_reduce(disk, TipNodes("tip", 2), modes=75), "between 1 and 74, found 75.*modes-count"),
+        (
+            lambda disk: cf.modal.cyclic_modes(disk, 1, diameters=[3]),
+            r"found \[3\], expected some of 0 to 2.*cyclic-diameters",
+        ),
+        (lambda disk: cf.modal.mistuned_modes(disk, [0.1] * 3), "found 3 values, expected 4.*cyclic-mistuning"),
+        (lambda disk: cf.modal.mistuned_modes(disk, [0.1, 0.0, 0.0, -1.0]), "found -1, expected 4.*cyclic-mistuning"),
+        (lambda disk: cf.modal.mistuned_modes(disk, DEVIATIONS, blade="vane"), "mesh-no-group"),
+        (lambda disk: cf.modal.cyclic_reduce(disk, cf.Rim("tip", 2)), "interface-edge"),
+        (lambda disk: cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), zeta=1.0), "reduce-damping"),
+        (lambda disk: cf.modal.cyclic_reduce(disk, cf.TipNodes("hub", 1)), "interface-held"),
+        (
+            lambda disk: cf.modal.cyclic_reduce(loose(disk), cf.TipNodes("tip", 2)),
+            "an unsupported structure has .*reduce-rigid",
+        ),
+        (
+            lambda disk: cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=0),
+            "between 1 and 74, found 0.*modes-count",
+        ),
+        (
+            lambda disk: cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=75),
+            "between 1 and 74, found 75.*modes-count",
+        ),
     ],
 )
 def test_what_a_wheel_cannot_be_asked_is_refused(disk, call, words):
-    with pytest.raises(ModelError, match=words):
+    with pytest.raises(cf.errors.ModelError, match=words):
         call(disk)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.edge.bolts import Bolts
+import casingfem as cf
 from casingfem.structure.mesh.edge_form import EdgeLine, LineFrame
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.variation import edge_model, following, spurious_split
 
 TURN = 2.0 * np.pi
@@ -15,7 +14,7 @@ TURN = 2.0 * np.pi
 @pytest.mark.parametrize("first", [0.1, -1.2, 9.0])
 def test_a_patch_has_the_moments_of_its_density(closed, first):
     """15/(8 w) (1 - xi^2)^2 has the moments 1, 0, 1/7 and 1/21 in xi^0, xi, xi^2 and xi^4, however it is cut."""
-    bolts = Bolts(count=3, k=1.0, first_angle=first, width=0.8)
+    bolts = cf.Bolts(count=3, k=1.0, first_angle=first, width=0.8)
     places, weights, bolt = bolts.points(np.linspace(0.0, TURN, 10), closed, 6)
     for b, angle in enumerate((first, first + TURN / 3, first + 2 * TURN / 3)):
         here = bolt == b
@@ -29,13 +28,13 @@ def test_patches_are_cut_where_elements_end():
     """Elements of 0.5 rad from 0.2 on: the patch from 0.55 to 1.35 is cut at 0.7 and 1.2, that a turn on as well."""
     breaks = np.append(0.2 + 0.5 * np.arange(12), 0.2 + TURN)
     for turn, closed in ((0, True), (1, True), (-2, True), (0, False)):
-        bolts = Bolts(count=1, k=1.0, first_angle=0.95 + TURN * turn, width=0.8)
+        bolts = cf.Bolts(count=1, k=1.0, first_angle=0.95 + TURN * turn, width=0.8)
         places, _, bolt = bolts.points(breaks, closed, 4)
         assert places.size == 12
         assert bolt.tolist() == [0] * 12
         cells = np.searchsorted([0.7, 1.2], places - TURN * turn)
         assert cells.tolist() == [0] * 4 + [1] * 4 + [2] * 4
-    across = Bolts(count=1, k=1.0, first_angle=0.2, width=0.8).points(breaks, True, 4)[0]
+    across = cf.Bolts(count=1, k=1.0, first_angle=0.2, width=0.8).points(breaks, True, 4)[0]
     assert np.searchsorted([0.2], across).tolist() == [0] * 4 + [1] * 4  # the seam; the last element ends there
 
 
@@ -51,7 +50,7 @@ def test_springs_of_bolts_are_their_weights_times_stiffness():
         return np.zeros((len(x), 1), int), np.ones((len(x), 1))
 
     line = EdgeLine(np.zeros(1), np.ones(1), frame(np.zeros(1)), np.linspace(0.0, 2.0, 5), 3, False, frame, interpolate)
-    bolts = Bolts(count=2, k=(3.0, 5.0, 7.0), k_rot=11.0, first_angle=0.5, spacing=1.0, width=0.4, loose={2: 0.25})
+    bolts = cf.Bolts(count=2, k=(3.0, 5.0, 7.0), k_rot=11.0, first_angle=0.5, spacing=1.0, width=0.4, loose={2: 0.25})
     found = bolts.springs(line)
     assert len(found.nodes) == 4 * 7  # each patch over two elements, four points more than the order
     np.testing.assert_allclose(found.blocks.sum(axis=0), 1.25 * np.diag([5.0, 3.0, 7.0]), rtol=1e-13)
@@ -71,8 +70,8 @@ def test_meshes_that_follow_bolts(least, count, around):
 
 def test_the_model_of_an_edge_has_waves():
     """int cos^2 m theta = pi and int m^2 sin^2 m theta = m^2 pi on seven elements; values and weights of patches."""
-    bolts = Bolts(count=5, k=1.0, first_angle=0.3)
-    mesh = ShellMesh(order=6, around=7)
+    bolts = cf.Bolts(count=5, k=1.0, first_angle=0.3)
+    mesh = cf.ShellMesh(order=6, around=7)
     K, M, values, weights = edge_model(bolts, mesh)
     size = TURN / 7
     x = np.unique(np.round(np.polynomial.legendre.Legendre.basis(6).deriv().roots(), 15))
@@ -89,22 +88,22 @@ def test_the_model_of_an_edge_has_waves():
 
 def test_the_estimate_of_splits_by_plane_waves():
     """Weak bolts split cos n and sin n by what the mesh makes of them alone: of exact waves nothing is left."""
-    bolts, follows, misses = Bolts(count=8, k=1.0), ShellMesh(order=4, around=8), ShellMesh(order=4, around=7)
+    bolts, follows, misses = cf.Bolts(count=8, k=1.0), cf.ShellMesh(order=4, around=8), cf.ShellMesh(order=4, around=7)
     assert spurious_split(bolts, follows, 0.1) < 1e-12
     assert spurious_split(bolts, misses, 0.1, n_max=3) > 1e-4
     assert spurious_split(bolts, misses, 0.1) >= spurious_split(bolts, misses, 0.1, n_max=11)
-    assert spurious_split(Bolts(count=2, k=1.0), misses, 0.1) == 0.0  # two bolts may split every pair
+    assert spurious_split(cf.Bolts(count=2, k=1.0), misses, 0.1) == 0.0  # two bolts may split every pair
 
 
 def test_waves_that_a_coarse_mesh_does_not_carry_are_no_pairs():
     """Twelve waves on 28 or 32 nodes, bolts without stiffness; seven elements split seven waves by 1.4 % themselves."""
     for around, split in ((7, 0.0137), (8, 0.0)):
-        found = spurious_split(Bolts(count=8, k=1.0), ShellMesh(order=4, around=around), 0.0)
+        found = spurious_split(cf.Bolts(count=8, k=1.0), cf.ShellMesh(order=4, around=around), 0.0)
         assert found == pytest.approx(split, abs=1e-4)
 
 
 def test_numbers_of_bolts():
-    bolts = Bolts(count=4, k=(1.0, 4.0, 2.0), k_rot=3.0, loose={2: 0.5})
+    bolts = cf.Bolts(count=4, k=(1.0, 4.0, 2.0), k_rot=3.0, loose={2: 0.5})
     assert [bolts.number(p) for p in (("k",), ("k_rot",), ("bolts", "2", "k"), ("bolts", "4", "k"))] == [
         4.0,
         3.0,
@@ -123,12 +122,12 @@ def test_numbers_of_bolts():
 def test_bolts_repeat_as_their_factors_do():
     """Of twelve, every third or fourth loose; bolts 1 to 12 are counted from the first."""
     for loose, period in (({}, 12), ((1, 4, 7, 10), 4), ((2, 6, 10), 3), ((1, 7), 2), ((1, 2), 1), ((12,), 1)):
-        bolts = Bolts(count=12, k=1.0, loose=dict.fromkeys(loose, 0.5))
+        bolts = cf.Bolts(count=12, k=1.0, loose=dict.fromkeys(loose, 0.5))
         assert bolts.period == period
         assert np.flatnonzero(bolts.factors < 1.0).tolist() == [b - 1 for b in sorted(loose)]
     assert bolts.angles.tolist() == pytest.approx([TURN * k / 12 for k in range(12)])
     assert (bolts.pitch, bolts.patch) == (pytest.approx(TURN / 12), pytest.approx(TURN / 36))
-    spaced = Bolts(count=3, k=1.0, spacing=0.3, first_angle=-0.2)
+    spaced = cf.Bolts(count=3, k=1.0, spacing=0.3, first_angle=-0.2)
     assert (spaced.angles.tolist(), spaced.patch) == (pytest.approx([-0.2, 0.1, 0.4]), pytest.approx(0.1))
 
 
@@ -150,14 +149,14 @@ def test_bolts_at_their_bounds(given, words):
     given = {"count": 8, "k": 1.0} | given
     if words:
         with pytest.raises(ValueError, match=words):
-            Bolts(**given)
+            cf.Bolts(**given)
     else:
-        Bolts(**given)
+        cf.Bolts(**given)
 
 
 @pytest.mark.parametrize(("span", "off"), [((0.0, 1.0), False), ((1e-9, 1.0), True), ((0.0, 1.0 - 1e-9), True)])
 def test_a_patch_lies_on_an_open_edge(span, off):
-    wide = Bolts(count=1, k=1.0, first_angle=0.5, width=1.0)
+    wide = cf.Bolts(count=1, k=1.0, first_angle=0.5, width=1.0)
     wide.require_on(span, True, "base")
     if off:
         with pytest.raises(ValueError, match=r"support\.tip: patches from 0 to 1 on an edge from"):

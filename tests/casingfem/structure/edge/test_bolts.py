@@ -6,25 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError, ModelError, ModelWarning
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.geometry.chart import Cylinder, Panel
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
+import casingfem as cf
 from casingfem.structure.shell.edges import edge_line
-from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import following, springs_per_wave, spurious_split
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.parameters import Parameter, check_parameters
-from casingfem.updating.sensitivity import eigen_derivatives
+from casingfem.updating.parameters import check_parameters
 
-QUIET = ShellMesh(order=5, rows=1, around=8)
+QUIET = cf.ShellMesh(order=5, rows=1, around=8)
 
 
 def bolted(frustum, bolts, mesh=QUIET):
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelWarning)
+        warnings.simplefilter("ignore", cf.errors.ModelWarning)
         return frustum(supports={"base": bolts}, mesh=mesh)
 
 
@@ -32,8 +24,8 @@ def bolted(frustum, bolts, mesh=QUIET):
 @pytest.mark.parametrize("loose", [{}, {3: 0.3, 7: 0.0}])
 def test_patches_carry_their_stiffness_whole_on_any_mesh(frustum, around, loose):
     """A shift of 1 m strains nothing but the bolts: sum of k_z, and k_r cos^2 + k_theta sin^2 at each angle."""
-    bolts = Bolts(count=8, k=(1e6, 2e6, 3e6), first_angle=0.123, width=0.4, loose=loose)
-    system = assemble(bolted(frustum, bolts, ShellMesh(order=5, rows=1, around=around)))
+    bolts = cf.Bolts(count=8, k=(1e6, 2e6, 3e6), first_angle=0.123, width=0.4, loose=loose)
+    system = cf.shell.assemble(bolted(frustum, bolts, cf.ShellMesh(order=5, rows=1, around=around)))
     fields = np.zeros((len(system.frames), 5, 2))
     fields[:, 0, 0] = fields[:, 2, 1] = 1.0
     vectors = system.restrict(fields)
@@ -48,14 +40,18 @@ def test_patches_carry_their_stiffness_whole_on_any_mesh(frustum, around, loose)
 
 def test_a_patch_across_the_seam_is_whole(frustum):
     """Bolt 1 stands on the seam: turning all bolts by a pitch changes nothing."""
-    here, on = (assemble(bolted(frustum, Bolts(count=8, k=1e7, first_angle=a))).K for a in (0.0, -np.pi / 4))
+    here, on = (
+        cf.shell.assemble(bolted(frustum, cf.Bolts(count=8, k=1e7, first_angle=a))).K for a in (0.0, -np.pi / 4)
+    )
     assert abs(here - on).max() < 1e-12 * abs(here).max()
 
 
 @pytest.mark.slow
 def test_equal_bolts_split_only_what_their_number_allows(frustum):
     """N divides 2n for n = 4, 8, ... of 8 bolts; every other pair stays double."""
-    found = modes(frustum(supports={"base": Bolts(count=8, k=1e8)}, mesh=ShellMesh(order=6, rows=1, around=16)), 20)
+    found = cf.modes(
+        frustum(supports={"base": cf.Bolts(count=8, k=1e8)}, mesh=cf.ShellMesh(order=6, rows=1, around=16)), 20
+    )
     n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
     allowed = 2 * n % 8 == 0
     assert found.splits[~allowed].max() < 1e-9
@@ -65,7 +61,7 @@ def test_equal_bolts_split_only_what_their_number_allows(frustum):
 def test_turning_the_bolts_turns_the_modes(frustum):
     """A pattern turned by whole elements is the same casing."""
     still, turned = (
-        modes(bolted(frustum, Bolts(count=8, k=1e8, loose={2: 0.0}, first_angle=a)), 6) for a in (0.0, np.pi / 2)
+        cf.modes(bolted(frustum, cf.Bolts(count=8, k=1e8, loose={2: 0.0}, first_angle=a)), 6) for a in (0.0, np.pi / 2)
     )
     np.testing.assert_allclose(turned.freq, still.freq, rtol=1e-9)
 
@@ -73,19 +69,18 @@ def test_turning_the_bolts_turns_the_modes(frustum):
 @pytest.mark.slow
 def test_many_bolts_act_as_an_elastic_edge(frustum):
     """Forty bolts whose patches touch: k per length is count k/(2 pi R), the patches' ripple acts on n >= 20 only."""
-    from casingfem.structure.edge.support import ElasticEdge
 
-    many = Bolts(count=40, k=1e6, width=2 * np.pi / 40)
+    many = cf.Bolts(count=40, k=1e6, width=2 * np.pi / 40)
     line = 40e6 / (2 * np.pi * 0.5)
-    even = ElasticEdge(k_r=line, k_theta=line, k_z=line)
-    mesh = ShellMesh(order=6, rows=1, around=10)
-    a = modes(bolted(frustum, many, mesh), 8).freq
-    b = modes(frustum(supports={"base": even}, mesh=mesh), 8, method="shell").freq
+    even = cf.ElasticEdge(k_r=line, k_theta=line, k_z=line)
+    mesh = cf.ShellMesh(order=6, rows=1, around=10)
+    a = cf.modes(bolted(frustum, many, mesh), 8).freq
+    b = cf.modes(frustum(supports={"base": even}, mesh=mesh), 8, method="shell").freq
     np.testing.assert_allclose(a, b, rtol=2e-3)
 
 
 def test_bolts_along_a_part_of_the_edge_repeat_after_a_whole_turn_only():
-    equal = Bolts(count=4, k=1e8)
+    equal = cf.Bolts(count=4, k=1e8)
     assert equal.period == 4
     assert replace(equal, loose={1: 0.5, 3: 0.5}).period == 2
     assert replace(equal, loose={2: 0.5}).period == 1
@@ -93,27 +88,27 @@ def test_bolts_along_a_part_of_the_edge_repeat_after_a_whole_turn_only():
 
 
 def test_the_default_mesh_follows_the_bolts(frustum):
-    shell = frustum(supports={"base": Bolts(count=16, k=1e8)})
+    shell = frustum(supports={"base": cf.Bolts(count=16, k=1e8)})
     assert shell.mesh.around % 16 == 0
     assert 0.0 < shell.mesh.breaks[1] < 0.1  # a layer along the edge, free between the bolts
     assert [following(21, n) for n in (24, 30, 5, 200)] == [24, 30, 25, 50]
 
 
 def test_a_mesh_that_does_not_follow_is_doubted_with_an_estimate(frustum):
-    with pytest.warns(ModelWarning, match=r"24 bolts on 21 elements .* by some \de-0\d.*\[bolt-mesh\]"):
-        frustum(supports={"base": Bolts(count=24, k=2e8)}, mesh=ShellMesh(order=7, rows=1, around=21))
-    frustum(supports={"base": Bolts(count=24, k=2e8)}, mesh=ShellMesh(order=5, rows=1, around=48))  # says nothing
+    with pytest.warns(cf.errors.ModelWarning, match=r"24 bolts on 21 elements .* by some \de-0\d.*\[bolt-mesh\]"):
+        frustum(supports={"base": cf.Bolts(count=24, k=2e8)}, mesh=cf.ShellMesh(order=7, rows=1, around=21))
+    frustum(supports={"base": cf.Bolts(count=24, k=2e8)}, mesh=cf.ShellMesh(order=5, rows=1, around=48))  # says nothing
 
 
 @pytest.mark.slow
 def test_the_estimate_is_of_the_right_order(frustum):
-    bolts, mesh = Bolts(count=24, k=2e8, k_rot=1e3), ShellMesh(order=5, rows=1, around=30)
-    found = modes(bolted(frustum, bolts, mesh), 24)
+    bolts, mesh = cf.Bolts(count=24, k=2e8, k_rot=1e3), cf.ShellMesh(order=5, rows=1, around=30)
+    found = cf.modes(bolted(frustum, bolts, mesh), 24)
     n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
     computed = found.splits[2 * n % 24 != 0].max()
     estimate = spurious_split(bolts, mesh, springs_per_wave(bolts, 210e9, 0.3, 3e-3))
     assert 0.1 < estimate / computed < 10.0
-    assert spurious_split(bolts, ShellMesh(order=5, around=24), 5.0) < 1e-10
+    assert spurious_split(bolts, cf.ShellMesh(order=5, around=24), 5.0) < 1e-10
 
 
 @pytest.mark.parametrize(
@@ -134,8 +129,8 @@ def test_the_estimate_is_of_the_right_order(frustum):
     ],
 )
 def test_refuses_bolts_that_are_none(values, code):
-    with pytest.raises(ModelError) as caught:
-        Bolts(**values)
+    with pytest.raises(cf.errors.ModelError) as caught:
+        cf.Bolts(**values)
     assert caught.value.code == code
 
 
@@ -154,13 +149,13 @@ def test_refuses_bolts_that_are_none(values, code):
     ],
 )
 def test_says_what_is_wrong_with_bolts(values, said):
-    with pytest.raises(ModelError, match=said):
-        Bolts(**{"count": 8, "k": 1e8} | values)
+    with pytest.raises(cf.errors.ModelError, match=said):
+        cf.Bolts(**{"count": 8, "k": 1e8} | values)
 
 
 def test_bolts_may_hold_by_their_rotation_alone_and_keep_what_they_were_given():
     given = {3: 0.5}
-    bolts = Bolts(count=24, k=0.0, k_rot=1e3, loose=given)
+    bolts = cf.Bolts(count=24, k=0.0, k_rot=1e3, loose=given)
     given[3] = 0.0
     assert bolts.loose == {3: 0.5}
     with pytest.raises(TypeError):
@@ -171,10 +166,10 @@ def test_bolts_may_hold_by_their_rotation_alone_and_keep_what_they_were_given():
 
 
 def test_the_stiffness_of_bolts_is_the_largest_of_three_and_keeps_its_form():
-    three = Bolts(count=8, k=(1e8, 4e8, 2e8), loose={2: 0.5})
+    three = cf.Bolts(count=8, k=(1e8, 4e8, 2e8), loose={2: 0.5})
     assert (three.number(("k",)), three.number(("bolts", "2", "k"))) == (4e8, 2e8)
     assert three.with_number(("k",), 2e8).k == (5e7, 2e8, 1e8)
-    assert Bolts(count=8, k=2e8).with_number(("k",), 1e8).k == 1e8
+    assert cf.Bolts(count=8, k=2e8).with_number(("k",), 1e8).k == 1e8
     with pytest.raises(KeyError, match=r"bolts\.1\.k to bolts\.8\.k"):
         three.number(("bolts", "0", "k"))
 
@@ -182,15 +177,15 @@ def test_the_stiffness_of_bolts_is_the_largest_of_three_and_keeps_its_form():
 @pytest.mark.parametrize("first", [0.0, -0.1])
 def test_wide_patches_across_the_seam_see_every_element(frustum, first):
     """Patches over two and a half elements; half a turn brings each bolt to the other's place."""
-    bolts = Bolts(count=2, k=1e10, k_rot=1e6, width=2.0)
-    here, on = (assemble(bolted(frustum, replace(bolts, first_angle=a))).K for a in (first, first + np.pi))
+    bolts = cf.Bolts(count=2, k=1e10, k_rot=1e6, width=2.0)
+    here, on = (cf.shell.assemble(bolted(frustum, replace(bolts, first_angle=a))).K for a in (first, first + np.pi))
     assert abs(here - on).max() < 1e-13 * abs(here).max()
 
 
 def test_patches_are_integrated_whole_for_the_polynomials_of_an_element(frustum):
     """Against so many more points, for products of all shape functions."""
-    bolts = Bolts(count=3, k=1e8, k_rot=500.0, width=1.0, loose={2: 0.5})
-    system = assemble(bolted(frustum, bolts))
+    bolts = cf.Bolts(count=3, k=1e8, k_rot=500.0, width=1.0, loose={2: 0.5})
+    system = cf.shell.assemble(bolted(frustum, bolts))
     line = edge_line(system.shell, system.grid, "base")
     springs = bolts.springs(line)
     places, weights, bolt = bolts.points(line.breaks, True, 30)
@@ -206,48 +201,55 @@ def test_patches_are_integrated_whole_for_the_polynomials_of_an_element(frustum)
 
 
 def test_bolts_off_an_open_edge_are_refused(steel):
-    panel = Panel(radius=0.6, length=0.3, angle=0.5)
-    on = Bolts(count=5, k=1e8, spacing=0.1, first_angle=-0.2)
-    Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": on})
-    with pytest.raises(ModelError, match=r"support\.root: patches .* on an edge from -0\.25 to 0\.25.*bolt-off-edge"):
-        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.15)})
-    with pytest.raises(ModelError, match=r"patches from -0\.266667 to 0\.166667 on an edge from -0\.25 to 0\.25"):
-        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.25)})
+    panel = cf.Panel(radius=0.6, length=0.3, angle=0.5)
+    on = cf.Bolts(count=5, k=1e8, spacing=0.1, first_angle=-0.2)
+    cf.Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": on})
+    with pytest.raises(
+        cf.errors.ModelError, match=r"support\.root: patches .* on an edge from -0\.25 to 0\.25.*bolt-off-edge"
+    ):
+        cf.Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.15)})
+    with pytest.raises(
+        cf.errors.ModelError, match=r"patches from -0\.266667 to 0\.166667 on an edge from -0\.25 to 0\.25"
+    ):
+        cf.Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": replace(on, first_angle=-0.25)})
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["support.base.k", "support.base.k_rot", "support.base.bolts.3.k", "bolts.5.k"])
 def test_derivatives_by_bolt_stiffnesses(frustum, name):
     """Against central differences of single modes: loose bolts part all pairs."""
-    shell = bolted(frustum, Bolts(count=8, k=(1e7, 2e7, 4e7), k_rot=500.0, loose={1: 0.2, 3: 0.5, 4: 0.7}))
-    found = modes(shell, 6)
-    value = get_value(shell, name)
-    slope = np.diagonal(eigen_derivatives(found, [Parameter(name=name, lower=0.0, upper=1e12)])[0])
+    shell = bolted(frustum, cf.Bolts(count=8, k=(1e7, 2e7, 4e7), k_rot=500.0, loose={1: 0.2, 3: 0.5, 4: 0.7}))
+    found = cf.modes(shell, 6)
+    value = cf.updating.get_value(shell, name)
+    slope = np.diagonal(cf.updating.eigen_derivatives(found, [cf.Parameter(name=name, lower=0.0, upper=1e12)])[0])
     step = 1e-4 * value
-    low, high = (modes(bolted(frustum, with_value(shell, name, value + d).supports["base"]), 6) for d in (-step, step))
+    low, high = (
+        cf.modes(bolted(frustum, cf.updating.with_value(shell, name, value + d).supports["base"]), 6)
+        for d in (-step, step)
+    )
     np.testing.assert_allclose(slope, (high.omega**2 - low.omega**2) / (2 * step), rtol=1e-5, atol=1e-9 * slope.max())
 
 
 def test_parameters_of_bolts_are_independent_and_checked(frustum):
-    shell = bolted(frustum, Bolts(count=8, k=2e8, loose={3: 0.5}))
-    one = with_value(with_value(shell, "bolts.3.k", 5e7), "support.base.k", 1e8)
-    other = with_value(with_value(shell, "support.base.k", 1e8), "bolts.3.k", 5e7)
+    shell = bolted(frustum, cf.Bolts(count=8, k=2e8, loose={3: 0.5}))
+    one = cf.updating.with_value(cf.updating.with_value(shell, "bolts.3.k", 5e7), "support.base.k", 1e8)
+    other = cf.updating.with_value(cf.updating.with_value(shell, "support.base.k", 1e8), "bolts.3.k", 5e7)
     for changed in (one, other):
-        assert get_value(changed, "support.base.k") == pytest.approx(1e8)
-        assert get_value(changed, "support.base.bolts.3.k") == pytest.approx(5e7)
+        assert cf.updating.get_value(changed, "support.base.k") == pytest.approx(1e8)
+        assert cf.updating.get_value(changed, "support.base.bolts.3.k") == pytest.approx(5e7)
     for name in ("bolts.9.k", "support.base.k_face", "bolts.x.k", "support.base.bolts.3"):
-        with pytest.raises(InputError, match="bolts have k, k_rot and bolts"):
-            get_value(shell, name)
-    with pytest.raises(InputError, match="0 edges have bolts"):
-        get_value(frustum(), "bolts.3.k")
-    twice = [Parameter(name=name, lower=0.0, upper=1e9) for name in ("bolts.3.k", "support.base.bolts.3.k")]
-    with pytest.raises(InputError, match="varied twice"):
+        with pytest.raises(cf.errors.InputError, match="bolts have k, k_rot and bolts"):
+            cf.updating.get_value(shell, name)
+    with pytest.raises(cf.errors.InputError, match="0 edges have bolts"):
+        cf.updating.get_value(frustum(), "bolts.3.k")
+    twice = [cf.Parameter(name=name, lower=0.0, upper=1e9) for name in ("bolts.3.k", "support.base.bolts.3.k")]
+    with pytest.raises(cf.errors.InputError, match="varied twice"):
         check_parameters(shell, twice)
 
 
 def test_a_mesh_of_a_cylinder_with_two_bolted_edges_follows_both(steel):
-    edges = {"base": Bolts(count=8, k=1e8), "top": Bolts(count=12, k=1e8)}
-    shell = Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=3e-3, material=steel, supports=edges)
+    edges = {"base": cf.Bolts(count=8, k=1e8), "top": cf.Bolts(count=12, k=1e8)}
+    shell = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3, material=steel, supports=edges)
     assert shell.mesh.around % 24 == 0
 
 
@@ -255,7 +257,7 @@ def test_springs_per_wave_by_pull_and_by_tilt():
     """k/(E t/20) and k_rot/(E t^3/(24 (1 - nu^2))), the larger."""
     E, nu, t = 210e9, 0.3, 3e-3
     by_pull, by_tilt = (
-        springs_per_wave(Bolts(count=8, k=k, k_rot=k_rot), E, nu, t) for k, k_rot in ((1e8, 1.0), (1.0, 1e4))
+        springs_per_wave(cf.Bolts(count=8, k=k, k_rot=k_rot), E, nu, t) for k, k_rot in ((1e8, 1.0), (1.0, 1e4))
     )
     assert by_pull == pytest.approx(1e8 / (0.05 * E * t), rel=1e-12)
     assert by_tilt == pytest.approx(1e4 * 24.0 * (1.0 - nu**2) / (E * t**3), rel=1e-12)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.edge.bolts import Bolts
+import casingfem as cf
 from casingfem.structure.edge.curved_beam import (
     beam_strain,
     make_beam,
@@ -12,28 +12,25 @@ from casingfem.structure.edge.curved_beam import (
     section_stiffness,
     tie,
 )
-from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener, check_stiffeners, held_at_root
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import ElasticEdge, outer_support
-from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.edge.ring import check_stiffeners, held_at_root
+from casingfem.structure.edge.support import outer_support
 from casingfem.structure.geometry.rotation import skew
-from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import EdgeLine, LineFrame
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
-BAR = Section.rectangle(width=0.012, depth=0.004)
-OWN = Section(width=0.1, depth=0.2, area=3.0, I_r=5.0, I_z=7.0, J=11.0, shear=0.5)
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+BAR = cf.edge.Section.rectangle(width=0.012, depth=0.004)
+OWN = cf.edge.Section(width=0.1, depth=0.2, area=3.0, I_r=5.0, I_z=7.0, J=11.0, shear=0.5)
 V, W = np.array([1.0, -2.0, 3.0]), np.array([0.5, 4.0, -1.0])
 
 
 def test_sections_of_a_rectangle_and_a_circle():
     for width, depth in ((0.03, 0.02), (0.02, 0.03)):
-        bar = Section.rectangle(width=width, depth=depth)
+        bar = cf.edge.Section.rectangle(width=width, depth=depth)
         assert (bar.width, bar.depth, bar.shear) == (width, depth, 5.0 / 6.0)
         found = bar.area, bar.I_r, bar.I_z
         assert found == pytest.approx((6e-4, width * depth**3 / 12.0, depth * width**3 / 12.0), rel=1e-14)
         assert bar.J == pytest.approx(0.03 * 0.02**3 * 0.19576, rel=1e-4)  # Timoshenko & Goodier, a/b = 1.5: 0.196
-    wire = Section.circle(diameter=0.2)
+    wire = cf.edge.Section.circle(diameter=0.2)
     found = wire.width, wire.depth, wire.area, wire.I_r, wire.I_z, wire.J, wire.shear
     inertia = np.pi * 0.1**4 / 4.0
     assert found == pytest.approx((0.2, 0.2, np.pi * 0.01, inertia, inertia, 2.0 * inertia, 0.9), rel=1e-14)
@@ -41,17 +38,19 @@ def test_sections_of_a_rectangle_and_a_circle():
 
 def test_torsion_of_a_thin_strip():
     """(1/3 - 0.21 b/a (1 - b^4/(12 a^4))) a b^3, the usual approximation; a third in the limit."""
-    thin = Section.rectangle(width=1.0, depth=0.1)
+    thin = cf.edge.Section.rectangle(width=1.0, depth=0.1)
     assert thin.J == pytest.approx(1e-3 * (1 / 3 - 0.21 * 0.1 * (1 - 1e-4 / 12)), rel=1e-4)
 
 
 def test_numbers_of_a_section_are_named():
-    wire = Section.circle(diameter=0.2)
+    wire = cf.edge.Section.circle(diameter=0.2)
     assert (wire.number("diameter"), wire.number("width"), OWN.number("J")) == (0.2, 0.2, 11.0)
-    assert wire.with_number("diameter", 0.3) == Section.circle(diameter=0.3)
-    assert BAR.with_number("depth", 0.01) == Section.rectangle(width=0.012, depth=0.01)
-    assert BAR.with_number("width", 0.01) == Section.rectangle(width=0.01, depth=0.004)
-    assert OWN.with_number("width", 0.3) == Section(width=0.3, depth=0.2, area=3.0, I_r=5.0, I_z=7.0, J=11.0, shear=0.5)
+    assert wire.with_number("diameter", 0.3) == cf.edge.Section.circle(diameter=0.3)
+    assert BAR.with_number("depth", 0.01) == cf.edge.Section.rectangle(width=0.012, depth=0.01)
+    assert BAR.with_number("width", 0.01) == cf.edge.Section.rectangle(width=0.01, depth=0.004)
+    assert OWN.with_number("width", 0.3) == cf.edge.Section(
+        width=0.3, depth=0.2, area=3.0, I_r=5.0, I_z=7.0, J=11.0, shear=0.5
+    )
     assert BAR.with_number("J", 2.0).area == BAR.area
     for section, name in ((BAR, "diameter"), (wire, "radius")):
         with pytest.raises(KeyError, match="has width, depth, area, I_r, I_z, J, shear, and a circle diameter"):
@@ -65,16 +64,19 @@ def test_a_section_has_positive_numbers(name):
     for value in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(ValueError, match=rf"section\.{name} must be positive and finite"):
             OWN.with_number(name, value)
-    for make in (lambda: Section.rectangle(width=0.1, depth=0.0), lambda: Section.circle(diameter=np.inf)):
+    for make in (
+        lambda: cf.edge.Section.rectangle(width=0.1, depth=0.0),
+        lambda: cf.edge.Section.circle(diameter=np.inf),
+    ):
         with pytest.raises(ValueError, match=r"section\.(depth|diameter) must be positive and finite, found"):
             make()
 
 
 def test_masses_at_their_bounds():
-    assert EdgeMass(angle=-9.0, mass=0.0).angle == -9.0
+    assert cf.edge.EdgeMass(angle=-9.0, mass=0.0).angle == -9.0
     for given in ({"mass": -1e-9}, {"mass": np.inf}, {"angle": np.nan}):
         with pytest.raises(ValueError, match=r"a mass of .* kg at .* rad"):
-            EdgeMass(**{"angle": 0.0, "mass": 1.0} | given)
+            cf.edge.EdgeMass(**{"angle": 0.0, "mass": 1.0} | given)
 
 
 def test_the_matrix_of_a_cross_product():
@@ -148,10 +150,13 @@ def test_a_bar_held_at_its_root_shears_by_less():
     tuned = BAR.with_number("shear", 0.7)
     assert held_at_root(tuned, arm) is tuned
     for offset in (0.0075, -0.0075):
-        assert Stiffener(at=0.1, section=BAR, offset=(offset, 0.0)).ring.section.shear == held_at_root(BAR, arm).shear
+        assert (
+            cf.edge.Stiffener(at=0.1, section=BAR, offset=(offset, 0.0)).ring.section.shear
+            == held_at_root(BAR, arm).shear
+        )
     for given, words in (({"at": np.nan}, "stiffener.at: found nan"), ({"offset": 0.1}, "stiffener.offset: found 0.1")):
         with pytest.raises(ValueError, match=words):
-            Stiffener(**{"at": 0.1, "section": BAR, "offset": (0.0, 0.0)} | given)
+            cf.edge.Stiffener(**{"at": 0.1, "section": BAR, "offset": (0.0, 0.0)} | given)
 
 
 @pytest.mark.parametrize(
@@ -166,7 +171,7 @@ def test_a_bar_held_at_its_root_shears_by_less():
     ],
 )
 def test_stiffeners_stand_apart_between_the_ends(places, words):
-    given = [Stiffener(at=at, section=BAR, offset=(0.01, 0.0)) for at in places]
+    given = [cf.edge.Stiffener(at=at, section=BAR, offset=(0.01, 0.0)) for at in places]
     if words:
         with pytest.raises(ValueError, match=words):
             check_stiffeners(given, (1.0, 5.0), True)
@@ -178,37 +183,37 @@ def test_stiffeners_stand_apart_between_the_ends(places, words):
 
 
 def test_places_of_a_ring_and_its_foot():
-    ring = Ring(section=OWN)
+    ring = cf.Ring(section=OWN)
     assert ring.centre(1).tolist() == [0.0, 0.1]
     assert ring.support_point(-1).tolist() == [0.0, -0.2]
-    assert Ring(section=OWN, offset=(0.3, 0.4)).support_point(1).tolist() == pytest.approx([0.3, 0.5])
-    assert Ring(section=OWN, foot=(0.05, 0.01)).support_point(-1).tolist() == pytest.approx([0.05, -0.09])
+    assert cf.Ring(section=OWN, offset=(0.3, 0.4)).support_point(1).tolist() == pytest.approx([0.3, 0.5])
+    assert cf.Ring(section=OWN, foot=(0.05, 0.01)).support_point(-1).tolist() == pytest.approx([0.05, -0.09])
     for name in ("offset", "foot"):
         for place in ((1.0, 2.0, 3.0), (np.inf, 0.0)):
             with pytest.raises(ValueError, match=rf"ring\.{name} must be two finite lengths"):
-                Ring(section=OWN, **{name: place})
+                cf.Ring(section=OWN, **{name: place})
     assert outer_support(ring) is None
 
 
 def test_numbers_of_a_ring_are_those_of_its_parts():
-    held = Ring(section=BAR, material=STEEL, support=ElasticEdge(k_r=5.0, k_z=7.0))
+    held = cf.Ring(section=BAR, material=STEEL, support=cf.ElasticEdge(k_r=5.0, k_z=7.0))
     assert [held.number(p) for p in (("section", "depth"), ("material", "nu"), ("k_z",))] == [0.004, 0.3, 7.0]
-    assert held.with_number(("k_r",), 6.0).support == ElasticEdge(k_r=6.0, k_z=7.0)
-    assert held.with_number(("material", "E"), 1.0).material == Material(E=1.0, nu=0.3, rho=7800.0)
-    assert held.with_number(("section", "depth"), 0.01).section == Section.rectangle(width=0.012, depth=0.01)
-    bolted = Ring(section=BAR, support=Bolts(count=8, k=3.0))
+    assert held.with_number(("k_r",), 6.0).support == cf.ElasticEdge(k_r=6.0, k_z=7.0)
+    assert held.with_number(("material", "E"), 1.0).material == cf.Material(E=1.0, nu=0.3, rho=7800.0)
+    assert held.with_number(("section", "depth"), 0.01).section == cf.edge.Section.rectangle(width=0.012, depth=0.01)
+    bolted = cf.Ring(section=BAR, support=cf.Bolts(count=8, k=3.0))
     assert bolted.number(("bolts", "2", "k")) == 3.0
     assert bolted.with_number(("k",), 4.0).support.k == 4.0
-    assert (bolted.uniform, held.uniform, Ring(section=BAR).uniform) == (False, True, True)
+    assert (bolted.uniform, held.uniform, cf.Ring(section=BAR).uniform) == (False, True, True)
     with pytest.raises(KeyError, match="this ring has no material of its own"):
         bolted.number(("material", "E"))
     for path in (("k_phi",), ("k_r", "k_z"), ("material", "G")):
         with pytest.raises(KeyError, match=r"this ring has section.width and the like, material.E, k_r"):
             held.number(path)
     with pytest.raises(KeyError, match=r"the like, material.E'"):
-        Ring(section=BAR, material=STEEL).number(("k_r",))
+        cf.Ring(section=BAR, material=STEEL).number(("k_r",))
     with pytest.raises(ValueError, match=r"ring\.support must be elastic or bolts, found float"):
-        Ring(section=BAR, support=1.0)
+        cf.Ring(section=BAR, support=1.0)
 
 
 def line(bend=0.0):
@@ -225,8 +230,8 @@ def line(bend=0.0):
 
 def test_springs_of_an_elastic_edge_at_its_nodes():
     """k per length times length; a pattern doubles the radial spring at angle 0 and the face at a quarter turn."""
-    around = {"k_r": FourierField.of({1: 1.0}), "k_face": FourierField.of({1: (0.0, 1.0)})}
-    edge = ElasticEdge(k_r=10.0, k_theta=20.0, k_z=30.0, k_rot=7.0, k_face=600.0, around=around)
+    around = {"k_r": cf.FourierField.of({1: 1.0}), "k_face": cf.FourierField.of({1: (0.0, 1.0)})}
+    edge = cf.ElasticEdge(k_r=10.0, k_theta=20.0, k_z=30.0, k_rot=7.0, k_face=600.0, around=around)
     found = edge.springs(line(bend=0.5))
     assert found.nodes.tolist() == [[4], [6]]
     assert found.values.tolist() == [[1.0], [1.0]]
@@ -236,5 +241,5 @@ def test_springs_of_an_elastic_edge_at_its_nodes():
         np.testing.assert_allclose(found.blocks[k], exact, rtol=1e-12, atol=1e-12)
         assert found.rotation[k] == pytest.approx(length * (7.0 + face * t**3 / 12.0), rel=1e-13)
         np.testing.assert_allclose(found.coupling[k], -0.5 * length * face * t**3 / 12.0 * Q[1:].T, rtol=1e-12)
-    assert (edge.uniform, ElasticEdge(k_r=1.0).uniform) == (False, True)
+    assert (edge.uniform, cf.ElasticEdge(k_r=1.0).uniform) == (False, True)
     assert list(edge.patterns) == ["k_r", "k_face"]

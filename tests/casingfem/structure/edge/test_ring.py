@@ -6,42 +6,28 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.linalg.pencil import diagonalised
 from casingfem.modal.fourier import harmonic_floor, lowest
-from casingfem.modal.interface.kinds import Rim
-from casingfem.modal.modes import modes
-from casingfem.modal.reduction import reduce
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.geometry.chart import Cylinder, Panel
-from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import PointSprings, single_place
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.mesh.shell_mesh import make_grid
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import edge_forms, harmonic_ring, line_frame, support_stiffness
 from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
-from casingfem.structure.shell.shell import Shell
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.parameters import Parameter
-from casingfem.updating.sensitivity import eigen_derivatives
 from reports.rub.harmonic_basis import harmonic_basis
 
-BAR = Section.rectangle(width=0.04, depth=0.03)
-COARSE = ShellMesh(order=6, rows=1, around=9)
-HELD = Ring(section=BAR, support=ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5))
+BAR = cf.edge.Section.rectangle(width=0.04, depth=0.03)
+COARSE = cf.ShellMesh(order=6, rows=1, around=9)
+HELD = cf.Ring(section=BAR, support=cf.ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5))
 
 
 def free_ring(section, n, material, radius=1.0):
     """omega [rad/s] of the ring alone at n nodal diameters, ascending, its edge anywhere: the wall does not matter."""
-    shell = Shell(chart=Cylinder(radius=radius, height=0.1), thickness=1e-3, material=material)
+    shell = cf.Shell(chart=cf.Cylinder(radius=radius, height=0.1), thickness=1e-3, material=material)
     z = np.zeros(1)
     line = single_place(line_frame(shell, 1, z, np.zeros(1)))
-    K, M = harmonic_ring(shell, "base", Ring(section=section, offset=(0.0, 0.0)), n, z, line)
+    K, M = harmonic_ring(shell, "base", cf.Ring(section=section, offset=(0.0, 0.0)), n, z, line)
     return np.sqrt(np.maximum(eigh(K, M, eigvals_only=True), 0.0))
 
 
@@ -71,7 +57,7 @@ def test_a_free_ring_is_the_plane_and_the_side_one_in_components(steel, n):
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_a_slender_ring_has_the_classical_frequencies(steel, n):
     """Inextensional, over sqrt(EI/(rho A R^4)): n (n^2-1)/sqrt(n^2+1), out of plane n^2 + EI/GJ below (Love)."""
-    thin = Section.circle(diameter=2e-3)
+    thin = cf.edge.Section.circle(diameter=2e-3)
     scale = np.sqrt(steel.E * thin.I_z / (steel.rho * thin.area))
     torsion = steel.E * thin.I_r / (steel.shear_modulus * thin.J)
     found = free_ring(thin, n, steel)[:2] / scale
@@ -83,8 +69,8 @@ def test_a_slender_ring_has_the_classical_frequencies(steel, n):
 @pytest.mark.parametrize("values", [{}, {"offset": (0.02, -0.05), "foot": (-0.01, -0.03)}])
 def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
     """Eccentric ring on springs: the two-dimensional shell against one small problem for each n."""
-    casing = frustum(supports={"base": replace(HELD, **values)}, mesh=ShellMesh(order=7, rows=1, around=19))
-    exact, found = modes(casing, 12), modes(casing, 12, method="shell")
+    casing = frustum(supports={"base": replace(HELD, **values)}, mesh=cf.ShellMesh(order=7, rows=1, around=19))
+    exact, found = cf.modes(casing, 12), cf.modes(casing, 12, method="shell")
     np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-6)
     assert found.splits.max() < 1e-9
     np.testing.assert_array_equal(found.nodal_diameters, exact.nodal_diameters)
@@ -96,7 +82,7 @@ def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
 
 @pytest.mark.slow
 def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
-    loose = frustum(supports={"base": Ring(section=BAR, offset=(0.03, -0.02))}, mesh=COARSE)
+    loose = frustum(supports={"base": cf.Ring(section=BAR, offset=(0.03, -0.02))}, mesh=COARSE)
     grid = make_grid(loose.chart, loose.mesh)
     assert free_motions(loose, grid).shape[2] == 6
     forms = edge_forms(loose, grid)
@@ -111,26 +97,26 @@ def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
     stretched[::5] *= 1.1  # no rigid motion any more
     strained, still = (np.trace(form.product(x)) for form in forms.stiffness for x in (stretched, motions))
     assert abs(still) < 1e-12 * strained
-    found = modes(loose, 10, method="shell")
+    found = cf.modes(loose, 10, method="shell")
     assert found.rigid == 6
-    assert modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
+    assert cf.modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
 
 
 @pytest.mark.slow
 def test_a_ring_far_outside_its_casing_hides_no_mode(steel):
     """A soft heavy ring of twice the radius: its harmonics lie lower than of one at the edge."""
-    soft = Material(E=2e9, nu=0.3, rho=20000.0)
-    square = Section.rectangle(width=0.02, depth=0.02)
-    casing = Shell(
-        chart=Cylinder(radius=0.2, height=0.05),
+    soft = cf.Material(E=2e9, nu=0.3, rho=20000.0)
+    square = cf.edge.Section.rectangle(width=0.02, depth=0.02)
+    casing = cf.Shell(
+        chart=cf.Cylinder(radius=0.2, height=0.05),
         thickness=2e-3,
-        material=Material(E=2e8, nu=0.3, rho=100.0),
-        supports={"top": Ring(section=square, material=soft, offset=(0.25, 0.0))},
-        mesh=ShellMesh(order=6, rows=1, around=13),
+        material=cf.Material(E=2e8, nu=0.3, rho=100.0),
+        supports={"top": cf.Ring(section=square, material=soft, offset=(0.25, 0.0))},
+        mesh=cf.ShellMesh(order=6, rows=1, around=13),
     )
-    found = modes(casing, 20)
+    found = cf.modes(casing, 20)
     assert found.sturm_count == 20
-    np.testing.assert_allclose(found.freq[6:], modes(casing, 20, method="shell").freq[6:], rtol=1e-5)
+    np.testing.assert_allclose(found.freq[6:], cf.modes(casing, 20, method="shell").freq[6:], rtol=1e-5)
     for n in (2, 8, 20):
         assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1.0)[0][0]
 
@@ -141,23 +127,27 @@ def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
     """As if clamped there: its lowest bending mode looks like a turn about the heavy end, but the end stands still."""
     lead = replace(steel, rho=10.0 * steel.rho)
     parts = {
-        "ring": {"supports": {"base": Ring(section=Section.rectangle(width=0.05, depth=0.6), material=lead)}},
-        "masses": {"masses": {"base": [EdgeMass(angle=angle, mass=400.0) for angle in (0.0, 2.1, 4.2)]}},
+        "ring": {
+            "supports": {"base": cf.Ring(section=cf.edge.Section.rectangle(width=0.05, depth=0.6), material=lead)}
+        },
+        "masses": {"masses": {"base": [cf.edge.EdgeMass(angle=angle, mass=400.0) for angle in (0.0, 2.1, 4.2)]}},
     }
-    tube = Shell(
-        chart=Cylinder(radius=0.05, height=2.0),
+    tube = cf.Shell(
+        chart=cf.Cylinder(radius=0.05, height=2.0),
         thickness=5e-3,
         material=steel,
-        mesh=ShellMesh(order=6, rows=3, around=5),
+        mesh=cf.ShellMesh(order=6, rows=3, around=5),
         **parts[heavy],
     )
-    found = modes(tube, 8)
+    found = cf.modes(tube, 8)
     assert found.rigid == 6
     assert found.freq[5] < 1e-3 * found.freq[6]
 
 
 def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
-    system = assemble(frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [EdgeMass(angle=0.3, mass=0.5)]}))
+    system = cf.shell.assemble(
+        frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [cf.edge.EdgeMass(angle=0.3, mass=0.5)]})
+    )
     vectors = np.random.default_rng(17).normal(size=(system.size, 2))
     back = system.collect(system.expand(vectors), system.expand_own(vectors))
     np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
@@ -192,9 +182,9 @@ def test_a_mass_without_diagonal_is_refused():
 @pytest.fixture(scope="module")
 def heavy(frustum):
     """A casing on a ring whose masses part all pairs, and its modes."""
-    masses = {"base": [EdgeMass(angle=0.2, mass=3.0), EdgeMass(angle=1.1, mass=2.0)]}
+    masses = {"base": [cf.edge.EdgeMass(angle=0.2, mass=3.0), cf.edge.EdgeMass(angle=1.1, mass=2.0)]}
     casing = frustum(supports={"base": HELD}, mesh=COARSE, masses=masses)
-    return casing, modes(casing, 6)
+    return casing, cf.modes(casing, 6)
 
 
 @pytest.mark.slow
@@ -202,83 +192,88 @@ def heavy(frustum):
 def test_derivatives_with_a_ring_and_a_mass(heavy, name):
     """Against central differences of single modes; the ring's steel is the casing's."""
     casing, found = heavy
-    value = get_value(casing, name)
-    slope = np.diagonal(eigen_derivatives(found, [Parameter(name=name, lower=0.0, upper=1e15)])[0])
+    value = cf.updating.get_value(casing, name)
+    slope = np.diagonal(cf.updating.eigen_derivatives(found, [cf.Parameter(name=name, lower=0.0, upper=1e15)])[0])
     step = 1e-5 * value
-    low, high = (modes(with_value(casing, name, value + d), 6).omega ** 2 for d in (-step, step))
+    low, high = (cf.modes(cf.updating.with_value(casing, name, value + d), 6).omega ** 2 for d in (-step, step))
     np.testing.assert_allclose(slope, (high - low) / (2.0 * step), rtol=2e-4, atol=1e-6 * np.abs(slope).max())
 
 
 @pytest.mark.slow
 def test_reduction_of_a_casing_on_a_ring(frustum):
     """Free modes with residual compliance answer a static push as the harmonics do."""
-    casing = frustum(supports={"base": HELD}, mesh=ShellMesh(order=7, rows=1, around=13))
-    rim = Rim("top", n_max=6)
-    whole, exact = reduce(casing, rim, modes=10), harmonic_basis(casing, rim, orders=2)
+    casing = frustum(supports={"base": HELD}, mesh=cf.ShellMesh(order=7, rows=1, around=13))
+    rim = cf.Rim("top", n_max=6)
+    whole, exact = cf.reduce(casing, rim, modes=10), harmonic_basis(casing, rim, orders=2)
     scale = np.abs(exact.compliance).max()
     np.testing.assert_allclose(whole.compliance, exact.compliance, atol=1e-6 * scale)
-    held = reduce(casing, rim, modes=10, method="craig-bampton")
+    held = cf.reduce(casing, rim, modes=10, method="craig-bampton")
     np.testing.assert_allclose(held.compliance, exact.compliance, atol=1e-6 * scale)
 
 
 @pytest.mark.slow
 def test_a_stiff_massless_ring_holds_the_edge_round(frustum, steel):
     """A ring without mass only stiffens; a huge one on stiff springs is a clamp."""
-    light = Material(E=steel.E, nu=steel.nu, rho=1e-6)
-    springs = ElasticEdge(k_face=1e12)
-    bare = modes(frustum(supports={"base": springs}), 8).freq
-    ringed = modes(frustum(supports={"base": Ring(section=BAR, material=light, support=springs)}), 8).freq
+    light = cf.Material(E=steel.E, nu=steel.nu, rho=1e-6)
+    springs = cf.ElasticEdge(k_face=1e12)
+    bare = cf.modes(frustum(supports={"base": springs}), 8).freq
+    ringed = cf.modes(frustum(supports={"base": cf.Ring(section=BAR, material=light, support=springs)}), 8).freq
     assert np.all(ringed > bare)
-    block = Ring(section=Section.rectangle(width=0.2, depth=0.2), material=Material(E=2e15, nu=0.3, rho=1e-3),
-                 support=ElasticEdge(k_face=1e16))  # fmt: skip
-    clamped = modes(frustum(supports={"base": Clamped()}), 8).freq
-    np.testing.assert_allclose(modes(frustum(supports={"base": block}), 8).freq, clamped, rtol=1e-3)
+    block = cf.Ring(
+        section=cf.edge.Section.rectangle(width=0.2, depth=0.2),
+        material=cf.Material(E=2e15, nu=0.3, rho=1e-3),
+        support=cf.ElasticEdge(k_face=1e16),
+    )
+    clamped = cf.modes(frustum(supports={"base": cf.Clamped()}), 8).freq
+    np.testing.assert_allclose(cf.modes(frustum(supports={"base": block}), 8).freq, clamped, rtol=1e-3)
 
 
 @pytest.mark.slow
 def test_bolts_under_a_ring_split_only_what_their_number_allows(frustum):
-    ring = Ring(section=BAR, support=Bolts(count=8, k=5e7))
-    found = modes(frustum(supports={"base": ring}, mesh=ShellMesh(order=6, rows=1, around=16)), 16)
+    ring = cf.Ring(section=BAR, support=cf.Bolts(count=8, k=5e7))
+    found = cf.modes(frustum(supports={"base": ring}, mesh=cf.ShellMesh(order=6, rows=1, around=16)), 16)
     n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
     assert found.splits[2 * n % 8 != 0].max() < 1e-9
     assert found.splits[2 * n % 8 == 0].max() > 1e-4
-    assert get_value(found.shell, "bolts.3.k") == 5e7
-    assert with_value(found.shell, "bolts.3.k", 1e7).supports["base"].support.loose[3] == pytest.approx(0.2)
+    assert cf.updating.get_value(found.shell, "bolts.3.k") == 5e7
+    assert cf.updating.with_value(found.shell, "bolts.3.k", 1e7).supports["base"].support.loose[3] == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(
     ("make", "code"),
     [
-        (lambda: Section.rectangle(width=-0.04, depth=0.03), "ring-section"),
-        (lambda: Section.circle(diameter=float("nan")), "ring-section"),
+        (lambda: cf.edge.Section.rectangle(width=-0.04, depth=0.03), "ring-section"),
+        (lambda: cf.edge.Section.circle(diameter=float("nan")), "ring-section"),
         (lambda: replace(BAR, J=0.0), "ring-section"),
-        (lambda: Ring(section=BAR, offset=(0.0, float("inf"))), "ring-offset"),
-        (lambda: Ring(section=BAR, foot=(0.0,)), "ring-offset"),
-        (lambda: Ring(section=BAR, support=Clamped()), "ring-support"),
-        (lambda: EdgeMass(angle=0.0, mass=-1.0), "mass-value"),
-        (lambda: EdgeMass(angle=float("nan"), mass=1.0), "mass-value"),
-        (lambda: EdgeMass(angle=0.0, mass=float("inf")), "mass-value"),
+        (lambda: cf.Ring(section=BAR, offset=(0.0, float("inf"))), "ring-offset"),
+        (lambda: cf.Ring(section=BAR, foot=(0.0,)), "ring-offset"),
+        (lambda: cf.Ring(section=BAR, support=cf.Clamped()), "ring-support"),
+        (lambda: cf.edge.EdgeMass(angle=0.0, mass=-1.0), "mass-value"),
+        (lambda: cf.edge.EdgeMass(angle=float("nan"), mass=1.0), "mass-value"),
+        (lambda: cf.edge.EdgeMass(angle=0.0, mass=float("inf")), "mass-value"),
     ],
 )
 def test_refuses_rings_and_masses_that_are_none(make, code):
-    with pytest.raises(ModelError) as caught:
+    with pytest.raises(cf.errors.ModelError) as caught:
         make()
     assert caught.value.code == code
 
 
 def test_a_mass_of_nothing_is_a_mass():
     """An update may start from it, and a sweep pass through it."""
-    assert EdgeMass(angle=0.0, mass=0.0).mass == 0.0
+    assert cf.edge.EdgeMass(angle=0.0, mass=0.0).mass == 0.0
 
 
 def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
-    panel = Panel(radius=0.6, length=0.3, angle=0.5)
-    with pytest.raises(ModelError, match="ring-edge"):
-        Shell(chart=panel, thickness=3e-3, material=steel, supports={"left": Ring(section=BAR)})
-    with pytest.raises(ModelError, match="ends on the held edge 'left'"):
-        Shell(chart=panel, thickness=3e-3, material=steel, supports={"root": Ring(section=BAR), "left": Clamped()})
-    with pytest.raises(ModelError, match="mass-edge"):
-        frustum(masses={"rim": [EdgeMass(angle=0.0, mass=1.0)]})
+    panel = cf.Panel(radius=0.6, length=0.3, angle=0.5)
+    with pytest.raises(cf.errors.ModelError, match="ring-edge"):
+        cf.Shell(chart=panel, thickness=3e-3, material=steel, supports={"left": cf.Ring(section=BAR)})
+    with pytest.raises(cf.errors.ModelError, match="ends on the held edge 'left'"):
+        cf.Shell(
+            chart=panel, thickness=3e-3, material=steel, supports={"root": cf.Ring(section=BAR), "left": cf.Clamped()}
+        )
+    with pytest.raises(cf.errors.ModelError, match="mass-edge"):
+        frustum(masses={"rim": [cf.edge.EdgeMass(angle=0.0, mass=1.0)]})
 
 
 @pytest.mark.parametrize(
@@ -288,5 +283,5 @@ def test_rings_and_masses_stand_on_edges_that_run_around(steel, frustum):
 def test_the_torsion_of_a_rectangle_is_the_published_one(sides, factor):
     """J = factor a b^3, whichever side is named first (Timoshenko & Goodier, Theory of Elasticity, art. 109)."""
     a, b = sides * 4e-3, 4e-3
-    for section in (Section.rectangle(width=a, depth=b), Section.rectangle(width=b, depth=a)):
+    for section in (cf.edge.Section.rectangle(width=a, depth=b), cf.edge.Section.rectangle(width=b, depth=a)):
         assert section.J == pytest.approx(factor * a * b**3, abs=5.1e-4 * a * b**3)

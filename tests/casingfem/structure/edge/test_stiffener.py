@@ -5,21 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.modal.fourier import harmonic_floor, lowest
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.ring import Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel
-from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.shell import Shell
 from casingfem.study import load_any
 from tests.casingfem.study.study_texts import STEEL
 
-BAR = Section.rectangle(width=0.012, depth=0.004)
+BAR = cf.edge.Section.rectangle(width=0.012, depth=0.004)
 OUTSIDE = (0.0075, 0.0)
 
 
@@ -31,9 +23,9 @@ def first(shell, n):
 @pytest.fixture
 def casing(steel):
     def made(*places, offset=OUTSIDE, **parts):
-        rings = tuple(Stiffener(at=at, section=BAR, offset=offset) for at in places)
-        parts = {"chart": Cylinder(radius=0.3, height=0.25), "supports": {"base": Clamped()}} | parts
-        return Shell(thickness=3e-3, material=steel, stiffeners=rings, **parts)
+        rings = tuple(cf.edge.Stiffener(at=at, section=BAR, offset=offset) for at in places)
+        parts = {"chart": cf.Cylinder(radius=0.3, height=0.25), "supports": {"base": cf.Clamped()}} | parts
+        return cf.Shell(thickness=3e-3, material=steel, stiffeners=rings, **parts)
 
     return made
 
@@ -41,10 +33,10 @@ def casing(steel):
 @pytest.mark.slow
 def test_the_shell_with_stiffeners_is_its_harmonics(casing):
     """A cone with two rings, one of them inside the wall."""
-    shell = casing(0.05, 0.15, chart=Frustum(r_base=0.3, r_top=0.26, height=0.2))
+    shell = casing(0.05, 0.15, chart=cf.Frustum(r_base=0.3, r_top=0.26, height=0.2))
     shell = replace(shell, stiffeners=(shell.stiffeners[0], replace(shell.stiffeners[1], offset=(-0.008, 0.001))))
-    shell = replace(shell, mesh=ShellMesh(order=5, rows=shell.mesh.rows, around=13))
-    exact, found = modes(shell, 4), modes(shell, 4, method="shell")
+    shell = replace(shell, mesh=cf.ShellMesh(order=5, rows=shell.mesh.rows, around=13))
+    exact, found = cf.modes(shell, 4), cf.modes(shell, 4, method="shell")
     np.testing.assert_allclose(found.freq, exact.freq, rtol=2e-4)
     np.testing.assert_array_equal(found.nodal_diameters, exact.nodal_diameters)
     assert found.splits.max() < 1e-10
@@ -54,7 +46,7 @@ def test_the_shell_with_stiffeners_is_its_harmonics(casing):
 @pytest.mark.slow
 def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
     near = casing(0.25 - 1e-5)
-    edge = casing(supports={"base": Clamped(), "top": near.rings["stiffener 1"]})
+    edge = casing(supports={"base": cf.Clamped(), "top": near.rings["stiffener 1"]})
     bare = casing()
     for n in (0, 3, 6):
         assert first(near, n) == pytest.approx(first(edge, n), rel=1e-3)
@@ -77,7 +69,7 @@ def test_eccentric_stiffeners_are_those_of_three_dimensional_bricks(casing):
 
 
 def test_no_mode_hides_below_the_floor_of_a_soft_ring(casing, steel):
-    soft = replace(casing(0.1), stiffeners=(Stiffener(
+    soft = replace(casing(0.1), stiffeners=(cf.edge.Stiffener(
         at=0.1, section=BAR, offset=(0.2, 0.0), material=replace(steel, E=2e8, rho=2e4)),))  # fmt: skip
     for n in (2, 6, 12):
         assert 2 * np.pi * first(soft, n) > np.sqrt(harmonic_floor(soft, n))
@@ -92,21 +84,21 @@ def test_no_mode_hides_below_the_floor_of_a_soft_ring(casing, steel):
         ({"places": (np.nan,)}, "stiffener-place"),
         ({"places": (0.1,), "offset": None}, "ring-offset"),
         ({"places": (0.1,), "offset": (np.inf, 0.0)}, "ring-offset"),
-        ({"places": (0.1,), "mesh": ShellMesh(order=6, rows=2, around=21)}, "stiffener-off-line"),
-        ({"places": (0.1,), "chart": Panel(radius=0.3, length=0.25, angle=1.0), "supports": {}}, "stiffener-place"),
+        ({"places": (0.1,), "mesh": cf.ShellMesh(order=6, rows=2, around=21)}, "stiffener-off-line"),
+        ({"places": (0.1,), "chart": cf.Panel(radius=0.3, length=0.25, angle=1.0), "supports": {}}, "stiffener-place"),
     ],
 )
 def test_refusals_name_the_stiffener(change, code, casing):
     parts = dict(change)
-    with pytest.raises(ModelError, match=code):
+    with pytest.raises(cf.errors.ModelError, match=code):
         casing(*parts.pop("places"), **parts)
 
 
 def test_a_stiffened_casing_does_not_turn(casing):
-    mesh = ShellMesh(order=3, rows=2, around=9)
-    turning = replace(casing(0.125, mesh=mesh), rotation=Rotation(omega=10.0))
-    with pytest.raises(ModelError, match="rotation-ring"):
-        modes(turning, 2)
+    mesh = cf.ShellMesh(order=3, rows=2, around=9)
+    turning = replace(casing(0.125, mesh=mesh), rotation=cf.Rotation(omega=10.0))
+    with pytest.raises(cf.errors.ModelError, match="rotation-ring"):
+        cf.modes(turning, 2)
 
 
 STUDY = f"""{STEEL}[chart]
@@ -135,7 +127,7 @@ def test_a_study_has_stiffeners(tmp_path):
     file.write_text(STUDY.replace("AT", "0.16"))
     bar, wire = load_any(file).structure.stiffeners
     assert (bar.at, bar.section, bar.offset, bar.material) == (0.08, BAR, OUTSIDE, None)
-    assert (wire.section, wire.material.E) == (Section.circle(diameter=0.01), 70e9)
+    assert (wire.section, wire.material.E) == (cf.edge.Section.circle(diameter=0.01), 70e9)
     file.write_text(STUDY.replace("AT", "0.5"))
     with pytest.raises(ValueError, match=r"stiffener\[2\].at: found 0.5 m.*stiffener-place"):
         load_any(file)

@@ -5,22 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.linalg.eigen import solve_modes
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder, Plate
 from casingfem.structure.mesh.edge_form import single_place, spring_form
 from casingfem.structure.mesh.kinematics import frame
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble, held_dofs
+from casingfem.structure.mesh.shell_mesh import make_grid
+from casingfem.structure.shell.assembly import held_dofs
 from casingfem.structure.shell.edges import line_frame
-from casingfem.structure.shell.shell import Shell
 
 
 def frequencies(shell, count=8):
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     return np.sqrt(np.maximum(solve_modes(system.K, system.mass, count, shift=-1e3).eigenvalues[:count], 0.0))
 
 
@@ -37,21 +33,21 @@ class Rising:
 
 def test_any_field_is_a_pattern_and_is_taken_at_its_edge(steel):
     """On the upper edge, z = .4: all springs are stiffer by .4, as by a pattern p = 0."""
-    parts = {"chart": Cylinder(radius=0.5, height=0.4), "thickness": 5e-3, "material": steel}
-    mesh = ShellMesh(order=5, rows=1, around=5)
+    parts = {"chart": cf.Cylinder(radius=0.5, height=0.4), "thickness": 5e-3, "material": steel}
+    mesh = cf.ShellMesh(order=5, rows=1, around=5)
     springs = {"k_r": 1e8, "k_theta": 1e8, "k_z": 1e8, "k_rot": 1e3}
     rising, stiffer = (
-        frequencies(Shell(supports={"top": ElasticEdge(**springs, around=around)}, mesh=mesh, **parts))
-        for around in (Rising(), FourierField.of({0: 0.4}))
+        frequencies(cf.Shell(supports={"top": cf.ElasticEdge(**springs, around=around)}, mesh=mesh, **parts))
+        for around in (Rising(), cf.FourierField.of({0: 0.4}))
     )
     np.testing.assert_allclose(rising, stiffer, rtol=1e-12)
 
 
 def test_each_spring_may_have_a_pattern_of_its_own():
     theta = np.linspace(0, 6, 13)
-    around = {"k_r": FourierField.of({4: (0.3, -0.1)}), "k_z": FourierField.of({2: 0.2})}
-    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=around)
-    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(13), theta)
+    around = {"k_r": cf.FourierField.of({4: (0.3, -0.1)}), "k_z": cf.FourierField.of({2: 0.2})}
+    edge = cf.ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=around)
+    d = cf.Cylinder(radius=1.0, height=1.0).directions(np.zeros(13), theta)
     blocks, rotation = edge.line_stiffness(d, np.zeros(13), theta, np.full(13, 0.01))
     felt = np.einsum("kip,pij,kjp->kp", d, blocks, d)
     np.testing.assert_allclose(felt[0], 1 + 0.3 * np.cos(4 * theta) - 0.1 * np.sin(4 * theta), rtol=1e-14)
@@ -64,9 +60,9 @@ def test_each_spring_may_have_a_pattern_of_its_own():
 
 
 def test_line_springs_act_along_their_directions():
-    edge = ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=FourierField.of({2: (0.5, 0.0)}))
+    edge = cf.ElasticEdge(k_r=1.0, k_theta=2.0, k_z=3.0, k_rot=4.0, around=cf.FourierField.of({2: (0.5, 0.0)}))
     theta = np.array([0.0, 0.4, 2.0])
-    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(3), theta)
+    d = cf.Cylinder(radius=1.0, height=1.0).directions(np.zeros(3), theta)
     blocks, rotation = edge.line_stiffness(d, np.zeros(3), theta, np.full(3, 0.01))
     factor = 1 + 0.5 * np.cos(2 * theta)
     for k, stiffness in enumerate((1.0, 2.0, 3.0)):
@@ -77,8 +73,8 @@ def test_line_springs_act_along_their_directions():
 
 def test_face_foundation_is_felt_over_the_thickness():
     t, theta = np.array([0.01, 0.02]), np.zeros(2)
-    d = Cylinder(radius=1.0, height=1.0).directions(np.zeros(2), theta)
-    blocks, rotation = ElasticEdge(k_face=5e12).line_stiffness(d, np.zeros(2), theta, t)
+    d = cf.Cylinder(radius=1.0, height=1.0).directions(np.zeros(2), theta)
+    blocks, rotation = cf.ElasticEdge(k_face=5e12).line_stiffness(d, np.zeros(2), theta, t)
     np.testing.assert_allclose(blocks, 5e12 * t[:, None, None] * np.eye(3), rtol=1e-14)
     np.testing.assert_allclose(rotation, 5e12 * t**3 / 12, rtol=1e-14)
 
@@ -87,9 +83,9 @@ def test_face_foundation_is_felt_over_the_thickness():
 def test_a_face_is_longer_outside_than_inside(steel, wall):
     """k int |u + z w|^2 (R + z) dz per angle of a cylinder's end, by Gauss points; R for a linear wall."""
     radius, t, k = 0.5, 0.1, 5e12
-    shell = Shell(chart=Cylinder(radius=radius, height=0.4), thickness=t, material=steel, wall=wall)
+    shell = cf.Shell(chart=cf.Cylinder(radius=radius, height=0.4), thickness=t, material=steel, wall=wall)
     line = line_frame(shell, 1, np.zeros(1), np.zeros(1))
-    form = spring_form(ElasticEdge(k_face=k).springs(single_place(line))).D[0]
+    form = spring_form(cf.ElasticEdge(k_face=k).springs(single_place(line))).D[0]
     outward = np.sign(frame(shell.chart.surface(np.zeros(1), np.zeros(1), None)).normal[0, 0])
     u, w = np.array([0.3, -0.7, 0.2]), np.array([1.9, -2.3])
     z, weights = np.polynomial.legendre.leggauss(3)
@@ -102,8 +98,8 @@ def test_a_face_is_longer_outside_than_inside(steel, wall):
 
 def test_energy_of_the_springs_in_a_translation(frustum, coarse):
     """A translation of 1 m across strains nothing but the springs: pi R (k_r + k_theta) + 2 pi R t k_face."""
-    springs = ElasticEdge(k_r=2e6, k_theta=1e6, k_z=7e6, k_rot=3e3, k_face=1e8)
-    system = assemble(frustum(supports={"base": springs}, mesh=coarse))
+    springs = cf.ElasticEdge(k_r=2e6, k_theta=1e6, k_z=7e6, k_rot=3e3, k_face=1e8)
+    system = cf.shell.assemble(frustum(supports={"base": springs}, mesh=coarse))
     fields = np.zeros((len(system.frames), 5, 2))
     fields[:, 0, 0] = fields[:, 2, 1] = 1.0
     vectors = system.restrict(fields)  # nothing is turned here: forces and motions alike
@@ -116,11 +112,11 @@ def test_energy_of_the_springs_in_a_translation(frustum, coarse):
 
 @pytest.mark.slow
 def test_stiff_springs_approach_the_clamp_from_below(frustum):
-    coarse = ShellMesh(order=5, rows=1, around=7)
+    coarse = cf.ShellMesh(order=5, rows=1, around=7)
     clamped = frequencies(frustum(mesh=coarse), count=4)
     last = np.zeros_like(clamped)
     for k in (1e10, 1e13, 1e17):
-        now = frequencies(frustum(supports={"base": ElasticEdge(k_face=k)}, mesh=coarse), count=4)
+        now = frequencies(frustum(supports={"base": cf.ElasticEdge(k_face=k)}, mesh=coarse), count=4)
         assert np.all(now > last)
         last = now
     assert np.all(last < clamped)
@@ -128,14 +124,14 @@ def test_stiff_springs_approach_the_clamp_from_below(frustum):
 
 
 def test_shear_diaphragm_holds_its_own_plane(steel):
-    shell = Shell(
-        chart=Cylinder(radius=0.5, height=0.4),
+    shell = cf.Shell(
+        chart=cf.Cylinder(radius=0.5, height=0.4),
         thickness=5e-3,
         material=steel,
-        supports={"base": ShearDiaphragm()},
-        mesh=ShellMesh(order=4, rows=1, around=5),
+        supports={"base": cf.ShearDiaphragm()},
+        mesh=cf.ShellMesh(order=4, rows=1, around=5),
     )
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     fields = system.expand(np.random.default_rng(11).normal(size=(system.size, 3)))
     edge = system.grid.edges["base"].nodes
     assert np.abs(fields[edge, :2]).max() < 1e-15  # radial and hoop
@@ -145,12 +141,12 @@ def test_shear_diaphragm_holds_its_own_plane(steel):
 
 
 def test_where_edges_meet_the_stricter_one_holds(steel):
-    shell = Shell(
-        chart=Plate(length=1.0, width=1.0),
+    shell = cf.Shell(
+        chart=cf.Plate(length=1.0, width=1.0),
         thickness=0.01,
         material=steel,
-        supports={"root": Clamped(), "left": ShearDiaphragm()},
-        mesh=ShellMesh(order=3, rows=1, around=1),
+        supports={"root": cf.Clamped(), "left": cf.ShearDiaphragm()},
+        mesh=cf.ShellMesh(order=3, rows=1, around=1),
     )
     grid = make_grid(shell.chart, shell.mesh)
     free, _ = held_dofs(shell, grid)
@@ -166,22 +162,24 @@ def test_where_edges_meet_the_stricter_one_holds(steel):
         ({"k_r": -1.0}, r"support\.k_r must be finite"),
         ({"k_face": float("nan")}, r"support\.k_face must be finite"),
         ({"k_rot": float("inf")}, r"support\.k_rot must be finite"),
-        ({"k_r": 1.0, "around": {"k_x": FourierField.of({4: 0.1})}}, "found 'k_x', expected springs among k_r"),
+        ({"k_r": 1.0, "around": {"k_x": cf.FourierField.of({4: 0.1})}}, "found 'k_x', expected springs among k_r"),
     ],
 )
 def test_refuses_springs_that_are_none(values, message):
     with pytest.raises(ValueError, match=message):
-        ElasticEdge(**values)
+        cf.ElasticEdge(**values)
 
 
 def test_refuses_patterns_that_make_a_spring_push(frustum):
-    edge = ElasticEdge(k_r=1.0, around={"k_r": FourierField.of({4: (0.8, 0.7)})})
-    with pytest.raises(ModelError, match=r"support\.base\.around.*makes k_r negative \(factor -0\.0629") as caught:
+    edge = cf.ElasticEdge(k_r=1.0, around={"k_r": cf.FourierField.of({4: (0.8, 0.7)})})
+    with pytest.raises(
+        cf.errors.ModelError, match=r"support\.base\.around.*makes k_r negative \(factor -0\.0629"
+    ) as caught:
         frustum(supports={"base": edge})
     assert caught.value.code == "springs-negative"
 
 
 def test_an_edge_without_springs_for_a_motion_leaves_it_free(frustum, coarse):
-    axial_only = frequencies(frustum(supports={"base": ElasticEdge(k_z=1e12)}, mesh=coarse), count=3)
+    axial_only = frequencies(frustum(supports={"base": cf.ElasticEdge(k_z=1e12)}, mesh=coarse), count=3)
     assert np.all(axial_only < 1.0)  # two translations and the turn about the axis
-    assert replace(ElasticEdge(k_z=1.0), k_r=2.0).k_r == 2.0
+    assert replace(cf.ElasticEdge(k_z=1.0), k_r=2.0).k_r == 2.0

@@ -5,20 +5,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.structure.field.field import Field, FieldValues, SumField
-from casingfem.structure.field.fourier import FourierField, SeriesBehind
+import casingfem as cf
+from casingfem.structure.field.field import FieldValues
+from casingfem.structure.field.fourier import SeriesBehind
 
 Z, THETA = np.linspace(-0.1, 0.3, 7)[:, None], np.linspace(0.0, 6.0, 11)
 
 
-def random_field(seed: int, harmonics: int = 6, degrees: int = 4) -> FourierField:
+def random_field(seed: int, harmonics: int = 6, degrees: int = 4) -> cf.FourierField:
     rng = np.random.default_rng(seed)
     p = rng.choice(np.arange(1, 30), harmonics, replace=False)
     cos, sin = rng.normal(size=(2, harmonics, degrees))
-    return FourierField(p=p, cos=cos, sin=sin, z_mid=0.1, z_half=0.2)
+    return cf.FourierField(p=p, cos=cos, sin=sin, z_mid=0.1, z_half=0.2)
 
 
-def assert_equal_fields(a: Field, b: Field, tolerance: float = 1e-12) -> None:
+def assert_equal_fields(a: cf.field.Field, b: cf.field.Field, tolerance: float = 1e-12) -> None:
     for name, x, y in zip(FieldValues._fields, a.derivatives(Z, THETA), b.derivatives(Z, THETA), strict=True):
         scale = max(1.0, float(np.abs(y).max()))
         np.testing.assert_allclose(x, y, rtol=0, atol=tolerance * scale, err_msg=name)
@@ -68,7 +69,7 @@ def test_complex_step_through_a_coefficient_is_the_exact_sensitivity():
     field = random_field(11)
     p, step = field.harmonics[2], 1e-30
     cos, _ = field.coefficients(p)
-    shape = FourierField.of({p: 1.0}).derivatives(Z, THETA)
+    shape = cf.FourierField.of({p: 1.0}).derivatives(Z, THETA)
     for moved, exact in zip(field.with_harmonic(p, cos=cos + 1j * step).derivatives(Z, THETA), shape, strict=True):
         np.testing.assert_allclose(moved.imag / step, np.broadcast_to(exact, moved.shape), atol=1e-12 * p**2)
     turned = field.with_harmonic(p, cos=cos + 1j * step).rotated(0.3)
@@ -81,8 +82,8 @@ def test_shapes_broadcast_from_z_and_theta():
     assert field.derivatives(0.1, 0.2).value.shape == ()
     assert all(x.shape == (7, 11) for x in field.derivatives(Z, THETA))
     assert field.derivatives(np.zeros((3, 1)), np.zeros((2, 1, 5))).d_zz.shape == (2, 3, 5)
-    assert FourierField.of({8: 0.1}).derivatives(Z, 0.0).value.shape == (7, 1)
-    assert not np.any(FourierField.of({}).derivatives(Z, THETA).value)
+    assert cf.FourierField.of({8: 0.1}).derivatives(Z, 0.0).value.shape == (7, 1)
+    assert not np.any(cf.FourierField.of({}).derivatives(Z, THETA).value)
 
 
 def test_with_harmonic_replaces_only_the_constant_term():
@@ -102,40 +103,40 @@ def test_with_harmonic_replaces_only_the_constant_term():
 def test_sums_merge_when_they_can_and_agree_when_they_cannot():
     a, b = random_field(1), random_field(2)
     merged = a + b
-    assert isinstance(merged, FourierField)
-    assert_equal_fields(merged, SumField((a, b)))
-    constant = FourierField.of({4: 0.1, 40: (0.0, 0.2)})
-    assert isinstance(constant + a, FourierField)
-    assert_equal_fields(constant + a, SumField((a, constant)))
-    other = FourierField(p=np.array([2]), cos=np.ones((1, 2)), sin=np.ones((1, 2)), z_half=3.0)
+    assert isinstance(merged, cf.FourierField)
+    assert_equal_fields(merged, cf.field.SumField((a, b)))
+    constant = cf.FourierField.of({4: 0.1, 40: (0.0, 0.2)})
+    assert isinstance(constant + a, cf.FourierField)
+    assert_equal_fields(constant + a, cf.field.SumField((a, constant)))
+    other = cf.FourierField(p=np.array([2]), cos=np.ones((1, 2)), sin=np.ones((1, 2)), z_half=3.0)
     both = a + other
-    assert isinstance(both, SumField)
-    assert isinstance(both, Field)
+    assert isinstance(both, cf.field.SumField)
+    assert isinstance(both, cf.field.Field)
     assert both.max_harmonic == max(a.max_harmonic, 2)
-    assert_equal_fields(both.rotated(0.4), SumField((a.rotated(0.4), other.rotated(0.4))))
+    assert_equal_fields(both.rotated(0.4), cf.field.SumField((a.rotated(0.4), other.rotated(0.4))))
     assert len((both + a).fields) == 3
 
 
 @pytest.mark.parametrize("degrees", [2, 3])
 def test_a_sum_with_a_constant_keeps_the_other_ones_scale(degrees):
-    a, constant = random_field(4, degrees=degrees), FourierField.of({4: 0.1, 40: (0.0, 0.2)})
+    a, constant = random_field(4, degrees=degrees), cf.FourierField.of({4: 0.1, 40: (0.0, 0.2)})
     for total in (a + constant, constant + a):
-        assert isinstance(total, FourierField)
+        assert isinstance(total, cf.FourierField)
         assert (total.z_mid, total.z_half) == (0.1, 0.2)
-        assert_equal_fields(total, SumField((a, constant)))
+        assert_equal_fields(total, cf.field.SumField((a, constant)))
 
 
 @pytest.mark.parametrize("scale", [{"z_mid": 0.0, "z_half": 0.2}, {"z_mid": 0.1, "z_half": 0.3}])
 def test_fields_of_another_scale_stay_apart_in_a_sum(scale):
-    a, other = random_field(4), FourierField(p=[2], cos=[[0.1, 0.2]], sin=[[0.3, -0.1]], **scale)
-    assert isinstance(a + other, SumField)
+    a, other = random_field(4), cf.FourierField(p=[2], cos=[[0.1, 0.2]], sin=[[0.3, -0.1]], **scale)
+    assert isinstance(a + other, cf.field.SumField)
     expected = a.derivatives(Z, THETA).value + other.derivatives(Z, THETA).value
     np.testing.assert_allclose((a + other).derivatives(Z, THETA).value, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("which", ["cos", "sin"])
 def test_a_sum_with_one_complex_part_keeps_it(which):
-    stepped, real = FourierField.of({3: 0.1}).with_harmonic(3, **{which: 0.1 + 1e-30j}), FourierField.of({3: 0.2})
+    stepped, real = cf.FourierField.of({3: 0.1}).with_harmonic(3, **{which: 0.1 + 1e-30j}), cf.FourierField.of({3: 0.2})
     shape = np.cos(3 * THETA) if which == "cos" else np.sin(3 * THETA)
     for total in (stepped + real, real + stepped):
         np.testing.assert_allclose(total.derivatives(0.0, THETA).value.imag / 1e-30, shape, rtol=1e-12, atol=1e-14)
@@ -161,7 +162,7 @@ def test_a_users_own_field_joins_a_sum():
         def rotated(self, angle):
             raise NotImplementedError
 
-    total = FourierField.of({2: 0.1}) + Dent()
+    total = cf.FourierField.of({2: 0.1}) + Dent()
     assert total.derivatives(0.0, 0.0).value == pytest.approx(1.1)
     assert total.max_harmonic is None
     assert total.n_resolved is None
@@ -172,12 +173,12 @@ def test_a_sum_resolves_what_its_coarsest_survey_does():
         def __init__(self, n_resolved):
             self.n_resolved = n_resolved
 
-    assert SumField((Surveyed(35), FourierField.of({50: 0.1}), Surveyed(11))).n_resolved == 11
+    assert cf.field.SumField((Surveyed(35), cf.FourierField.of({50: 0.1}), Surveyed(11))).n_resolved == 11
 
 
 def test_arrays_are_read_only_and_not_shared():
     p, cos = np.array([2]), np.ones((1, 1))
-    field = FourierField(p=p, cos=cos, sin=np.zeros((1, 1)))
+    field = cf.FourierField(p=p, cos=cos, sin=np.zeros((1, 1)))
     cos[0] = 5.0
     assert field.amplitude(2) == 1.0
     with pytest.raises(ValueError, match="read-only"):
@@ -185,28 +186,30 @@ def test_arrays_are_read_only_and_not_shared():
 
 
 def test_repr_names_the_largest_harmonics_first():
-    text = repr(FourierField.of({2: 1e-4, 8: (0.0, 0.004)}))
+    text = repr(cf.FourierField.of({2: 1e-4, 8: (0.0, 0.004)}))
     assert text.splitlines()[2].split() == ["8", "4.000e-03", "11.25"]
     assert "degree 3 along z on 0.1 +- 0.2 m" in repr(random_field(1))
     assert "and 8 smaller" in repr(random_field(1, harmonics=20))
     assert repr(random_field(1, harmonics=13)).splitlines()[-1].split() == ["...", "and", "1", "smaller", "ones"]
     assert len(repr(random_field(1, harmonics=12)).splitlines()) == 14
-    assert repr(FourierField.of({})) == "FourierField(0 harmonics, |f| <= 0.00e+00)"
+    assert repr(cf.FourierField.of({})) == "FourierField(0 harmonics, |f| <= 0.00e+00)"
 
 
 def test_repr_tells_a_bound_of_the_field_and_where_crests_are():
-    title, _, *rows = repr(FourierField.of({0: -1e-3, 1: (0.0, 2e-3), 2: (0.0, -3e-3), 5: (3e-3, 4e-3)})).splitlines()
+    title, _, *rows = repr(
+        cf.FourierField.of({0: -1e-3, 1: (0.0, 2e-3), 2: (0.0, -3e-3), 5: (3e-3, 4e-3)})
+    ).splitlines()
     assert title == "FourierField(4 harmonics, |f| <= 1.10e-02)"
     crests = [["5", "5.000e-03", "10.63"], ["2", "3.000e-03", "-45.00"], ["1", "2.000e-03", "90.00"]]
     assert [row.split() for row in rows] == [*crests, ["0", "1.000e-03", "180.00"]]
-    steep = FourierField(p=[2, 7], cos=[[0.1, 9.0], [0.2, 0.0]], sin=np.zeros((2, 2)))
+    steep = cf.FourierField(p=[2, 7], cos=[[0.1, 9.0], [0.2, 0.0]], sin=np.zeros((2, 2)))
     assert [row.split()[0] for row in repr(steep).splitlines()[2:]] == ["7", "2"]  # by their constant parts
 
 
 def test_amplitude_and_highest_harmonic():
-    assert FourierField.of({4: (0.3, -0.4)}).amplitude(4) == pytest.approx(0.5, rel=1e-15)
-    assert FourierField.of({}).max_harmonic == 0
-    assert FourierField.of({10_000: 0.1}).max_harmonic == 10_000
+    assert cf.FourierField.of({4: (0.3, -0.4)}).amplitude(4) == pytest.approx(0.5, rel=1e-15)
+    assert cf.FourierField.of({}).max_harmonic == 0
+    assert cf.FourierField.of({10_000: 0.1}).max_harmonic == 10_000
 
 
 @pytest.mark.parametrize(
@@ -232,12 +235,12 @@ def test_amplitude_and_highest_harmonic():
 def test_nonsense_is_refused_by_name(arguments, message):
     good = {"p": [3], "cos": [[1.0]], "sin": [[0.0]]}
     with pytest.raises(ValueError, match=message):
-        FourierField(**(good | arguments))
+        cf.FourierField(**(good | arguments))
 
 
 def test_a_harmonic_of_three_numbers_is_refused():
     with pytest.raises(ValueError, match=r"one number \(cos\) or a pair"):
-        FourierField.of({2: 0.1, 3: (0.1, 0.2, 0.3)})
+        cf.FourierField.of({2: 0.1, 3: (0.1, 0.2, 0.3)})
 
 
 def test_thirty_harmonics_on_a_mesh_are_those_of_each_point():

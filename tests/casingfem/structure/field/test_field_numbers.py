@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.random import RandomField, Spectrum
-from casingfem.structure.field.spline import Spline
-from casingfem.structure.field.survey.survey import SurveyField
+import casingfem as cf
 
 Z, THETA = (x.ravel() for x in np.meshgrid(np.linspace(0.0, 0.25, 5), np.linspace(0.0, 6.0, 7)))
-DEFECT = FourierField(
+DEFECT = cf.FourierField(
     p=np.array([2, 8, 20]),
     cos=np.array([[1e-3, 2e-4], [4e-3, 0.0], [3e-3, -1e-4]]),
     sin=np.array([[5e-4, 0.0], [0.0, 3e-4], [0.0, 0.0]]),
@@ -24,19 +21,19 @@ def jets(field):
 
 
 def test_numbers_of_series(held):
-    spline = Spline(z_low=0.0, z_high=0.25, intervals=3)
+    spline = cf.field.Spline(z_low=0.0, z_high=0.25, intervals=3)
     rng = np.random.default_rng(2)
     shape = (2, 6)
-    splined = FourierField(
+    splined = cf.FourierField(
         p=np.array([3, 5]), cos=1e-3 * rng.standard_normal(shape), sin=1e-3 * rng.standard_normal(shape), spline=spline
     )
     held(1e-8, **{f"a{k}": v for k, v in jets(DEFECT).items()}, **{f"b{k}": v for k, v in jets(splined).items()})
 
 
 def test_numbers_of_random_fields(held):
-    spectrum = Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
-    drawn = [RandomField(spectrum=spectrum, seed=5, draw=draw) for draw in (0, 1)]
-    example = RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
+    spectrum = cf.field.Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
+    drawn = [cf.field.RandomField(spectrum=spectrum, seed=5, draw=draw) for draw in (0, 1)]
+    example = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
     fits = [*drawn, example]
     held(
         1e-8,
@@ -59,7 +56,7 @@ def test_numbers_of_surveys(trouble, held):
         radius[[17, 118]] += 5e-3
     if trouble == "off its axis":
         radius = radius + 1e-3 * np.cos(theta - 0.4)
-    survey = SurveyField.from_points(theta, z, radius)
+    survey = cf.SurveyField.from_points(theta, z, radius)
     held(
         1e-5,
         **jets(survey),

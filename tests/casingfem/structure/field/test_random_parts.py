@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm
 
-from casingfem.structure.field.field import SumField, relative
-from casingfem.structure.field.fourier import FourierField, distinct
-from casingfem.structure.field.random import RandomField, Spectrum, drop_random, is_random, redrawn, typical
-from casingfem.structure.field.spline import Spline
+import casingfem as cf
+from casingfem.structure.field.field import relative
+from casingfem.structure.field.fourier import distinct
+from casingfem.structure.field.random import drop_random, is_random, redrawn, typical
 
-SPECTRUM = Spectrum(p=[2, 5], median=[0.2, 0.1], high=[0.6, 0.15])
-DRAWN, SERIES = RandomField(spectrum=SPECTRUM, seed=3), FourierField.of({4: 1e-3})
+SPECTRUM = cf.field.Spectrum(p=[2, 5], median=[0.2, 0.1], high=[0.6, 0.15])
+DRAWN, SERIES = cf.field.RandomField(spectrum=SPECTRUM, seed=3), cf.FourierField.of({4: 1e-3})
 
 
 def test_amplitudes_are_lognormal_by_median_and_ninetieth_percentile():
@@ -23,7 +23,7 @@ def test_amplitudes_are_lognormal_by_median_and_ninetieth_percentile():
 
 def test_a_spectrum_between_its_points_and_beyond():
     """Both halve from 2 to 8 as p^(-1/2): the median goes on so, its ratio to the high one stays as it was at 8."""
-    found = Spectrum.between({2: 0.4, 8: 0.2}, {2: 1.2, 8: 0.3}, p_max=32)
+    found = cf.field.Spectrum.between({2: 0.4, 8: 0.2}, {2: 1.2, 8: 0.3}, p_max=32)
     assert found.p.tolist() == list(range(2, 33))
     np.testing.assert_allclose(found.median, 0.4 * (found.p / 2.0) ** -0.5, rtol=1e-12)
     np.testing.assert_allclose(found.high / found.median, 3.0 * (np.minimum(found.p, 8) / 2.0) ** -0.5, rtol=1e-12)
@@ -32,15 +32,15 @@ def test_a_spectrum_between_its_points_and_beyond():
 def test_scaled_spectra_keep_their_ratio():
     twice = SPECTRUM.scaled(2.0)
     np.testing.assert_allclose([twice.median, twice.high], [[0.4, 0.2], [1.2, 0.3]], rtol=1e-15)
-    one = Spectrum.between({3: 0.2}, {3: 0.5}, p_max=6)
+    one = cf.field.Spectrum.between({3: 0.2}, {3: 0.5}, p_max=6)
     np.testing.assert_allclose([one.median, one.high], [[0.2] * 4, [0.5] * 4], rtol=1e-14)
-    assert Spectrum.between({3: 0.2, 5: 0.1}, {3: 0.5}).p.tolist() == [3, 4, 5]
+    assert cf.field.Spectrum.between({3: 0.2, 5: 0.1}, {3: 0.5}).p.tolist() == [3, 4, 5]
 
 
 @pytest.mark.parametrize(("draw", "stream"), [(0, 0), (4, 0), (0, 2), (4, 2)])
 def test_a_draw_is_that_of_its_own_numbers(draw, stream):
     """A row of two for each harmonic: probability of the amplitude, part of a turn of the phase."""
-    field = RandomField(spectrum=SPECTRUM, seed=3, draw=draw, stream=stream)
+    field = cf.field.RandomField(spectrum=SPECTRUM, seed=3, draw=draw, stream=stream)
     rows = np.random.default_rng([3, stream, draw]).random((2, 2))
     size, phase = SPECTRUM.amplitudes(rows[:, 0]), 2.0 * np.pi * rows[:, 1]
     np.testing.assert_allclose(field.fit.cos[:, 0], size * np.cos(phase), rtol=1e-12)
@@ -49,26 +49,31 @@ def test_a_draw_is_that_of_its_own_numbers(draw, stream):
     assert (again.draw, again.stream, again.seed, again.spectrum) == (7, stream, 3, SPECTRUM)
     assert field.amplitude(5) == pytest.approx(size[1], rel=1e-12)
     if not draw and not stream:
-        np.testing.assert_array_equal(RandomField(spectrum=SPECTRUM, seed=3).fit.cos, field.fit.cos)
+        np.testing.assert_array_equal(cf.field.RandomField(spectrum=SPECTRUM, seed=3).fit.cos, field.fit.cos)
 
 
 def test_the_example_is_told_in_walls():
     """Medians 0.24 t at n = 2 and 0.019 t at n = 12, twice as large by a scale of 2; t/R = 0.01."""
-    field = RandomField.example(thickness=5e-3, radius=0.5, seed=1, scale=2.0, stream=5)
+    field = cf.field.RandomField.example(thickness=5e-3, radius=0.5, seed=1, scale=2.0, stream=5)
     median = dict(zip(field.spectrum.p.tolist(), field.spectrum.median, strict=True))
     assert (median[2], median[12]) == (pytest.approx(0.0048, rel=1e-12), pytest.approx(0.00038, rel=1e-12))
     assert (max(median), field.stream, field.seed) == (32, 5, 1)
-    plain = RandomField.example(thickness=5e-3, radius=0.5, seed=1)
+    plain = cf.field.RandomField.example(thickness=5e-3, radius=0.5, seed=1)
     assert (plain.stream, plain.spectrum.median[0]) == (0, pytest.approx(0.0024, rel=1e-12))
 
 
 def test_parts_of_fields_by_whether_they_are_random():
-    nested = SERIES + DRAWN + FourierField(p=[1], cos=[[0.0, 1.0]], sin=[[0.0, 0.0]])
-    assert [is_random(f) for f in (SERIES, DRAWN, nested, SumField((SERIES, SERIES)))] == [False, True, True, False]
+    nested = SERIES + DRAWN + cf.FourierField(p=[1], cos=[[0.0, 1.0]], sin=[[0.0, 0.0]])
+    assert [is_random(f) for f in (SERIES, DRAWN, nested, cf.field.SumField((SERIES, SERIES)))] == [
+        False,
+        True,
+        True,
+        False,
+    ]
     assert drop_random(DRAWN) is None
     assert drop_random(SERIES) is SERIES
     assert drop_random(SERIES + DRAWN) is SERIES
-    assert drop_random(DRAWN + RandomField(spectrum=SPECTRUM, seed=4)) is None
+    assert drop_random(DRAWN + cf.field.RandomField(spectrum=SPECTRUM, seed=4)) is None
     assert len(drop_random(nested).fields) == 2
     assert redrawn(nested, 6).fields[1].draw == 6
     middle = typical(DRAWN)
@@ -86,7 +91,7 @@ def test_a_factor_is_one_and_the_field():
 
 def test_a_series_by_hand_with_all_its_derivatives():
     """f = (0.3 + 0.2 zeta - 0.1 zeta^2) cos 3 theta + (0.5 zeta) sin 3 theta, zeta = (z - 0.2)/0.4."""
-    field = FourierField(p=[3], cos=[[0.3, 0.2, -0.1]], sin=[[0.0, 0.5, 0.0]], z_mid=0.2, z_half=0.4)
+    field = cf.FourierField(p=[3], cos=[[0.3, 0.2, -0.1]], sin=[[0.0, 0.5, 0.0]], z_mid=0.2, z_half=0.4)
     z, theta = 0.5, 0.7
     zeta, c, s = 0.75, np.cos(2.1), np.sin(2.1)
     a, a1, a2 = 0.3 + 0.2 * zeta - 0.1 * zeta**2, (0.2 - 0.2 * zeta) / 0.4, -0.2 / 0.16
@@ -101,14 +106,14 @@ def test_a_series_by_hand_with_all_its_derivatives():
 
 
 def test_harmonics_are_replaced_one_coefficient_at_a_time():
-    field = FourierField(p=[3, 5], cos=[[0.3, 0.2], [0.1, 0.0]], sin=[[0.0, 0.5], [0.4, 0.7]], z_mid=0.2, z_half=0.4)
+    field = cf.FourierField(p=[3, 5], cos=[[0.3, 0.2], [0.1, 0.0]], sin=[[0.0, 0.5], [0.4, 0.7]], z_mid=0.2, z_half=0.4)
     changed = field.with_harmonic(5, sin=0.9)
     assert (changed.cos.tolist(), changed.sin.tolist()) == ([[0.3, 0.2], [0.1, 0.0]], [[0.0, 0.5], [0.9, 0.7]])
     more = field.with_harmonic(2, cos=0.8)
     assert (more.harmonics, more.coefficients(2), more.cos[2].tolist()) == ((3, 5, 2), (0.8, 0.0), [0.8, 0.0])
     assert (more.z_mid, more.z_half, field.coefficients(9), field.amplitude(9)) == (0.2, 0.4, (0.0, 0.0), 0.0)
-    spline = Spline(z_low=0.0, z_high=0.4, intervals=2)
-    splined = FourierField(p=[3], cos=np.ones((1, 5)), sin=np.zeros((1, 5)), spline=spline)
+    spline = cf.field.Spline(z_low=0.0, z_high=0.4, intervals=2)
+    splined = cf.FourierField(p=[3], cos=np.ones((1, 5)), sin=np.zeros((1, 5)), spline=spline)
     assert splined.coefficients(3) == (pytest.approx(1.0, rel=1e-14), 0.0)
     moved = splined.with_harmonic(3, cos=0.25).with_harmonic(6, sin=0.5)
     np.testing.assert_allclose(moved.cos[0], 0.25, rtol=1e-13)
@@ -120,7 +125,7 @@ def test_harmonics_are_replaced_one_coefficient_at_a_time():
 )
 def test_the_number_of_splines_and_their_means(intervals, degree, natural, size):
     """Means by the integral of each function over 0.3 m, Gauss in each interval."""
-    basis = Spline(z_low=0.1, z_high=0.4, intervals=intervals, degree=degree, natural=natural)
+    basis = cf.field.Spline(z_low=0.1, z_high=0.4, intervals=intervals, degree=degree, natural=natural)
     x, w = np.polynomial.legendre.leggauss(6)
     ends = np.linspace(0.1, 0.4, intervals + 1)
     z = (0.5 * (ends[:-1] + ends[1:])[:, None] + 0.5 * np.diff(ends)[:, None] * x).ravel()

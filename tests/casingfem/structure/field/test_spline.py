@@ -4,23 +4,20 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from casingfem.errors import ModelError
-from casingfem.modal.modes import modes
-from casingfem.structure.field.field import SumField
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.spline import Spline
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.parameters import Parameter
-from casingfem.updating.sensitivity import eigen_derivatives
+import casingfem as cf
 
 ENDS = {"z_low": 0.05, "z_high": 0.25}
-BASES = [Spline(**ENDS, intervals=5), Spline(**ENDS, intervals=5, natural=True), Spline(**ENDS, intervals=1, degree=2)]
+BASES = [
+    cf.field.Spline(**ENDS, intervals=5),
+    cf.field.Spline(**ENDS, intervals=5, natural=True),
+    cf.field.Spline(**ENDS, intervals=1, degree=2),
+]
 Z = np.linspace(0.06, 0.24, 23) + 1e-4
 
 
-def wavy(basis: Spline, seed: int = 3) -> FourierField:
+def wavy(basis: cf.field.Spline, seed: int = 3) -> cf.FourierField:
     cos, sin = np.random.default_rng(seed).normal(size=(2, 2, basis.size))
-    return FourierField(p=[2, 5], cos=cos, sin=sin, spline=basis)
+    return cf.FourierField(p=[2, 5], cos=cos, sin=sin, spline=basis)
 
 
 @pytest.mark.parametrize("basis", BASES)
@@ -49,7 +46,7 @@ def test_derivatives_agree_with_central_differences(basis):
 
 
 def test_a_natural_spline_is_scipys_and_goes_on_straight():
-    basis = Spline(**ENDS, intervals=4, natural=True)
+    basis = cf.field.Spline(**ENDS, intervals=4, natural=True)
     knots = np.linspace(0.05, 0.25, 5)
     heights = np.array([0.3, -0.1, 0.5, 0.2, 0.7])
     coefficients = np.linalg.solve(basis.evaluate(knots)[0], heights)
@@ -78,11 +75,11 @@ def test_the_constant_part_is_the_mean_and_may_be_complex():
 
 def test_sums_merge_on_one_spline_only():
     one, two, other = wavy(BASES[0]), wavy(BASES[0], seed=4), wavy(BASES[1])
-    assert isinstance(one + two, FourierField)
-    for a, b in ((one, two), (one, other), (one, FourierField.of({2: 0.1}))):
+    assert isinstance(one + two, cf.FourierField)
+    for a, b in ((one, two), (one, other), (one, cf.FourierField.of({2: 0.1}))):
         total = (a + b).derivatives(Z, 0.3).value
-        np.testing.assert_allclose(total, SumField((a, b)).derivatives(Z, 0.3).value, atol=1e-13)
-    assert isinstance(one + other, SumField)
+        np.testing.assert_allclose(total, cf.field.SumField((a, b)).derivatives(Z, 0.3).value, atol=1e-13)
+    assert isinstance(one + other, cf.field.SumField)
     turned = one.rotated(0.2).derivatives(Z, 0.5).value
     np.testing.assert_allclose(turned, one.derivatives(Z, 0.3).value, atol=1e-13)
 
@@ -90,15 +87,15 @@ def test_sums_merge_on_one_spline_only():
 @pytest.mark.slow
 def test_a_spline_of_the_height_passes_complex_steps_of_the_chart(frustum, coarse):
     """The derivative by the casing's height, for which z itself is complex, against central differences."""
-    basis = Spline(z_low=0.0, z_high=0.25, intervals=3)
+    basis = cf.field.Spline(z_low=0.0, z_high=0.25, intervals=3)
     cos = np.array([[0.001, 0.004, -0.002, 0.003, 0.001, 0.002]])
-    shell = frustum(mesh=coarse, radius_defect=FourierField(p=[3], cos=cos, sin=0 * cos, spline=basis))
-    found = modes(shell, 6)
-    vary = [Parameter(name=name, lower=-1.0, upper=1.0) for name in ("chart.height", "radius.p3.cos")]
-    exact = np.einsum("pii->pi", eigen_derivatives(found, vary))
+    shell = frustum(mesh=coarse, radius_defect=cf.FourierField(p=[3], cos=cos, sin=0 * cos, spline=basis))
+    found = cf.modes(shell, 6)
+    vary = [cf.Parameter(name=name, lower=-1.0, upper=1.0) for name in ("chart.height", "radius.p3.cos")]
+    exact = np.einsum("pii->pi", cf.updating.eigen_derivatives(found, vary))
     for k, parameter in enumerate(vary):
-        x, h = get_value(shell, parameter.name), 1e-6
-        high, low = (modes(with_value(shell, parameter.name, v), 6).omega ** 2 for v in (x + h, x - h))
+        x, h = cf.updating.get_value(shell, parameter.name), 1e-6
+        high, low = (cf.modes(cf.updating.with_value(shell, parameter.name, v), 6).omega ** 2 for v in (x + h, x - h))
         pairs = np.array([list(pair) for pair in found.doublets])
         numeric, own = ((high - low) / (2 * h))[pairs].mean(axis=1), exact[k][pairs].mean(axis=1)
         np.testing.assert_allclose(own, numeric, rtol=2e-5, atol=2e-5 * np.abs(numeric).max())
@@ -106,13 +103,13 @@ def test_a_spline_of_the_height_passes_complex_steps_of_the_chart(frustum, coars
 
 @pytest.mark.parametrize("values", [{"z_high": 0.0}, {"intervals": 0}, {"degree": 1}, {"degree": 4, "natural": True}])
 def test_splines_that_are_none_are_refused(values):
-    with pytest.raises(ModelError, match="field-spline"):
-        Spline(**({**ENDS, "intervals": 3} | values))
+    with pytest.raises(cf.errors.ModelError, match="field-spline"):
+        cf.field.Spline(**({**ENDS, "intervals": 3} | values))
 
 
 def test_coefficients_must_fit_the_spline():
-    with pytest.raises(ModelError, match=r"cos \(1, 3\) for a spline of 8 functions"):
-        FourierField(p=[2], cos=np.ones((1, 3)), sin=np.ones((1, 3)), spline=BASES[0])
+    with pytest.raises(cf.errors.ModelError, match=r"cos \(1, 3\) for a spline of 8 functions"):
+        cf.FourierField(p=[2], cos=np.ones((1, 3)), sin=np.ones((1, 3)), spline=BASES[0])
 
 
 def test_repr_of_a_splined_field_tells_its_ends():

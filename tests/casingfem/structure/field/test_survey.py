@@ -5,21 +5,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from casingfem.errors import InputError, ModelError, ModelWarning
+import casingfem as cf
 from casingfem.io.strict_csv import parse
-from casingfem.modal.modes import modes
-from casingfem.structure.field.field import Field, FieldValues
-from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.field import FieldValues
 from casingfem.structure.field.survey.points import SurveyPoints
 from casingfem.structure.field.survey.stray import passes_words, robust_weights, shifted_points
-from casingfem.structure.field.survey.survey import SurveyField
-from casingfem.structure.geometry.chart import Frustum
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
-from casingfem.structure.geometry.revolved import Arc, Revolved
 from casingfem.structure.geometry.survey_check import check_survey, on_meridian
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 
-DEFECT = FourierField(
+DEFECT = cf.FourierField(
     p=np.array([2, 8, 20]),
     cos=np.array([[1e-3, 2e-4], [4e-3, 0.0], [3e-3, -1e-4]]),
     sin=np.array([[5e-4, 0.0], [0.0, 3e-4], [0.0, 0.0]]),
@@ -34,7 +27,7 @@ def rings(heights=(0.0, 0.125, 0.25), points=72, first_deg=0.0):
     return theta.ravel(), z.ravel()
 
 
-def casing(theta, z, defect: Field = DEFECT):
+def casing(theta, z, defect: cf.field.Field = DEFECT):
     return (0.5 - 0.2 * z) * (1 + defect.derivatives(z, theta).value)
 
 
@@ -50,7 +43,7 @@ def floats(row):
 
 def test_rings_give_back_the_cone_and_the_defect():
     theta, z = rings()
-    survey = SurveyField.from_points(theta, z, casing(theta, z))
+    survey = cf.SurveyField.from_points(theta, z, casing(theta, z))
     assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-12)
     np.testing.assert_allclose(survey.mean_radius([0.0, 0.25]), [0.5, 0.45], rtol=1e-12)
     assert survey.residual_rms < 1e-14
@@ -71,8 +64,8 @@ def test_scattered_points_with_repeats_give_back_their_own_field(seed, degree):
     theta, z = rng.uniform(0, 2 * np.pi, 600), rng.uniform(0.0, 0.25, 600)
     theta, z = np.append(theta, theta[:50]), np.append(z, z[:50])
     cos, sin = rng.normal(scale=1e-3, size=(2, 8, degree + 1))
-    made = FourierField(p=np.arange(1, 9), cos=cos, sin=sin, z_mid=z.mean(), z_half=0.2)
-    survey = SurveyField.from_points(theta, z, casing(theta, z, made), n_max=10, degree=degree)
+    made = cf.FourierField(p=np.arange(1, 9), cos=cos, sin=sin, z_mid=z.mean(), z_half=0.2)
+    survey = cf.SurveyField.from_points(theta, z, casing(theta, z, made), n_max=10, degree=degree)
     got, exact = survey.derivatives(z, theta), made.derivatives(z, theta)
     np.testing.assert_allclose(got.value, exact.value, atol=1e-11)
     assert survey.mean == pytest.approx((0.5, -0.2), rel=1e-9)
@@ -84,16 +77,16 @@ def test_a_cone_of_any_size_gives_back_its_field(scale):
     rng = np.random.default_rng(7)
     theta, z = rng.uniform(0, 2 * np.pi, 300), rng.uniform(0.0, 0.25, 300)
     cos, sin = np.array([[0.05, 0.02], [0.03, 0.0]]), np.array([[0.01, 0.0], [0.0, 0.02]])
-    made = FourierField(p=np.array([2, 5]), cos=cos, sin=sin, z_mid=0.125, z_half=0.125)
-    survey = SurveyField.from_points(theta, z, scale * casing(theta, z, made), n_max=5, degree=1)
+    made = cf.FourierField(p=np.array([2, 5]), cos=cos, sin=sin, z_mid=0.125, z_half=0.125)
+    survey = cf.SurveyField.from_points(theta, z, scale * casing(theta, z, made), n_max=5, degree=1)
     np.testing.assert_allclose(survey.derivatives(z, theta).value, made.derivatives(z, theta).value, atol=1e-13)
     assert survey.mean == pytest.approx((0.5 * scale, -0.2 * scale), rel=1e-13)
 
 
 def test_turning_the_survey_turns_the_fit():
     theta, z = rings()
-    turned = SurveyField.from_points(theta + 0.7, z, casing(theta, z))
-    still = SurveyField.from_points(theta, z, casing(theta, z)).rotated(0.7)
+    turned = cf.SurveyField.from_points(theta + 0.7, z, casing(theta, z))
+    still = cf.SurveyField.from_points(theta, z, casing(theta, z)).rotated(0.7)
     for a, b in zip(turned.derivatives(z, theta), still.derivatives(z, theta), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-9)
 
@@ -101,7 +94,7 @@ def test_turning_the_survey_turns_the_fit():
 def test_residual_is_the_noise_that_was_put_in():
     theta, z = rings(points=180)
     noise = np.random.default_rng(31).normal(scale=2e-5, size=z.size)
-    survey = SurveyField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
+    survey = cf.SurveyField.from_points(theta, z, casing(theta, z) + noise, n_max=30, degree=1)
     free = 1 - 122 / z.size
     assert survey.residual_rms_m == pytest.approx(2e-5 * np.sqrt(free), rel=0.1)
     left = (casing(theta, z) + noise) / survey.mean_radius(z) - 1.0 - survey.derivatives(z, theta).value
@@ -113,9 +106,9 @@ def test_residual_is_the_noise_that_was_put_in():
 def test_csv_units_card_and_repr(tmp_path):
     theta, z = rings()
     radius = casing(theta, z)
-    plain = SurveyField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
-    milli = SurveyField.from_csv(write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm"))
-    radian = SurveyField.from_csv(write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m"))
+    plain = cf.SurveyField.from_csv(write(tmp_path / "a.csv", theta, z, radius))
+    milli = cf.SurveyField.from_csv(write(tmp_path / "b.csv", theta, 1e3 * z, 1e3 * radius, "theta_deg,z_mm,radius_mm"))
+    radian = cf.SurveyField.from_csv(write(tmp_path / "c.csv", np.radians(theta), z, radius, "theta_rad,z_m,radius_m"))
     for other in (milli, radian):
         np.testing.assert_allclose(other.fit.cos, plain.fit.cos, atol=1e-13)
         assert other.mean == pytest.approx(plain.mean)
@@ -124,7 +117,7 @@ def test_csv_units_card_and_repr(tmp_path):
     assert "216 points, 3 heights" in text
     assert "residual  rms" in text
     assert "resolves harmonic 35" in text
-    assert isinstance(plain, Field)
+    assert isinstance(plain, cf.field.Field)
 
 
 def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
@@ -132,7 +125,7 @@ def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
     zeta = (z - 0.1) / 0.1
     thickness = 3e-3 * (1 + 0.02 * zeta + 0.01 * np.cos(2 * theta))
     path = write(tmp_path / "t.csv", theta, z, 1e3 * thickness, "theta_deg,z_m,thickness_mm")
-    survey = SurveyField.from_csv(path)
+    survey = cf.SurveyField.from_csv(path)
     assert survey.quantity == "thickness"
     assert survey.mean_thickness == pytest.approx(3e-3, rel=1e-12)
     np.testing.assert_allclose(survey.derivatives(z, theta).value, thickness / 3e-3 - 1, atol=1e-12)
@@ -143,29 +136,29 @@ def test_thickness_survey_keeps_its_taper_in_the_field(tmp_path):
 def test_one_height_has_no_slope_even_when_the_probe_wobbles():
     theta, z = rings(heights=(0.2,))
     z = z + 1e-5 * np.sin(9 * theta)
-    survey = SurveyField.from_points(theta, z, casing(theta, z, FourierField.of({8: 4e-3})))
+    survey = cf.SurveyField.from_points(theta, z, casing(theta, z, cf.FourierField.of({8: 4e-3})))
     assert (survey.heights, survey.mean[1], survey.fit.cos.shape[1]) == (1, 0.0, 1)
     assert survey.fit.amplitude(8) == pytest.approx(4e-3, rel=1e-4)
 
 
 def test_few_points_lower_the_default_fit_instead_of_overfitting():
     theta, z = rings(heights=(0.0, 0.1, 0.2, 0.3), points=12)
-    survey = SurveyField.from_points(theta, z, 0.5 + 0.0 * z)
+    survey = cf.SurveyField.from_points(theta, z, 0.5 + 0.0 * z)
     unknowns = 2 + 2 * survey.max_harmonic * survey.fit.cos.shape[1]
     assert unknowns <= 0.8 * 48
     assert survey.max_harmonic == 4
     staggered = np.arange(28) * 2 * np.pi / 28
-    survey = SurveyField.from_points(staggered, 0.1 * (np.arange(28) % 4), np.full(28, 0.5))
+    survey = cf.SurveyField.from_points(staggered, 0.1 * (np.arange(28) % 4), np.full(28, 0.5))
     assert (survey.n_resolved, survey.max_harmonic, survey.fit.cos.shape[1]) == (13, 10, 1)
 
 
 def test_one_bad_ring_decides_the_coverage():
     theta, z = rings()
     hole = (z == 0.125) & (theta > 1.0) & (theta < 2.0)
-    survey = SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=3, degree=0)
+    survey = cf.SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=3, degree=0)
     assert survey.coverage_deg == pytest.approx(60.0)
-    with pytest.raises(InputError, match="gap of 60 deg"):
-        SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
+    with pytest.raises(cf.errors.InputError, match="gap of 60 deg"):
+        cf.SurveyField.from_points(theta[~hole], z[~hole], casing(theta, z)[~hole], n_max=4)
 
 
 # --- outliers, repeats, resolution ----------------------------------------------------------------------------
@@ -182,16 +175,16 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     stray = np.random.default_rng(3).choice(z.size, 9, replace=False)
     chipped = radius.copy()
     chipped[stray] -= 5e-4
-    clean = SurveyField.from_points(theta, z, radius, n_max=24, degree=1)
-    with pytest.warns(ModelWarning, match=r"survey: 9 of 360 points contradict all others .*survey-stray"):
-        plain = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
+    clean = cf.SurveyField.from_points(theta, z, radius, n_max=24, degree=1)
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 9 of 360 points contradict all others .*survey-stray"):
+        plain = cf.SurveyField.from_points(theta, z, chipped, n_max=24, degree=1)
     assert {round(theta, 6) for theta, _, _ in plain.doubted} == {round(float(np.degrees(theta[k])), 6) for k in stray}
     assert np.abs(plain.without.cos - clean.fit.cos).max() < np.abs(plain.fit.cos - clean.fit.cos).max() / 4
     assert "doubted   9 of 360 points contradict all others (theta" in repr(plain)
     assert clean.doubted == ()
     assert clean.without is None
-    with pytest.warns(ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
-        robust = SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: .* of 360 points set aside .*survey-outliers") as caught:
+        robust = cf.SurveyField.from_points(theta, z, chipped, n_max=24, degree=1, robust=True)
     assert caught[0].filename == __file__
     named = {round(theta, 6) for theta, _, r in robust.set_aside if r < -5e-4}
     assert named == {round(float(np.degrees(theta[k])), 6) for k in stray}
@@ -239,16 +232,18 @@ def test_robust_weights_are_those_of_tukeys_bisquare():
 
 def test_a_robust_fit_of_clean_points_is_the_plain_one():
     theta, z = rings()
-    robust = SurveyField.from_points(theta, z, casing(theta, z), robust=True)
+    robust = cf.SurveyField.from_points(theta, z, casing(theta, z), robust=True)
     assert robust.set_aside == ()
-    np.testing.assert_allclose(robust.fit.cos, SurveyField.from_points(theta, z, casing(theta, z)).fit.cos, atol=1e-12)
+    np.testing.assert_allclose(
+        robust.fit.cos, cf.SurveyField.from_points(theta, z, casing(theta, z)).fit.cos, atol=1e-12
+    )
 
 
 def test_a_robust_fit_does_not_believe_a_minority():
     theta, z, radius = noisy()
     radius[np.random.default_rng(5).random(z.size) < 0.34] += 0.02
-    with pytest.raises(InputError, match=r"points far off any smooth surface.* at least 70% of them"):
-        SurveyField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
+    with pytest.raises(cf.errors.InputError, match=r"points far off any smooth surface.* at least 70% of them"):
+        cf.SurveyField.from_points(theta, z, radius, n_max=20, degree=0, robust=True)
 
 
 @pytest.mark.parametrize("between", [0, 1, 2])
@@ -259,12 +254,12 @@ def test_a_robust_fit_says_when_what_it_keeps_is_too_little(between):
     z = np.concatenate([z, np.full(4, 0.2), np.full(3, 0.1)])
     radius = 0.5 + 1e-6 * np.random.default_rng(1).normal(size=z.size)
     radius[36:40] += [1e-3, -1e-3, 1e-3, -1e-3]
-    with pytest.warns(ModelWarning, match=r"survey: 4 of 43 points set aside .*survey-outliers"):
-        assert len(SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True).set_aside) == 4
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: 4 of 43 points set aside .*survey-outliers"):
+        assert len(cf.SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True).set_aside) == 4
     given = slice(40 + between)
     found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
-    with pytest.raises(InputError, match=found):
-        SurveyField.from_points(theta[given], z[given], radius[given], n_max=1, degree=1, robust=True)
+    with pytest.raises(cf.errors.InputError, match=found):
+        cf.SurveyField.from_points(theta[given], z[given], radius[given], n_max=1, degree=1, robust=True)
 
 
 def one_height_and_four_points():
@@ -281,12 +276,12 @@ def test_a_robust_fit_that_keeps_one_of_two_heights_is_refused(spread):
     theta, z, radius = one_height_and_four_points()
     z[:32:2] += spread
     found = "found 4 points set aside, and too few left where they were; expected points enough for n_max = 1, degree"
-    with pytest.raises(InputError, match=found):
-        SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True)
+    with pytest.raises(cf.errors.InputError, match=found):
+        cf.SurveyField.from_points(theta, z, radius, n_max=1, degree=1, robust=True)
 
 
 def test_a_plain_fit_whose_stray_points_are_a_height_has_no_fit_without_them():
-    survey = SurveyField.from_points(*one_height_and_four_points(), n_max=1, degree=1)
+    survey = cf.SurveyField.from_points(*one_height_and_four_points(), n_max=1, degree=1)
     assert (survey.heights, survey.without, survey.doubted) == (2, None, ())
 
 
@@ -296,53 +291,59 @@ def test_repeats_give_the_noise_whatever_the_fit():
     again = np.random.default_rng(8).choice(z.size, 200, replace=False)
     theta, z = np.append(theta, theta[again] + 2 * np.pi), np.append(z, z[again])
     radius = casing(theta, z) + np.random.default_rng(31).normal(scale=2e-5, size=z.size)
-    survey = SurveyField.from_points(theta, z, radius, n_max=12)
+    survey = cf.SurveyField.from_points(theta, z, radius, n_max=12)
     assert survey.repeats == 200
     assert survey.pure_error == pytest.approx(2e-5, rel=0.15)
     assert survey.residual_rms_m > 20 * survey.pure_error
     assert "repeats   200, pure error" in repr(survey)
-    assert SurveyField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
+    assert cf.SurveyField.from_points(*rings(), 0.5 + 0 * rings()[0]).pure_error is None
 
 
 @pytest.mark.slow
 def test_modes_beyond_the_surveys_resolution_are_doubted(frustum):
-    mesh = ShellMesh(order=6, rows=1, around=13)  # of which no 2n below 26 is a multiple
+    mesh = cf.ShellMesh(order=6, rows=1, around=13)  # of which no 2n below 26 is a multiple
     theta, z = rings(points=24)  # every 15 degrees: resolves harmonic 11, splits to n = 5
-    survey = SurveyField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
+    survey = cf.SurveyField.from_points(theta, z, (0.5 - 0.2 * z) * (1 + 1e-3 * np.cos(4 * theta)))
     assert survey.n_resolved == 11
     for field in (survey, survey.fit + RandomlyNothing() + survey):
-        with pytest.warns(ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
-            modes(frustum(mesh=mesh, radius_defect=field), 6)
+        with pytest.warns(cf.errors.ModelWarning, match=r"modes to n = .* resolves 11.*field-resolution") as caught:
+            cf.modes(frustum(mesh=mesh, radius_defect=field), 6)
         assert len(caught) == 1
-    modes(frustum(mesh=mesh, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
+    cf.modes(frustum(mesh=mesh, radius_defect=survey.fit), 6)  # given by hand: exact, nothing to say
     theta, z = rings(points=72)
-    modes(frustum(mesh=mesh, radius_defect=SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
+    cf.modes(frustum(mesh=mesh, radius_defect=cf.SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=20)), 6)
 
 
 def test_a_casing_refuses_the_survey_of_another_one_alone_or_in_a_sum(frustum, coarse):
     theta, z = rings()
-    other = SurveyField.from_points(theta, z, 1.3 * (0.5 - 0.2 * z), n_max=8)
-    wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
+    other = cf.SurveyField.from_points(theta, z, 1.3 * (0.5 - 0.2 * z), n_max=8)
+    wall = cf.SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
     for field in (other, DEFECT + other):
         with pytest.raises(
-            ModelError, match=r"found a mean radius of 0\.6175 m, expected about 0\.475 m.*survey-other"
+            cf.errors.ModelError, match=r"found a mean radius of 0\.6175 m, expected about 0\.475 m.*survey-other"
         ):
             frustum(mesh=coarse, radius_defect=field)
     for field in (wall, DEFECT + wall):
-        with pytest.raises(ModelError, match=r"found a survey of thickness, expected one of radius.*survey-quantity"):
+        with pytest.raises(
+            cf.errors.ModelError, match=r"found a survey of thickness, expected one of radius.*survey-quantity"
+        ):
             frustum(mesh=coarse, radius_defect=field)
     frustum(mesh=coarse, thickness_defect=wall)
-    with pytest.raises(ModelError, match=r"a mean thickness of 0\.003 m, expected about 0\.002 m.*survey-other"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"a mean thickness of 0\.003 m, expected about 0\.002 m.*survey-other"
+    ):
         frustum(mesh=coarse, thickness=2e-3, thickness_defect=wall)
 
 
 def test_a_survey_is_held_only_against_what_is_known(frustum, coarse):
     theta, z = rings(heights=(0.24,))
-    ring = SurveyField.from_points(theta, z, 0.5 - 0.2 * z, n_max=8)  # of no extent that a shell could be held against
+    ring = cf.SurveyField.from_points(
+        theta, z, 0.5 - 0.2 * z, n_max=8
+    )  # of no extent that a shell could be held against
     check_survey(ring, "radius", None, None)
     check_survey(ring, "radius", None, 3e-3)
     frustum(mesh=coarse, radius_defect=ring)
-    wall = SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
+    wall = cf.SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
     check_survey(wall, "thickness", frustum().chart, None)
 
 
@@ -418,26 +419,26 @@ def test_bad_surveys_are_refused_with_their_place(tmp_path, name):
     content, message = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=message) as caught:
-        SurveyField.from_csv(path)
+    with pytest.raises(cf.errors.InputError, match=message) as caught:
+        cf.SurveyField.from_csv(path)
     assert "bad.csv" in str(caught.value)
 
 
 def test_fits_beyond_the_points_are_refused():
     theta, z = rings(heights=(0.0,), points=24)
-    SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11)
-    with pytest.raises(InputError, match="24 points for 25 unknowns"):
-        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=12)
-    with pytest.raises(InputError, match="gap of 15 deg"):
-        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=13)
-    with pytest.raises(InputError, match="24 points for 45 unknowns"):
-        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
+    cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11)
+    with pytest.raises(cf.errors.InputError, match="24 points for 25 unknowns"):
+        cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=12)
+    with pytest.raises(cf.errors.InputError, match="gap of 15 deg"):
+        cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=13)
+    with pytest.raises(cf.errors.InputError, match="24 points for 45 unknowns"):
+        cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=11, degree=1)
     with pytest.raises(ValueError, match="n_max must be a whole number >= 1"):
-        SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
-    with pytest.raises(InputError, match="one common length"):
-        SurveyField.from_points(theta, z[:-1], z)
-    with pytest.raises(InputError, match="value = nan"):
-        SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
+        cf.SurveyField.from_points(theta, z, 0.5 + 0 * z, n_max=0)
+    with pytest.raises(cf.errors.InputError, match="one common length"):
+        cf.SurveyField.from_points(theta, z[:-1], z)
+    with pytest.raises(cf.errors.InputError, match="value = nan"):
+        cf.SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
 
 
 def test_strict_csv_accepts_what_spreadsheets_write():
@@ -454,13 +455,15 @@ def test_strict_csv_reads_back_every_float_bit_for_bit(values):
     assert [v.hex() for v in parse(text, "t").numbers("x").tolist()] == [v.hex() for v in values]
 
 
-PIPE = Revolved(
-    profile=PiecewiseMeridian(
-        start=(0.3, 1.0), pieces=(Piece(to=(0.3, 1.2)), Piece(to=(0.35, 1.2)), Piece(to=(0.35, 1.4))), fillet=0.01
+PIPE = cf.Revolved(
+    profile=cf.geometry.PiecewiseMeridian(
+        start=(0.3, 1.0),
+        pieces=(cf.geometry.Piece(to=(0.3, 1.2)), cf.geometry.Piece(to=(0.35, 1.2)), cf.geometry.Piece(to=(0.35, 1.4))),
+        fillet=0.01,
     )
 )
-BOWL = Revolved(profile=Arc(radius=0.5, start=-1.0, end=0.0))
-DOME = Revolved(profile=Arc(radius=0.5, start=0.0, end=1.0, z0=2.0))
+BOWL = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=-1.0, end=0.0))
+DOME = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0, z0=2.0))
 
 
 def wave_along(s):
@@ -476,7 +479,7 @@ def test_heights_on_a_meridian_become_arc_lengths(chart):
     theta, along = rings(heights=s, points=48)
     at = chart.profile.at(along)
     points = SurveyPoints(theta=theta, z=at.z, value=at.r * (1.0 + wave_along(along) * np.cos(8 * theta)))
-    survey = SurveyField.fitted(points, n_max=10, degree=1, placed=lambda raw: on_meridian(raw, chart))
+    survey = cf.SurveyField.fitted(points, n_max=10, degree=1, placed=lambda raw: on_meridian(raw, chart))
     found = survey.derivatives(along, np.zeros(len(along))).value
     np.testing.assert_allclose(found, wave_along(along), rtol=1e-4)
     check_survey(survey, "radius", chart, 3e-3)
@@ -485,10 +488,12 @@ def test_heights_on_a_meridian_become_arc_lengths(chart):
 def test_flat_parts_of_a_meridian_tell_no_shape():
     theta, z = rings(heights=(1.1, 1.2), points=24)
     radii = SurveyPoints(theta=theta, z=z, value=np.where(z > 1.15, 0.325, 0.3))
-    with pytest.raises(ModelError, match=r"24 points where the meridian is flat, the first at theta 0 deg, z 1\.2 m"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"24 points where the meridian is flat, the first at theta 0 deg, z 1\.2 m"
+    ):
         on_meridian(radii, PIPE)
     walls = SurveyPoints(theta=theta, z=z, value=np.full(len(z), 3e-3), quantity="thickness")
-    with pytest.raises(ModelError, match="thicknesses by height on a meridian that is not steep everywhere"):
+    with pytest.raises(cf.errors.ModelError, match="thicknesses by height on a meridian that is not steep everywhere"):
         on_meridian(walls, PIPE)
 
 
@@ -509,15 +514,15 @@ def test_points_on_a_cone_keep_their_heights(frustum):
 
 
 def test_one_circle_is_compared_where_it_was_measured():
-    cone = Frustum(r_base=0.5, r_top=0.3, height=0.25)
+    cone = cf.Frustum(r_base=0.5, r_top=0.3, height=0.25)
     theta, z = rings(heights=(0.0,), points=24)
 
     def circle(height, radius):
-        return SurveyField.from_points(theta, z + height, np.full(len(z), radius))
+        return cf.SurveyField.from_points(theta, z + height, np.full(len(z), radius))
 
     for height, radius in ((0.0, 0.5), (0.25, 0.3), (0.27, 0.3)):  # a lathe's z is seldom the drawing's
         check_survey(circle(height, radius), "radius", cone, None)
-    with pytest.raises(ModelError, match=r"a mean radius of 0\.4 m, expected about 0\.5 m"):
+    with pytest.raises(cf.errors.ModelError, match=r"a mean radius of 0\.4 m, expected about 0\.5 m"):
         check_survey(circle(0.0, 0.4), "radius", cone, None)
-    with pytest.raises(ModelError, match=r"z from 0\.3 to 0\.3 m, 0% of the shell's 0 to 0\.25 m, expected"):
+    with pytest.raises(cf.errors.ModelError, match=r"z from 0\.3 to 0\.3 m, 0% of the shell's 0 to 0\.25 m, expected"):
         check_survey(circle(0.3, 0.3), "radius", cone, None)

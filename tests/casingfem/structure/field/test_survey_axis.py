@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError, ModelWarning
 from casingfem.structure.field.survey import fit, stray
 
 MIDDLE, LEAN = 2e-3 + 1e-3j, 1e-3j  # m and m/m, the latter about mid height
@@ -38,7 +37,7 @@ def test_the_shape_about_its_own_axis_comes_back(lean):
 def test_noise_and_a_stray_point_leave_the_axis_where_it_is():
     theta, z, radius = turned_about(MIDDLE, LEAN, noise=8e-6)
     radius[40] += 4e-3
-    with pytest.warns(ModelWarning, match="survey-outliers"):
+    with pytest.warns(cf.errors.ModelWarning, match="survey-outliers"):
         survey = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1, robust=True, centred=True)
     assert abs(survey.axis.offset - MIDDLE) < 3e-6  # 8 um over the root of 270 points, twice, five times over
     assert survey.fit.amplitude(2) == pytest.approx(6e-4, abs=6e-6)
@@ -46,7 +45,7 @@ def test_noise_and_a_stray_point_leave_the_axis_where_it_is():
 
 def test_a_plain_fit_says_that_the_part_stood_beside_the_axis(tmp_path):
     theta, z, radius = turned_about(MIDDLE, 0.0)
-    with pytest.warns(ModelWarning, match=r"survey: the part stood 2.24 mm off the axis towards 27 deg"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"survey: the part stood 2.24 mm off the axis towards 27 deg"):
         cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # a run-out below the shape is none of this
@@ -66,7 +65,7 @@ def test_one_ring_has_an_offset_and_no_lean():
 
 def test_a_thickness_has_no_axis():
     theta, z, _ = turned_about(0.0, 0.0)
-    with pytest.raises(InputError, match="a wall has no axis"):
+    with pytest.raises(cf.errors.InputError, match="a wall has no axis"):
         cf.SurveyField.from_points(theta, z, 0.0 * z + 3e-3, quantity="thickness", n_max=4, centred=True)
 
 
@@ -81,7 +80,7 @@ def measured_by_machine(path, place, z, unit="mm", scale=1e3):
 def test_points_in_x_y_z_are_those_in_theta_z_radius(tmp_path, unit, scale):
     theta, z, radius = turned_about(0.0, 0.0)
     path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, unit, scale)
-    with pytest.warns(ModelWarning, match=r"machine.csv: point, deviation: .*survey-columns"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"machine.csv: point, deviation: .*survey-columns"):
         found = cf.SurveyField.from_csv(path, n_max=12, degree=1)
     expected = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)
     np.testing.assert_allclose(found.fit.cos, expected.fit.cos, atol=1e-8)
@@ -103,7 +102,7 @@ def test_a_wall_measured_at_x_y_z_has_its_thickness(tmp_path):
 def test_a_machine_s_origin_may_lie_anywhere(tmp_path, corner):
     theta, z, radius = turned_about(corner, LEAN)
     path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, "m", 1.0)
-    with pytest.raises(InputError, match=r"points whose middle lies .* mm off the axis .* or centred = true"):
+    with pytest.raises(cf.errors.InputError, match=r"points whose middle lies .* mm off the axis .* or centred = true"):
         cf.SurveyField.from_csv(path)
     survey = cf.SurveyField.from_csv(path, n_max=12, degree=1, centred=True)
     assert abs(survey.axis.offset - corner) < 1e-8
@@ -120,7 +119,7 @@ def test_stray_points_of_a_scan_are_named():
     radius = 0.5 - 0.2 * z + 2e-4 * np.cos(6.0 * theta) + rng.normal(0.0, 5e-6, z.size)
     off = rng.choice(z.size, 300, replace=False)
     radius[off] += rng.choice([-1.0, 1.0], off.size) * rng.uniform(6e-5, 2e-3, off.size)
-    with pytest.warns(ModelWarning, match="survey-stray"):
+    with pytest.warns(cf.errors.ModelWarning, match="survey-stray"):
         survey = cf.SurveyField.from_points(theta, z, radius, n_max=8, degree=1)
     assert {round(at, 9) for at, _, _ in survey.doubted} == {round(at, 9) for at in np.degrees(theta[off])}
     assert survey.without.amplitude(6) == pytest.approx(2e-4 / 0.475, rel=1e-2)
@@ -128,7 +127,9 @@ def test_stray_points_of_a_scan_are_named():
 
 def test_a_scan_too_large_for_memory_is_refused(monkeypatch):
     monkeypatch.setattr(fit, "_MOST_NUMBERS", 50_000)
-    with pytest.raises(InputError, match="270 points for 243 unknowns; expected 206 at most: keep one line in 2"):
+    with pytest.raises(
+        cf.errors.InputError, match="270 points for 243 unknowns; expected 206 at most: keep one line in 2"
+    ):
         cf.SurveyField.from_points(*turned_about(0.0, 0.0), n_max=40, degree=2)
 
 
@@ -141,7 +142,7 @@ def test_stray_points_are_searched_twice_at_most_and_the_axis_is_that_of_the_oth
     theta, z, radius = turned_about(MIDDLE, LEAN, noise=2e-6)
     radius[[7, 100, 201][:off]] += 5e-4
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelWarning)
+        warnings.simplefilter("ignore", cf.errors.ModelWarning)
         survey = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1, centred=True)
     assert len(searches) == 2
     assert len(survey.doubted) == off

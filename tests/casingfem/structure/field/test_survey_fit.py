@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.structure.field.fourier import FourierField
+import casingfem as cf
 from casingfem.structure.field.survey.axis import Axis, axis_of, eccentric, refuse_outside, rough_axis
 from casingfem.structure.field.survey.fit import _Problem, fit_points, resolved_harmonic
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.survey import SurveyField, largest_change, stray_words
+from casingfem.structure.field.survey.survey import largest_change, stray_words
 
 
 def measured(theta, z, value, **changes):
@@ -46,7 +45,7 @@ def test_the_fit_that_points_are_given(heights, points, harmonics, degree):
 def test_one_height_is_its_own_place_along():
     fit = fit_points(rings([0.3]), 4, None)
     assert (fit.field.z_mid, fit.field.z_half, fit.mean[1], fit.gap_deg) == (0.3, 1.0, 0.0, pytest.approx(10.0))
-    with pytest.raises(InputError, match=r"expected at most 9 deg for n_max = 20 .*resolve harmonic 17"):
+    with pytest.raises(cf.errors.InputError, match=r"expected at most 9 deg for n_max = 20 .*resolve harmonic 17"):
         fit_points(rings([0.3]), 20, None)
 
 
@@ -65,7 +64,7 @@ def test_too_many_numbers_are_refused_before_they_are_laid_out(monkeypatch):
     fit_points(rings([0.0]), 4, 0)
     monkeypatch.setattr("casingfem.structure.field.survey.fit._MOST_NUMBERS", 323)
     words = "found 36 points for 9 unknowns; expected 36 at most: keep one line in 2"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         fit_points(rings([0.0]), 4, 0)
 
 
@@ -168,7 +167,7 @@ def test_a_part_beside_half_its_radius_is_not_about_the_axis(offset, refused):
     points = leaning(offset * np.exp(1j), 0.0)
     if refused:
         with pytest.raises(
-            InputError, match=r"points whose middle lies 251 mm off the axis towards 57 deg.*being 0.5 m"
+            cf.errors.InputError, match=r"points whose middle lies 251 mm off the axis towards 57 deg.*being 0.5 m"
         ):
             refuse_outside(points)
     else:
@@ -209,14 +208,16 @@ def test_what_is_said_of_stray_points():
     assert said.endswith("theta 30 deg, z 0.1 m: -3.00e-03; and 2 more)")
     assert stray_words(stray[:5], 90, "off").count("theta") == 5
     assert "more" not in stray_words(stray[:5], 90)
-    plain, without = FourierField.of({2: 0.3, 5: 0.1}), FourierField.of({2: 0.29, 5: 0.2})
+    plain, without = cf.FourierField.of({2: 0.3, 5: 0.1}), cf.FourierField.of({2: 0.29, 5: 0.2})
     assert largest_change(plain, without) == "harmonic 5 is 0.1 with them, 0.2 without"
 
 
 def test_a_survey_keeps_its_mean_and_residual():
     points = rings([0.1, 0.3], 24)
     noise = 1e-4 * np.random.default_rng(2).normal(size=48)
-    survey = SurveyField.from_points(points.theta, points.z, (0.5 - 0.4 * points.z) * (1.0 + noise), n_max=3, degree=0)
+    survey = cf.SurveyField.from_points(
+        points.theta, points.z, (0.5 - 0.4 * points.z) * (1.0 + noise), n_max=3, degree=0
+    )
     fit = fit_points(measured(points.theta, points.z, (0.5 - 0.4 * points.z) * (1.0 + noise)), 3, 0)
     assert survey.residual_rms == pytest.approx(np.sqrt(np.mean(fit.residual**2)), rel=1e-12)
     assert survey.residual_max == pytest.approx(np.abs(fit.residual).max(), rel=1e-12)
@@ -224,7 +225,7 @@ def test_a_survey_keeps_its_mean_and_residual():
     assert survey.mean_radius(0.2) == pytest.approx(fit.mean[0] + 0.2 * fit.mean[1], rel=1e-14)
     with pytest.raises(ValueError, match="a radius survey has no mean thickness"):
         _ = survey.mean_thickness
-    wall = SurveyField.from_points(points.theta, points.z, 3e-3 + 0 * noise, quantity="thickness", n_max=3)
+    wall = cf.SurveyField.from_points(points.theta, points.z, 3e-3 + 0 * noise, quantity="thickness", n_max=3)
     assert wall.mean_thickness == pytest.approx(3e-3, rel=1e-14)
     with pytest.raises(ValueError, match="a thickness survey has no mean radius"):
         wall.mean_radius(0.0)

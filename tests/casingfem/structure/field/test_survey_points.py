@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError, ModelWarning
 from casingfem.structure.field.survey.points import SurveyPoints, read_points
 from casingfem.study import load_study
 
@@ -35,7 +34,7 @@ def rings(heights, points=36, value=0.5, **changes):
 def test_points_that_are_none(changes, words):
     given = {"theta": [0.0, -1.0, 0.0], "z": [0.0, -1.0, 2.0], "value": [1.0, 2.0, 3.0]}
     SurveyPoints(**given, quantity="thickness")
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         SurveyPoints(**given | changes, quantity="thickness")
 
 
@@ -93,7 +92,7 @@ def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
     if refused:
         stem, unit = header.split("_")
         other = f"{stem}_{'m' if unit == 'mm' else 'mm'}"
-        with pytest.raises(InputError, match=f"line 1, column '{header}'.*does the column hold {other}"):
+        with pytest.raises(cf.errors.InputError, match=f"line 1, column '{header}'.*does the column hold {other}"):
             read_points(path)
     else:
         points = read_points(path)
@@ -119,7 +118,7 @@ def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
 def test_heights_that_hint_at_another_unit(tmp_path, name, height, what, value, refused):
     path = table(tmp_path, f"theta_deg,{name},{what}\n" + lines(value, "0") + lines(value, height))
     if refused:
-        with pytest.raises(InputError, match=refused):
+        with pytest.raises(cf.errors.InputError, match=refused):
             read_points(path)
     else:
         assert np.ptp(read_points(path).z) == pytest.approx(float(height) * (1e-3 if name == "z_mm" else 1.0))
@@ -129,7 +128,9 @@ def test_heights_that_hint_at_another_unit(tmp_path, name, height, what, value, 
 def test_a_value_a_thousand_times_the_median_is_mistyped(tmp_path, value, refused):
     path = table(tmp_path, f"theta_deg,z_m,radius_m\n{lines()}360,0,{value}\n")
     if refused:
-        with pytest.raises(InputError, match="line 14, column 'radius_m': found 501; expected a value like the others"):
+        with pytest.raises(
+            cf.errors.InputError, match="line 14, column 'radius_m': found 501; expected a value like the others"
+        ):
             read_points(path)
     else:
         assert len(read_points(path)) == 13
@@ -139,7 +140,9 @@ def test_a_value_a_thousand_times_the_median_is_mistyped(tmp_path, value, refuse
 def test_angles_beyond_two_turns_are_no_radians(tmp_path, turn, refused):
     path = table(tmp_path, f"theta_rad,z_m,radius_m\n0,0,0.5\n{turn},0,0.5\n")
     if refused:
-        with pytest.raises(InputError, match=r"line 3, column 'theta_rad': found -12\.57 rad; expected at most"):
+        with pytest.raises(
+            cf.errors.InputError, match=r"line 3, column 'theta_rad': found -12\.57 rad; expected at most"
+        ):
             read_points(path)
     else:
         assert read_points(path).theta[1] == float(turn)
@@ -147,7 +150,7 @@ def test_angles_beyond_two_turns_are_no_radians(tmp_path, turn, refused):
 
 def test_columns_left_out_are_named(tmp_path):
     path = table(tmp_path, "theta_deg,z_mm,radius_mm,point,date\n90,20,500,1,2\n-30,40,501,2,3\n")
-    with pytest.warns(ModelWarning, match="rig.csv: point, date"):
+    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: point, date"):
         points = read_points(path)
     expected = [[np.pi / 2, -np.pi / 6], [0.02, 0.04], [0.5, 0.501]]
     np.testing.assert_allclose([points.theta, points.z, points.value], expected, rtol=1e-15)
@@ -230,7 +233,7 @@ def test_a_survey_of_a_part_of_the_height_says_what_holds_outside(heights, rule,
         with pytest.raises(ValueError, match=words.removeprefix("refused")):
             load_study(tmp_path / "study.toml")
         return
-    with pytest.warns(ModelWarning, match=words) if words else nullcontext():
+    with pytest.warns(cf.errors.ModelWarning, match=words) if words else nullcontext():
         study = load_study(tmp_path / "study.toml")
     assert study.shell.radius_defect.outside == outside
 
@@ -250,7 +253,7 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
 
 def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
     text = "# scan 1\nTheta [deg];Z (mm);Radius [cm];Remark\n0;20;50,0;a\n90;20;50,1;\n# scan 2\n180;0,4e2;50,2;\n"
-    with pytest.warns(ModelWarning, match="rig.csv: Remark: .*survey-columns"):
+    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: Remark: .*survey-columns"):
         points = read_points(table(tmp_path, text))
     np.testing.assert_allclose(points.theta, np.radians([0.0, 90.0, 180.0]), rtol=1e-15)
     np.testing.assert_allclose([points.z, points.value], [[0.02, 0.02, 0.04], [0.5, 0.501, 0.502]], rtol=1e-14)
@@ -258,9 +261,9 @@ def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
 
 
 def test_all_bad_cells_and_columns_of_a_survey_are_named_at_once(tmp_path):
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(cf.errors.InputError) as caught:
         read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,x,0.5\n1,0,y\n2,0,z\n"))
     lines = [line.partition("rig.csv, ")[2].partition(":")[0] for line in str(caught.value).splitlines()]
     assert sorted(lines) == ["line 2, column 'z_m'", "line 3, column 'radius_m'", "line 4, column 'radius_m'"]
-    with pytest.raises(InputError, match=r"(?s)line 2: found 2 cells.*line 4: found 1 cells"):
+    with pytest.raises(cf.errors.InputError, match=r"(?s)line 2: found 2 cells.*line 4: found 1 cells"):
         read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,0\n1,0,0.5\n2\n"))

@@ -5,24 +5,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.linalg.eigen import solve_modes
-from casingfem.structure.edge.support import Clamped, ShearDiaphragm
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate, Surface
-from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.assembly import assemble
-from casingfem.structure.shell.shell import Shell
 from tests.casingfem.structure.geometry.complex_step import assert_exact
 
 CHARTS = {
-    "frustum": Frustum(r_base=0.5, r_top=0.45, height=0.25),
-    "cylinder": Cylinder(radius=0.4, height=0.6),
-    "panel": Panel(radius=0.6, length=0.3, angle=0.5),
-    "plate": Plate(length=0.3, width=0.2),
-    "bowl": Revolved(profile=Arc(radius=0.4, start=-1.2, end=0.3, r0=0.05, z0=0.1)),
-    "dome": RevolvedPanel(profile=Arc(radius=0.4, start=0.2, end=-1.2), angle=0.9),
+    "frustum": cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
+    "cylinder": cf.Cylinder(radius=0.4, height=0.6),
+    "panel": cf.Panel(radius=0.6, length=0.3, angle=0.5),
+    "plate": cf.Plate(length=0.3, width=0.2),
+    "bowl": cf.Revolved(profile=cf.geometry.Arc(radius=0.4, start=-1.2, end=0.3, r0=0.05, z0=0.1)),
+    "dome": cf.geometry.RevolvedPanel(profile=cf.geometry.Arc(radius=0.4, start=0.2, end=-1.2), angle=0.9),
 }
 
 
@@ -47,7 +41,7 @@ def test_derivatives_with_a_radius_field_equal_the_complex_step(name):
 @pytest.mark.parametrize("name", ["frustum", "cylinder", "panel", "bowl", "dome"])
 def test_derivatives_with_a_fourier_field_equal_central_differences(name):
     chart, h = CHARTS[name], 1e-5
-    field = FourierField(p=[2, 5], cos=[[0.01, 0.02], [0.0, 0.01]], sin=[[0.0, 0.01], [0.02, 0.0]], z_half=0.2)
+    field = cf.FourierField(p=[2, 5], cos=[[0.01, 0.02], [0.0, 0.01]], sin=[[0.0, 0.01], [0.02, 0.0]], z_half=0.2)
     a, b = np.full(9, 0.1), np.linspace(-0.2, 0.2, 9)
 
     def at(a, b):
@@ -63,7 +57,7 @@ def test_derivatives_with_a_fourier_field_equal_central_differences(name):
 
 
 def test_radius_of_a_defective_casing_is_r0_times_one_plus_f():
-    chart, field = CHARTS["frustum"], FourierField.of({8: 0.01})
+    chart, field = CHARTS["frustum"], cf.FourierField.of({8: 0.01})
     z, theta = np.array([0.0, 0.1, 0.25]), np.array([0.0, 0.3, 1.0])
     x = chart.surface(z, theta, field.derivatives(z, theta)).x
     np.testing.assert_allclose(np.hypot(x[0], x[1]), chart.radius(z) * (1 + 0.01 * np.cos(8 * theta)), rtol=1e-14)
@@ -78,7 +72,7 @@ def test_spring_directions_are_orthonormal(name):
 
 def test_a_plate_takes_no_radius_defect():
     with pytest.raises(ValueError, match="no radius"):
-        CHARTS["plate"].surface(0.0, 0.0, FourierField.of({2: 0.1}).derivatives(0.0, 0.0))
+        CHARTS["plate"].surface(0.0, 0.0, cf.FourierField.of({2: 0.1}).derivatives(0.0, 0.0))
 
 
 @pytest.mark.parametrize("name", CHARTS)
@@ -92,14 +86,14 @@ def test_refuses_dimensions_that_are_not_positive(name, value):
 
 def test_a_panel_must_stay_open():
     with pytest.raises(ValueError, match="closed panel is a Cylinder"):
-        Panel(radius=1.0, length=1.0, angle=2 * np.pi)
+        cf.Panel(radius=1.0, length=1.0, angle=2 * np.pi)
 
 
 @dataclass(frozen=True)
 class HelicalCylinder:
     """The same cylinder with lines that wind around it: parameters that are not orthogonal."""
 
-    cylinder: Cylinder
+    cylinder: cf.Cylinder
     winding: float
 
     @property
@@ -121,7 +115,7 @@ class HelicalCylinder:
     def surface(self, a, b, defect):
         k, s = self.winding, self.cylinder.surface(a, b + self.winding * a, None)
         x11 = s.x11 + 2 * k * s.x12 + k * k * s.x22
-        return Surface(s.x, s.x1 + k * s.x2, s.x2, x11, s.x12 + k * s.x22, s.x22)
+        return cf.geometry.Surface(s.x, s.x1 + k * s.x2, s.x2, x11, s.x12 + k * s.x22, s.x22)
 
     def directions(self, a, b):
         return self.cylinder.directions(a, b + self.winding * a)
@@ -131,7 +125,7 @@ class HelicalCylinder:
 class Upturned:
     """A chart read from its other end: the normal turns over."""
 
-    chart: Cylinder
+    chart: cf.Cylinder
 
     @property
     def bounds(self):
@@ -151,22 +145,24 @@ class Upturned:
 
     def surface(self, a, b, defect):
         s = self.chart.surface(self.chart.height - a, b, None)
-        return Surface(s.x, -s.x1, s.x2, s.x11, -s.x12, s.x22)
+        return cf.geometry.Surface(s.x, -s.x1, s.x2, s.x11, -s.x12, s.x22)
 
     def directions(self, a, b):
         return self.chart.directions(self.chart.height - a, b)
 
 
 def lowest_frequencies(chart, steel, supports, mesh):
-    system = assemble(Shell(chart=chart, thickness=4e-3, material=steel, supports=supports, mesh=mesh))
+    system = cf.shell.assemble(cf.Shell(chart=chart, thickness=4e-3, material=steel, supports=supports, mesh=mesh))
     return np.sqrt(np.maximum(solve_modes(system.K, system.mass, 8, shift=-1e3).eigenvalues, 0.0))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("supports", [{"base": Clamped()}, {"base": ShearDiaphragm(), "top": ShearDiaphragm()}])
+@pytest.mark.parametrize(
+    "supports", [{"base": cf.Clamped()}, {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()}]
+)
 def test_a_chart_that_runs_the_other_way_gives_the_same_shell(steel, supports):
-    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=6, rows=1, around=7)
-    assert isinstance(Upturned(cylinder), Chart)
+    cylinder, mesh = cf.Cylinder(radius=0.3, height=0.4), cf.ShellMesh(order=6, rows=1, around=7)
+    assert isinstance(Upturned(cylinder), cf.geometry.Chart)
     expected = lowest_frequencies(cylinder, steel, supports, mesh)
     found = lowest_frequencies(Upturned(cylinder), steel, supports, mesh)
     # between diaphragms the casing may slide along its axis: one frequency is round-off about zero
@@ -175,22 +171,22 @@ def test_a_chart_that_runs_the_other_way_gives_the_same_shell(steel, supports):
 
 @pytest.mark.slow
 def test_a_chart_whose_lines_are_not_orthogonal_gives_the_same_shell(steel):
-    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
-    expected = lowest_frequencies(cylinder, steel, {"base": Clamped()}, mesh)
+    cylinder, mesh = cf.Cylinder(radius=0.3, height=0.4), cf.ShellMesh(order=8, rows=1, around=7)
+    expected = lowest_frequencies(cylinder, steel, {"base": cf.Clamped()}, mesh)
     helical = HelicalCylinder(cylinder, winding=0.5)
-    assert isinstance(helical, Chart)
-    np.testing.assert_allclose(lowest_frequencies(helical, steel, {"base": Clamped()}, mesh), expected, rtol=2e-4)
+    assert isinstance(helical, cf.geometry.Chart)
+    np.testing.assert_allclose(lowest_frequencies(helical, steel, {"base": cf.Clamped()}, mesh), expected, rtol=2e-4)
 
 
 @pytest.mark.slow
 def test_a_diaphragm_on_a_chart_whose_lines_are_not_orthogonal(steel):
-    cylinder, mesh = Cylinder(radius=0.3, height=0.4), ShellMesh(order=8, rows=1, around=7)
-    held = {"base": ShearDiaphragm(), "top": ShearDiaphragm()}
+    cylinder, mesh = cf.Cylinder(radius=0.3, height=0.4), cf.ShellMesh(order=8, rows=1, around=7)
+    held = {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()}
     found = lowest_frequencies(HelicalCylinder(cylinder, winding=0.5), steel, held, mesh)
     expected = lowest_frequencies(cylinder, steel, held, mesh)
     np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-2)
 
 
 def test_something_else_is_no_chart():
-    assert not isinstance(object(), Chart)
-    assert all(isinstance(chart, Chart) for chart in CHARTS.values())
+    assert not isinstance(object(), cf.geometry.Chart)
+    assert all(isinstance(chart, cf.geometry.Chart) for chart in CHARTS.values())

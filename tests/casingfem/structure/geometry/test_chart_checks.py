@@ -5,15 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.blade import Blade, TwistedPlate
-from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate, require_positive
+import casingfem as cf
+from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.geometry.chart_checks import check_chart, check_symmetry, real
-from casingfem.structure.geometry.revolved import Arc, Revolved, RevolvedPanel, chart_lines
-from casingfem.structure.geometry.stations import Taper, along, coefficients, lowest, stations
-from casingfem.structure.geometry.strip import Strip, breaks_between, check_strips, spread
+from casingfem.structure.geometry.revolved import chart_lines
+from casingfem.structure.geometry.stations import along, coefficients, lowest, stations
+from casingfem.structure.geometry.strip import breaks_between, check_strips, spread
 from casingfem.structure.geometry.survey_check import mean_radius
 
-TUBE = Cylinder(radius=0.4, height=0.6)
+TUBE = cf.Cylinder(radius=0.4, height=0.6)
 
 
 def made(surface, chart=TUBE, **changes):
@@ -69,7 +69,7 @@ def test_edges_are_ends_of_parameters(edge):
 @pytest.mark.parametrize(("power", "folded"), [(1e-8, False), (1e-10, True)])
 def test_a_chart_may_not_fold(power, folded):
     """A sector of a disk, its inner radius a small part of the outer one."""
-    disk = RevolvedPanel(profile=SimpleNamespace(length=1.0, at=lambda s: flat(s, power)), angle=1.0)
+    disk = cf.geometry.RevolvedPanel(profile=SimpleNamespace(length=1.0, at=lambda s: flat(s, power)), angle=1.0)
     if folded:
         with pytest.raises(ValueError, match=r"the chart's tangents span no plane at \(0, "):
             check_chart(disk)
@@ -83,16 +83,16 @@ def flat(s, inner):
 
 
 def test_a_complex_step_is_left_out():
-    surface = real(Cylinder(radius=0.4 + 1e-20j, height=0.6).surface(np.array([0.1]), np.array([0.2]), None))
+    surface = real(cf.Cylinder(radius=0.4 + 1e-20j, height=0.6).surface(np.array([0.1]), np.array([0.2]), None))
     assert {part.dtype for part in surface} == {np.dtype(float)}
-    check_chart(Cylinder(radius=0.4 + 1e-20j, height=0.6))
+    check_chart(cf.Cylinder(radius=0.4 + 1e-20j, height=0.6))
 
 
 @pytest.mark.parametrize(("slope", "slanted"), [(0.49e-6, False), (0.51e-6, True)])
 @pytest.mark.parametrize("edge", ["base", "top"])
 def test_a_symmetric_rim_meets_its_plane_at_a_right_angle(slope, slanted, edge):
     """Across opposite ends of a cone's rim the directions differ by twice its slope."""
-    cone = Frustum(r_base=0.5, r_top=0.5 - 0.25 * slope, height=0.25)
+    cone = cf.Frustum(r_base=0.5, r_top=0.5 - 0.25 * slope, height=0.25)
     if slanted:
         with pytest.raises(ValueError, match=rf"support\.{edge}: directions across this edge differ by 1e-06 rad"):
             check_symmetry(cone, edge)
@@ -102,16 +102,16 @@ def test_a_symmetric_rim_meets_its_plane_at_a_right_angle(slope, slanted, edge):
 
 def test_straight_and_twisted_sides_as_planes_of_symmetry():
     for edge in ("left", "right", "root", "tip"):
-        check_symmetry(Panel(radius=0.4, length=0.3, angle=1.0), edge)
-        check_symmetry(Plate(length=0.3, width=0.1), edge)
-    swept = Blade(length=0.3, chord=0.1, sweep=(0.0, 0.05, 0.0))
+        check_symmetry(cf.Panel(radius=0.4, length=0.3, angle=1.0), edge)
+        check_symmetry(cf.Plate(length=0.3, width=0.1), edge)
+    swept = cf.Blade(length=0.3, chord=0.1, sweep=(0.0, 0.05, 0.0))
     for edge, slanted in (("left", True), ("right", True), ("root", False)):
         if slanted:
             with pytest.raises(ValueError, match="differ by"):
                 check_symmetry(swept, edge)
         else:
             check_symmetry(swept, edge)
-    twisted = TwistedPlate(length=0.3, width=0.1, twist=1.0)
+    twisted = cf.TwistedPlate(length=0.3, width=0.1, twist=1.0)
     with pytest.raises(ValueError, match=r"support\.tip: directions"):
         check_symmetry(twisted, "tip")
 
@@ -124,12 +124,12 @@ def test_lengths_are_positive(value):
 
 
 def test_a_strip_covers_its_ends():
-    strip = Strip(start=1.0, end=3.0, thickness=2e-3)
+    strip = cf.Strip(start=1.0, end=3.0, thickness=2e-3)
     at = np.array([1.0 - 3e-9, 1.0 - 1e-9, 2.0, 3.0 + 1e-9, 3.0 + 3e-9])
     assert strip.covers(at).tolist() == [False, True, True, True, False]
     assert spread([strip], at, 5.0, [7.0]).tolist() == [5.0, 7.0, 7.0, 7.0, 5.0]
     with pytest.raises(ValueError, match=r"strip: found start 1\.0, end 1\.0"):
-        Strip(start=1.0, end=1.0, thickness=2e-3)
+        cf.Strip(start=1.0, end=1.0, thickness=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_a_strip_covers_its_ends():
     ],
 )  # fmt: skip
 def test_strips_lie_in_the_shell_side_by_side_on_lines(ends, words):
-    strips = [Strip(start=low, end=high, thickness=2e-3) for low, high in ends]
+    strips = [cf.Strip(start=low, end=high, thickness=2e-3) for low, high in ends]
     lines = np.array([1.0, 2.0, 3.0, 5.0])
     if words:
         with pytest.raises(ValueError, match=words):
@@ -160,7 +160,7 @@ def test_strips_lie_in_the_shell_side_by_side_on_lines(ends, words):
 
 
 def test_breaks_are_parts_of_the_length_each_once():
-    strips = [Strip(start=3.0, end=5.0, thickness=2e-3), Strip(start=1.0, end=2.0, thickness=2e-3)]
+    strips = [cf.Strip(start=3.0, end=5.0, thickness=2e-3), cf.Strip(start=1.0, end=2.0, thickness=2e-3)]
     assert breaks_between(strips, (1.0, 5.0)) == [0.0, 0.25, 0.5, 1.0]
     assert breaks_between(strips, (1.0, 5.0), [4.0, 3.0 + 3e-9]) == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert len(breaks_between(strips, (1.0, 5.0), [3.0 + 6e-9, 1.0 + 2e-9, 5.0 - 2e-9])) == 5
@@ -184,28 +184,28 @@ def test_laws_pass_through_their_stations():
 
 
 def test_a_taper_is_the_product_of_its_laws():
-    taper = Taper(along=(1.0, 0.5), across=(0.4, 1.0))
+    taper = cf.Taper(along=(1.0, 0.5), across=(0.4, 1.0))
     found = taper.factor(((1.0, 3.0), (-1.0, 4.0)), np.array([1.5]), np.array([1.0]))
     assert found.tolist() == pytest.approx([0.875 * 0.64], rel=1e-14)
     assert taper.lowest == pytest.approx(0.2, rel=1e-14)
-    assert (taper.even, Taper(along=(1.0, 0.5)).even, Taper(across=(1.0,)).even) == (False, True, True)
+    assert (taper.even, cf.Taper(along=(1.0, 0.5)).even, cf.Taper(across=(1.0,)).even) == (False, True, True)
     with pytest.raises(ValueError, match=r"taper\.across falls to 0"):
-        Taper(across=(1.0, 0.0))
+        cf.Taper(across=(1.0, 0.0))
 
 
 @pytest.mark.parametrize(("start", "end", "sense"), [(0.2, 1.1, 1.0), (1.1, 0.2, -1.0)])
 def test_an_arc_either_way(start, end, sense):
-    arc = Arc(radius=0.5, start=start, end=end, r0=0.3, z0=-0.1)
+    arc = cf.geometry.Arc(radius=0.5, start=start, end=end, r0=0.3, z0=-0.1)
     assert arc.length == pytest.approx(0.45, rel=1e-14)
     s, at = 0.2, arc.at(np.array(0.2))
     phi = start + sense * s / 0.5
     c, d = np.cos(phi), np.sin(phi)
     exact = [0.3 + 0.5 * c, -sense * d, -2.0 * c, -0.1 + 0.5 * d, sense * c, -2.0 * d]
     np.testing.assert_allclose([float(part) for part in at], exact, rtol=1e-14)
-    panel = RevolvedPanel(profile=arc, angle=1.5)
+    panel = cf.geometry.RevolvedPanel(profile=arc, angle=1.5)
     assert panel.bounds == ((0.0, arc.length), (-0.75, 0.75))
-    assert chart_lines(panel) == chart_lines(Revolved(profile=arc)) == []
+    assert chart_lines(panel) == chart_lines(cf.Revolved(profile=arc)) == []
     with pytest.raises(ValueError, match="angle must be below 2 pi"):
-        RevolvedPanel(profile=arc, angle=2.0 * np.pi)
+        cf.geometry.RevolvedPanel(profile=arc, angle=2.0 * np.pi)
     assert mean_radius(panel) == pytest.approx(0.3 + 0.5 * np.cos(0.65), rel=1e-13)
     assert mean_radius(panel, s) == pytest.approx(0.3 + 0.5 * c, rel=1e-13)

@@ -4,17 +4,14 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.cyclic.modes import cyclic_modes
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from reports.modes.meridians import CASINGS, chart_shell, sector, stations
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-CONE = (Piece(to=(0.3, 0.1)), Piece(to=(0.25, 0.2)))
+CONE = (cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.25, 0.2)))
 
 
 def meridian(*pieces, start=(0.3, 0.0), fillet=0.01):
-    return PiecewiseMeridian(start=start, pieces=pieces or CONE, fillet=fillet)
+    return cf.geometry.PiecewiseMeridian(start=start, pieces=pieces or CONE, fillet=fillet)
 
 
 def shell(profile, **given):
@@ -24,12 +21,25 @@ def shell(profile, **given):
 
 SHAPES = {
     "cone": meridian(),
-    "right angle in": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.1))),
-    "right angle out": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.4, 0.1))),
-    "arc to the left": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.18), radius=0.15), Piece(to=(0.1, 0.4))),
-    "arc to the right": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.4, 0.2), radius=-0.12), Piece(to=(0.4, 0.3))),
-    "two arcs": meridian(Piece(to=(0.35, 0.1), radius=0.2), Piece(to=(0.3, 0.2), radius=-0.1)),
-    "back": meridian(Piece(to=(0.3, 0.1)), Piece(to=(0.35, 0.05)), Piece(to=(0.4, 0.2)), fillet=0.006),
+    "right angle in": meridian(cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.2, 0.1))),
+    "right angle out": meridian(cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.4, 0.1))),
+    "arc to the left": meridian(
+        cf.geometry.Piece(to=(0.3, 0.1)),
+        cf.geometry.Piece(to=(0.2, 0.18), radius=0.15),
+        cf.geometry.Piece(to=(0.1, 0.4)),
+    ),
+    "arc to the right": meridian(
+        cf.geometry.Piece(to=(0.3, 0.1)),
+        cf.geometry.Piece(to=(0.4, 0.2), radius=-0.12),
+        cf.geometry.Piece(to=(0.4, 0.3)),
+    ),
+    "two arcs": meridian(cf.geometry.Piece(to=(0.35, 0.1), radius=0.2), cf.geometry.Piece(to=(0.3, 0.2), radius=-0.1)),
+    "back": meridian(
+        cf.geometry.Piece(to=(0.3, 0.1)),
+        cf.geometry.Piece(to=(0.35, 0.05)),
+        cf.geometry.Piece(to=(0.4, 0.2)),
+        fillet=0.006,
+    ),
 }
 
 
@@ -66,8 +76,13 @@ def test_a_fillet_touches_both_pieces_at_its_radius():
 
 def test_an_arc_passes_through_its_ends_at_its_radius():
     """A quarter circle about (0.2, 0.0) from (0.3, 0.0) to (0.2, 0.1) needs no fillet behind a cylinder."""
-    profile = PiecewiseMeridian(
-        start=(0.3, -0.1), pieces=(Piece(to=(0.3, 0.0)), Piece(to=(0.2, 0.1), radius=0.1), Piece(to=(0.1, 0.1)))
+    profile = cf.geometry.PiecewiseMeridian(
+        start=(0.3, -0.1),
+        pieces=(
+            cf.geometry.Piece(to=(0.3, 0.0)),
+            cf.geometry.Piece(to=(0.2, 0.1), radius=0.1),
+            cf.geometry.Piece(to=(0.1, 0.1)),
+        ),
     )
     at = profile.at(np.linspace(0.1, 0.1 + 0.05 * np.pi, 9))
     np.testing.assert_allclose(np.hypot(at.r - 0.2, at.z), 0.1, rtol=1e-12)
@@ -79,26 +94,34 @@ def test_an_arc_passes_through_its_ends_at_its_radius():
     [
         (CONE, {"fillet": None}, r"piece\[2\].fillet: found none at a corner of 26.6 degrees"),
         (CONE, {"fillet": 1.0}, r"piece\[2\].fillet: found 1 m, which does not fit"),
-        ((Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way on from \[0.3, 0.0\] m"),
-        ((Piece(to=(0.3, 0.1)), Piece(to=(0.3, 0.1))), {}, r"piece\[2\]: found no way on from \[0.3, 0.1\] m"),
-        ((Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
-        ((Piece(to=(0.3, 0.1)), Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),
-        ((Piece(to=(0.4, 0.0)), Piece(to=(0.4, 0.02)), Piece(to=(0.5, 0.02))), {"fillet": 0.015}, "leave nothing"),
+        ((cf.geometry.Piece(to=(0.3, 0.0)),), {}, r"piece\[1\]: found no way on from \[0.3, 0.0\] m"),
+        (
+            (cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.1))),
+            {},
+            r"piece\[2\]: found no way on from \[0.3, 0.1\] m",
+        ),
+        ((cf.geometry.Piece(to=(0.2, 0.0), radius=0.04),), {}, r"piece\[1\].radius: found 0.04 m for a way of 0.1 m"),
+        ((cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.3, 0.0))), {}, "at a corner of 180 degrees"),
+        (
+            (cf.geometry.Piece(to=(0.4, 0.0)), cf.geometry.Piece(to=(0.4, 0.02)), cf.geometry.Piece(to=(0.5, 0.02))),
+            {"fillet": 0.015},
+            "leave nothing",
+        ),
     ],
 )
 def test_pieces_that_do_not_join_are_named(pieces, given, words):
-    with pytest.raises(ModelError, match=words):
+    with pytest.raises(cf.errors.ModelError, match=words):
         meridian(*pieces, **given)
 
 
 def test_a_meridian_that_reaches_the_axis_is_refused():
-    with pytest.raises(ModelError, match="meridian-axis"):
-        meridian(Piece(to=(0.0, 0.1)))
+    with pytest.raises(cf.errors.ModelError, match="meridian-axis"):
+        meridian(cf.geometry.Piece(to=(0.0, 0.1)))
 
 
 @pytest.mark.parametrize("fillet", [1e-6, 3.9e-3])
 def test_a_fillet_too_short_for_the_wall_is_refused_however_short_it_is(fillet):
-    with pytest.raises(ModelError, match=r"times the radius of a bend.*shell-thickness-size"):
+    with pytest.raises(cf.errors.ModelError, match=r"times the radius of a bend.*shell-thickness-size"):
         shell(meridian(fillet=fillet))
 
 
@@ -112,7 +135,9 @@ def test_pieces_in_line_are_the_frustum():
     mesh = cf.ShellMesh(order=7, rows=(0.0, 0.4, 1.0), around=21)
     parts = {"thickness": 8e-3, "material": STEEL, "supports": {"base": cf.Clamped()}, "mesh": mesh}
     whole = cf.Shell(chart=cf.Frustum(r_base=0.3, r_top=0.25, height=0.2), **parts)
-    cut = PiecewiseMeridian(start=(0.3, 0.0), pieces=(Piece(to=(0.28, 0.08)), Piece(to=(0.25, 0.2))))
+    cut = cf.geometry.PiecewiseMeridian(
+        start=(0.3, 0.0), pieces=(cf.geometry.Piece(to=(0.28, 0.08)), cf.geometry.Piece(to=(0.25, 0.2)))
+    )
     assert len(cut.bends) == 2
     np.testing.assert_allclose(cf.modes(shell(cut, mesh=mesh), 4).freq, cf.modes(whole, 4).freq, rtol=1e-9)
 
@@ -124,7 +149,7 @@ def test_a_corner_is_that_of_imported_quadrilaterals():
     casing = chart_shell(pieces, walls, 5e-3)
     own = cf.modes(casing, 8)
     quads = sector(casing, rows=stations(casing, 0.006, 8), sectors=60, solid=False)
-    theirs = cyclic_modes(quads, 1, diameters=(3, 4))
+    theirs = cf.modal.cyclic_modes(quads, 1, diameters=(3, 4))
     for n, freq in zip((3, 4), theirs.freq, strict=True):
         assert own.freq[own.nodal_diameters == n][0] == pytest.approx(freq, rel=3e-4)
 
@@ -147,5 +172,5 @@ def test_element_lines_stand_where_pieces_meet():
     lines = casing.mesh.breaks * meridian().length
     for line in (*meridian().lines, meridian().owners[1][0]):
         assert np.abs(lines - line).min() < 1e-9
-    with pytest.raises(ModelError, match="meridian-off-line"):
+    with pytest.raises(cf.errors.ModelError, match="meridian-off-line"):
         shell(meridian(), mesh=cf.ShellMesh(order=6, rows=3, around=9))

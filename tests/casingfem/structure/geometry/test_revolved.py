@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.structure.mesh.shell_mesh import make_grid
 from casingfem.structure.shell.nodal_mass import nodal_mass
 
@@ -85,6 +84,6 @@ def test_symmetry_plane_of_a_closed_shell_keeps_its_even_modes():
     ],
 )
 def test_arcs_refused(start, end, code):
-    with pytest.raises(ModelError) as caught:
+    with pytest.raises(cf.errors.ModelError) as caught:
         cf.geometry.Arc(radius=1.0, start=start, end=end)
     assert caught.value.code == code

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.chart import Chart
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from reports.verification.twisted_plate import anatomy, errors
 from tests.casingfem.structure.geometry.complex_step import STEP, assert_exact
 
@@ -58,7 +56,7 @@ def test_hand_of_the_twist_does_not_matter_and_modes_have_no_diameters(steel):
                 thickness=3e-3,
                 material=steel,
                 supports={"root": cf.Clamped()},
-                mesh=ShellMesh(order=8, rows=1, around=1),
+                mesh=cf.ShellMesh(order=8, rows=1, around=1),
             ),
             6,
         )
@@ -73,7 +71,7 @@ def test_directions_are_orthonormal():
     d = BLADE.directions(A, B)
     identity = np.broadcast_to(np.eye(3)[:, :, None, None], (3, 3, *A.shape))
     np.testing.assert_allclose(np.einsum("ai...,bi...->ab...", d, d), identity, atol=1e-15)
-    assert isinstance(BLADE, Chart)
+    assert isinstance(BLADE, cf.geometry.Chart)
 
 
 @pytest.mark.parametrize(("name", "value"), [("length", 0.0), ("width", -1.0), ("width", np.nan), ("length", np.inf)])

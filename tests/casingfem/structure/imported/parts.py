@@ -5,10 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 import casingfem as cf
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Attachments, Spring, Term
-from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.solid import Solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 
@@ -22,13 +18,13 @@ def added_nodes(mesh, *places):
 
 def hung(mesh, **items):
     """A mesh with attachments."""
-    return replace(mesh, attachments=Attachments(**items))
+    return replace(mesh, attachments=cf.imported.Attachments(**items))
 
 
 def supported(mesh, *names, **options):
     """A steel solid clamped on groups, "root" if none is named."""
     held = {name: cf.Clamped() for name in names or ("root",)}
-    return Solid(mesh=mesh, material=STEEL, supports=held, **options)
+    return cf.Solid(mesh=mesh, material=STEEL, supports=held, **options)
 
 
 def flat(u):
@@ -36,22 +32,24 @@ def flat(u):
 
 
 def squares(points, cells, kind="quad", **given):
-    return MeshData(kind=kind, points=flat(np.array(points, dtype=float)), cells=np.array(cells), **given)
+    return cf.imported.MeshData(kind=kind, points=flat(np.array(points, dtype=float)), cells=np.array(cells), **given)
 
 
 def box(*sides, kind="hexahedron", counts=(1, 1, 1)):
-    return grid_mesh(kind, counts, lambda u: u * sides)
+    return cf.imported.grid_mesh(kind, counts, lambda u: u * sides)
 
 
 def tapered(top, kind="quad"):
     """A square of which the upper side is shorter: the area per r and s is 1 - s (1 - top)."""
-    return grid_mesh(kind, (1, 1), lambda u: flat(np.stack([u[:, 0] * (1 - u[:, 1] * (1 - top)), u[:, 1]], axis=1)))
+    return cf.imported.grid_mesh(
+        kind, (1, 1), lambda u: flat(np.stack([u[:, 0] * (1 - u[:, 1] * (1 - top)), u[:, 1]], axis=1))
+    )
 
 
 def moved(mesh, node, shift):
     points = mesh.points.copy()
     points[mesh.cells[0, node]] += shift
-    return MeshData(kind=mesh.kind, points=points, cells=mesh.cells)
+    return cf.imported.MeshData(kind=mesh.kind, points=points, cells=mesh.cells)
 
 
 def codes(found):
@@ -59,4 +57,4 @@ def codes(found):
 
 
 def link(*nodes):
-    return Spring(terms=tuple(Term(node, 0, 1.0) for node in nodes), stiffness=1.0)
+    return cf.imported.Spring(terms=tuple(cf.imported.Term(node, 0, 1.0) for node in nodes), stiffness=1.0)

@@ -9,26 +9,8 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.interface.kinds import AtNodes
-from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.geometry.rotation import skew
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad
-from casingfem.structure.imported.mesh.attachments import (
-    Attachments,
-    Equation,
-    Mean,
-    PointMass,
-    Rigid,
-    Spring,
-    Term,
-)
-from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import joined
-from casingfem.structure.imported.shell import MeshShell
-from casingfem.structure.imported.solid import Solid
-from casingfem.structure.shell.loads import Gravity
 from reports.modes.mesh_files import write_bdf, write_inp
 
 pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in ("mesh-aspect", "mesh-orphan-nodes")]
@@ -41,10 +23,10 @@ EI, RHO_A = 210e9 * B**4 / 12.0, 7800.0 * B**2
 def beam(offset=0.0, kind="solid"):
     """A slender cantilever along x, and the index of a node of no cell at x = L + offset."""
     if kind == "shell":
-        mesh = grid_mesh("quad8", (6, 1), lambda u: np.insert((u - [0.0, 0.5]) * [L, B], 2, 0.0, axis=1),
+        mesh = cf.imported.grid_mesh("quad8", (6, 1), lambda u: np.insert((u - [0.0, 0.5]) * [L, B], 2, 0.0, axis=1),
                          groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
     else:
-        mesh = grid_mesh("hexahedron20", (16, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, B, B],
+        mesh = cf.imported.grid_mesh("hexahedron20", (16, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, B, B],
                          groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
     count = len(mesh.points)
     points = np.vstack([mesh.points, [[L + offset, 0.0, 0.0]]])
@@ -52,21 +34,21 @@ def beam(offset=0.0, kind="solid"):
 
 
 def hung(mesh, **items):
-    return replace(mesh, attachments=Attachments(**items))
+    return replace(mesh, attachments=cf.imported.Attachments(**items))
 
 
 def structure(mesh, supports=("root",)):
     held = {name: cf.Clamped() for name in supports}
     if mesh.cell_kind.dim == 2:
-        return MeshShell(mesh=mesh, thickness=B, material=STEEL, supports=held)
-    return Solid(mesh=mesh, material=STEEL, supports=held)
+        return cf.MeshShell(mesh=mesh, thickness=B, material=STEEL, supports=held)
+    return cf.Solid(mesh=mesh, material=STEEL, supports=held)
 
 
 def joined_to(mesh, node, how):
     tip = mesh.groups["tip"].nodes
     if how == "rigid":
-        return {"rigids": (Rigid(reference=node, nodes=tip),)}
-    return {"means": (Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),)}
+        return {"rigids": (cf.imported.Rigid(reference=node, nodes=tip),)}
+    return {"means": (cf.imported.Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),)}
 
 
 @pytest.mark.parametrize(("kind", "how"), [("solid", "rigid"), ("solid", "mean"), ("shell", "rigid")])
@@ -74,8 +56,8 @@ def test_a_cantilever_with_a_tip_mass_swings_as_its_equation_says(kind, how):
     """1 + cos b cosh b + mu b (cos b sinh b - sin b cosh b) = 0, omega = b^2 sqrt(EI/(rho A L^4)), mu = m/(rho A L)."""
     mesh, node = beam(kind=kind)
     mass = 2.0
-    found = mesh_modes(
-        structure(hung(mesh, **joined_to(mesh, node, how), masses=(PointMass(node=node, mass=mass),))), 4
+    found = cf.modes(
+        structure(hung(mesh, **joined_to(mesh, node, how), masses=(cf.imported.PointMass(node=node, mass=mass),))), 4
     )
     mu = mass / (RHO_A * L)
     b = brentq(lambda b: 1 / np.cosh(b) + np.cos(b) + mu * b * (np.cos(b) * np.tanh(b) - np.sin(b)), 0.5, 2.0)
@@ -89,7 +71,7 @@ def test_a_force_on_an_arm_beyond_the_tip_brings_its_moment(kind, how):
     e, P = 0.3, 10.0
     mesh, node = beam(e, kind)
     part = structure(hung(mesh, **joined_to(mesh, node, how)))
-    found = cf.solve_static(part, [NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
+    found = cf.solve_static(part, [cf.imported.NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
     np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
 
 
@@ -98,29 +80,29 @@ def test_an_arm_from_a_node_of_a_shell_brings_its_moment():
     e, P = 0.3, 10.0
     mesh, node = beam(e, "shell")
     _, middle, _ = mesh.groups["tip"].nodes.tolist()
-    part = structure(hung(mesh, rigids=(Rigid(reference=middle, nodes=np.array([node])),)))
-    found = cf.solve_static(part, [NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
+    part = structure(hung(mesh, rigids=(cf.imported.Rigid(reference=middle, nodes=np.array([node])),)))
+    found = cf.solve_static(part, [cf.imported.NodeLoad(node=node + 1, force=(0.0, 0.0, P))])
     np.testing.assert_allclose(found.at(node + 1)[2], P * (L**3 / 3 + L**2 * e + L * e**2) / EI, rtol=6e-4)
 
 
 @pytest.mark.slow
 def test_reduction_at_a_reference_node_keeps_its_static_compliance():
     mesh, node = beam(0.1)
-    mass = PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.0, 0.0, 0.05))
+    mass = cf.imported.PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.0, 0.0, 0.05))
     part = structure(hung(mesh, **joined_to(mesh, node, "rigid"), masses=(mass,)))
-    basis = cf.reduce(part, interface=AtNodes((node + 1,)), modes=3)
+    basis = cf.reduce(part, interface=cf.modal.AtNodes((node + 1,)), modes=3)
     whole = basis.rows @ np.diag(basis.omega**-2) @ basis.rows.T + basis.S
     for k, force in enumerate(np.eye(3)):
-        moved = cf.solve_static(part, [NodeLoad(node=node + 1, force=tuple(force))]).at(node + 1)
+        moved = cf.solve_static(part, [cf.imported.NodeLoad(node=node + 1, force=tuple(force))]).at(node + 1)
         np.testing.assert_allclose(whole[:, k], moved, atol=1e-9 * np.abs(whole).max())
 
 
 def block(**items):
     """A free cube of one element, all nodes on a reference in its centre, and the reference's index."""
-    cube = grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * [0.1, 0.2, 0.3])
+    cube = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * [0.1, 0.2, 0.3])
     count = len(cube.points)
     mesh = replace(cube, points=np.vstack([cube.points, np.zeros((1, 3))]), node_numbers=np.arange(1, count + 2))
-    return hung(mesh, rigids=(Rigid(reference=count, nodes=np.arange(count)),), **items), count
+    return hung(mesh, rigids=(cf.imported.Rigid(reference=count, nodes=np.arange(count)),), **items), count
 
 
 def test_a_rigid_block_with_an_eccentric_mass_on_springs_is_the_six_by_six_pencil():
@@ -128,8 +110,10 @@ def test_a_rigid_block_with_an_eccentric_mass_on_springs_is_the_six_by_six_penci
     off = np.array([0.3, -0.2, 0.1])
     J = np.array([[0.3, 0.02, 0.0], [0.02, 0.4, 0.05], [0.0, 0.05, 0.5]])
     node = 20
-    springs = tuple(Spring(terms=(Term(node, c, 1.0),), stiffness=value) for c, value in enumerate(k))
-    mesh, _ = block(springs=springs, masses=(PointMass(node=node, mass=7.0, inertia=J, offset=tuple(off)),))
+    springs = tuple(
+        cf.imported.Spring(terms=(cf.imported.Term(node, c, 1.0),), stiffness=value) for c, value in enumerate(k)
+    )
+    mesh, _ = block(springs=springs, masses=(cf.imported.PointMass(node=node, mass=7.0, inertia=J, offset=tuple(off)),))
     system = structure(mesh, ()).assembled()
     own = 7800.0 * 0.1 * 0.2 * 0.3
     sides = np.array([0.1, 0.2, 0.3])
@@ -144,18 +128,25 @@ def test_a_rigid_block_with_an_eccentric_mass_on_springs_is_the_six_by_six_penci
 
 def test_a_mass_on_a_spring_apart_from_the_cells_has_its_own_frequency():
     mesh, node = beam(0.5)
-    springs = (Spring(terms=(Term(node, 1, 1.0),), stiffness=50.0), Spring(terms=(Term(node, 2, 1.0),), stiffness=18.0))
-    ground = Spring(terms=(Term(node, 0, 1.0),), stiffness=1e12)
-    found = mesh_modes(structure(hung(mesh, masses=(PointMass(node=node, mass=2.0),), springs=(*springs, ground))), 2)
+    springs = (
+        cf.imported.Spring(terms=(cf.imported.Term(node, 1, 1.0),), stiffness=50.0),
+        cf.imported.Spring(terms=(cf.imported.Term(node, 2, 1.0),), stiffness=18.0),
+    )
+    ground = cf.imported.Spring(terms=(cf.imported.Term(node, 0, 1.0),), stiffness=1e12)
+    found = cf.modes(
+        structure(hung(mesh, masses=(cf.imported.PointMass(node=node, mass=2.0),), springs=(*springs, ground))), 2
+    )
     np.testing.assert_allclose(2.0 * np.pi * found.freq, [3.0, 5.0], rtol=1e-8)
 
 
 def test_weight_of_point_masses_bends_the_beam():
     mesh, _ = beam()
     tip = mesh.groups["tip"].nodes
-    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    masses = tuple(cf.imported.PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
     part = structure(hung(mesh, masses=masses))
-    heavy, bare = (cf.solve_static(s, [Gravity(acceleration=(0.0, 0.0, -9.81))]) for s in (part, structure(mesh)))
+    heavy, bare = (
+        cf.solve_static(s, [cf.loads.Gravity(acceleration=(0.0, 0.0, -9.81))]) for s in (part, structure(mesh))
+    )
     change = (heavy.fields - bare.fields)[tip, 2].mean()
     np.testing.assert_allclose(change, -2.0 * 9.81 * L**3 / (3.0 * EI), rtol=1e-3)
 
@@ -170,10 +161,19 @@ def test_connections_and_springs_between_nodes_leave_six_rigid_motions_and_know_
     def free(mesh):
         axis = mesh.points[node + 1] - mesh.points[node]
         axis /= np.linalg.norm(axis)
-        terms = [Term(end, c, s * float(axis[c])) for end, s in ((node, 1.0), (node + 1, -1.0)) for c in range(3)]
-        items = joined_to(mesh, node, "mean") | {"masses": (PointMass(node=node + 1, mass=0.5),)}
-        across = [Spring(terms=(Term(node, c, 1.0), Term(node + 1, c, -1.0)), stiffness=1e5) for c in range(3)]
-        return structure(hung(mesh, **items, springs=(Spring(terms=tuple(terms), stiffness=1e6), *across)), ())
+        terms = [
+            cf.imported.Term(end, c, s * float(axis[c])) for end, s in ((node, 1.0), (node + 1, -1.0)) for c in range(3)
+        ]
+        items = joined_to(mesh, node, "mean") | {"masses": (cf.imported.PointMass(node=node + 1, mass=0.5),)}
+        across = [
+            cf.imported.Spring(
+                terms=(cf.imported.Term(node, c, 1.0), cf.imported.Term(node + 1, c, -1.0)), stiffness=1e5
+            )
+            for c in range(3)
+        ]
+        return structure(
+            hung(mesh, **items, springs=(cf.imported.Spring(terms=tuple(terms), stiffness=1e6), *across)), ()
+        )
 
     turn = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
     turn *= np.sign(np.linalg.det(turn))
@@ -192,8 +192,13 @@ def test_equations_make_displacements_one():
     mesh, _ = beam()
     tip = mesh.groups["tip"].nodes
     first, *others = tip.tolist()
-    equations = tuple(Equation(terms=(Term(node, 2, 1.0), Term(first, 2, -1.0))) for node in others)
-    found = cf.solve_static(structure(hung(mesh, equations=equations)), [NodeLoad(node=first + 1, force=(0, 0, 1.0))])
+    equations = tuple(
+        cf.imported.Equation(terms=(cf.imported.Term(node, 2, 1.0), cf.imported.Term(first, 2, -1.0)))
+        for node in others
+    )
+    found = cf.solve_static(
+        structure(hung(mesh, equations=equations)), [cf.imported.NodeLoad(node=first + 1, force=(0, 0, 1.0))]
+    )
     np.testing.assert_allclose(found.fields[tip, 2], found.fields[first, 2], rtol=1e-12)
     np.testing.assert_allclose(found.fields[first, 2], L**3 / (3.0 * EI), rtol=2e-3)
 
@@ -203,13 +208,13 @@ def test_connections_hang_on_connections():
     mesh, node = beam(0.2)
     mesh = replace(mesh, points=np.vstack([mesh.points, [[L + 0.5, 0.1, 0.0]]]), node_numbers=np.arange(1, node + 3))
     tip = mesh.groups["tip"].nodes
-    two = (Rigid(reference=node, nodes=tip), Rigid(reference=node + 1, nodes=np.array([node])))
-    one = (Rigid(reference=node + 1, nodes=tip),)
-    load = [NodeLoad(node=node + 2, force=(0.0, 1.0, 2.0))]
+    two = (cf.imported.Rigid(reference=node, nodes=tip), cf.imported.Rigid(reference=node + 1, nodes=np.array([node])))
+    one = (cf.imported.Rigid(reference=node + 1, nodes=tip),)
+    load = [cf.imported.NodeLoad(node=node + 2, force=(0.0, 1.0, 2.0))]
     found, exact = (cf.solve_static(structure(hung(mesh, rigids=r)), load).at(node + 2) for r in (two, one))
     np.testing.assert_allclose(found, exact, rtol=1e-9)
-    ring = (*two, Rigid(reference=int(tip[0]), nodes=np.array([node + 1])))
-    with pytest.raises(ModelError, match="in a ring"):
+    ring = (*two, cf.imported.Rigid(reference=int(tip[0]), nodes=np.array([node + 1])))
+    with pytest.raises(cf.errors.ModelError, match="in a ring"):
         structure(hung(mesh, rigids=ring)).assembled()
 
 
@@ -277,7 +282,7 @@ tip
 
 def both_files(folder, factor=1.0):
     """One model with everything on it as a bulk data file and as an input file."""
-    mesh = grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, 0.1, 0.05] * factor,
+    mesh = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, 0.1, 0.05] * factor,
                      groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
     count = len(mesh.points)
     inner = np.setdiff1d(np.arange(count), np.concatenate([g.nodes for g in mesh.groups.values()]))[:3] + 1
@@ -295,11 +300,11 @@ def both_files(folder, factor=1.0):
 
 def test_one_model_in_two_formats_has_the_same_modes(tmp_path):
     bdf, inp = both_files(tmp_path)
-    meshes = {"SPC 1": read_mesh(bdf), "root": read_mesh(inp)}
+    meshes = {"SPC 1": cf.read_mesh(bdf), "root": cf.read_mesh(inp)}
     assert repr(meshes["SPC 1"].attachments) == "2 point masses, 5 springs, 1 rigid connection, 1 equation"
-    found = [mesh_modes(structure(mesh, (name,)), 8).freq for name, mesh in meshes.items()]
+    found = [cf.modes(structure(mesh, (name,)), 8).freq for name, mesh in meshes.items()]
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
-    bare = mesh_modes(structure(replace(meshes["root"], attachments=Attachments())), 8).freq
+    bare = cf.modes(structure(replace(meshes["root"], attachments=cf.imported.Attachments())), 8).freq
     assert np.abs(found[1] / bare - 1.0).min() > 1e-3
 
 
@@ -307,14 +312,14 @@ def test_couplings_to_surfaces_and_bodies_of_sets_are_rigid_connections(tmp_path
     """*COUPLING takes all nodes of the faces, their middles included; *RIGID BODY those of the set."""
     _, inp = both_files(tmp_path)
     plain = inp.read_text()
-    by_nodes = read_mesh(inp).attachments.rigids[0]
+    by_nodes = cf.read_mesh(inp).attachments.rigids[0]
     head = plain.index("*KINEMATIC COUPLING")
     tail = plain[plain.index("\n", plain.index("\n", head) + 1) + 1 :]
     reference = re.search(r"REF NODE=(\d+)", plain)[1]
     face = "*SURFACE, NAME=end\n4, S4\n*COUPLING, REF NODE={}, SURFACE=end, CONSTRAINT NAME=c\n*KINEMATIC\n"
     for text in (face, "*RIGID BODY, REF NODE={}, NSET=tip\n"):
         inp.write_text(plain[:head] + text.format(reference) + tail)
-        found = read_mesh(inp).attachments.rigids[0]
+        found = cf.read_mesh(inp).attachments.rigids[0]
         np.testing.assert_array_equal(found.nodes, by_nodes.nodes)
         assert found.components == by_nodes.components
 
@@ -332,10 +337,10 @@ def test_a_mean_in_two_formats_and_three_ways_is_one(tmp_path):
         "*ELEMENT, TYPE=DCOUP3D, ELSET=d\n950, {}\n*DISTRIBUTING COUPLING, ELSET=d\ntip, 1.\n",
         "*SURFACE, NAME=end, TYPE=NODE\ntip\n*COUPLING, REF NODE={}, SURFACE=end\n*DISTRIBUTING\n",
     )
-    found = [read_mesh(bdf).attachments.means[0]]
+    found = [cf.read_mesh(bdf).attachments.means[0]]
     for text in ways:
         inp.write_text(plain[:head] + text.format(reference) + plain[tail:])
-        found.append(read_mesh(inp).attachments.means[0])
+        found.append(cf.read_mesh(inp).attachments.means[0])
     for mean in found[1:]:
         assert (mean.reference, mean.components) == (found[0].reference, (0, 1, 2, 3, 4, 5))
         np.testing.assert_array_equal(mean.nodes, found[0].nodes)
@@ -343,25 +348,29 @@ def test_a_mean_in_two_formats_and_three_ways_is_one(tmp_path):
     inp.write_text(
         plain[:head] + "*SURFACE, NAME=end\n4, S4\n*COUPLING, REF NODE=1, SURFACE=end\n*DISTRIBUTING\n" + plain[tail:]
     )
-    with pytest.warns(ModelWarning, match=r"\*DISTRIBUTING on a surface of elements \(line \d+\).*mesh-left-out"):
-        read_mesh(inp)
+    with pytest.warns(
+        cf.errors.ModelWarning, match=r"\*DISTRIBUTING on a surface of elements \(line \d+\).*mesh-left-out"
+    ):
+        cf.read_mesh(inp)
 
 
 def test_masses_and_springs_need_the_units_of_the_file(tmp_path):
     """The same numbers in mm, t, s: a thousandth of the size, masses a thousand times larger, stiffness alike."""
     bdf, _ = both_files(tmp_path)
-    si, mm = read_mesh(bdf).attachments, read_mesh(bdf, units="mm-t-s").attachments
+    si, mm = cf.read_mesh(bdf).attachments, cf.read_mesh(bdf, units="mm-t-s").attachments
     assert mm.masses[0].mass == pytest.approx(1e3 * si.masses[0].mass)
     np.testing.assert_allclose(mm.masses[0].inertia, 1e-3 * si.masses[0].inertia)
     assert [m.stiffness / s.stiffness for m, s in zip(mm.springs, si.springs, strict=True)] == pytest.approx(
         [1e3, 1e3, 1e-3, 1e3, 1e3]
     )
-    with pytest.raises(ModelError, match=r"found 2 point masses, .* and scale = 0.001, expected units.*mesh-scale"):
-        read_mesh(bdf, scale=1e-3)
-    with pytest.raises(ModelError, match="beside units"):
-        read_mesh(bdf, scale=1e-3, units="mm-t-s")
-    with pytest.raises(ModelError, match="units: found 'mm'"):
-        read_mesh(bdf, units="mm")
+    with pytest.raises(
+        cf.errors.ModelError, match=r"found 2 point masses, .* and scale = 0.001, expected units.*mesh-scale"
+    ):
+        cf.read_mesh(bdf, scale=1e-3)
+    with pytest.raises(cf.errors.ModelError, match="beside units"):
+        cf.read_mesh(bdf, scale=1e-3, units="mm-t-s")
+    with pytest.raises(cf.errors.ModelError, match="units: found 'mm'"):
+        cf.read_mesh(bdf, units="mm")
 
 
 TETRA = """BEGIN BULK
@@ -395,7 +404,7 @@ def test_masses_of_bulk_data_have_the_signs_and_factors_of_the_manual(tmp_path):
     path = tmp_path / "a.bdf"
     card = "CONM2,9,5,,4.,.1,.2,.3,,+\n+,1.,.5,2.,.25,.125,3.\nPARAM,WTMASS,.5"
     path.write_text(TETRA.format(cd="", card=card))
-    (mass,) = read_mesh(path).attachments.masses
+    (mass,) = cf.read_mesh(path).attachments.masses
     assert (mass.mass, mass.offset) == (2.0, (0.1, 0.2, 0.3))
     wanted = 0.5 * np.array([[1.0, -0.5, -0.25], [-0.5, 2.0, -0.125], [-0.25, -0.125, 3.0]])
     np.testing.assert_array_equal(mass.inertia, wanted)
@@ -404,22 +413,23 @@ def test_masses_of_bulk_data_have_the_signs_and_factors_of_the_manual(tmp_path):
 def test_bushes_of_coincident_grids_are_springs_along_the_basic_axes(tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card="GRID,7,,0.,0.,1.\nCBUSH,9,3,4,7,,,,0\nPBUSH,3,K,1.,,3.\n,,B,.1"))
-    springs = read_mesh(path).attachments.springs
+    springs = cf.read_mesh(path).attachments.springs
     assert [(s.stiffness, s.terms) for s in springs] == [
-        (1.0, (Term(3, 0, 1.0), Term(6, 0, -1.0))), (3.0, (Term(3, 2, 1.0), Term(6, 2, -1.0)))
-    ]  # fmt: skip
+        (1.0, (cf.imported.Term(3, 0, 1.0), cf.imported.Term(6, 0, -1.0))),
+        (3.0, (cf.imported.Term(3, 2, 1.0), cf.imported.Term(6, 2, -1.0))),
+    ]
 
 
 def test_joined_nodes_keep_what_hangs_on_them():
     """Two blocks side by side with their own nodes: joined, masses and connections name the nodes that are left."""
-    block = grid_mesh("hexahedron", (1, 1, 1), lambda u: u)
+    block = cf.imported.grid_mesh("hexahedron", (1, 1, 1), lambda u: u)
     points = np.vstack([block.points, block.points + np.eye(3)[0], [[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]])
     near = np.flatnonzero(points[:, 0] == 1.0)[:-1]  # the face twice, without the node of no cell
     mesh = replace(block, points=points, cells=np.vstack([block.cells, block.cells + 8]),
                    cell_numbers=np.arange(1, 3), node_numbers=np.arange(1, 19))  # fmt: skip
-    mesh = hung(mesh, masses=(PointMass(node=15, mass=1.0), PointMass(node=17, mass=2.0)),
-                rigids=(Rigid(reference=16, nodes=near),),
-                means=(Mean(reference=17, nodes=near, weights=np.ones(8)),))  # fmt: skip
+    mesh = hung(mesh, masses=(cf.imported.PointMass(node=15, mass=1.0), cf.imported.PointMass(node=17, mass=2.0)),
+                rigids=(cf.imported.Rigid(reference=16, nodes=near),),
+                means=(cf.imported.Mean(reference=17, nodes=near, weights=np.ones(8)),))  # fmt: skip
     found = joined(mesh, 1e-6)
     assert len(found.points) == 14
     rigid, mean = found.attachments.rigids[0], found.attachments.means[0]
@@ -461,16 +471,20 @@ def test_joined_nodes_keep_what_hangs_on_them():
 def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=card))
-    with pytest.raises(ModelError, match=told):
-        read_mesh(path)
+    with pytest.raises(cf.errors.ModelError, match=told):
+        cf.read_mesh(path)
 
 
 @pytest.mark.parametrize(
     ("card", "kind", "wanted"),
     [
-        ("CELAS2,9,1e-9,4,1", "springs", {"stiffness": 1e-9, "terms": (Term(3, 0, 1.0),)}),
-        ("CELAS2,9,2.,4,5,5,6", "springs", {"stiffness": 2.0, "terms": (Term(3, 4, 1.0), Term(4, 5, -1.0))}),
-        ("CELAS2,9,2.,,,4,3", "springs", {"stiffness": 2.0, "terms": (Term(3, 2, 1.0),)}),
+        ("CELAS2,9,1e-9,4,1", "springs", {"stiffness": 1e-9, "terms": (cf.imported.Term(3, 0, 1.0),)}),
+        (
+            "CELAS2,9,2.,4,5,5,6",
+            "springs",
+            {"stiffness": 2.0, "terms": (cf.imported.Term(3, 4, 1.0), cf.imported.Term(4, 5, -1.0))},
+        ),
+        ("CELAS2,9,2.,,,4,3", "springs", {"stiffness": 2.0, "terms": (cf.imported.Term(3, 2, 1.0),)}),
         ("CELAS1,9,3,4,1\nPELAS,3,7.,,,4,8.", "springs", {"stiffness": 7.0}),
         ("CELAS1,9,4,4,1\nPELAS,3,7.,,,4,8.", "springs", {"stiffness": 8.0}),
         ("CELAS1,3,,4,1\nPELAS,3,7.", "springs", {"stiffness": 7.0}),
@@ -486,7 +500,7 @@ def test_cards_that_are_not_understood_are_refused_by_line(card, told, tmp_path)
 def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=card))
-    (found,) = getattr(read_mesh(path).attachments, kind)
+    (found,) = getattr(cf.read_mesh(path).attachments, kind)
     for name, value in wanted.items():
         of_it = getattr(found, name)
         assert (np.asarray(of_it).tolist() if isinstance(value, list) else of_it) == value
@@ -495,21 +509,32 @@ def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
 @pytest.mark.parametrize(
     ("text", "kind", "wanted"),
     [
-        ("*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S\n3\n1e-9\n", "springs", {"terms": (Term(3, 2, 1.0),)}),
+        (
+            "*ELEMENT,TYPE=SPRING1,ELSET=S\n9,4\n*SPRING,ELSET=S\n3\n1e-9\n",
+            "springs",
+            {"terms": (cf.imported.Term(3, 2, 1.0),)},
+        ),
         (
             "*ELEMENT,TYPE=SPRING2,ELSET=S\n9,4,5\n*SPRING,ELSET=S\n1,2\n5.\n",
             "springs",
-            {"terms": (Term(3, 0, 1.0), Term(4, 1, -1.0)), "stiffness": 5.0},
+            {"terms": (cf.imported.Term(3, 0, 1.0), cf.imported.Term(4, 1, -1.0)), "stiffness": 5.0},
         ),
         (
             "*ELEMENT,TYPE=SPRINGA,ELSET=S\n9,4,6\n*SPRING,ELSET=S\n5.\n*NODE\n6,3.,0.,5.\n",
             "springs",
-            {"terms": (Term(3, 0, 0.6), Term(3, 2, 0.8), Term(5, 0, -0.6), Term(5, 2, -0.8))},
+            {
+                "terms": (
+                    cf.imported.Term(3, 0, 0.6),
+                    cf.imported.Term(3, 2, 0.8),
+                    cf.imported.Term(5, 0, -0.6),
+                    cf.imported.Term(5, 2, -0.8),
+                )
+            },
         ),
         (
             "*EQUATION\n3\n4,1,1.,3,1,-1.,\n1,2,.5\n",
             "equations",
-            {"terms": (Term(3, 0, 1.0), Term(2, 0, -1.0), Term(0, 1, 0.5))},
+            {"terms": (cf.imported.Term(3, 0, 1.0), cf.imported.Term(2, 0, -1.0), cf.imported.Term(0, 1, 0.5))},
         ),
         ("*ELEMENT,TYPE=MASS,ELSET=M\n9,4\n*MASS,ELSET=M\n0.\n", "masses", {"mass": 0.0, "node": 3}),
         (
@@ -531,7 +556,7 @@ def test_cards_are_what_the_manual_says(card, kind, wanted, tmp_path):
 def test_keywords_are_what_the_manual_says(text, kind, wanted, tmp_path):
     path = tmp_path / "a.inp"
     path.write_text(INP + text)
-    (found,) = getattr(read_mesh(path).attachments, kind)
+    (found,) = getattr(cf.read_mesh(path).attachments, kind)
     for name, value in wanted.items():
         of_it = getattr(found, name)
         assert (np.asarray(of_it).tolist() if isinstance(value, list) else of_it) == value
@@ -541,11 +566,11 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
     path = tmp_path / "a.bdf"
     for single in ("12", "12346", "12356"):
         path.write_text(TETRA.format(cd="2", card=f"RBE2,9,5,{single},4"))
-        with pytest.raises(ModelError, match=r"single components of grid 4, .*\(CD\)"):
-            read_mesh(path)
+        with pytest.raises(cf.errors.ModelError, match=r"single components of grid 4, .*\(CD\)"):
+            cf.read_mesh(path)
     for whole, components in (("123", (0, 1, 2)), ("456", (3, 4, 5)), ("123456", (0, 1, 2, 3, 4, 5))):
         path.write_text(TETRA.format(cd="2", card=f"RBE2,9,5,{whole},4"))
-        assert read_mesh(path).attachments.rigids[0].components == components
+        assert cf.read_mesh(path).attachments.rigids[0].components == components
 
 
 @pytest.mark.parametrize(
@@ -602,8 +627,8 @@ def test_single_directions_of_turned_grids_are_refused_and_all_three_are_not(tmp
 def test_keywords_that_are_not_understood_are_refused_by_line(text, told, tmp_path):
     path = tmp_path / "a.inp"
     path.write_text(INP + text)
-    with pytest.raises(ModelError, match=told):
-        read_mesh(path)
+    with pytest.raises(cf.errors.ModelError, match=told):
+        cf.read_mesh(path)
 
 
 @pytest.mark.parametrize("name", ["CONM1,9,4", "CMASS2,9,3.,4,1", "CGAP,9,3,4,5", "CSHEAR,9,3,1,2,3,4", "RROD,9,4,5",
@@ -612,8 +637,8 @@ def test_keywords_that_are_not_understood_are_refused_by_line(text, told, tmp_pa
 def test_other_cards_with_stiffness_or_mass_are_not_passed_over_in_silence(name, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=name + "\nMAT1,1,2.+11\nPARAM,POST,-1\nCORD2R,2,,0.,0.,0.,0.,0.,1.\n,1."))
-    with pytest.warns(ModelWarning, match=f"1 {name.partition(',')[0]} .*mesh-left-out"):
-        read_mesh(path)
+    with pytest.warns(cf.errors.ModelWarning, match=f"1 {name.partition(',')[0]} .*mesh-left-out"):
+        cf.read_mesh(path)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
@@ -631,8 +656,8 @@ def test_other_cards_with_stiffness_or_mass_are_not_passed_over_in_silence(name,
 def test_what_cannot_be_attached_is_refused_by_card_and_node(card, told, tmp_path):
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card=card))
-    part = Solid(mesh=read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
-    with pytest.raises(ModelError, match=told + ".*mesh-attachment"):
+    part = cf.Solid(mesh=cf.read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
+    with pytest.raises(cf.errors.ModelError, match=told + ".*mesh-attachment"):
         part.assembled()
 
 
@@ -640,7 +665,13 @@ MIDDLE, LAST = 4, 6  # two nodes of the beam of shells, numbered 5 and 7 from 1
 
 
 def sums(coefficient, component):
-    return {"equations": (Equation(terms=(Term(MIDDLE, component, coefficient), Term(LAST, 0, 1.0))),)}
+    return {
+        "equations": (
+            cf.imported.Equation(
+                terms=(cf.imported.Term(MIDDLE, component, coefficient), cf.imported.Term(LAST, 0, 1.0))
+            ),
+        )
+    }
 
 
 @pytest.mark.parametrize(
@@ -654,21 +685,31 @@ def sums(coefficient, component):
         (sums(1.0, 2), sums(1.0, 3), "equation: node 5: found a turn of a shell's node in the first term, expected a"),
         (sums(1.0, 2), sums(1.0, 4), "equation: node 5: found a turn of a shell's node in the first term, expected a"),
         (
-            {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), where="RBE2 8"),)},
-            {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST, MIDDLE]), where="RBE2 8"),)},
+            {"rigids": (cf.imported.Rigid(reference=MIDDLE, nodes=np.array([LAST]), where="RBE2 8"),)},
+            {"rigids": (cf.imported.Rigid(reference=MIDDLE, nodes=np.array([LAST, MIDDLE]), where="RBE2 8"),)},
             "RBE2 8: node 5: found it among the nodes that follow it",
         ),
         *(
             (
-                {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=whole),)},
-                {"rigids": (Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=part),)},
+                {"rigids": (cf.imported.Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=whole),)},
+                {"rigids": (cf.imported.Rigid(reference=MIDDLE, nodes=np.array([LAST]), components=part),)},
                 "rigid connection: node 7: found some of the turns of a shell's node, expected all three or none",
             )
             for whole, part in (((0, 1, 2), (0, 1, 2, 4)), ((0, 3, 4, 5), (0, 3, 5)))
         ),
         (
-            {"means": (Mean(reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 1, 2)),)},
-            {"means": (Mean(reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 3)),)},
+            {
+                "means": (
+                    cf.imported.Mean(
+                        reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 1, 2)
+                    ),
+                )
+            },
+            {
+                "means": (
+                    cf.imported.Mean(reference=MIDDLE, nodes=np.arange(6, 12), weights=np.ones(6), components=(0, 3)),
+                )
+            },
             "mean connection: node 5: found turns of a node on cells, expected x, y, z alone",
         ),
     ],
@@ -676,7 +717,7 @@ def sums(coefficient, component):
 def test_what_nodes_of_shells_cannot_follow_is_refused(taken, refused, told):
     mesh, _ = beam(kind="shell")
     structure(hung(mesh, **taken)).assembled()
-    with pytest.raises(ModelError, match=told + ".*mesh-attachment"):
+    with pytest.raises(cf.errors.ModelError, match=told + ".*mesh-attachment"):
         structure(hung(mesh, **refused)).assembled()
 
 
@@ -685,7 +726,7 @@ def test_a_motion_that_only_a_small_inertia_feels_is_not_loose(tmp_path):
     """A turn about the line of two nodes, which has no stiffness: mass is not measured by the scale of stiffness."""
     path = tmp_path / "a.bdf"
     path.write_text(TETRA.format(cd="", card="RBE2,9,5,123,4,2\nCONM2,10,5,,1.-6,,,,,+\n+,1.-9,,1.-9,,,1.-9"))
-    part = Solid(mesh=read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
+    part = cf.Solid(mesh=cf.read_mesh(path), material=STEEL, supports={"SPC 3": cf.Clamped()})
     assert part.assembled().K.shape == (6, 6)
 
 
@@ -697,7 +738,7 @@ def test_a_light_beam_with_a_tip_mass_stiffens_as_it_turns(kind):
     mesh, _ = beam(kind=kind)
     tip = mesh.groups["tip"].nodes
     light = cf.Material(E=210e9, nu=0.0, rho=1e-3)
-    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    masses = tuple(cf.imported.PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
     for axis in ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         part = replace(structure(hung(mesh, masses=masses)), material=light,
                        rotation=cf.Rotation(omega=0.0, axis=axis))  # fmt: skip
@@ -711,7 +752,7 @@ def test_a_tip_mass_at_speed_swings_on_a_tensioned_beam():
     """Without mass of its own it is a spring T/(L - tanh(a L)/a), a = sqrt(T/EI), T = m Omega^2 L; less m Omega^2."""
     mesh, _ = beam()
     tip, omega = mesh.groups["tip"].nodes, 75.0
-    masses = tuple(PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
+    masses = tuple(cf.imported.PointMass(node=int(node), mass=2.0 / len(tip)) for node in tip)
     part = structure(hung(mesh, masses=masses))
     part = replace(part, material=cf.Material(E=210e9, nu=0.0, rho=1.0))
     system = part.assembled()

@@ -10,18 +10,9 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import ModelError
-from casingfem.modal.interface.kinds import AtNodes, Tip
-from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.cyclic.sector import CyclicSector
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad, solve_mesh_static
-from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
+from casingfem.structure.imported.loads import solve_mesh_static
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.collapsed import mirror
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
-from casingfem.structure.imported.read import read_mesh
 
 FILES = Path(__file__).parent / "branching"
 STEEL = cf.Material(E=207e9, nu=0.3, rho=7850.0)
@@ -30,7 +21,7 @@ FAN_LUAH = [20.28, 25.43, 28.79, 30.62]  # Hz: Fan & Luah, J. Sound Vib. 179, 19
 
 def part(name):
     """A mesh of the folder."""
-    return read_mesh(FILES / f"{name}.inp")
+    return cf.read_mesh(FILES / f"{name}.inp")
 
 
 def shell(mesh, thickness=1e-3, *, held=True, **given):
@@ -45,7 +36,7 @@ def frequencies(mesh, thickness=1e-3, count=12, *, held=True):
 def merged(points, kind, **given):
     """A mesh from the nodes of its cells (cells, nodes, 3)."""
     x, cells = np.unique(np.round(points.reshape(-1, 3), 9), axis=0, return_inverse=True)
-    return MeshData(kind=kind, points=x, cells=cells.reshape(points.shape[:2]), **given)
+    return cf.imported.MeshData(kind=kind, points=x, cells=cells.reshape(points.shape[:2]), **given)
 
 
 def divided(mesh, n, kind):
@@ -60,7 +51,7 @@ def divided(mesh, n, kind):
         name: ((finer.points > x.min(axis=0) - 1e-6) & (finer.points < x.max(axis=0) + 1e-6)).all(axis=1)
         for name, x in ends.items()
     }
-    return replace(finer, groups={name: Group(nodes=np.flatnonzero(mask)) for name, mask in inside.items()})
+    return replace(finer, groups={name: cf.imported.Group(nodes=np.flatnonzero(mask)) for name, mask in inside.items()})
 
 
 def permuted(mesh):
@@ -69,8 +60,8 @@ def permuted(mesh):
     order = rng.permutation(len(mesh.points))
     place = np.argsort(order)
     cells = np.roll(place[mesh.cells][rng.permutation(len(mesh.cells))], 1, axis=1)
-    groups = {name: Group(nodes=place[group.nodes]) for name, group in mesh.groups.items()}
-    return MeshData(kind=mesh.kind, points=mesh.points[order], cells=cells, groups=groups)
+    groups = {name: cf.imported.Group(nodes=place[group.nodes]) for name, group in mesh.groups.items()}
+    return cf.imported.MeshData(kind=mesh.kind, points=mesh.points[order], cells=cells, groups=groups)
 
 
 def turned(mesh):
@@ -121,15 +112,15 @@ def gutter():
     mesh = merged(np.array(cells), "quad9")
     on_axis = np.hypot(mesh.points[:, 0], mesh.points[:, 1]) < 1e-9
     groups = {"axis": on_axis, "lip": np.abs(mesh.points[:, 1] - 0.15) < 1e-9}
-    return replace(mesh, groups={name: Group(nodes=np.flatnonzero(mask)) for name, mask in groups.items()})
+    return replace(mesh, groups={name: cf.imported.Group(nodes=np.flatnonzero(mask)) for name, mask in groups.items()})
 
 
 def test_a_turning_part_is_neutral_to_a_turn_about_its_axis():
     """theta.K1 theta = 0 with the moment of inertia as the scale; without the arms of the joints it is 0.05."""
-    supports = {"axis": Fixed(directions=("x", "y", "z")), "lip": cf.ElasticEdge(k_face=1.0)}
+    supports = {"axis": cf.imported.Fixed(directions=("x", "y", "z")), "lip": cf.ElasticEdge(k_face=1.0)}
     structure = cf.MeshShell(mesh=gutter(), thickness=2e-3, material=STEEL, supports=supports)
     system = structure.assembled()
-    spin = structure.spin(system, Rotation(omega=1.0, axis=(0.0, 0.0, 1.0)))
+    spin = structure.spin(system, cf.Rotation(omega=1.0, axis=(0.0, 0.0, 1.0)))
     motion = np.concatenate([np.cross([0, 0, 1], system.points), system.walls.joints.axes @ [0, 0, 1]], axis=1)
     r = system.collect(motion[:, :, None])[:, 0]
     assert r @ system.M @ r > 0.05
@@ -139,17 +130,19 @@ def test_a_turning_part_is_neutral_to_a_turn_about_its_axis():
 def test_a_branched_shell_that_spins_is_stiffer():
     """A T whose web runs along the radius, clamped at its root 0.3 m from the axis: a beam so long has 2.8 Omega^2."""
     mesh = part("tee")
-    root = Group(nodes=np.flatnonzero(mesh.points[:, 1] < 1e-9))
+    root = cf.imported.Group(nodes=np.flatnonzero(mesh.points[:, 1] < 1e-9))
     mesh = replace(mesh, groups={"BASE": root})
-    spin = Rotation(omega=60.0, axis=(0.0, 0.0, 1.0), centre=(0.2, -0.3, 0.0))
+    spin = cf.Rotation(omega=60.0, axis=(0.0, 0.0, 1.0), centre=(0.2, -0.3, 0.0))
     at_rest, spinning = (cf.modes(shell(mesh, rotation=rotation), 3).freq for rotation in (None, spin))
     rise = (spinning**2 - at_rest**2) / (60.0 / (2.0 * np.pi)) ** 2
     assert ((rise > 1.0) & (rise < 4.0)).all()
 
 
 def test_a_sector_of_a_wheel_may_not_branch():
-    with pytest.raises(ModelError, match=r"tee\.inp: a sector of a wheel with walls that meet.*7 nodes.*mesh-branch"):
-        CyclicSector(structure=shell(part("tee")), sectors=12)
+    with pytest.raises(
+        cf.errors.ModelError, match=r"tee\.inp: a sector of a wheel with walls that meet.*7 nodes.*mesh-branch"
+    ):
+        cf.imported.CyclicSector(structure=shell(part("tee")), sectors=12)
 
 
 def cut(mesh):
@@ -197,7 +190,7 @@ def test_triangles_among_squares_branch_in_every_format_alike(tmp_path):
     found = []
     for name, write in (("tee.inp", as_inp), ("tee.bdf", as_bdf), ("tee.msh", as_msh)):
         (tmp_path / name).write_text(write(tee, *cut(tee)))
-        mesh = read_mesh(tmp_path / name)
+        mesh = cf.read_mesh(tmp_path / name)
         base = min(mesh.groups, key=lambda name: mesh.groups[name].nodes.size)  # each format names it as it does
         structure = cf.MeshShell(mesh=mesh, thickness=1e-3, material=STEEL, supports={base: cf.Clamped()})
         assert len(structure.apart.meeting) == 7
@@ -209,10 +202,10 @@ def test_triangles_among_squares_branch_in_every_format_alike(tmp_path):
 def test_the_compliance_of_a_basis_at_a_joint_is_the_static_answer_there():
     """Node 32 lies on the line where plate and web meet, 84 on the web's far corner."""
     structure = shell(part("tee"))
-    basis = cf.reduce(structure, AtNodes((32, 84)), modes=6)
+    basis = cf.reduce(structure, cf.modal.AtNodes((32, 84)), modes=6)
     np.testing.assert_allclose(basis.freq, cf.modes(structure, 6).freq, rtol=1e-10)
     for column, (node, force) in enumerate((node, force) for node in (32, 84) for force in np.eye(3).tolist()):
-        bent = solve_mesh_static(structure, [NodeLoad(node=node, force=tuple(force))])
+        bent = solve_mesh_static(structure, [cf.imported.NodeLoad(node=node, force=tuple(force))])
         answer = np.concatenate([bent.at(32), bent.at(84)])
         np.testing.assert_allclose(basis.compliance[:, column], answer, rtol=1e-6, atol=1e-9 * np.abs(answer).max())
 
@@ -220,8 +213,8 @@ def test_the_compliance_of_a_basis_at_a_joint_is_the_static_answer_there():
 def test_the_frame_of_a_webs_tip_is_that_of_the_web_however_cells_are_numbered():
     """The web's upper edge: span along z, chord along y, flap along the web's normal."""
     for mesh in (part("tee"), permuted(part("tee"))):
-        rim = Group(nodes=np.flatnonzero(mesh.points[:, 2] > 0.15 - 1e-9))
-        basis = cf.reduce(shell(replace(mesh, groups={**mesh.groups, "rim": rim})), Tip("rim"), modes=4)
+        rim = cf.imported.Group(nodes=np.flatnonzero(mesh.points[:, 2] > 0.15 - 1e-9))
+        basis = cf.reduce(shell(replace(mesh, groups={**mesh.groups, "rim": rim})), cf.Tip("rim"), modes=4)
         found = np.abs(list(basis.provenance["directions"].values()))
         np.testing.assert_allclose(found, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-9)
 
@@ -233,18 +226,18 @@ def test_what_hangs_on_a_joint_feels_its_whole_rotation():
     points = np.vstack([tee.points, [0.2, 0.15, -0.03]])
     mesh, far, joint = replace(tee, points=points, node_numbers=np.zeros(0, dtype=int)), len(tee.points), 31
     J = np.diag([1e-4, 2e-4, 3e-4])
-    masses = (PointMass(node=far, mass=0.2, inertia=J),)
-    own = PointMass(node=joint, mass=0.2, inertia=J, offset=(0.0, 0.0, -0.03))
-    spin = Rotation(omega=60.0, axis=(0.0, 0.0, 1.0), centre=(0.2, -0.3, 0.0))
+    masses = (cf.imported.PointMass(node=far, mass=0.2, inertia=J),)
+    own = cf.imported.PointMass(node=joint, mass=0.2, inertia=J, offset=(0.0, 0.0, -0.03))
+    spin = cf.Rotation(omega=60.0, axis=(0.0, 0.0, 1.0), centre=(0.2, -0.3, 0.0))
     for rotation in (None, spin):
         found = []
         for on, given in (
             (tee, {"masses": (own,)}),
-            (mesh, {"masses": masses, "rigids": (Rigid(reference=joint, nodes=np.array([far])),)}),
-            (mesh, {"masses": masses, "rigids": (Rigid(reference=far, nodes=np.array([joint])),)}),
+            (mesh, {"masses": masses, "rigids": (cf.imported.Rigid(reference=joint, nodes=np.array([far])),)}),
+            (mesh, {"masses": masses, "rigids": (cf.imported.Rigid(reference=far, nodes=np.array([joint])),)}),
         ):
-            root = Group(nodes=np.flatnonzero(on.points[:, 1] < 1e-9))
-            whole = replace(on, groups={"BASE": root}, attachments=Attachments(**given))
+            root = cf.imported.Group(nodes=np.flatnonzero(on.points[:, 1] < 1e-9))
+            whole = replace(on, groups={"BASE": root}, attachments=cf.imported.Attachments(**given))
             found.append(cf.modes(shell(whole, 2e-3, rotation=rotation), 6).freq)
         np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-8)
 
@@ -289,5 +282,7 @@ def test_a_folded_plate_settles_as_a_flat_one_does(angle):
         beyond = np.maximum(u[:, 0] - 0.5, 0.0)
         return np.stack([u[:, 0] - beyond * (1 - c), u[:, 1], beyond * s], axis=1)
 
-    coarse, fine = (frequencies(grid_mesh("quad9", (n, n), place, groups={"BASE": (1, 0.0)}), 0.01, 4) for n in (4, 8))
+    coarse, fine = (
+        frequencies(cf.imported.grid_mesh("quad9", (n, n), place, groups={"BASE": (1, 0.0)}), 0.01, 4) for n in (4, 8)
+    )
     np.testing.assert_allclose(coarse, fine, rtol=6e-3)

@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.read import read_mesh
 
 ELEMENTS = {"hexahedron": 185, "hexahedron20": 186, "tetra10": 187, "tetra": 285, "quad": 181, "quad8": 281}
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -41,22 +38,22 @@ def component(name, kind, members):
 
 def written(path, mesh, **more):
     path.write_text(cdb(mesh.points, mesh.cells, ELEMENTS[mesh.kind], **more))
-    return read_mesh(path)
+    return cf.read_mesh(path)
 
 
 def test_node_blocks_with_whole_numbers_of_two_widths(tmp_path):
     """As Workbench writes them: (1i7,2i9,6e21.13)."""
-    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (2, 1, 1), place)
     text = cdb(mesh.points, mesh.cells, ELEMENTS["hexahedron"])
     head, nodes, rest = re.split(r"(?<=e3\)\n)|(?=N,R5)", text)
     narrow = "".join(line[2:] + "\n" for line in nodes.splitlines())
     path = tmp_path / "workbench.cdb"
     path.write_text(head.replace("(3i9,6e", "(1i7,2i9,6e") + narrow + rest)
-    np.testing.assert_allclose(read_mesh(path).points, mesh.points, atol=1e-12)
+    np.testing.assert_allclose(cf.read_mesh(path).points, mesh.points, atol=1e-12)
 
 
 def test_each_of_several_blocks_counts_its_own(tmp_path):
-    mesh = grid_mesh("hexahedron", (3, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (3, 1, 1), place)
     head, nodes, elements = re.split(r"(?=NBLOCK)|(?=EBLOCK)", cdb(mesh.points, mesh.cells, ELEMENTS["hexahedron"]))
 
     def halves(block, count):
@@ -68,13 +65,13 @@ def test_each_of_several_blocks_counts_its_own(tmp_path):
 
     path = tmp_path / "blocks.cdb"
     path.write_text(head + "".join(halves(nodes, len(mesh.points))) + "".join(halves(elements, 3)))
-    assert np.array_equal(read_mesh(path).cells, mesh.cells)
+    assert np.array_equal(cf.read_mesh(path).cells, mesh.cells)
 
 
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_a_mesh_comes_back(kind, tmp_path):
     dims = 2 if kind.startswith("quad") else 3
-    mesh = grid_mesh(kind, (3, 2, 1)[:dims], place)
+    mesh = cf.imported.grid_mesh(kind, (3, 2, 1)[:dims], place)
     ends = [int(n) + 1 for n in np.flatnonzero(mesh.points[:, 0] < 1e-9)]
     more = component("ROOT", "NODE", ends) + component("HALF", "ELEM", [1, 2])
     found = written(tmp_path / "part.cdb", mesh, more=more, materials=[1, *[2] * (len(mesh.cells) - 1)])
@@ -88,7 +85,7 @@ def test_a_mesh_comes_back(kind, tmp_path):
 
 
 def test_the_part_has_its_modes(tmp_path):
-    mesh = grid_mesh("hexahedron20", (4, 1, 1), place, groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), place, groups={"root": (0, 0.0)})
     root = component("ROOT", "NODE", (mesh.groups["root"].nodes + 1).tolist())
     found = written(tmp_path / "part.cdb", mesh, more=root)
     exact = cf.modes(cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}), 4)
@@ -98,39 +95,39 @@ def test_the_part_has_its_modes(tmp_path):
 
 def test_bricks_collapsed_to_tetrahedra(tmp_path):
     """SOLID186 with K = L and M = N = O = P, middle nodes repeated alike; SOLID185 without them."""
-    mesh = grid_mesh("tetra10", (1, 1, 1), place)
+    mesh = cf.imported.grid_mesh("tetra10", (1, 1, 1), place)
     i, j, k, m, ij, jk, ki, im, jm, km = mesh.cells.T
     brick = np.stack([i, j, k, k, m, m, m, m, ij, jk, k, ki, m, m, m, m, im, jm, km, km], axis=1)
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, brick, 186))
-    assert np.array_equal(read_mesh(tmp_path / "part.cdb").cells, mesh.cells)
+    assert np.array_equal(cf.read_mesh(tmp_path / "part.cdb").cells, mesh.cells)
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, brick[:, :8], 185))
-    found = read_mesh(tmp_path / "part.cdb")
+    found = cf.read_mesh(tmp_path / "part.cdb")
     assert (found.kind, found.cells.tolist()) == ("tetra", mesh.cells[:, :4].tolist())
 
 
 def test_what_is_no_solid_is_counted(tmp_path):
-    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (2, 1, 1), place)
     text = cdb(mesh.points, mesh.cells, 185).replace("ET,1,185", "ET,1,185\nET,2,154")
     text = text.replace("EBLOCK,19,SOLID,        2,        2", "EBLOCK,19,SOLID,        3,        3")
     face = [1, 2, 1, 1, 0, 0, 0, 0, 4, 0, 3, *(mesh.cells[0, :4] + 1).tolist()]
     text = text.replace("\n       -1\n", "\n" + "".join(f"{n:9d}" for n in face) + "\n       -1\n")
     (tmp_path / "part.cdb").write_text(text)
-    with pytest.warns(ModelWarning, match="1 elements of type 154"):
-        assert len(read_mesh(tmp_path / "part.cdb").cells) == 2
+    with pytest.warns(cf.errors.ModelWarning, match="1 elements of type 154"):
+        assert len(cf.read_mesh(tmp_path / "part.cdb").cells) == 2
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-(orphan-nodes|thin-curved)")
 def test_wedges_are_collapsed_bricks_and_quadratic_ones_what_they_are(tmp_path):
     """Of SOLID186 a wedge, and one without some of its middle nodes: half of the block."""
-    mesh = grid_mesh("hexahedron27", (1, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron27", (1, 1, 1), place)
     wedge = mesh.cells[:, [0, 1, 2, 2, 4, 5, 6, 6, 8, 9, 2, 24, 12, 13, 6, 25, 16, 17, 18, 18]]
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, wedge[:, :8], 185))
-    found = read_mesh(tmp_path / "part.cdb")
+    found = cf.read_mesh(tmp_path / "part.cdb")
     assert (found.kind, found.cells.tolist(), found.collapsed.tolist()) == ("hexahedron", wedge[:, :8].tolist(), [True])
     fewer = np.where(np.isin(np.arange(20), (9, 13, 16)), -1, wedge)  # written as 0
     for cells, tied in ((wedge, 0), (fewer, 3)):
         (tmp_path / "part.cdb").write_text(cdb(mesh.points, cells, 186))
-        found = read_mesh(tmp_path / "part.cdb")
+        found = cf.read_mesh(tmp_path / "part.cdb")
         assert (found.kind, found.collapsed.tolist()) == ("hexahedron20", [True])
         assert sum(len(tie.nodes) for tie in found.attachments.glued) == tied
         solid = cf.Solid(mesh=found, material=cf.Material(E=210e9, nu=0.3, rho=7800.0))
@@ -139,17 +136,17 @@ def test_wedges_are_collapsed_bricks_and_quadratic_ones_what_they_are(tmp_path):
 
 
 def test_triangles_are_collapsed_squares(tmp_path):
-    mesh = grid_mesh("quad", (1, 1), place)
+    mesh = cf.imported.grid_mesh("quad", (1, 1), place)
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, mesh.cells[:, [0, 1, 2, 2]], 181))
-    assert read_mesh(tmp_path / "part.cdb").collapsed.tolist() == [True]
+    assert cf.read_mesh(tmp_path / "part.cdb").collapsed.tolist() == [True]
 
 
 def test_a_shell_keeps_its_middle_nodes_where_one_of_them_is_left_out(tmp_path):
-    mesh = grid_mesh("quad8", (2, 1), place)
+    mesh = cf.imported.grid_mesh("quad8", (2, 1), place)
     fewer = mesh.cells.copy()
     fewer[0, 4] = -1  # written as 0
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, fewer, 281))
-    found = read_mesh(tmp_path / "part.cdb")
+    found = cf.read_mesh(tmp_path / "part.cdb")
     assert found.kind == "quad8"
     assert np.array_equal(found.cells[fewer >= 0], fewer[fewer >= 0])
     middle = mesh.points[fewer[0, :2]].mean(axis=0)
@@ -157,17 +154,17 @@ def test_a_shell_keeps_its_middle_nodes_where_one_of_them_is_left_out(tmp_path):
 
 
 def test_archives_cut_short_are_refused(tmp_path):
-    mesh = grid_mesh("hexahedron20", (3, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron20", (3, 1, 1), place)
     text = cdb(mesh.points, mesh.cells, 186)
     for keep in (0.2, 0.5, 0.8, 0.95):
         (tmp_path / "part.cdb").write_text("\n".join(text.splitlines()[: int(keep * text.count("\n"))]) + "\n")
-        with pytest.raises(ModelError):
-            read_mesh(tmp_path / "part.cdb")
+        with pytest.raises(cf.errors.ModelError):
+            cf.read_mesh(tmp_path / "part.cdb")
     (tmp_path / "part.cdb").write_text("/PREP7\n")
-    with pytest.raises(ModelError):
-        read_mesh(tmp_path / "part.cdb")
+    with pytest.raises(cf.errors.ModelError):
+        cf.read_mesh(tmp_path / "part.cdb")
     with pytest.raises(FileNotFoundError):
-        read_mesh(tmp_path / "none.cdb")
+        cf.read_mesh(tmp_path / "none.cdb")
 
 
 NUMBERS = "        8        0        1"  # how many nodes an element has, 0, its own number
@@ -211,34 +208,38 @@ BAD = {
 @pytest.mark.parametrize("name", BAD)
 def test_damage_is_named_with_its_line(name, tmp_path):
     change, message = BAD[name]
-    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (1, 1, 1), place)
     text = cdb(mesh.points, mesh.cells, 185)
     assert change(text) != text
     (tmp_path / "part.cdb").write_text(change(text))
-    with pytest.raises(ModelError, match=message):
-        read_mesh(tmp_path / "part.cdb")
+    with pytest.raises(cf.errors.ModelError, match=message):
+        cf.read_mesh(tmp_path / "part.cdb")
 
 
 def test_coordinates_that_are_left_out_at_the_end_of_a_line_are_zero(tmp_path):
-    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (1, 1, 1), place)
     lines = cdb(mesh.points, mesh.cells, 185).splitlines(keepends=True)
     lines[8] = lines[8][: 3 * 9 + 21] + "\n"  # x of the fifth node
     lines[4] = lines[4][:9] + "\n"  # the number alone
     (tmp_path / "part.cdb").write_text("".join(lines))
-    np.testing.assert_array_equal(read_mesh(tmp_path / "part.cdb").points[[0, 4]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    np.testing.assert_array_equal(
+        cf.read_mesh(tmp_path / "part.cdb").points[[0, 4]], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
+    )
 
 
 def test_an_archive_of_what_is_no_solid_or_shell_alone_is_refused(tmp_path):
-    mesh = grid_mesh("hexahedron", (1, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (1, 1, 1), place)
     (tmp_path / "part.cdb").write_text(cdb(mesh.points, mesh.cells, 154))
     with (
-        pytest.warns(ModelWarning, match="part.cdb: 1 elements of type 154: .*mesh-left-out"),
-        pytest.raises(ModelError, match=r"part.cdb: found 8 nodes and no solid or shell elements.*mesh-no-cells"),
+        pytest.warns(cf.errors.ModelWarning, match="part.cdb: 1 elements of type 154: .*mesh-left-out"),
+        pytest.raises(
+            cf.errors.ModelError, match=r"part.cdb: found 8 nodes and no solid or shell elements.*mesh-no-cells"
+        ),
     ):
-        read_mesh(tmp_path / "part.cdb")
+        cf.read_mesh(tmp_path / "part.cdb")
 
 
 def test_ranges_of_components(tmp_path):
-    mesh = grid_mesh("hexahedron", (2, 1, 1), place)
+    mesh = cf.imported.grid_mesh("hexahedron", (2, 1, 1), place)
     found = written(tmp_path / "part.cdb", mesh, more=component("A", "NODE", [1, -4, 6]))
     assert found.groups["A"].nodes.tolist() == [0, 1, 2, 3, 5]

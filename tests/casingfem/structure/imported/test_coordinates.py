@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
-from casingfem.structure.imported.read import read_mesh
+import casingfem as cf
 from casingfem.structure.imported.readers.coordinates import System, axes_at, cartesian, coordinates, in_basic
 
 X = np.array([1.0, 2.0, 3.0])
@@ -55,13 +54,13 @@ ENDDATA
 
 def test_grids_stand_where_their_system_puts_them(tmp_path):
     (tmp_path / "part.bdf").write_text(BDF)
-    points = read_mesh(tmp_path / "part.bdf").points
+    points = cf.read_mesh(tmp_path / "part.bdf").points
     np.testing.assert_allclose(points, [[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]], atol=1e-12)
     later = BDF.replace("CORD2C,5,0,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n", "").replace(
         "ENDDATA", "CORD2C,5,0,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nENDDATA"
     )
     (tmp_path / "part.bdf").write_text(later)
-    np.testing.assert_allclose(read_mesh(tmp_path / "part.bdf").points, points, atol=1e-12)
+    np.testing.assert_allclose(cf.read_mesh(tmp_path / "part.bdf").points, points, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -77,5 +76,5 @@ def test_grids_stand_where_their_system_puts_them(tmp_path):
 )
 def test_systems_that_cannot_be_are_named_with_their_line(change, message, tmp_path):
     (tmp_path / "part.bdf").write_text(change(BDF))
-    with pytest.raises(ModelError, match=message):
-        read_mesh(tmp_path / "part.bdf")
+    with pytest.raises(cf.errors.ModelError, match=message):
+        cf.read_mesh(tmp_path / "part.bdf")

@@ -7,25 +7,18 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.modal.cyclic.modes import cyclic_modes, wheel_modes
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.cyclic.sector import CyclicSector
 from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_mesh, wheel_structure
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"low": (1, 0.0), "high": (1, 1.0), "base": (2, 0.0), "rim": (0, 1.0)}
-WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
 CASING = cf.Shell(chart=cf.Cylinder(radius=0.4, height=0.6), thickness=0.01, material=STEEL, supports={})
 HALVES = {"one": [0, 2], "other": [1]}
 
 
 def part(place=lambda u: u, **given):
     """An eighth of a frustum's wall."""
-    mesh = grid_mesh("hexahedron20", (1, 2, 2), lambda u: WALL(place(u * [1.0, 0.125, 1.0])), groups=ENDS)
+    mesh = cf.imported.grid_mesh("hexahedron20", (1, 2, 2), lambda u: WALL(place(u * [1.0, 0.125, 1.0])), groups=ENDS)
     return cf.Solid(mesh=mesh, material=STEEL, **{"supports": {"base": cf.Clamped()}, **given})
 
 
@@ -38,22 +31,24 @@ def wedge(layers, sectors, prism=((0, 1, 2, 3), (1, 2, 3, 4), (2, 3, 4, 5))):
     edges = np.diff(points[cells], axis=1, prepend=points[cells][:, :1])[:, 1:]
     flipped = np.linalg.det(edges) < 0
     cells[flipped] = cells[flipped][:, [0, 2, 1, 3]]
-    return MeshData(kind="tetra", points=points, cells=cells, groups={"foot": Group(nodes=np.arange(3))})
+    return cf.imported.MeshData(
+        kind="tetra", points=points, cells=cells, groups={"foot": cf.imported.Group(nodes=np.arange(3))}
+    )
 
 
 def test_faces_are_found_named_or_swapped_alike():
-    found = CyclicSector(structure=part(), sectors=8).pairs
+    found = cf.imported.CyclicSector(structure=part(), sectors=8).pairs
     for names in (("low", "high"), ("high", "low")):
-        pairs = CyclicSector(structure=part(), sectors=8, faces=names).pairs
+        pairs = cf.imported.CyclicSector(structure=part(), sectors=8, faces=names).pairs
         assert set(zip(*pairs, strict=True)) == set(zip(*found, strict=True))
     assert len(found.low) == 13
 
 
 def test_the_wheel_is_the_mesh_of_all_sectors():
-    sector = CyclicSector(structure=part(), sectors=8)
+    sector = cf.imported.CyclicSector(structure=part(), sectors=8)
     whole, direct = (
         wheel_mesh(sector),
-        grid_mesh("hexahedron20", (1, 16, 2), WALL, groups={"base": (2, 0.0), "rim": (0, 1.0)}, wrap=1),
+        cf.imported.grid_mesh("hexahedron20", (1, 16, 2), WALL, groups={"base": (2, 0.0), "rim": (0, 1.0)}, wrap=1),
     )
     assert len(whole.points) == len(direct.points)
     key = lambda x: np.sort(np.round(x, 9).view([("", float)] * 3).ravel())  # noqa: E731
@@ -66,9 +61,9 @@ def test_the_wheel_is_the_mesh_of_all_sectors():
 @pytest.mark.parametrize("sectors", [4, 5])
 def test_nodes_on_the_axis_move_as_each_diameter_lets_them(sectors):
     solid = cf.Solid(mesh=wedge(4, sectors), material=STEEL, supports={"foot": cf.Clamped()})
-    found = cyclic_modes(CyclicSector(structure=solid, sectors=sectors), 4)
+    found = cf.modal.cyclic_modes(cf.imported.CyclicSector(structure=solid, sectors=sectors), 4)
     whole = cf.modes(wheel_structure(found.sector), 10)
-    np.testing.assert_allclose(wheel_modes(found).freq[:10], whole.freq, rtol=1e-9)
+    np.testing.assert_allclose(cf.modal.wheel_modes(found).freq[:10], whole.freq, rtol=1e-9)
 
 
 def moved(mesh, node, shift):
@@ -78,7 +73,7 @@ def moved(mesh, node, shift):
 
 
 def weighed(solid):
-    masses = Attachments(masses=(PointMass(node=3, mass=1.0),))
+    masses = cf.imported.Attachments(masses=(cf.imported.PointMass(node=3, mass=1.0),))
     return replace(solid, mesh=replace(solid.mesh, attachments=masses))
 
 
@@ -93,10 +88,10 @@ def bent(radius):
 def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
     solid = bent(1e-3)
     number = solid.mesh.labels[solid.mesh.groups["high"].nodes[-1]]
-    with pytest.raises(ModelError, match=r"turned by 45 degrees.*0\.001 m.*cyclic-faces") as caught:
-        CyclicSector(structure=solid, sectors=8, faces=faces)
+    with pytest.raises(cf.errors.ModelError, match=r"turned by 45 degrees.*0\.001 m.*cyclic-faces") as caught:
+        cf.imported.CyclicSector(structure=solid, sectors=8, faces=faces)
     assert str(number) in str(caught.value)
-    CyclicSector(structure=solid, sectors=8, faces=faces, tolerance=2e-3)
+    cf.imported.CyclicSector(structure=solid, sectors=8, faces=faces, tolerance=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -112,29 +107,37 @@ def test_a_node_that_misses_its_partner_is_named_with_the_distance(faces):
         (part, {"sectors": 8, "faces": ("low", "hgh")}, "did you mean 'high'.*mesh-no-group"),
         (lambda: part(rotation=cf.Rotation(omega=9.0, axis=(1.0, 0.0, 0.0))), {"sectors": 8}, "cyclic-axis"),
         (lambda: part(rotation=cf.Rotation(omega=9.0, centre=(0.1, 0.0, 0.0))), {"sectors": 8}, "cyclic-axis"),
-        (lambda: part(supports={"base": Fixed(directions=("x",))}), {"sectors": 8}, "holds x.*cyclic-support"),
+        (
+            lambda: part(supports={"base": cf.imported.Fixed(directions=("x",))}),
+            {"sectors": 8},
+            "holds x.*cyclic-support",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_sector_is_refused(make, given, words):
-    with pytest.raises(ModelError, match=words):
-        CyclicSector(structure=make(), **given)
+    with pytest.raises(cf.errors.ModelError, match=words):
+        cf.imported.CyclicSector(structure=make(), **given)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
 def test_a_part_that_meets_itself_on_the_axis_alone_is_no_sector():
     quarter = cf.Solid(mesh=wedge(2, 4), material=STEEL)
-    assert len(CyclicSector(structure=quarter, sectors=4).pairs.low) == 6
+    assert len(cf.imported.CyclicSector(structure=quarter, sectors=4).pairs.low) == 6
     found = "turned by 120 degrees about .*, found no nodes of faces but those on the axis.*cyclic-faces"
-    with pytest.raises(ModelError, match=found):
-        CyclicSector(structure=quarter, sectors=3)
+    with pytest.raises(cf.errors.ModelError, match=found):
+        cf.imported.CyclicSector(structure=quarter, sectors=3)
 
 
 @pytest.mark.parametrize("kind", ["hexahedron20", "quad8"])
 def test_the_stiffness_of_a_blade_is_that_of_its_cells(kind):
     """Of all cells, and of two groups that have each cell once, it adds up to that of the part."""
     place = (lambda u: u) if kind == "hexahedron20" else (lambda u: np.insert(u, 2, 0.3 * u[:, 0] ** 2, axis=1))
-    mesh = grid_mesh(kind, (3, 1, 1)[: 3 if kind == "hexahedron20" else 2], place, groups={"root": (0, 0.0)})
-    groups = {name: Group(nodes=mesh.cells[rows].ravel(), cells=np.array(rows)) for name, rows in HALVES.items()}
+    mesh = cf.imported.grid_mesh(
+        kind, (3, 1, 1)[: 3 if kind == "hexahedron20" else 2], place, groups={"root": (0, 0.0)}
+    )
+    groups = {
+        name: cf.imported.Group(nodes=mesh.cells[rows].ravel(), cells=np.array(rows)) for name, rows in HALVES.items()
+    }
     mesh = replace(mesh, groups={**mesh.groups, **groups})
     make = cf.Solid if kind == "hexahedron20" else partial(cf.MeshShell, thickness=0.01)
     structure = make(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()})
@@ -144,20 +147,20 @@ def test_the_stiffness_of_a_blade_is_that_of_its_cells(kind):
     np.testing.assert_allclose(whole, K, atol=1e-12 * np.abs(K).max())
     np.testing.assert_allclose(one + other, K, atol=1e-12 * np.abs(K).max())
     assert np.abs(one).max() > 0.1 * np.abs(K).max() < 10.0 * np.abs(other).max()
-    with pytest.raises(ModelError, match=r"blade 'root'.*mesh-group-no-cells"):
+    with pytest.raises(cf.errors.ModelError, match=r"blade 'root'.*mesh-group-no-cells"):
         blade_stiffness(structure, system, "root")
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
 def test_other_diagonals_on_the_faces_are_refused():
     other = wedge(2, 4, prism=[[0, 1, 2, 5], [0, 1, 5, 3], [1, 3, 5, 4]])
-    with pytest.raises(ModelError, match=r"comes to lie on nodes .*, which are no facet.*cyclic-faces"):
-        CyclicSector(structure=cf.Solid(mesh=other, material=STEEL), sectors=4)
+    with pytest.raises(cf.errors.ModelError, match=r"comes to lie on nodes .*, which are no facet.*cyclic-faces"):
+        cf.imported.CyclicSector(structure=cf.Solid(mesh=other, material=STEEL), sectors=4)
 
 
 def test_supports_must_hold_both_faces_alike():
     solid = part()
-    groups = dict(solid.mesh.groups) | {"pin": Group(nodes=solid.mesh.groups["low"].nodes[:1])}
+    groups = dict(solid.mesh.groups) | {"pin": cf.imported.Group(nodes=solid.mesh.groups["low"].nodes[:1])}
     pinned = cf.Solid(mesh=replace(solid.mesh, groups=groups), material=STEEL, supports={"pin": cf.Clamped()})
-    with pytest.raises(ModelError, match=r"not held alike.*cyclic-support"):
-        cyclic_modes(CyclicSector(structure=pinned, sectors=8), 1)
+    with pytest.raises(cf.errors.ModelError, match=r"not held alike.*cyclic-support"):
+        cf.modal.cyclic_modes(cf.imported.CyclicSector(structure=pinned, sectors=8), 1)

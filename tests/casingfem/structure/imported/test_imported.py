@@ -9,29 +9,22 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.modal.basis import ModalBasis
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.loads import NodeLoad
-from casingfem.structure.imported.solid import Solid
-from casingfem.structure.material import Material
 from casingfem.study import MeshStudy, StudyError, load_any, load_study
 from reports.modes.mesh_files import WRITERS, group_name
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 MATERIAL = "[material]\nE = 210e9\nnu = 0.3\nrho = 7800.0\n"
 ENDS = {"base": (2, 0.0), "top": (2, 1.0)}
-WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.03)
-RING = grid_mesh("hexahedron20", (1, 12, 2), WALL, groups=ENDS, wrap=1)
-SKIN = grid_mesh(
+WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.03)
+RING = cf.imported.grid_mesh("hexahedron20", (1, 12, 2), WALL, groups=ENDS, wrap=1)
+SKIN = cf.imported.grid_mesh(
     "quad8", (12, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0), "top": (1, 1.0)}, wrap=0
 )
 
 
-TETRA = grid_mesh("tetra10", (1, 12, 2), WALL, groups=ENDS, wrap=1)
+TETRA = cf.imported.grid_mesh("tetra10", (1, 12, 2), WALL, groups=ENDS, wrap=1)
 
 
 def study(folder, text, mesh=RING, name="Gmsh 2.2, text"):
@@ -52,7 +45,7 @@ def test_five_formats_on_the_command_line(name, tmp_path):
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, text, name=name)), "--json"])
     assert ran.exit_code == 0, ran.stderr
     found = json.loads(ran.stdout)
-    exact = mesh_modes(Solid(mesh=RING, material=STEEL, supports={"base": Clamped()}), 6)
+    exact = cf.modes(cf.Solid(mesh=RING, material=STEEL, supports={"base": cf.Clamped()}), 6)
     np.testing.assert_allclose([mode["freq_hz"] for mode in found["modes"]], exact.freq, rtol=1e-9)
     assert found["modes"][0]["n"] == exact.nodal_diameters[0]
     assert found["sturm_count"] == exact.sturm_count
@@ -73,7 +66,7 @@ def test_a_page_on_an_imported_part(tmp_path):
 def test_shell_meshes_and_millimetres(tmp_path):
     text = '[shell]\nmesh = "MESH"\nscale = 1e-3\nthickness = 0.03\n'
     text += '[support.base]\nkind = "fixed"\ndirections = ["x", "y", "z"]\n'
-    large = grid_mesh("quad8", (12, 2), lambda u: 1e3 * WALL(np.insert(u, 0, 0.5, axis=1)), groups=dict(
+    large = cf.imported.grid_mesh("quad8", (12, 2), lambda u: 1e3 * WALL(np.insert(u, 0, 0.5, axis=1)), groups=dict(
         base=(1, 0.0)), wrap=0)  # fmt: skip
     found = load_any(study(tmp_path, text, large))
     assert isinstance(found, MeshStudy)
@@ -190,7 +183,7 @@ def test_shapes_of_imported_parts_for_paraview_and_test_software(text, mesh, tmp
 
 @pytest.mark.filterwarnings("default::casingfem.errors.ModelWarning")
 def test_doubts_come_in_words_on_stderr(tmp_path):
-    linear = grid_mesh("hexahedron", (1, 12, 2), WALL, groups=ENDS, wrap=1)
+    linear = cf.imported.grid_mesh("hexahedron", (1, 12, 2), WALL, groups=ENDS, wrap=1)
     ran = CliRunner().invoke(main, ["modes", str(study(tmp_path, SOLID, linear)), "--json"])
     assert ran.exit_code == 0
     assert "warning: gmsh22.msh: 24 cells of kind hexahedron" in ran.stderr
@@ -205,7 +198,7 @@ def test_fixed_is_refused_on_a_chart(tmp_path):
         load_study(path)
 
 
-BLADE = grid_mesh(
+BLADE = cf.imported.grid_mesh(
     "hexahedron20", (4, 3, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 5.4e-3],
     groups={"base": (0, 0.0), "top": (0, 1.0)},
 )  # fmt: skip
@@ -218,10 +211,12 @@ def test_reduce_at_nodes_writes_the_basis_with_its_channels(tmp_path):
     ran = CliRunner().invoke(main, ["reduce", str(study(tmp_path, SOLID + reduce + output, BLADE)), "--json"])
     assert ran.exit_code == 0, ran.stderr
     assert json.loads(ran.stdout)["channels"] == [f"{number}.{axis}" for axis in "xyz"]
-    basis = ModalBasis.load(tmp_path / "two.npz")
+    basis = cf.ModalBasis.load(tmp_path / "two.npz")
     assert basis.provenance["source"]["study"] == "study.toml"
     assert basis.outputs == ("s",)
-    bent = cf.solve_static(load_any(tmp_path / "study.toml").structure, [NodeLoad(node=number, force=(0.0, 0.0, 1.0))])
+    bent = cf.solve_static(
+        load_any(tmp_path / "study.toml").structure, [cf.imported.NodeLoad(node=number, force=(0.0, 0.0, 1.0))]
+    )
     np.testing.assert_allclose(basis.compliance[:, 2], bent.at(number), rtol=1e-7, atol=1e-15)
 
 

@@ -5,17 +5,6 @@ import pytest
 
 import casingfem as cf
 from casingfem.modal.campbell import spin_from_rest
-from casingfem.modal.cyclic.mistuned import mistuned_modes
-from casingfem.modal.cyclic.modes import cyclic_modes
-from casingfem.modal.cyclic.reduction import cyclic_reduce
-from casingfem.modal.cyclic.whirl import cyclic_whirl
-from casingfem.modal.interface.kinds import TipNodes
-from casingfem.structure.imported.attachments.glue import Gluing, tied
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.loads import FacetPressure, NodeLoad
-from casingfem.structure.imported.mesh.attachments import Mean, PointMass, Rigid, Spring, Term
-from casingfem.structure.imported.mesh.mesh_data import beside
-from casingfem.structure.imported.read import read_mesh
 from reports.modes.cyclic import bent_plate, bladed_disk
 from reports.modes.mesh_files import write_bdf, write_inp
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung, supported
@@ -35,15 +24,17 @@ def bent(u):
 
 
 def skin(u):
-    return revolved((0.3, 0.28), (0.0, 0.2), 0.02)(np.column_stack([np.full(len(u), 0.5), 0.2 * u[:, 0], u[:, 1]]))
+    return cf.imported.revolved((0.3, 0.28), (0.0, 0.2), 0.02)(
+        np.column_stack([np.full(len(u), 0.5), 0.2 * u[:, 0], u[:, 1]])
+    )
 
 
 def body(kind):
-    return supported(grid_mesh(kind, (2, 1, 1), bent, groups=ENDS))
+    return supported(cf.imported.grid_mesh(kind, (2, 1, 1), bent, groups=ENDS))
 
 
 def plate(kind):
-    mesh = grid_mesh(kind, (2, 2), skin, groups=ENDS)
+    mesh = cf.imported.grid_mesh(kind, (2, 2), skin, groups=ENDS)
     return cf.MeshShell(mesh=mesh, thickness=4e-3, material=STEEL, supports={"root": cf.Clamped()})
 
 
@@ -54,8 +45,8 @@ def numbers_of(part):
     node = int(mesh.node_numbers[mesh.groups["tip"].nodes[-1]])
     loads = [
         cf.loads.EdgeLoad(edge="tip", force=(1e3, -5e2, 2e3)),
-        NodeLoad(node=node, force=(1e2, 2e2, -3e2)),
-        FacetPressure(group="tip", pressure=1e4),
+        cf.imported.NodeLoad(node=node, force=(1e2, 2e2, -3e2)),
+        cf.imported.FacetPressure(group="tip", pressure=1e4),
     ]
     if mesh.cell_kind.dim == 2:
         loads.pop()
@@ -90,11 +81,11 @@ def test_numbers_of_mixed_cells(held):
 def flat(kind):
     """A straight part along x, of cells of the wall or of its mid-surface."""
     if kind == "quad9":
-        mesh = grid_mesh(
+        mesh = cf.imported.grid_mesh(
             kind, (2, 2), lambda u: np.insert((u - [0.0, 0.5]) * [0.11, 0.04], 2, 0.0, axis=1), groups=ENDS
         )
         return cf.MeshShell(mesh=mesh, thickness=3e-3, material=STEEL, supports={"root": cf.Clamped()}, rotation=AROUND)
-    mesh = grid_mesh(kind, (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 3e-3], groups=ENDS)
+    mesh = cf.imported.grid_mesh(kind, (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 3e-3], groups=ENDS)
     return supported(mesh, rotation=AROUND)
 
 
@@ -115,16 +106,17 @@ def test_numbers_of_turning_parts(kind, held):
 @pytest.mark.slow
 def test_numbers_of_attachments(held):
     mesh, (end, middle) = added_nodes(
-        grid_mesh("hexahedron20", (2, 1, 1), bent, groups=ENDS), (0.35, 0.0, 0.0), (0.4, 0.01, 0.0)
+        cf.imported.grid_mesh("hexahedron20", (2, 1, 1), bent, groups=ENDS), (0.35, 0.0, 0.0), (0.4, 0.01, 0.0)
     )
     tip = mesh.groups["tip"].nodes
-    mass = PointMass(node=end, mass=0.3, inertia=np.diag([1e-4, 2e-4, 3e-4]), offset=(0.0, 0.01, 0.02))
+    mass = cf.imported.PointMass(node=end, mass=0.3, inertia=np.diag([1e-4, 2e-4, 3e-4]), offset=(0.0, 0.01, 0.02))
     springs = tuple(
-        Spring(terms=(Term(end, c, 1.0), Term(middle, c, -1.0)), stiffness=k) for c, k in enumerate((3e6, 2e6, 1e6))
-    ) + tuple(Spring(terms=(Term(middle, c, 1.0),), stiffness=5e6) for c in range(3))
+        cf.imported.Spring(terms=(cf.imported.Term(end, c, 1.0), cf.imported.Term(middle, c, -1.0)), stiffness=k)
+        for c, k in enumerate((3e6, 2e6, 1e6))
+    ) + tuple(cf.imported.Spring(terms=(cf.imported.Term(middle, c, 1.0),), stiffness=5e6) for c in range(3))
     links = {
-        "rigid": {"rigids": (Rigid(reference=end, nodes=tip),)},
-        "mean": {"means": (Mean(reference=end, nodes=tip, weights=np.linspace(1.0, 2.0, len(tip))),)},
+        "rigid": {"rigids": (cf.imported.Rigid(reference=end, nodes=tip),)},
+        "mean": {"means": (cf.imported.Mean(reference=end, nodes=tip, weights=np.linspace(1.0, 2.0, len(tip))),)},
     }
     found = {}
     for name, link in links.items():
@@ -139,7 +131,7 @@ def test_numbers_of_ties(kind, held):
     flat = kind == "quad8"
 
     def upon(z):
-        place = revolved((0.5, 0.5), z, 0.05)
+        place = cf.imported.revolved((0.5, 0.5), z, 0.05)
         return (
             (lambda u: place(np.column_stack([np.full(len(u), 0.5), 0.5 * u[:, 0], u[:, 1]])))
             if flat
@@ -148,13 +140,13 @@ def test_numbers_of_ties(kind, held):
 
     ends = {"low": (1 if flat else 2, 0.0), "high": (1 if flat else 2, 1.0)}
     first, other = ((3, 1), (4, 1)) if flat else ((1, 3, 1), (1, 4, 1))
-    pair = beside(
+    pair = cf.imported.beside(
         {
-            "a": grid_mesh(kind, first, upon((0.0, 0.2)), groups=ends),
-            "b": grid_mesh(kind, other, upon((0.2, 0.5)), groups=ends),
+            "a": cf.imported.grid_mesh(kind, first, upon((0.0, 0.2)), groups=ends),
+            "b": cf.imported.grid_mesh(kind, other, upon((0.2, 0.5)), groups=ends),
         }
     )
-    mesh = tied(pair, [Gluing(follower="b.low", master="a.high")])
+    mesh = cf.imported.tied(pair, [cf.imported.Gluing(follower="b.low", master="a.high")])
     supports = {"a.low": cf.Clamped()}
     part = (
         cf.MeshShell(mesh=mesh, thickness=0.05, material=STEEL, supports=supports) if flat else supported(mesh, "a.low")
@@ -178,28 +170,30 @@ def test_numbers_of_sectors(name, held):
         if name == "bent plate"
         else bladed_disk(4, (1, 1, 2, 1), turning if "turning" in name else None)
     )
-    found = cyclic_modes(sector, 3)
+    found = cf.modal.cyclic_modes(sector, 3)
     columns = {"freq": found.freq, "n": found.nodal_diameters}
     if name == "disk":
-        tips, deviations = TipNodes("tip", 2), np.array([0.02, -0.01, 0.0, -0.03])
-        made = cyclic_reduce(sector, tips, modes=3, deviations=deviations, blade="blade")
+        tips, deviations = cf.TipNodes("tip", 2), np.array([0.02, -0.01, 0.0, -0.03])
+        made = cf.modal.cyclic_reduce(sector, tips, modes=3, deviations=deviations, blade="blade")
         columns |= {
             "omega": made.omega,
             "compliance": probed(made.compliance),
-            "mistuned": mistuned_modes(sector, deviations, count=3, blade="blade").freq,
+            "mistuned": cf.modal.mistuned_modes(sector, deviations, count=3, blade="blade").freq,
         }
     else:
-        columns["whirl"] = cyclic_whirl(sector, 3).freq
+        columns["whirl"] = cf.modal.cyclic_whirl(sector, 3).freq
     held(1e-5, **columns)
 
 
 @pytest.mark.parametrize("kind", ["hexahedron20", "tetra10", "quad8"])
 @pytest.mark.parametrize("write", [write_inp, write_bdf], ids=["inp", "bdf"])
 def test_numbers_of_files(kind, write, held, tmp_path):
-    mesh = grid_mesh(kind, (2, 1) if kind == "quad8" else (2, 1, 1), skin if kind == "quad8" else bent, groups=ENDS)
+    mesh = cf.imported.grid_mesh(
+        kind, (2, 1) if kind == "quad8" else (2, 1, 1), skin if kind == "quad8" else bent, groups=ENDS
+    )
     path = tmp_path / f"part.{write.__name__[-3:]}"
     write(mesh, path)
-    found = read_mesh(path, scale=2.0)
+    found = cf.read_mesh(path, scale=2.0)
     groups = {name: group.nodes for name, group in found.groups.items() if name != "body"}
     held(
         points=probed(found.points),

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.read import read_mesh
 from reports.modes.mesh_files import write_inp
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-BAR = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0), "tip": (0, 1.0)})
+BAR = cf.imported.grid_mesh(
+    "hexahedron20", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0), "tip": (0, 1.0)}
+)
 
 
 def part(folder, name="P"):
@@ -21,7 +20,7 @@ def part(folder, name="P"):
 
 def read(folder, text):
     (folder / "part.inp").write_text(text)
-    return read_mesh(folder / "part.inp")
+    return cf.read_mesh(folder / "part.inp")
 
 
 def test_one_instance_keeps_numbers_and_names_where_it_is_put(tmp_path):
@@ -45,10 +44,10 @@ def test_two_instances_of_one_part_make_one_bar_when_joined(tmp_path):
     text += "*NSET, NSET=far, INSTANCE=two\ntip\n*NSET, NSET=nodes, INSTANCE=two\n1, 2\n"
     text += "*ELSET, ELSET=all\none.body, two.body\n*SURFACE, NAME=both\none.body, S1\n*END ASSEMBLY\n"
     (tmp_path / "part.inp").write_text(text)
-    with pytest.raises(ModelError, match="2 parts of"):
-        cf.Solid(mesh=read_mesh(tmp_path / "part.inp"), material=STEEL)
-    found = read_mesh(tmp_path / "part.inp", join=1e-6)
-    long = grid_mesh("hexahedron20", (4, 1, 1), lambda u: u * [2.0, 0.2, 0.1], groups={"root": (0, 0.0)})
+    with pytest.raises(cf.errors.ModelError, match="2 parts of"):
+        cf.Solid(mesh=cf.read_mesh(tmp_path / "part.inp"), material=STEEL)
+    found = cf.read_mesh(tmp_path / "part.inp", join=1e-6)
+    long = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: u * [2.0, 0.2, 0.1], groups={"root": (0, 0.0)})
     assert len(found.points) == len(long.points)
     held, exact = (
         cf.modes(cf.Solid(mesh=mesh, material=STEEL, supports={name: cf.Clamped()}), 4).freq
@@ -79,5 +78,5 @@ def test_two_instances_of_one_part_make_one_bar_when_joined(tmp_path):
 )
 def test_assemblies_that_cannot_be_laid_out_name_the_line(assembly, message, tmp_path):
     text = part(tmp_path) + (part(tmp_path, "P2") if not assembly else "") + assembly
-    with pytest.raises(ModelError, match=f"part.inp: line \\d+: .*{message}"):
+    with pytest.raises(cf.errors.ModelError, match=f"part.inp: line \\d+: .*{message}"):
         read(tmp_path, text)

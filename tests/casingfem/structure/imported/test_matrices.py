@@ -14,29 +14,22 @@ from scipy.sparse import csc_array, tril
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.errors import InputError, ModelError
-from casingfem.modal.interface.kinds import AtNodes
-from casingfem.modal.matrices import basis_matrices, structure_matrices
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet, roles_of
+from casingfem.structure.imported.matrix.matrix_set import roles_of
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_matrices
 from casingfem.structure.imported.matrix.tables import read_dofs
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, matrix_files
-from casingfem.structure.imported.mesh.attachments import Attachments, PointMass, Rigid
-from contact.model.gaps.rub_laws import Speed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 MARKET = "%%MatrixMarket matrix coordinate real symmetric\n"
-MESH = grid_mesh(
+MESH = cf.imported.grid_mesh(
     "hexahedron20", (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 5.4e-3],
     groups={"root": (0, 0.0), "tip": (0, 1.0)},
 )  # fmt: skip
 BLADE = cf.Solid(mesh=MESH, material=STEEL, supports={"root": cf.Clamped()})
 NODES = tuple(MESH.node_numbers[MESH.groups["tip"].nodes[[0, -1]]].tolist())
-EXACT = cf.reduce(BLADE, AtNodes(NODES), modes=6)
-SET = structure_matrices(BLADE)
+EXACT = cf.reduce(BLADE, cf.modal.AtNodes(NODES), modes=6)
+SET = cf.modal.structure_matrices(BLADE)
 
 
 def body(read, **kind):
@@ -67,7 +60,7 @@ def written(folder, form, matrices=SET, stem="part"):
     tables = {"nodes": folder / f"{stem}_nodes.csv", "dofs": folder / f"{stem}_dofs.csv"}
     given = {"mtx": tables, "op4": tables}.get(form, {})
     files = [folder / f"{stem}_{k}.mtx" for k in "KM"] if form == "mtx" else [folder / f"{stem}.{form}"]
-    return read_matrices(files, **given)
+    return cf.imported.read_matrices(files, **given)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +93,7 @@ def test_calculix_files(tmp_path):
         lines = [f"{j + 1} {i + 1} {v:.16e}" for i, j, v in zip(part.row, part.col, part.data, strict=True)]
         (tmp_path / f"job.{name}").write_text("\n".join(lines) + "\n")
     (tmp_path / "job.dof").write_text("".join(f"{node}.{direction}\n" for node, direction in SET.dofs.tolist()))
-    same(body(read_matrices([tmp_path / "job.sti"])))
+    same(body(cf.imported.read_matrices([tmp_path / "job.sti"])))
 
 
 def test_abaqus_mtx_files(tmp_path):
@@ -112,7 +105,7 @@ def test_abaqus_mtx_files(tmp_path):
             for i, j, v in zip(part.row, part.col, part.data, strict=True)
         ]
         (tmp_path / f"job_{name}.mtx").write_text("** written\n" + "\n".join(lines[::turn]) + "\n")
-    found = read_matrices([tmp_path / "job_MASS1.mtx", tmp_path / "job_STIF1.mtx"])
+    found = cf.imported.read_matrices([tmp_path / "job_MASS1.mtx", tmp_path / "job_STIF1.mtx"])
     same(body(found))
 
 
@@ -122,7 +115,7 @@ def test_symmetric_dmig_has_each_entry_on_either_side_of_the_diagonal(tmp_path):
     lines += ["DMIG,KAAX,102,1,,102,1,4.", "DMIG,MAAX,0,6,1,0"]
     lines += [f"DMIG,MAAX,{dof},,{dof},1." for dof in ("1,0", "101,1", "102,1")]
     (tmp_path / "part.pch").write_text("\n".join(lines) + "\n")
-    found = read_matrices(tmp_path / "part.pch")
+    found = cf.imported.read_matrices(tmp_path / "part.pch")
     assert found.dofs.tolist() == [[101, 1], [102, 1], [1, 0]]
     np.testing.assert_array_equal(found.K.toarray(), [[4.0, -1.0, -2.0], [-1.0, 4.0, 0.0], [-2.0, 0.0, 5.0]])
 
@@ -150,7 +143,7 @@ def test_rows_of_matrix_market_and_abaqus_are_brought_into_one_order(of_k, of_m,
     point, head = (",", "node,direction\n") if listed == "dofs.csv" else (".", "")
     (tmp_path / listed).write_text(head + "".join(f"{node}{point}{direction}\n" for node, direction in ROWS))
     table = {"dofs": tmp_path / listed} if listed == "dofs.csv" else {}
-    found = read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], **table)
+    found = cf.imported.read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], **table)
     order = [ROWS.index(tuple(dof)) for dof in found.dofs.tolist()]
     assert sorted(order) == [0, 1, 2]
     for name, A in (("K", found.K), ("M", found.M)):
@@ -161,8 +154,10 @@ def test_mass_of_other_size_than_its_list_of_dofs_is_refused_beside_stiffness_of
     (tmp_path / "K.mtx").write_text("9,1,9,1,2.0\n")
     (tmp_path / "M.mtx").write_text(f"{DENSE}1 1\n3.0\n")
     (tmp_path / "dofs.csv").write_text("node,direction\n2,x\n9,x\n")
-    with pytest.raises(ModelError, match=r"K.mtx, M.mtx: found mass or damping of 1 rows and a list of 2 dofs"):
-        read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], dofs=tmp_path / "dofs.csv")
+    with pytest.raises(
+        cf.errors.ModelError, match=r"K.mtx, M.mtx: found mass or damping of 1 rows and a list of 2 dofs"
+    ):
+        cf.imported.read_matrices([tmp_path / "K.mtx", tmp_path / "M.mtx"], dofs=tmp_path / "dofs.csv")
 
 
 def test_small_fields_and_full_matrices_of_dmig(tmp_path):
@@ -179,7 +174,7 @@ DMIG,MAAX,101,0,,101,0,1.
 ENDDATA
 """
     (tmp_path / "set.pch").write_text(text)
-    read = read_matrices([tmp_path / "set.pch"])
+    read = cf.imported.read_matrices([tmp_path / "set.pch"])
     assert read.dofs.tolist() == [[7, 1], [101, 0]]
     np.testing.assert_array_equal(read.K.toarray(), [[3e6, -1e6], [-1e6, 1e6]])
     np.testing.assert_array_equal(read.M.toarray(), np.diag([2.0, 1.0]))
@@ -248,7 +243,9 @@ def test_op4_entries_outside_of_their_matrix_are_refused(row, tmp_path):
     text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
     text += "       2       1       1\n 1.0000000000000000E+00\n"
     (tmp_path / "a.op4").write_text(text)
-    with pytest.raises(ModelError, match=f"L: found rows {row} to {row + 2} of column 1 in a matrix of 4 x 1"):
+    with pytest.raises(
+        cf.errors.ModelError, match=f"L: found rows {row} to {row + 2} of column 1 in a matrix of 4 x 1"
+    ):
         read_op4(tmp_path / "a.op4")
 
 
@@ -298,16 +295,16 @@ def test_the_two_values_of_a_small_op4_file(tmp_path):
 def test_text_op4_that_is_damaged_is_named_with_its_line(old, new, message, tmp_path):
     assert OP4.count(old) == 1
     (tmp_path / "a.op4").write_text(OP4.replace(old, new))
-    with pytest.raises(ModelError, match=rf"a\.op4: {message}.*matrix-file"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {message}.*matrix-file"):
         read_op4(tmp_path / "a.op4")
 
 
 def test_strings_of_long_rows_have_two_numbers(tmp_path):
     (tmp_path / "a.op4").write_text(STRINGS.replace("       1       2  ", "       1      -2  "))
-    with pytest.raises(ModelError, match=r"a\.op4: line 3: found '  196609', expected column, row, words"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.op4: line 3: found '  196609', expected column, row, words"):
         read_op4(tmp_path / "a.op4")
     (tmp_path / "a.op4").write_text(STRINGS.replace("  196609", "       5       1"))
-    with pytest.raises(ModelError, match=r"line 3: found '       5       1', expected column, row, words"):
+    with pytest.raises(cf.errors.ModelError, match=r"line 3: found '       5       1', expected column, row, words"):
         read_op4(tmp_path / "a.op4")
 
 
@@ -324,7 +321,7 @@ def test_columns_of_op4_with_fewer_or_more_words_than_values_are_refused(kind, t
             assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
             continue
         said = f"K: found 2 values in column 1, announced {words} words{': cut short.: ' if words > 2 else ': write'}"
-        with pytest.raises(ModelError, match=said):
+        with pytest.raises(cf.errors.ModelError, match=said):
             read_op4(tmp_path / "a.op4")
 
 
@@ -365,7 +362,7 @@ def test_binary_op4_is_read_whole_or_refused_in_words(content, message, tmp_path
     if not message:
         assert all(A.toarray().tolist() == [[1.0], [2.0]] for A in read_op4(tmp_path / "a.op4").values())
         return
-    with pytest.raises(ModelError, match=rf"a\.op4: {message}.*matrix-file"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {message}.*matrix-file"):
         read_op4(tmp_path / "a.op4")
 
 
@@ -378,7 +375,9 @@ def test_strings_of_other_lengths_than_their_column_holds_are_refused(length, lo
     column = record(1, 0, len(own) + 2, *own, more=TWO[:8])
     (tmp_path / "a.op4").write_bytes(begun + column + LAST)
     told = f"a string of {length} words in column 1, expected 2 a value and 2 at most"
-    with pytest.raises(ModelError, match=rf"a\.op4: found a record that does not fit its matrix \({told}\).*matrix-f"):
+    with pytest.raises(
+        cf.errors.ModelError, match=rf"a\.op4: found a record that does not fit its matrix \({told}\).*matrix-f"
+    ):
         read_op4(tmp_path / "a.op4")
 
 
@@ -386,12 +385,16 @@ def test_op4_entries_that_are_given_again_are_refused(tmp_path):
     """A column twice in a text file, overlapping strings in a binary one: they were added."""
     lines = OP4.splitlines(keepends=True)
     (tmp_path / "a.op4").write_text("".join([*lines[:3], *lines[1:]]))
-    with pytest.raises(ModelError, match=r"a\.op4: K: found row 1 of column 1 again, expected it once.*matrix-file"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"a\.op4: K: found row 1 of column 1 again, expected it once.*matrix-file"
+    ):
         read_op4(tmp_path / "a.op4")
     strings = [np.array([1 + row + 65536 * 5], "<i4").tobytes() + TWO for row in (0, 1)]
     begun = record(1, 3, 2, 2, more=b"K       ")
     (tmp_path / "a.op4").write_bytes(begun + record(1, 0, 10, more=b"".join(strings)) + LAST)
-    with pytest.raises(ModelError, match=r"a\.op4: K: found row 2 of column 1 again, expected it once.*matrix-file"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"a\.op4: K: found row 2 of column 1 again, expected it once.*matrix-file"
+    ):
         read_op4(tmp_path / "a.op4")
 
 
@@ -399,7 +402,9 @@ def test_a_second_matrix_of_one_name_in_an_op4_file_is_refused(tmp_path):
     """What is no K, M or C may come again, as a load of each subcase."""
     for content in (OP4.encode() * 2, (HEAD + COLUMN + LAST) * 2):
         (tmp_path / "a.op4").write_bytes(content)
-        with pytest.raises(ModelError, match=r"a\.op4: found the matrix K again, expected it once.*matrix-file"):
+        with pytest.raises(
+            cf.errors.ModelError, match=r"a\.op4: found the matrix K again, expected it once.*matrix-file"
+        ):
             read_op4(tmp_path / "a.op4")
     (tmp_path / "a.op4").write_text(OP4.replace("2K ", "2PG") * 2)
     assert list(read_op4(tmp_path / "a.op4")) == ["PG"]
@@ -415,14 +420,14 @@ def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_pa
         header.format("KVIS ", 1, 3, "KVIS ") + "*                      7               1 2.5D-01         1.0D+00\n"
     )
     whole.write_text(beside + PCH + beside.replace("MUG1T", "VAX  ").replace("KVIS", "PAX "))
-    found, expected = read_matrices(whole), read_matrices([plain])
+    found, expected = cf.imported.read_matrices(whole), cf.imported.read_matrices([plain])
     assert abs(found.K - expected.K).max() == abs(found.M - expected.M).max() == 0.0
     dofs = tmp_path / "dofs.csv"
     dofs.write_text("node,direction\n1,x\n2,x\n")
     K, M, tall = (csc_array(A) for A in ([[2.0, -1.0], [-1.0, 1.0]], np.eye(2), np.ones((3, 2))))
     parts = [binary_op4("KAA", K), binary_op4("KASMX", 7.0 * K), binary_op4("MUG1", tall), binary_op4("MAA", M)]
     (tmp_path / "part.op4").write_bytes(b"".join(parts))
-    assert abs(read_matrices(tmp_path / "part.op4", dofs=dofs).K - K).max() == 0.0
+    assert abs(cf.imported.read_matrices(tmp_path / "part.op4", dofs=dofs).K - K).max() == 0.0
 
 
 def test_directions_of_a_table_of_dofs_by_letter_and_by_number(tmp_path):
@@ -437,7 +442,7 @@ def test_directions_of_a_table_of_dofs_by_letter_and_by_number(tmp_path):
 @pytest.mark.slow
 def test_dense_arrays_with_names_of_their_own(tmp_path):
     savemat(tmp_path / "a.mat", {"Kr": SET.K.toarray(), "Mr": SET.M.toarray(), "dofs": SET.dofs, "note": "by hand"})
-    same(body(read_matrices([tmp_path / "a.mat"])))
+    same(body(cf.imported.read_matrices([tmp_path / "a.mat"])))
 
 
 @pytest.mark.slow
@@ -450,21 +455,21 @@ def test_matlab_hdf5(tmp_path):
             for part, values in (("data", A.data), ("ir", A.indices), ("jc", A.indptr)):
                 group[part] = values
         file["dofs"] = SET.dofs
-    same(body(read_matrices([tmp_path / "a.h5"])))
+    same(body(cf.imported.read_matrices([tmp_path / "a.h5"])))
 
 
 @pytest.mark.parametrize("method", ["free", "craig-bampton"])
-@pytest.mark.parametrize("interface", [AtNodes(NODES), cf.TipNodes("tip", 1)], ids=["nodes", "pieces"])
+@pytest.mark.parametrize("interface", [cf.modal.AtNodes(NODES), cf.TipNodes("tip", 1)], ids=["nodes", "pieces"])
 def test_a_basis_is_its_matrices(method, interface):
     """Static compliance and dynamic compliance at some frequency, of the matrices and of the basis."""
     basis = cf.reduce(BLADE, interface, modes=7, method=method, zeta=0.01)
-    matrices, k = basis_matrices(basis), len(basis.channels)
+    matrices, k = cf.modal.basis_matrices(basis), len(basis.channels)
     for f in (0.0, 300.0, 1100.0):
         s = 2j * np.pi * f
         full = np.linalg.inv((matrices.K + s * matrices.C + s**2 * matrices.M).toarray())[:k, :k]
         modal = (basis.rows / (basis.omega**2 + 2 * s * basis.zeta * basis.omega + s**2)) @ basis.rows.T + basis.S
         np.testing.assert_allclose(full, modal, atol=1e-7 * np.abs(modal).max())
-    if isinstance(interface, AtNodes):
+    if isinstance(interface, cf.modal.AtNodes):
         labels = [(node, NAMES[direction]) for node, direction in matrices.dofs.tolist()]
         back = ct.ModalBody.from_matrices(
             matrices.M, matrices.K, matrices.C, dofs=labels, contact=NODES, modes=len(labels)
@@ -480,7 +485,7 @@ def test_a_shell_on_a_chart_as_matrices():
         chart=cf.Plate(length=0.1, width=0.05), thickness=2e-3, material=STEEL, supports={"root": cf.Clamped()},
         mesh=cf.ShellMesh(order=4, rows=2, around=1),
     )  # fmt: skip
-    read = structure_matrices(plate)
+    read = cf.modal.structure_matrices(plate)
     labels = [(node, NAMES[direction]) for node, direction in read.dofs.tolist()]
     tip = int(read.dofs[-1, 0])
     found = ct.ModalBody.from_matrices(read.M, read.K, dofs=labels, contact=[tip], modes=5)
@@ -489,28 +494,34 @@ def test_a_shell_on_a_chart_as_matrices():
         chart=cf.Cylinder(radius=0.5, height=0.2), thickness=0.01, material=STEEL,
         supports={"base": cf.Clamped(), "top": cf.ShearDiaphragm()}, mesh=cf.ShellMesh(order=4, rows=1, around=7),
     )  # fmt: skip
-    with pytest.raises(ModelError, match="an edge held in its own frame"):
-        structure_matrices(ringed)
+    with pytest.raises(cf.errors.ModelError, match="an edge held in its own frame"):
+        cf.modal.structure_matrices(ringed)
 
 
 def test_what_ties_nodes_to_others_has_no_matrices_of_its_nodes():
     tip = MESH.groups["tip"].nodes
-    heavy = replace(MESH, attachments=Attachments(masses=(PointMass(node=int(tip[0]), mass=0.5),)))
-    added = structure_matrices(replace(BLADE, mesh=heavy)).M - SET.M
+    heavy = replace(
+        MESH, attachments=cf.imported.Attachments(masses=(cf.imported.PointMass(node=int(tip[0]), mass=0.5),))
+    )
+    added = cf.modal.structure_matrices(replace(BLADE, mesh=heavy)).M - SET.M
     at = np.flatnonzero(SET.dofs[:, 0] == MESH.node_numbers[tip[0]])
     np.testing.assert_allclose(added.toarray()[np.ix_(at, at)], 0.5 * np.eye(3), atol=1e-12)
     assert added.sum() == pytest.approx(1.5, rel=1e-9)
-    tied = replace(MESH, attachments=Attachments(rigids=(Rigid(reference=int(tip[0]), nodes=tip[1:]),)))
-    with pytest.raises(ModelError, match=r"matrices: found connections in grid, which tie nodes.*matrix-size"):
-        structure_matrices(replace(BLADE, mesh=tied))
+    tied = replace(
+        MESH, attachments=cf.imported.Attachments(rigids=(cf.imported.Rigid(reference=int(tip[0]), nodes=tip[1:]),))
+    )
+    with pytest.raises(
+        cf.errors.ModelError, match=r"matrices: found connections in grid, which tie nodes.*matrix-size"
+    ):
+        cf.modal.structure_matrices(replace(BLADE, mesh=tied))
 
 
 def test_bases_whose_channels_hang_together_are_refused():
-    basis = cf.reduce(BLADE, AtNodes(NODES), modes=5)
-    with pytest.raises(ModelError, match="a singular S"):
-        basis_matrices(replace(basis, S=np.ones_like(basis.S) * 1e-9))
-    with pytest.raises(ModelError, match="6 channels that 5 modes do not move"):
-        basis_matrices(replace(basis, S=np.zeros_like(basis.S)))
+    basis = cf.reduce(BLADE, cf.modal.AtNodes(NODES), modes=5)
+    with pytest.raises(cf.errors.ModelError, match="a singular S"):
+        cf.modal.basis_matrices(replace(basis, S=np.ones_like(basis.S) * 1e-9))
+    with pytest.raises(cf.errors.ModelError, match="6 channels that 5 modes do not move"):
+        cf.modal.basis_matrices(replace(basis, S=np.zeros_like(basis.S)))
 
 
 @pytest.mark.slow
@@ -520,8 +531,8 @@ def test_a_craig_bampton_set_from_outside_rubs_as_our_own():
         chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, material=STEEL, wall="linear",
         supports={"base": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=1, around=9),
     )  # fmt: skip
-    own = cf.reduce(BLADE, AtNodes(NODES), modes=6, method="craig-bampton", zeta=0.002)
-    matrices = basis_matrices(own)
+    own = cf.reduce(BLADE, cf.modal.AtNodes(NODES), modes=6, method="craig-bampton", zeta=0.002)
+    matrices = cf.modal.basis_matrices(own)
     labels = [(node, NAMES[direction]) for node, direction in matrices.dofs.tolist()]
     n = len(labels)
     outside = ct.ModalBody.from_matrices(matrices.M, matrices.K, matrices.C, dofs=labels, contact=NODES, modes=n)
@@ -529,7 +540,7 @@ def test_a_craig_bampton_set_from_outside_rubs_as_our_own():
     tips = tuple(ct.ContactPoint(span=f"{node}.x", flap=f"{node}.z", lean_deg=10.0) for node in NODES)
     results = [
         ct.run(
-            ct.Rub(rim, (blade,), tips, clearance=-2e-5, speed=Speed.constant(5.0), thickness=3e-3),
+            ct.Rub(rim, (blade,), tips, clearance=-2e-5, speed=ct.Speed.constant(5.0), thickness=3e-3),
             law=ct.Coulomb(mu=0.2), t_end=1e-3, dt=4e-7,
         )
         for blade in (modal_body(own), outside)
@@ -655,14 +666,14 @@ BAD = {
 def test_bad_punch_files_name_the_line(name, tmp_path):
     text, message = BAD[name]
     (tmp_path / "set.pch").write_text(text)
-    with pytest.raises(ModelError, match=message):
-        read_matrices([tmp_path / "set.pch"])
+    with pytest.raises(cf.errors.ModelError, match=message):
+        cf.imported.read_matrices([tmp_path / "set.pch"])
     assert run("import", tmp_path / "set.pch", "--contact", "7").exit_code == 2
 
 
 def test_a_column_of_dmig_may_be_empty(tmp_path):
     (tmp_path / "set.pch").write_text(PCH + "DMIG,KAAX,7,1\n")
-    assert read_matrices(tmp_path / "set.pch").K.toarray().tolist() == [[1e6]]
+    assert cf.imported.read_matrices(tmp_path / "set.pch").K.toarray().tolist() == [[1e6]]
 
 
 DENSE = "%%MatrixMarket matrix array real general\n"
@@ -725,11 +736,11 @@ def test_lists_of_entries_are_read_whole_or_refused(taken, refused, message, tmp
     for name, text in taken.items():
         (tmp_path / name).write_text(text)
     given = tmp_path / "a.sti" if "a.sti" in taken else [tmp_path / "K.mtx", tmp_path / "M.mtx"]
-    read_matrices(given)
+    cf.imported.read_matrices(given)
     for name, text in refused.items():
         (tmp_path / name).write_text(text)
-    with pytest.raises(ModelError, match=message):
-        read_matrices(given)
+    with pytest.raises(cf.errors.ModelError, match=message):
+        cf.imported.read_matrices(given)
 
 
 def test_columns_of_tables_of_nodes_and_dofs_are_asked_for_by_name(tmp_path):
@@ -737,28 +748,30 @@ def test_columns_of_tables_of_nodes_and_dofs_are_asked_for_by_name(tmp_path):
     nodes, dofs = tmp_path / "nodes.csv", tmp_path / "dofs.csv"
     nodes.write_text("# of the tip\nz,y,x,node\n4,3,2,1\n")
     dofs.write_text("direction,node,note\nx,1,a\ny,1,b\n")
-    found = read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
+    found = cf.imported.read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
     assert found.points[1].tolist() == [2.0, 3.0, 4.0]
     assert found.dofs.tolist() == [[1, 1], [1, 2]]
     nodes.write_text("# of the tip\nnode,x,z\n1,2,4\n")
-    with pytest.raises(InputError, match=r"nodes.csv, line 2: found no column y; expected columns node, x, y, z"):
-        read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
+    with pytest.raises(
+        cf.errors.InputError, match=r"nodes.csv, line 2: found no column y; expected columns node, x, y, z"
+    ):
+        cf.imported.read_matrices(tmp_path / "a.npz", nodes=nodes, dofs=dofs)
     dofs.write_text("point,dir\n1,x\n")
     with pytest.raises(
-        InputError, match=r"dofs.csv, line 1: found no column node, direction; expected columns node, d"
+        cf.errors.InputError, match=r"dofs.csv, line 1: found no column node, direction; expected columns node, d"
     ):
-        read_matrices(tmp_path / "a.npz", dofs=dofs)
+        cf.imported.read_matrices(tmp_path / "a.npz", dofs=dofs)
 
 
 @pytest.mark.parametrize("names", [("a.npz", "b.npz"), ("K.mtx", "M.npz"), ("a.xyz",), ("K.mtx", "M")])
 def test_files_that_do_not_go_together_are_named(names, tmp_path):
-    with pytest.raises(ModelError, match=rf"found {', '.join(names)}: .*matrix-format"):
-        read_matrices([tmp_path / name for name in names])
+    with pytest.raises(cf.errors.ModelError, match=rf"found {', '.join(names)}: .*matrix-format"):
+        cf.imported.read_matrices([tmp_path / name for name in names])
 
 
 def test_no_file_of_matrices_is_refused():
-    with pytest.raises(ModelError, match=r"found no file: .*matrix-format"):
-        read_matrices([])
+    with pytest.raises(cf.errors.ModelError, match=r"found no file: .*matrix-format"):
+        cf.imported.read_matrices([])
 
 
 @pytest.mark.parametrize("part", ["data", "indices"])
@@ -766,22 +779,24 @@ def test_a_sparse_matrix_of_an_npz_has_three_parts(part, tmp_path):
     K = {"K_data": np.ones(1), "K_indices": np.zeros(1, int), "K_indptr": np.array([0, 1])}
     rest = {"M": np.eye(1), "dofs": np.array([[1, 1]])}
     np.savez(tmp_path / "a.npz", **K, **rest)
-    assert read_matrices(tmp_path / "a.npz").K.toarray().tolist() == [[1.0]]
+    assert cf.imported.read_matrices(tmp_path / "a.npz").K.toarray().tolist() == [[1.0]]
     del K[f"K_{part}"]
     np.savez(tmp_path / "a.npz", **K, **rest)
-    with pytest.raises(ModelError, match=r"a.npz: K: expected K_data, K_indices, K_indptr.*matrix-file"):
-        read_matrices(tmp_path / "a.npz")
+    with pytest.raises(cf.errors.ModelError, match=r"a.npz: K: expected K_data, K_indices, K_indptr.*matrix-file"):
+        cf.imported.read_matrices(tmp_path / "a.npz")
 
 
 def test_what_hdf5_needs_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(ModelError, match=r"a.h5: HDF5 needs h5py: .*test-data.*matrix-file"):
-        read_matrices(tmp_path / "a.h5")
+    with pytest.raises(cf.errors.ModelError, match=r"a.h5: HDF5 needs h5py: .*test-data.*matrix-file"):
+        cf.imported.read_matrices(tmp_path / "a.h5")
 
 
 @pytest.mark.slow
 def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
-    small = MatrixSet(K=csc_array(np.diag([2.0, 3.0])), M=csc_array(np.eye(2)), dofs=np.array([[1, 1], [2, 1]]))
+    small = cf.imported.MatrixSet(
+        K=csc_array(np.diag([2.0, 3.0])), M=csc_array(np.eye(2)), dofs=np.array([[1, 1], [2, 1]])
+    )
     text = matrix_files(small, "a", "op4")["a.op4"].encode()
     binary = binary_op4("K", small.K) + binary_op4("M", small.M)
     path = tmp_path / "a.op4"
@@ -790,7 +805,7 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
             path.write_bytes(content[:end])
             try:
                 found = read_op4(path)
-            except ModelError:
+            except cf.errors.ModelError:
                 continue
             for name, A in found.items():
                 np.testing.assert_allclose(A.toarray(), {"K": small.K, "M": small.M}[name].toarray(), rtol=1e-5)
@@ -823,8 +838,10 @@ def test_bad_files_are_named(files, message, tmp_path):
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     given = [tmp_path / name for name in files]
-    with pytest.raises(InputError, match=message):
-        read_matrices(given if len({path.suffix for path in given}) < 3 and given[0].suffix != ".sti" else given[:1])
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.imported.read_matrices(
+            given if len({path.suffix for path in given}) < 3 and given[0].suffix != ".sti" else given[:1]
+        )
 
 
 @pytest.mark.filterwarnings("ignore:The default value for `spmatrix`")
@@ -852,21 +869,21 @@ def test_formats_without_dofs_ask_for_them(tmp_path):
     written(tmp_path, "mtx")
     np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2))
     for files in ([tmp_path / "part.op4"], [tmp_path / "part_K.mtx", tmp_path / "part_M.mtx"], [tmp_path / "a.npz"]):
-        with pytest.raises(ModelError, match="matrix-dofs"):
-            read_matrices(files)
+        with pytest.raises(cf.errors.ModelError, match="matrix-dofs"):
+            cf.imported.read_matrices(files)
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,w\n")
-    with pytest.raises(InputError, match="line 3: found 7, w"):
-        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    with pytest.raises(cf.errors.InputError, match="line 3: found 7, w"):
+        cf.imported.read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,x\n")
-    with pytest.raises(ModelError, match="found direction 1 of node 7 twice"):
-        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    with pytest.raises(cf.errors.ModelError, match="found direction 1 of node 7 twice"):
+        cf.imported.read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n")
-    with pytest.raises(ModelError, match="K 2 x 2, M 2 x 2 and 1 dofs"):
-        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
+    with pytest.raises(cf.errors.ModelError, match="K 2 x 2, M 2 x 2 and 1 dofs"):
+        cf.imported.read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv")
     (tmp_path / "nodes.csv").write_text("node,x,y,z\n7,0,0,0\n7,0,0,1\n")
     (tmp_path / "dofs.csv").write_text("node,direction\n7,x\n7,y\n")
-    with pytest.raises(InputError, match="found node 7 again"):
-        read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv", nodes=tmp_path / "nodes.csv")
+    with pytest.raises(cf.errors.InputError, match="found node 7 again"):
+        cf.imported.read_matrices([tmp_path / "a.npz"], dofs=tmp_path / "dofs.csv", nodes=tmp_path / "nodes.csv")
 
 
 @pytest.mark.parametrize(
@@ -874,8 +891,8 @@ def test_formats_without_dofs_ask_for_them(tmp_path):
 )
 def test_dofs_of_another_shape_are_refused(dofs, shape, tmp_path):
     np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2), dofs=np.array(dofs))
-    with pytest.raises(ModelError, match=rf"a.npz: dofs have shape {shape}, expected \(n, 2\)"):
-        read_matrices([tmp_path / "a.npz"])
+    with pytest.raises(cf.errors.ModelError, match=rf"a.npz: dofs have shape {shape}, expected \(n, 2\)"):
+        cf.imported.read_matrices([tmp_path / "a.npz"])
 
 
 def test_names_of_matrices():

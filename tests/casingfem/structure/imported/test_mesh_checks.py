@@ -5,23 +5,17 @@ import warnings
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.edge.support import Clamped
+import casingfem as cf
 from casingfem.structure.imported.checks import check_mesh
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
-from casingfem.structure.imported.solid import Solid
-from casingfem.structure.material import Material
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
-SOUND = grid_mesh("hexahedron20", (4, 2, 1), lambda u: u * [0.2, 0.1, 0.03], groups={"root": (0, 0.0)})
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+SOUND = cf.imported.grid_mesh("hexahedron20", (4, 2, 1), lambda u: u * [0.2, 0.1, 0.03], groups={"root": (0, 0.0)})
 
 
 def changed(mesh=SOUND, *, points=None, cells=None, groups=None, kind=None):
     """The mesh with a part replaced; cells are numbered from 101."""
     cells = mesh.cells if cells is None else cells
-    return MeshData(
+    return cf.imported.MeshData(
         kind=kind or mesh.kind,
         points=mesh.points if points is None else points,
         cells=cells,
@@ -65,8 +59,8 @@ def two_parts():
 
 def hanging():
     """A corner of two small bricks in the middle of a long edge of a large one."""
-    big = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u * [0.1, 0.1, 0.1])
-    small = grid_mesh("hexahedron20", (1, 2, 1), lambda u: u * [0.1, 0.1, 0.1] + [0.1, 0, 0])
+    big = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u * [0.1, 0.1, 0.1])
+    small = cf.imported.grid_mesh("hexahedron20", (1, 2, 1), lambda u: u * [0.1, 0.1, 0.1] + [0.1, 0, 0])
     points = np.round(np.vstack([big.points, small.points]), 12)
     unique, place = np.unique(points, axis=0, return_inverse=True)
     cells = np.vstack([big.cells, small.cells + len(big.points)])
@@ -99,8 +93,8 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_refused_with_cell_and_remedy(name):
     parts, found, code = REFUSED[name]
-    with pytest.raises(ModelError, match=code) as caught:
-        Solid(mesh=changed(**parts), material=STEEL)
+    with pytest.raises(cf.errors.ModelError, match=code) as caught:
+        cf.Solid(mesh=changed(**parts), material=STEEL)
     assert found in str(caught.value)
     assert "part.msh: " in str(caught.value)
 
@@ -109,8 +103,8 @@ def test_a_slit_of_a_micrometre_is_seen():
     points, cells = torn()
     right = np.unique(cells[4:])
     points = edited(points, (right, 0), points[right, 0] + 1e-6)
-    with pytest.raises(ModelError, match="mesh-open-seam"):
-        Solid(mesh=changed(points=points, cells=cells, groups={}), material=STEEL)
+    with pytest.raises(cf.errors.ModelError, match="mesh-open-seam"):
+        cf.Solid(mesh=changed(points=points, cells=cells, groups={}), material=STEEL)
 
 
 def test_the_sound_mesh_has_no_finding():
@@ -122,8 +116,8 @@ def test_the_sound_mesh_has_no_finding():
 def test_all_faults_are_reported_at_once():
     parts = two_parts()
     parts["cells"][2, [0, 1]] = parts["cells"][2, [1, 0]]
-    with pytest.raises(ModelError) as caught:
-        Solid(mesh=changed(**parts), material=STEEL)
+    with pytest.raises(cf.errors.ModelError) as caught:
+        cf.Solid(mesh=changed(**parts), material=STEEL)
     assert "[mesh-scrambled-cell]" in str(caught.value)
     assert "[mesh-parts]" in str(caught.value)
     assert caught.value.code == "mesh-parts"
@@ -131,16 +125,16 @@ def test_all_faults_are_reported_at_once():
 
 def test_orphan_nodes_are_doubted_and_left_out():
     mesh = changed(points=np.vstack([SOUND.points, [[9.0, 9.0, 9.0]]]))
-    with pytest.warns(ModelWarning, match=r"1 node \(\d+\) without a cell.*mesh-orphan-nodes"):
-        solid = Solid(mesh=mesh, material=STEEL, supports={"root": Clamped()})
-    whole = Solid(mesh=SOUND, material=STEEL, supports={"root": Clamped()})
-    np.testing.assert_array_equal(mesh_modes(solid, 3).freq, mesh_modes(whole, 3).freq)
+    with pytest.warns(cf.errors.ModelWarning, match=r"1 node \(\d+\) without a cell.*mesh-orphan-nodes"):
+        solid = cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()})
+    whole = cf.Solid(mesh=SOUND, material=STEEL, supports={"root": cf.Clamped()})
+    np.testing.assert_array_equal(cf.modes(solid, 3).freq, cf.modes(whole, 3).freq)
 
 
 def test_needles_are_doubted():
-    needle = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u * [1.0, 1.0, 0.005])
-    with pytest.warns(ModelWarning, match="longest to shortest edge up to 200"):
-        Solid(mesh=needle, material=STEEL)
+    needle = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u * [1.0, 1.0, 0.005])
+    with pytest.warns(cf.errors.ModelWarning, match="longest to shortest edge up to 200"):
+        cf.Solid(mesh=needle, material=STEEL)
 
 
 def test_nearly_folded_cells_are_doubted():
@@ -149,55 +143,60 @@ def test_nearly_folded_cells_are_doubted():
     points[cell[6], 2] = 0.0005
     for middle, ends in ((13, [5, 6]), (14, [6, 7]), (18, [2, 6])):
         points[cell[middle]] = points[cell[ends]].mean(axis=0)
-    with pytest.warns(ModelWarning, match="mesh-aspect"), pytest.warns(ModelWarning, match=r"\(108\) nearly folded"):
-        Solid(mesh=changed(points=points), material=STEEL)
+    with (
+        pytest.warns(cf.errors.ModelWarning, match="mesh-aspect"),
+        pytest.warns(cf.errors.ModelWarning, match=r"\(108\) nearly folded"),
+    ):
+        cf.Solid(mesh=changed(points=points), material=STEEL)
 
 
 def test_millimetres_look_like_a_very_large_part():
-    with pytest.warns(ModelWarning, match=r"225\.\d m across.*scale = 1e-3.*mesh-units"):
-        Solid(mesh=changed(points=1e3 * SOUND.points), material=STEEL)
+    with pytest.warns(cf.errors.ModelWarning, match=r"225\.\d m across.*scale = 1e-3.*mesh-units"):
+        cf.Solid(mesh=changed(points=1e3 * SOUND.points), material=STEEL)
 
 
 @pytest.mark.parametrize("changes", [{"E": 210e3}, {"rho": 7.8e-9}])
 def test_materials_in_other_units_are_doubted(changes):
-    material = Material(**({"E": 210e9, "nu": 0.3, "rho": 7800.0} | changes))
-    with pytest.warns(ModelWarning, match="material-units"):
-        Solid(mesh=SOUND, material=material)
+    material = cf.Material(**({"E": 210e9, "nu": 0.3, "rho": 7800.0} | changes))
+    with pytest.warns(cf.errors.ModelWarning, match="material-units"):
+        cf.Solid(mesh=SOUND, material=material)
 
 
 @pytest.mark.parametrize(("asked", "hint"), [("rott", "did you mean 'root'"), ("flange", "its groups: 'root'")])
 def test_groups_that_match_nothing_show_close_ones(asked, hint):
-    with pytest.raises(ModelError, match=hint):
-        Solid(mesh=SOUND, material=STEEL, supports={asked: Clamped()})
+    with pytest.raises(cf.errors.ModelError, match=hint):
+        cf.Solid(mesh=SOUND, material=STEEL, supports={asked: cf.Clamped()})
 
 
 def test_empty_groups_are_refused():
-    mesh = changed(groups={"root": Group(nodes=np.zeros(0, dtype=int))})
-    with pytest.raises(ModelError, match="mesh-group-empty"):
-        Solid(mesh=mesh, material=STEEL, supports={"root": Clamped()})
+    mesh = changed(groups={"root": cf.imported.Group(nodes=np.zeros(0, dtype=int))})
+    with pytest.raises(cf.errors.ModelError, match="mesh-group-empty"):
+        cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()})
 
 
 def test_shell_cells_with_turned_normals_are_refused_and_branches_are_not():
-    quads = grid_mesh("quad8", (3, 2), lambda u: np.insert(u, 2, 0.0, axis=1))
+    quads = cf.imported.grid_mesh("quad8", (3, 2), lambda u: np.insert(u, 2, 0.0, axis=1))
     cells = quads.cells.copy()
     cells[4] = cells[4][[0, 3, 2, 1, 7, 6, 5, 4]]
-    with pytest.raises(ModelError, match="105"):
+    with pytest.raises(cf.errors.ModelError, match="105"):
         check_mesh(changed(quads, cells=cells))
-    fin = grid_mesh("quad8", (3, 1), lambda u: np.stack([u[:, 0], 0.5 + 0 * u[:, 0], u[:, 1]], axis=1))
+    fin = cf.imported.grid_mesh("quad8", (3, 1), lambda u: np.stack([u[:, 0], 0.5 + 0 * u[:, 0], u[:, 1]], axis=1))
     points = np.round(np.vstack([quads.points, fin.points]), 12)
     unique, place = np.unique(points, axis=0, return_inverse=True)
     branch = place.ravel()[np.vstack([quads.cells, fin.cells + len(quads.points)])]
     check_mesh(changed(quads, points=unique, cells=branch))
     bow = quads.cells.copy()
     bow[0, [1, 2]] = bow[0, [2, 1]]
-    with pytest.raises(ModelError, match="mesh-scrambled-cell"):
+    with pytest.raises(cf.errors.ModelError, match="mesh-scrambled-cell"):
         check_mesh(changed(quads, cells=bow))
 
 
 @pytest.mark.parametrize(("around", "doubted"), [(24, True), (72, False)])
 def test_thin_curved_walls_of_solids_are_doubted(around, doubted):
     """A wall of R/t = 50: the bow of a cell is pi^2/2 R/(n^2 t) of its thickness, .43 and .05."""
-    ring = grid_mesh("hexahedron20", (1, around, 2), revolved((0.5, 0.5), (0.0, 0.1), 0.01), wrap=1)
+    ring = cf.imported.grid_mesh(
+        "hexahedron20", (1, around, 2), cf.imported.revolved((0.5, 0.5), (0.0, 0.1), 0.01), wrap=1
+    )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_mesh(ring)

@@ -9,28 +9,23 @@ import meshio
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.io.included import included_files
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.cell_kind import KINDS, SHELLS, SOLIDS
-from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import Block, Draft, build, joined
-from casingfem.structure.imported.solid import Solid
 from reports.modes.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name, writable
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 
-WALL = revolved((0.5, 0.45), (0.0, 0.25), 0.03)
+WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.03)
 ENDS = {"base": (2, 0.0), "top": (2, 1.0)}
 
 
 def part(kind):
     if kind in SHELLS:
         ends = {"base": (1, 0.0), "top": (1, 1.0)}
-        return grid_mesh(kind, (8, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups=ends, wrap=0)
-    return grid_mesh(kind, (1, 8, 2), WALL, groups=ENDS, wrap=1)
+        return cf.imported.grid_mesh(kind, (8, 2), lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups=ends, wrap=0)
+    return cf.imported.grid_mesh(kind, (1, 8, 2), WALL, groups=ENDS, wrap=1)
 
 
 @pytest.mark.slow
@@ -41,7 +36,7 @@ def test_a_part_comes_back_with_its_nodes_cells_and_groups(kind, name, tmp_path)
         return
     mesh, (file, write) = part(kind), WRITERS[name]
     write(mesh, tmp_path / file)
-    back = read_mesh(tmp_path / file)
+    back = cf.read_mesh(tmp_path / file)
     assert back.kind == kind
     np.testing.assert_array_equal(back.cells, mesh.cells)
     np.testing.assert_allclose(back.points, mesh.points, atol=1e-13 if name.startswith("Nastran") else 0)
@@ -54,12 +49,12 @@ def test_a_part_comes_back_with_its_nodes_cells_and_groups(kind, name, tmp_path)
 @pytest.mark.slow
 def test_five_formats_give_the_same_frequencies(tmp_path, steel):
     mesh = part("hexahedron20")
-    exact = mesh_modes(Solid(mesh=mesh, material=steel, supports={"base": Clamped()}), 6).freq
+    exact = cf.modes(cf.Solid(mesh=mesh, material=steel, supports={"base": cf.Clamped()}), 6).freq
     for name, (file, write) in WRITERS.items():
         write(mesh, tmp_path / file)
         group = group_name(name, "base", ["base", "top"])
-        back = Solid(mesh=read_mesh(tmp_path / file), material=steel, supports={group: Clamped()})
-        np.testing.assert_allclose(mesh_modes(back, 6).freq, exact, rtol=1e-11)
+        back = cf.Solid(mesh=cf.read_mesh(tmp_path / file), material=steel, supports={group: cf.Clamped()})
+        np.testing.assert_allclose(cf.modes(back, 6).freq, exact, rtol=1e-11)
 
 
 def test_orders_of_gmsh_and_nastran_as_their_manuals_draw_them():
@@ -126,17 +121,17 @@ ALL, {side}
 
 @pytest.mark.parametrize(("kind", "side", "edge"), [("S4R", "SPOS", "E2"), ("S4", "S2", "S4"), ("CPS4", "SNEG", "S2")])
 def test_sides_and_edges_of_shells_are_groups_by_their_abaqus_and_calculix_names(kind, side, edge, tmp_path):
-    mesh = read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge=edge)))
+    mesh = cf.read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge=edge)))
     assert mesh.groups["UP"].cells.tolist() == [0, 1]
     assert mesh.groups["UP"].facets is None
     (facet,) = mesh.groups["END"].facets
     assert set(mesh.facets[tuple(facet)].tolist()) == {4, 5}
-    with pytest.raises(ModelError, match="a surface on face 'E5' of quad elements"):
-        read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge="E5")))
+    with pytest.raises(cf.errors.ModelError, match="a surface on face 'E5' of quad elements"):
+        cf.read_mesh(write(tmp_path / "a.inp", SIDES.format(kind=kind, side=side, edge="E5")))
 
 
 def test_inp_keeps_numbers_blocks_nested_sets_and_surfaces(tmp_path):
-    mesh = read_mesh(write(tmp_path / "a.inp", INP), scale=1e-3)
+    mesh = cf.read_mesh(write(tmp_path / "a.inp", INP), scale=1e-3)
     assert mesh.node_numbers.tolist() == [10, 20, 30, 40]
     assert mesh.cell_numbers.tolist() == [7]
     np.testing.assert_allclose(mesh.points.max(axis=0), 2e-3)
@@ -170,7 +165,7 @@ GRID    99      0       9.      9.      9.
 
 def test_bdf_reads_all_three_field_widths(tmp_path):
     text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,0,0.,0.,2.+0\n")
-    mesh = read_mesh(write(tmp_path / "a.bdf", text))
+    mesh = cf.read_mesh(write(tmp_path / "a.bdf", text))
     np.testing.assert_allclose(mesh.points, [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]])
     assert mesh.cell_numbers.tolist() == [7]
     assert mesh.groups["PID 5"].cells.tolist() == [0]
@@ -205,7 +200,7 @@ $EndElements
 
 
 def test_gmsh_cells_in_two_groups_are_one_cell_and_numbers_without_names_are_groups(tmp_path):
-    mesh = read_mesh(write(tmp_path / "a.msh", GMSH_TWICE))
+    mesh = cf.read_mesh(write(tmp_path / "a.msh", GMSH_TWICE))
     assert mesh.cells.tolist() == [[0, 1, 2, 3]]
     assert {name: group.cells.tolist() for name, group in mesh.groups.items()} == {
         "body": [0], "hot part": [0], "floor": [], "surface 8": [],
@@ -215,13 +210,13 @@ def test_gmsh_cells_in_two_groups_are_one_cell_and_numbers_without_names_are_gro
 
 
 def test_join_closes_a_seam(steel):
-    slit = grid_mesh("hexahedron20", (1, 8, 2), WALL, groups=ENDS)
-    with pytest.raises(ModelError, match="mesh-open-seam"):
-        Solid(mesh=slit, material=steel)
+    slit = cf.imported.grid_mesh("hexahedron20", (1, 8, 2), WALL, groups=ENDS)
+    with pytest.raises(cf.errors.ModelError, match="mesh-open-seam"):
+        cf.Solid(mesh=slit, material=steel)
     closed = joined(slit, 1e-6)
-    whole = mesh_modes(Solid(mesh=closed, material=steel, supports={"base": Clamped()}), 6).freq
-    wrapped = Solid(mesh=part("hexahedron20"), material=steel, supports={"base": Clamped()})
-    np.testing.assert_allclose(whole, mesh_modes(wrapped, 6).freq, rtol=1e-9)
+    whole = cf.modes(cf.Solid(mesh=closed, material=steel, supports={"base": cf.Clamped()}), 6).freq
+    wrapped = cf.Solid(mesh=part("hexahedron20"), material=steel, supports={"base": cf.Clamped()})
+    np.testing.assert_allclose(whole, cf.modes(wrapped, 6).freq, rtol=1e-9)
 
 
 ELEMENTS = GMSH_TWICE.partition("$Elements")[0] + "$Elements\n{}\n$EndElements\n"
@@ -288,8 +283,8 @@ BROKEN = {
 @pytest.mark.parametrize("name", BROKEN)
 def test_broken_files_are_refused_with_the_place(name, tmp_path):
     text, message = BROKEN[name]
-    with pytest.raises(ModelError, match=message) as caught:
-        read_mesh(write(tmp_path / name, text))
+    with pytest.raises(cf.errors.ModelError, match=message) as caught:
+        cf.read_mesh(write(tmp_path / name, text))
     assert name in str(caught.value)
 
 
@@ -299,9 +294,9 @@ def test_a_binary_file_that_says_it_fills_the_memory_is_not_read(tmp_path):
     nodes = b"$Nodes\n%d\n" % 10**9 + struct.pack("<iddd", 1, 0.0, 0.0, 0.0) + b"\n$EndNodes\n"
     (tmp_path / "a.msh").write_bytes(head + nodes + b"$Elements\n0\n$EndElements\n")
     with pytest.raises(
-        ModelError, match=r"a\.msh: cannot be read \(its reader took more than .*GB, or crashed.*mesh-file"
+        cf.errors.ModelError, match=r"a\.msh: cannot be read \(its reader took more than .*GB, or crashed.*mesh-file"
     ):
-        read_mesh(tmp_path / "a.msh")
+        cf.read_mesh(tmp_path / "a.msh")
 
 
 @pytest.mark.parametrize(
@@ -314,8 +309,8 @@ def test_a_binary_file_that_says_it_fills_the_memory_is_not_read(tmp_path):
 def test_polyhedra_are_refused_by_their_name(faces, tmp_path):
     kind = f"polyhedron{max(map(max, faces)) + 1}"
     meshio.Mesh(np.eye(6, 3), [(kind, [[np.array(face) for face in faces]])]).write(tmp_path / "a.vtu")
-    with pytest.raises(ModelError, match=rf"a.vtu: found {kind}: .*mesh-unsupported-cell"):
-        read_mesh(tmp_path / "a.vtu")
+    with pytest.raises(cf.errors.ModelError, match=rf"a.vtu: found {kind}: .*mesh-unsupported-cell"):
+        cf.read_mesh(tmp_path / "a.vtu")
 
 
 def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
@@ -323,8 +318,8 @@ def test_what_meshio_drops_without_a_word_is_counted(tmp_path):
     mesh = part("hexahedron20")
     WRITERS["VTU"][1](mesh, tmp_path / "a.vtu")
     text = (tmp_path / "a.vtu").read_text().replace('"types" format="ascii">\n25', '"types" format="ascii">\n99')
-    with pytest.raises(ModelError, match="15 of 16 cells were read"):
-        read_mesh(write(tmp_path / "a.vtu", text))
+    with pytest.raises(cf.errors.ModelError, match="15 of 16 cells were read"):
+        cf.read_mesh(write(tmp_path / "a.vtu", text))
 
 
 def test_defaults_of_grids_are_those_of_grdset(tmp_path):
@@ -333,7 +328,7 @@ def test_defaults_of_grids_are_those_of_grdset(tmp_path):
     turned = "CORD2R,7,0,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\n"  # z along x, x along y
     bare = BDF.replace("SPC1    3       123     1       THRU    3\n", turned)
     path.write_text(bare.replace("ENDDATA", "GRDSET,,7,,,,,345\nENDDATA"))
-    found = read_mesh(path)
+    found = cf.read_mesh(path)
     assert np.allclose(found.points, [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
     assert found.groups["SPC PS 345"].nodes.tolist() == [0, 1, 2, 3]
 
@@ -353,18 +348,18 @@ def test_included_files_stand_where_they_are_named(ending, whole, line, tmp_path
     plain = tmp_path / f"whole.{ending}"
     plain.write_text(whole)
     assert included_files(path) == [inner, last]
-    found, expected = read_mesh(path), read_mesh(plain)
+    found, expected = cf.read_mesh(path), cf.read_mesh(plain)
     assert np.array_equal(found.points, expected.points)
     assert np.array_equal(found.cells, expected.cells)
     assert list(found.groups) == list(expected.groups)
     last.write_text("".join(lines[8:12]).replace("10, 20", "x, 20").replace("CTETRA  7", "CTETRA  x"))
-    with pytest.raises(ModelError, match=r"line \d of c.txt: .*found '.*x"):
-        read_mesh(path)
+    with pytest.raises(cf.errors.ModelError, match=r"line \d of c.txt: .*found '.*x"):
+        cf.read_mesh(path)
 
 
 def test_kinds_that_nobody_knows_are_refused():
     block = Block("VTK_LAGRANGE_TETRAHEDRON", np.arange(4)[None], np.array([1]))
-    with pytest.raises(ModelError, match=r"1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
+    with pytest.raises(cf.errors.ModelError, match=r"1 VTK_LAGRANGE_TETRAHEDRON.*mesh-unsupported-cell"):
         build(Draft(points=np.eye(4, 3), node_numbers=np.arange(4), blocks=[block]), "a.vtu")
 
 
@@ -374,27 +369,27 @@ def test_truncated_binary_is_refused(tmp_path):
     content = (tmp_path / "a.msh").read_bytes()
     place = content.index(b"$Elements\n") + 40
     (tmp_path / "a.msh").write_bytes(content[:place] + content[place + 400 :])
-    with pytest.raises(ModelError, match="mesh-file"):
-        read_mesh(tmp_path / "a.msh")
+    with pytest.raises(cf.errors.ModelError, match="mesh-file"):
+        cf.read_mesh(tmp_path / "a.msh")
 
 
 def test_middles_of_shells_that_are_left_out_are_put_in_free(tmp_path):
     """Without any they are cells of four; else the others stand in the middle of their edges, and nothing ties them."""
     grids = "".join(f"GRID,{k},,{x},{y},0.\n" for k, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0)), 1))
     text = "BEGIN BULK\n" + grids.replace("1,0.\n", "1.,0.\n") + "CQUAD8,9,1,1,2,3,4{}\nENDDATA\n"
-    assert read_mesh(write(tmp_path / "a.bdf", text.format(""))).kind == "quad"
-    found = read_mesh(write(tmp_path / "a.bdf", text.format(",5")))
+    assert cf.read_mesh(write(tmp_path / "a.bdf", text.format(""))).kind == "quad"
+    found = cf.read_mesh(write(tmp_path / "a.bdf", text.format(",5")))
     assert (found.kind, len(found.points), bool(found.attachments)) == ("quad8", 8, False)
     np.testing.assert_array_equal(found.points[found.cells[0, 4:], :2], [[0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5]])
 
 
 def test_mixed_cells_and_loose_facets_are_named(tmp_path):
     skins = SIDES.format(kind="S4", side="SPOS", edge="E1") + "*ELEMENT, TYPE=S9\n9, 1, 2, 3, 4, 5, 6, 1, 2, 3\n"
-    with pytest.raises(ModelError, match=r"2 quad, 1 quad9: .*mesh-mixed-cells"):
-        read_mesh(write(tmp_path / "a.inp", skins))
+    with pytest.raises(cf.errors.ModelError, match=r"2 quad, 1 quad9: .*mesh-mixed-cells"):
+        cf.read_mesh(write(tmp_path / "a.inp", skins))
     loose = "*NODE\n50, 5., 5., 5.\n*ELEMENT, TYPE=CPS3, ELSET=Skin\n9, 10, 20, 50\n"
-    with pytest.warns(ModelWarning, match="'Skin' has 1 of 1 facets that belong to no cell"):
-        read_mesh(write(tmp_path / "b.inp", INP + loose))
+    with pytest.warns(cf.errors.ModelWarning, match="'Skin' has 1 of 1 facets that belong to no cell"):
+        cf.read_mesh(write(tmp_path / "b.inp", INP + loose))
 
 
 @pytest.mark.parametrize(
@@ -412,8 +407,8 @@ def test_mixed_cells_and_loose_facets_are_named(tmp_path):
 def test_constraints_that_are_not_taken_over_are_doubted(name, text, told, tmp_path):
     if name.endswith("bdf"):
         text = BDF.replace("GRID,4,0,0.,\n,2.+0\n", "GRID,4,,0.,0.,2.\n").replace("MAT1", text + "\nMAT1")
-    with pytest.warns(ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
-        read_mesh(write(tmp_path / name, text))
+    with pytest.warns(cf.errors.ModelWarning, match=f"{name}: {told}: .*mesh-left-out"):
+        cf.read_mesh(write(tmp_path / name, text))
 
 
 FLAT = "BEGIN BULK\n" + "".join(f"GRID,{k + 1},,{k % 3}.,{k // 3}.,0.\n" for k in range(9))
@@ -435,22 +430,22 @@ def in_lines(card):
 def test_an_offset_of_a_shell_is_said_to_be_left_out_and_an_angle_is_none(name, tmp_path):
     nodes, between = SHELL_CARDS[name]
     card = f"{name},1,1,{nodes}{between},30."
-    with pytest.warns(ModelWarning, match=rf"1 offset \(ZOFFS\) of {name} \(from line 11\).*mesh-left-out"):
-        read_mesh(write(tmp_path / "a.bdf", FLAT + in_lines(card + ",.01")))
+    with pytest.warns(cf.errors.ModelWarning, match=rf"1 offset \(ZOFFS\) of {name} \(from line 11\).*mesh-left-out"):
+        cf.read_mesh(write(tmp_path / "a.bdf", FLAT + in_lines(card + ",.01")))
     with warnings.catch_warnings():
         warnings.filterwarnings("error", message=".*mesh-left-out")
-        assert len(read_mesh(write(tmp_path / "b.bdf", FLAT + in_lines(card))).cells) == 1
+        assert len(cf.read_mesh(write(tmp_path / "b.bdf", FLAT + in_lines(card))).cells) == 1
 
 
 @pytest.mark.parametrize("setting", [{"scale": 0.0}, {"scale": np.nan}, {"join": -1.0}])
 def test_scale_and_join_must_be_usable(setting, tmp_path):
-    with pytest.raises(ModelError, match="mesh-scale"):
-        read_mesh(write(tmp_path / "a.inp", INP), **setting)
+    with pytest.raises(cf.errors.ModelError, match="mesh-scale"):
+        cf.read_mesh(write(tmp_path / "a.inp", INP), **setting)
 
 
 def test_negative_physical_numbers_are_not_lost(tmp_path):
     """Gmsh 2.2 marks a reversed surface by a negative number."""
-    mesh = read_mesh(write(tmp_path / "a.msh", GMSH_TWICE.replace("3 2 2 5 1", "3 2 2 -5 1")))
+    mesh = cf.read_mesh(write(tmp_path / "a.msh", GMSH_TWICE.replace("3 2 2 5 1", "3 2 2 -5 1")))
     assert mesh.groups["floor"].nodes.tolist() == [0, 1, 2]
 
 

@@ -3,33 +3,19 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.cyclic.modes import cyclic_modes
+import casingfem as cf
 from casingfem.modal.fourier import lowest
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.geometry.chart import Frustum, Panel, Plate
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
-from casingfem.structure.geometry.revolved import Revolved
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.cyclic.sector import CyclicSector
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
-from casingfem.structure.imported.shell import MeshShell, assemble_mesh_shell
-from casingfem.structure.imported.solid import Solid
+from casingfem.structure.imported.shell import assemble_mesh_shell
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.plies import Lamina, Ply
-from casingfem.structure.shell.shell import Shell
 
-WALL = revolved((0.5, 0.45), (0.0, 0.25), 3e-3)
+WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 3e-3)
 QUADRATIC = ("quad8", "quad9")
 
 
 @pytest.fixture
 def carbon():
-    return Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
+    return cf.shell.Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=5e9, G23=3.8e9, rho=1600.0)
 
 
 def flat(u):
@@ -53,7 +39,7 @@ def straight(u):
 
 
 def frustum(kind, counts, t=3e-3):
-    mesh = grid_mesh(
+    mesh = cf.imported.grid_mesh(
         kind, counts, lambda u: WALL(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0), "top": (1, 1.0)}, wrap=0
     )
     return mesh, t
@@ -64,8 +50,8 @@ def frustum(kind, counts, t=3e-3):
 def test_no_hourglass_modes(kind, place, steel):
     """Six rigid motions and no more: reduced integration of nine nodes would leave seven others."""
     counts = (3, 3) if kind == "quad" else (2, 2)
-    mesh = grid_mesh(kind, counts, lambda u: place(0.5 * u), groups={})
-    shell = MeshShell(mesh=mesh, thickness=0.02, material=steel)
+    mesh = cf.imported.grid_mesh(kind, counts, lambda u: place(0.5 * u), groups={})
+    shell = cf.MeshShell(mesh=mesh, thickness=0.02, material=steel)
     for groups in (shell.materials, shell.thicknesses, shell.supports):
         with pytest.raises(TypeError):
             groups["all"] = steel
@@ -82,7 +68,7 @@ def test_no_hourglass_modes(kind, place, steel):
 )
 def test_constant_membrane_strain_needs_no_inner_forces(kind, place, allowed, steel):
     """Exact on parallelograms; where no sides are parallel, strains tied in two directions miss a little."""
-    shell = MeshShell(mesh=grid_mesh(kind, (3, 3), place), thickness=0.02, material=steel)
+    shell = cf.MeshShell(mesh=cf.imported.grid_mesh(kind, (3, 3), place), thickness=0.02, material=steel)
     system = assemble_mesh_shell(shell)
     field = np.zeros((len(system.points), 5))
     field[:, :3] = system.points @ np.array([[1.0, 0.3, 0.0], [0.2, -0.5, 0.0], [0.0, 0.0, 0.0]])
@@ -94,8 +80,8 @@ def test_constant_membrane_strain_needs_no_inner_forces(kind, place, allowed, st
 
 def test_constant_curvature_needs_no_inner_forces(steel):
     """u_z = x^2/2, the director turned by -x; cells skewed, edges straight."""
-    mesh = grid_mesh("quad9", (3, 3), skewed)
-    system = assemble_mesh_shell(MeshShell(mesh=mesh, thickness=0.02, material=steel))
+    mesh = cf.imported.grid_mesh("quad9", (3, 3), skewed)
+    system = assemble_mesh_shell(cf.MeshShell(mesh=mesh, thickness=0.02, material=steel))
     x = system.points[:, 0]
     frames = tangent_frames(directors(mesh))
     turned = np.stack([-x, 0 * x, 0 * x], axis=1)
@@ -110,10 +96,12 @@ def test_constant_curvature_needs_no_inner_forces(steel):
 @pytest.mark.parametrize("kind", QUADRATIC)
 @pytest.mark.parametrize("t", [1e-2, 1e-4])
 def test_cantilever_plate_is_that_of_the_chart_shell_and_does_not_lock(kind, t, steel):
-    mesh = grid_mesh(kind, (8, 8), flat, groups={"root": (0, 0.0)})
-    found = mesh_modes(MeshShell(mesh=mesh, thickness=t, material=steel, supports={"root": Clamped()}), 5).freq
-    chart = Shell(chart=Plate(length=1.0, width=1.0), thickness=t, material=steel, supports={"root": Clamped()})
-    np.testing.assert_allclose(found, modes(chart, 5).freq, rtol=4e-3)
+    mesh = cf.imported.grid_mesh(kind, (8, 8), flat, groups={"root": (0, 0.0)})
+    found = cf.modes(cf.MeshShell(mesh=mesh, thickness=t, material=steel, supports={"root": cf.Clamped()}), 5).freq
+    chart = cf.Shell(
+        chart=cf.Plate(length=1.0, width=1.0), thickness=t, material=steel, supports={"root": cf.Clamped()}
+    )
+    np.testing.assert_allclose(found, cf.modes(chart, 5).freq, rtol=4e-3)
 
 
 @pytest.mark.slow
@@ -121,7 +109,7 @@ def test_eight_nodes_are_nine_with_the_middle_put_in(steel):
     eight, t = frustum("quad8", (41, 3))
     nine, _ = frustum("quad9", (41, 3))
     a, b = (
-        mesh_modes(MeshShell(mesh=m, thickness=t, material=steel, supports={"base": Clamped()}), 4)
+        cf.modes(cf.MeshShell(mesh=m, thickness=t, material=steel, supports={"base": cf.Clamped()}), 4)
         for m in (eight, nine)
     )
     assert len(a.structure.mesh.points) == len(eight.points) + len(eight.cells)
@@ -132,11 +120,14 @@ def test_eight_nodes_are_nine_with_the_middle_put_in(steel):
 def test_frustum_converges_to_the_chart_shell(counts, steel):
     """Eight modes, n = 7 to 9; the error falls eightfold and more with half the cell."""
     mesh, t = frustum("quad9", counts)
-    found = mesh_modes(MeshShell(mesh=mesh, thickness=t, material=steel, supports={"base": Clamped()}), 8)
-    chart = Shell(
-        chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=t, material=steel, supports={"base": Clamped()}
+    found = cf.modes(cf.MeshShell(mesh=mesh, thickness=t, material=steel, supports={"base": cf.Clamped()}), 8)
+    chart = cf.Shell(
+        chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
+        thickness=t,
+        material=steel,
+        supports={"base": cf.Clamped()},
     )
-    exact = modes(chart, 8)
+    exact = cf.modes(chart, 8)
     error = np.abs(found.freq / exact.freq - 1).max()
     assert error < (0.022 if counts[0] == 41 else 1.5e-3)
     assert found.splits.max() < 1e-9
@@ -146,22 +137,24 @@ def test_frustum_converges_to_the_chart_shell(counts, steel):
 
 @pytest.mark.slow
 def test_elastic_edge_is_that_of_the_chart_shell(steel):
-    mesh = grid_mesh("quad9", (8, 8), flat, groups={"root": (0, 0.0)})
-    edge = ElasticEdge(k_face=2e11)
-    found = mesh_modes(MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": edge}), 4).freq
-    chart = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": edge})
-    held = Shell(chart=Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": Clamped()})
-    exact = modes(chart, 4).freq
+    mesh = cf.imported.grid_mesh("quad9", (8, 8), flat, groups={"root": (0, 0.0)})
+    edge = cf.ElasticEdge(k_face=2e11)
+    found = cf.modes(cf.MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": edge}), 4).freq
+    chart = cf.Shell(chart=cf.Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": edge})
+    held = cf.Shell(
+        chart=cf.Plate(length=1.0, width=1.0), thickness=0.01, material=steel, supports={"root": cf.Clamped()}
+    )
+    exact = cf.modes(chart, 4).freq
     np.testing.assert_allclose(found, exact, rtol=4e-3)
-    assert exact[0] < 0.97 * modes(held, 4).freq[0]
+    assert exact[0] < 0.97 * cf.modes(held, 4).freq[0]
 
 
 def test_fixed_directions_leave_rotations_free(steel):
     """Held in z all round: a simply supported plate, pi^2 sqrt(D/rho t) (1 + 1) over its sides, less the shear."""
     edges = {"a": (0, 0.0), "b": (0, 1.0), "c": (1, 0.0), "d": (1, 1.0)}
-    mesh = grid_mesh("quad9", (8, 8), flat, groups=edges)
-    supports = {name: Fixed(directions=("z",)) for name in edges}
-    found = mesh_modes(MeshShell(mesh=mesh, thickness=2e-3, material=steel, supports=supports), 4)
+    mesh = cf.imported.grid_mesh("quad9", (8, 8), flat, groups=edges)
+    supports = {name: cf.imported.Fixed(directions=("z",)) for name in edges}
+    found = cf.modes(cf.MeshShell(mesh=mesh, thickness=2e-3, material=steel, supports=supports), 4)
     D = 210e9 * 2e-3**3 / (12 * (1 - 0.3**2))
     exact = np.pi * np.sqrt(D / (7800.0 * 2e-3))  # 2 pi^2 sqrt(D/m)/(2 pi)
     assert found.rigid == 3
@@ -176,14 +169,14 @@ def folded(angle):
         beyond = np.maximum(u[:, 0] - 0.5, 0.0)
         return np.stack([u[:, 0] - beyond * (1 - c), u[:, 1], beyond * s], axis=1)
 
-    return grid_mesh("quad9", (4, 2), place)
+    return cf.imported.grid_mesh("quad9", (4, 2), place)
 
 
 def test_kinks_are_doubted_and_folds_are_not(steel):
-    with pytest.warns(ModelWarning, match=r"4 cells \(3, 4, 5, 6\) meet at up to 20 degrees.*mesh-kink"):
-        MeshShell(mesh=folded(20.0), thickness=0.01, material=steel)
-    MeshShell(mesh=folded(90.0), thickness=0.01, material=steel)
-    MeshShell(mesh=folded(4.0), thickness=0.01, material=steel)
+    with pytest.warns(cf.errors.ModelWarning, match=r"4 cells \(3, 4, 5, 6\) meet at up to 20 degrees.*mesh-kink"):
+        cf.MeshShell(mesh=folded(20.0), thickness=0.01, material=steel)
+    cf.MeshShell(mesh=folded(90.0), thickness=0.01, material=steel)
+    cf.MeshShell(mesh=folded(4.0), thickness=0.01, material=steel)
 
 
 def lofted(pieces, rows, sectors):
@@ -195,7 +188,7 @@ def lofted(pieces, rows, sectors):
         r, z = (np.interp(s, lines, part) for part in points.T)
         return np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
 
-    return grid_mesh("quad9", (1, sum(rows)), place, groups={"base": (1, 0.0)})
+    return cf.imported.grid_mesh("quad9", (1, sum(rows)), place, groups={"base": (1, 0.0)})
 
 
 @pytest.mark.slow
@@ -207,12 +200,14 @@ def test_a_kink_of_the_mesh_is_a_mitred_wall(wall, worst, steel):
     The linear wall is too soft there: six frequencies by up to 0.5 %.
     """
     points, t = [(0.3, 0.0), (0.3, 0.15), (0.3 - 0.15 / np.sqrt(3.0), 0.3)], 0.012
-    meridian = PiecewiseMeridian(start=points[0], pieces=tuple(Piece(to=to) for to in points[1:]), fillet=t)
-    chart = Shell(chart=Revolved(profile=meridian), thickness=t, material=steel, supports={"base": Clamped()})
+    meridian = cf.geometry.PiecewiseMeridian(
+        start=points[0], pieces=tuple(cf.geometry.Piece(to=to) for to in points[1:]), fillet=t
+    )
+    chart = cf.Shell(chart=cf.Revolved(profile=meridian), thickness=t, material=steel, supports={"base": cf.Clamped()})
     exact = [np.sqrt(lowest(harmonic_matrices(chart, n), 1, 1e4)[0][0]) / (2 * np.pi) for n in range(2, 8)]
-    mesh, parts = lofted(points, (16, 18), 60), {"thickness": t, "material": steel, "supports": {"base": Clamped()}}
-    sector = CyclicSector(structure=MeshShell(mesh=mesh, wall=wall, **parts), sectors=60)
-    found = cyclic_modes(sector, 1, diameters=range(2, 8)).freq
+    mesh, parts = lofted(points, (16, 18), 60), {"thickness": t, "material": steel, "supports": {"base": cf.Clamped()}}
+    sector = cf.imported.CyclicSector(structure=cf.MeshShell(mesh=mesh, wall=wall, **parts), sectors=60)
+    found = cf.modal.cyclic_modes(sector, 1, diameters=range(2, 8)).freq
     error = np.abs(found / exact - 1).max()
     assert 0.25 * worst < error < worst
 
@@ -232,21 +227,21 @@ def test_a_wall_with_a_window_is_that_of_its_solid(steel):
         cells = np.delete(mesh.cells, window @ [6, 1], axis=0)
         used, numbers = np.unique(cells, return_inverse=True)
         held = np.flatnonzero(np.isin(used, mesh.groups["root"].nodes))
-        return MeshData(
+        return cf.imported.MeshData(
             kind=mesh.kind,
             points=mesh.points[used],
             cells=numbers.reshape(cells.shape),
-            groups={"root": Group(nodes=held)},
+            groups={"root": cf.imported.Group(nodes=held)},
         )
 
-    parts = {"material": steel, "supports": {"root": Clamped()}}
+    parts = {"material": steel, "supports": {"root": cf.Clamped()}}
     wall, block = (
-        grid_mesh("quad9", (6, 6), panel, groups=ends),
-        grid_mesh("hexahedron27", (6, 6, 1), thick, groups=ends),
+        cf.imported.grid_mesh("quad9", (6, 6), panel, groups=ends),
+        cf.imported.grid_mesh("hexahedron27", (6, 6, 1), thick, groups=ends),
     )
-    pierced = mesh_modes(MeshShell(mesh=without(wall), thickness=0.03, **parts), 4).freq
-    np.testing.assert_allclose(pierced, mesh_modes(Solid(mesh=without(block), **parts), 4).freq, rtol=1.6e-2)
-    whole = mesh_modes(MeshShell(mesh=wall, thickness=0.03, **parts), 4).freq
+    pierced = cf.modes(cf.MeshShell(mesh=without(wall), thickness=0.03, **parts), 4).freq
+    np.testing.assert_allclose(pierced, cf.modes(cf.Solid(mesh=without(block), **parts), 4).freq, rtol=1.6e-2)
+    whole = cf.modes(cf.MeshShell(mesh=wall, thickness=0.03, **parts), 4).freq
     assert np.abs(pierced / whole - 1).max() > 0.05
 
 
@@ -258,15 +253,15 @@ def panel(u):
 
 @pytest.mark.slow
 def test_plies_are_those_of_the_chart_shell(steel, carbon):
-    plies = (Ply(thickness=1.0), Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),
-             Ply(thickness=0.5, angle_deg=-60.0, lamina=carbon))  # fmt: skip
-    parts = {"thickness": 0.02, "material": steel, "wall": "linear", "supports": {"root": Clamped()}}
-    mesh = grid_mesh("quad9", (8, 10), panel, groups={"root": (0, 0.0)})
-    layered = MeshShell(mesh=mesh, plies=plies, **parts)
-    chart = Shell(chart=Panel(radius=0.5, length=0.4, angle=1.0), plies=plies, **parts)
-    np.testing.assert_allclose(mesh_modes(layered, 4).freq, modes(chart, 4).freq, rtol=4e-3)
-    steel_only = MeshShell(mesh=mesh, plies=(Ply(thickness=0.5), Ply(thickness=1.5)), **parts)
-    plain = assemble_mesh_shell(MeshShell(mesh=mesh, **parts))
+    plies = (cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),
+             cf.shell.Ply(thickness=0.5, angle_deg=-60.0, lamina=carbon))  # fmt: skip
+    parts = {"thickness": 0.02, "material": steel, "wall": "linear", "supports": {"root": cf.Clamped()}}
+    mesh = cf.imported.grid_mesh("quad9", (8, 10), panel, groups={"root": (0, 0.0)})
+    layered = cf.MeshShell(mesh=mesh, plies=plies, **parts)
+    chart = cf.Shell(chart=cf.Panel(radius=0.5, length=0.4, angle=1.0), plies=plies, **parts)
+    np.testing.assert_allclose(cf.modes(layered, 4).freq, cf.modes(chart, 4).freq, rtol=4e-3)
+    steel_only = cf.MeshShell(mesh=mesh, plies=(cf.shell.Ply(thickness=0.5), cf.shell.Ply(thickness=1.5)), **parts)
+    plain = assemble_mesh_shell(cf.MeshShell(mesh=mesh, **parts))
     for name in ("K", "M"):  # layers of one material are one layer
         one, other = getattr(assemble_mesh_shell(steel_only), name), getattr(plain, name)
         assert abs(one - other).max() < 1e-12 * abs(other).max()
@@ -275,10 +270,10 @@ def test_plies_are_those_of_the_chart_shell(steel, carbon):
 
 def test_angles_of_plies_turn_about_the_normals_from_a_direction(steel, carbon):
     """Stretch along the fibres costs most: u = f (f . x), f at 30 degrees from x towards y; cells' normals along z."""
-    mesh = grid_mesh("quad9", (2, 2), skewed)
-    plies = (Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),)
+    mesh = cf.imported.grid_mesh("quad9", (2, 2), skewed)
+    plies = (cf.shell.Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),)
     parts = {"mesh": mesh, "thickness": 0.01, "material": steel, "wall": "linear", "plies": plies}
-    K = assemble_mesh_shell(MeshShell(angle_from=(1.0, 0.0, 0.0), **parts)).K
+    K = assemble_mesh_shell(cf.MeshShell(angle_from=(1.0, 0.0, 0.0), **parts)).K
 
     def energy(angle):
         f = np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -302,17 +297,17 @@ def test_angles_of_plies_turn_about_the_normals_from_a_direction(steel, carbon):
     ],
 )
 def test_refuses_walls_and_directions_that_are_none(changes, code, steel):
-    parts = {"wall": "linear", "angle_from": (1.0, 0.0, 0.0), "plies": (Ply(thickness=1.0),)} | changes
-    with pytest.raises(ModelError, match=code):
-        MeshShell(mesh=grid_mesh("quad9", (1, 1), flat), thickness=0.01, material=steel, **parts)
+    parts = {"wall": "linear", "angle_from": (1.0, 0.0, 0.0), "plies": (cf.shell.Ply(thickness=1.0),)} | changes
+    with pytest.raises(cf.errors.ModelError, match=code):
+        cf.MeshShell(mesh=cf.imported.grid_mesh("quad9", (1, 1), flat), thickness=0.01, material=steel, **parts)
 
 
 def test_refuses_what_is_no_shell(steel):
-    brick = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
-    with pytest.raises(ModelError, match="mesh-not-shell"):
-        MeshShell(mesh=brick, thickness=0.01, material=steel)
-    with pytest.raises(ModelError, match="shell-thickness"):
-        MeshShell(mesh=grid_mesh("quad9", (1, 1), flat), thickness=0.0, material=steel)
-    mesh = grid_mesh("quad9", (1, 1), flat, groups={"root": (0, 0.0)})
-    with pytest.raises(ModelError, match="mesh-support"):
-        MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": ElasticEdge(k_r=1.0)})
+    brick = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    with pytest.raises(cf.errors.ModelError, match="mesh-not-shell"):
+        cf.MeshShell(mesh=brick, thickness=0.01, material=steel)
+    with pytest.raises(cf.errors.ModelError, match="shell-thickness"):
+        cf.MeshShell(mesh=cf.imported.grid_mesh("quad9", (1, 1), flat), thickness=0.0, material=steel)
+    mesh = cf.imported.grid_mesh("quad9", (1, 1), flat, groups={"root": (0, 0.0)})
+    with pytest.raises(cf.errors.ModelError, match="mesh-support"):
+        cf.MeshShell(mesh=mesh, thickness=0.01, material=steel, supports={"root": cf.ElasticEdge(k_r=1.0)})

@@ -6,7 +6,6 @@ import pytest
 import casingfem as cf
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, scatter_forces
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import nodal_loads
 from casingfem.structure.imported.shell_spin import shell_inertia
 
@@ -28,7 +27,7 @@ def band(u):
 
 def shell(place, wall, kind="quad9", cells=(32, 8), **given):
     ends = {"base": (1, 0.0), "top": (1, 1.0)}
-    mesh = grid_mesh(kind, cells, place, groups=ends, wrap=0)
+    mesh = cf.imported.grid_mesh(kind, cells, place, groups=ends, wrap=0)
     return cf.MeshShell(mesh=mesh, thickness=wall, material=STEEL, **given)
 
 

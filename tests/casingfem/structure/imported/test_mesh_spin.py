@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, NumericsError
 from casingfem.modal.campbell import spin_from_rest
 from casingfem.structure.imported import solid_spin
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.shell_spin import shell_stiffening
 from casingfem.structure.imported.solid_spin import steady_stiffness, tangent
 
@@ -35,12 +32,16 @@ def chart(rotation):
 
 
 def skin(rotation, counts=(12, 6), kind="quad9"):
-    mesh = grid_mesh(kind, counts, lambda u: np.insert((u - [0.0, 0.5]) * [LENGTH, WIDTH], 2, 0.0, axis=1), groups=ENDS)
+    mesh = cf.imported.grid_mesh(
+        kind, counts, lambda u: np.insert((u - [0.0, 0.5]) * [LENGTH, WIDTH], 2, 0.0, axis=1), groups=ENDS
+    )
     return cf.MeshShell(mesh=mesh, thickness=THICK, material=STEEL, supports=CLAMPED, rotation=rotation)
 
 
 def block(rotation, counts=(10, 4, 1)):
-    mesh = grid_mesh("hexahedron20", counts, lambda u: (u - [0.0, 0.5, 0.5]) * [LENGTH, WIDTH, THICK], groups=ENDS)
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", counts, lambda u: (u - [0.0, 0.5, 0.5]) * [LENGTH, WIDTH, THICK], groups=ENDS
+    )
     return cf.Solid(mesh=mesh, material=STEEL, supports=CLAMPED, rotation=rotation)
 
 
@@ -68,8 +69,10 @@ def test_southwells_coefficients_are_those_of_the_chart(axis, make, digits):
 @pytest.mark.slow
 def test_a_spinning_casing_is_that_of_the_chart():
     rotation = cf.Rotation(omega=600.0)
-    wall = revolved((0.5, 0.45), (0.0, 0.25), 0.01)
-    mesh = grid_mesh("quad9", (48, 6), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0)
+    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.01)
+    mesh = cf.imported.grid_mesh(
+        "quad9", (48, 6), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0
+    )
     casing = cf.Shell(
         chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=0.01, material=STEEL,
         supports={"base": cf.Clamped()}, rotation=rotation, mesh=cf.ShellMesh(order=8, rows=1, around=11),
@@ -121,8 +124,8 @@ def test_prestress_turns_with_a_small_rigid_rotation(kind):
     f = K u are the forces that hold the state u; a rotation w moves positions by w x X + w x (w x X)/2. What the
     director's second order takes along its normal is in the strains already.
     """
-    bent = revolved((0.1, 0.08), (0.0, 0.1), 0.01)
-    mesh = grid_mesh(kind, (4, 3), lambda u: bent(np.insert(u * [0.2, 1.0], 0, 0.5, axis=1)))
+    bent = cf.imported.revolved((0.1, 0.08), (0.0, 0.1), 0.01)
+    mesh = cf.imported.grid_mesh(kind, (4, 3), lambda u: bent(np.insert(u * [0.2, 1.0], 0, 0.5, axis=1)))
     shell = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL)
     system = shell.assembled()
     u = 1e-6 * np.random.default_rng(5).standard_normal((len(mesh.points), 5))
@@ -176,8 +179,10 @@ def test_a_rotating_basis_knows_what_speed_adds():
 def test_waves_of_a_spinning_drum_are_those_of_the_chart(turn):
     """Forward and backward waves apart by Coriolis forces: frequencies, nodal diameters, sense."""
     rotation = cf.Rotation(omega=turn * 600.0)
-    wall = revolved((0.2, 0.2), (0.0, 0.1), 0.006)
-    mesh = grid_mesh("quad9", (56, 8), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0)
+    wall = cf.imported.revolved((0.2, 0.2), (0.0, 0.1), 0.006)
+    mesh = cf.imported.grid_mesh(
+        "quad9", (56, 8), lambda u: wall(np.insert(u, 0, 0.5, axis=1)), groups={"base": (1, 0.0)}, wrap=0
+    )
     given = {"thickness": 0.006, "material": STEEL, "supports": {"base": cf.Clamped()}, "rotation": rotation}
     coarse = cf.ShellMesh(order=8, rows=1, around=9)  # 3e-4 off the default one
     exact = cf.whirl_modes(cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), mesh=coarse, **given), 6)
@@ -199,7 +204,7 @@ def test_whirl_of_a_blade_has_no_waves():
     still = cf.modes(part, 3).freq
     assert found.nodal_diameters.tolist() == [-1] * 3
     assert 0.0 < np.abs(found.freq / still - 1.0).max() < 0.05
-    with pytest.raises(ModelError, match="whirl_modes: found a structure without rotation"):
+    with pytest.raises(cf.errors.ModelError, match="whirl_modes: found a structure without rotation"):
         cf.whirl_modes(block(None), 2)
 
 
@@ -210,7 +215,7 @@ def test_softening_beyond_the_stiffness_is_refused():
     first = float(cf.modes(block(None), 1).omega[0])
     at_half = cf.modes(block(about_span.at(0.5 * first)), 1).omega[0]
     assert at_half == pytest.approx(first * np.sqrt(0.75), rel=2e-2)
-    with pytest.raises(ModelError, match="rotation-unstable"):
+    with pytest.raises(cf.errors.ModelError, match="rotation-unstable"):
         cf.modes(block(about_span.at(1.2 * first)), 1)
 
 
@@ -219,13 +224,15 @@ def test_a_steady_state_that_is_not_found_is_named_with_its_speed(monkeypatch):
     start = np.zeros_like(part.mesh.points)
     steady_stiffness(part.assembled(), part, turning, start)
     monkeypatch.setattr(solid_spin, "STEPS", 2)
-    with pytest.raises(NumericsError, match="rotation: found no steady state at 1592 turns a second in 2 steps"):
+    with pytest.raises(
+        cf.errors.NumericsError, match="rotation: found no steady state at 1592 turns a second in 2 steps"
+    ):
         steady_stiffness(part.assembled(), part, turning, start)
 
 
 def test_parts_without_an_axis_or_without_support_are_named():
-    with pytest.raises(ModelError, match="campbell: found a structure without rotation"):
+    with pytest.raises(cf.errors.ModelError, match="campbell: found a structure without rotation"):
         cf.campbell(block(None), [0.0])
-    loose = replace(block(AXES["flapping out of it"].at(10.0)), supports={"root": Fixed(directions=("z",))})
-    with pytest.raises(ModelError, match="static-loose"):
+    loose = replace(block(AXES["flapping out of it"].at(10.0)), supports={"root": cf.imported.Fixed(directions=("z",))})
+    with pytest.raises(cf.errors.ModelError, match="static-loose"):
         cf.modes(loose, 3)

@@ -6,28 +6,28 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.loads import FacetPressure, NodeLoad, nodal_loads
-from casingfem.structure.imported.mesh.attachments import Attachments, PointMass
-from casingfem.structure.imported.mesh.mesh_data import Group
+from casingfem.structure.imported.loads import nodal_loads
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0), "top": (2, 1.0)}
-BEAM = grid_mesh("hexahedron20", (8, 2, 2), lambda u: u * [1.0, 0.1, 0.1], groups=ENDS)
+BEAM = cf.imported.grid_mesh("hexahedron20", (8, 2, 2), lambda u: u * [1.0, 0.1, 0.1], groups=ENDS)
 SOLID = cf.Solid(mesh=BEAM, material=STEEL, supports={"root": cf.Clamped()})
-SKIN = grid_mesh(
-    "quad9", (32, 6), lambda u: revolved((0.5, 0.5), (0.0, 1.0), 0.01)(np.insert(u, 0, 0.5, axis=1)),
+SKIN = cf.imported.grid_mesh(
+    "quad9", (32, 6), lambda u: cf.imported.revolved((0.5, 0.5), (0.0, 1.0), 0.01)(np.insert(u, 0, 0.5, axis=1)),
     groups={"base": (1, 0.0), "end": (1, 1.0)}, wrap=0,
 )  # fmt: skip
 
 
-PINNED = replace(SOLID, mesh=replace(BEAM, groups={**BEAM.groups, "pin": Group(nodes=BEAM.groups["tip"].nodes[:3])}))
+PINNED = replace(
+    SOLID, mesh=replace(BEAM, groups={**BEAM.groups, "pin": cf.imported.Group(nodes=BEAM.groups["tip"].nodes[:3])})
+)
 
 
 def weighed(offset):
-    mass = PointMass(node=int(BEAM.groups["tip"].nodes[0]), mass=2.0, offset=(0.0, offset, 0.0), where="CONM2 7")
-    return replace(SOLID, mesh=replace(BEAM, attachments=Attachments(masses=(mass,))))
+    mass = cf.imported.PointMass(
+        node=int(BEAM.groups["tip"].nodes[0]), mass=2.0, offset=(0.0, offset, 0.0), where="CONM2 7"
+    )
+    return replace(SOLID, mesh=replace(BEAM, attachments=cf.imported.Attachments(masses=(mass,))))
 
 
 def shell(**supports):
@@ -39,8 +39,8 @@ def test_resultants_of_loads():
     cases = [
         (cf.loads.Gravity(acceleration=(0.0, 0.0, -10.0)), (0, 0, -780.0), (-39.0, 390.0, 0)),
         (cf.loads.EdgeLoad(edge="tip", force=(0.0, 1e3, 0.0)), (0, 10.0, 0), (-0.5, 0, 10.0)),
-        (FacetPressure(group="top", pressure=1e3), (0, 0, -100.0), (-5.0, 50.0, 0)),
-        (NodeLoad(node=int(BEAM.node_numbers[0]), force=(1.0, 2.0, 3.0)), (1, 2, 3), (0, 0, 0)),
+        (cf.imported.FacetPressure(group="top", pressure=1e3), (0, 0, -100.0), (-5.0, 50.0, 0)),
+        (cf.imported.NodeLoad(node=int(BEAM.node_numbers[0]), force=(1.0, 2.0, 3.0)), (1, 2, 3), (0, 0, 0)),
     ]
     for load, force, moment in cases:
         nodal = nodal_loads(SOLID, load)
@@ -53,7 +53,7 @@ def test_the_weight_of_a_mass_hangs_on_its_node():
     more = nodal_loads(weighed(0.0), load) - nodal_loads(SOLID, load)
     assert np.flatnonzero(more.any(axis=1)).tolist() == [BEAM.groups["tip"].nodes[0]]
     np.testing.assert_allclose(more.sum(axis=0), [2.0, 0.0, -20.0], rtol=1e-12)
-    with pytest.raises(ModelError, match=r"Gravity on the CONM2 7, which stands off its node.*load-edge"):
+    with pytest.raises(cf.errors.ModelError, match=r"Gravity on the CONM2 7, which stands off its node.*load-edge"):
         nodal_loads(weighed(-1e-9), load)
 
 
@@ -96,20 +96,24 @@ def test_a_cantilever_under_its_weight():
         (SOLID, cf.loads.PointLoad(at=(0.0, 0.0), force=(0.0, 0.0, 1.0)), "a PointLoad on an imported mesh"),
         (SOLID, cf.loads.Pressure(pressure=1.0), "a Pressure on an imported mesh of hexahedron20"),
         (SOLID, cf.loads.EdgeLoad(edge="tpi", force=(0.0, 0.0, 1.0)), "no group 'tpi'"),
-        (SOLID, NodeLoad(node=99999, force=(0.0, 0.0, 1.0)), "node 99999, which no cell has"),
-        (shell(base=cf.Clamped()), FacetPressure(group="end", pressure=1.0), "expected a Pressure on its wall"),
+        (SOLID, cf.imported.NodeLoad(node=99999, force=(0.0, 0.0, 1.0)), "node 99999, which no cell has"),
+        (
+            shell(base=cf.Clamped()),
+            cf.imported.FacetPressure(group="end", pressure=1.0),
+            "expected a Pressure on its wall",
+        ),
         (cf.Solid(mesh=BEAM, material=STEEL), cf.loads.Gravity(), "static-loose"),
-        (PINNED, FacetPressure(group="pin", pressure=1.0), r"load on 'pin'.*mesh-group-no-facets"),
+        (PINNED, cf.imported.FacetPressure(group="pin", pressure=1.0), r"load on 'pin'.*mesh-group-no-facets"),
         (PINNED, cf.loads.EdgeLoad(edge="pin", force=(0.0, 0.0, 1.0)), r"load on 'pin'.*mesh-group-no-facets"),
     ],
 )
 def test_loads_that_cannot_be_are_named(part, load, message):
-    with pytest.raises(ModelError, match=message):
+    with pytest.raises(cf.errors.ModelError, match=message):
         cf.solve_static(part, [load])
 
 
 def test_no_loads_and_no_node():
-    with pytest.raises(ModelError, match="load-none"):
+    with pytest.raises(cf.errors.ModelError, match="load-none"):
         cf.solve_static(SOLID, [])
-    with pytest.raises(ModelError, match="node 99999"):
+    with pytest.raises(cf.errors.ModelError, match="node 99999"):
         cf.solve_static(SOLID, [cf.loads.Gravity()]).at(99999)

@@ -6,15 +6,10 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.interface.output import NodeStress
 from casingfem.structure.imported.cells.mapped import facet_shape_products, mapped
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import FacetPressure, nodal_loads
+from casingfem.structure.imported.loads import nodal_loads
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.collapsed import mirror, native, right_handed, written_as
-from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import Block, Draft, build
 from casingfem.structure.imported.solid import assemble_solid
 
@@ -31,7 +26,7 @@ def mixed(counts, *, bend=0.0):
     def place(u):
         return (u + bend * np.sin(7.0 * u[:, [1, 2, 0]]) * u * (1.0 - u)) * [1.0, 0.2, 0.1]
 
-    bricks = grid_mesh("hexahedron", counts, place, groups={"root": (0, 0.0)})
+    bricks = cf.imported.grid_mesh("hexahedron", counts, place, groups={"root": (0, 0.0)})
     middle = bricks.points[bricks.cells].mean(axis=1)
     first, last = middle[:, 0] < 1.0 / counts[0], middle[:, 0] > 1.0 - 1.0 / counts[0]
     points = np.vstack([bricks.points, middle[last]])
@@ -81,7 +76,7 @@ def test_facets_of_collapsed_cells_are_squares_and_triangles():
 
 def test_collapsed_bricks_are_tetrahedra():
     """The stiffness to round-off; of the mass, whose quadrature they share with bricks, the sum."""
-    tetra = grid_mesh("tetra", (3, 2, 1), lambda u: u * [1.0, 0.2, 0.1])
+    tetra = cf.imported.grid_mesh("tetra", (3, 2, 1), lambda u: u * [1.0, 0.2, 0.1])
     bricks = replace(tetra, kind="hexahedron", cells=written_as("hexahedron", "tetra", tetra.cells, tetra.points))
     own, collapsed = (assemble_solid(cf.Solid(mesh=mesh, material=STEEL)) for mesh in (tetra, bricks))
     assert abs(own.K - collapsed.K).max() < 1e-12 * abs(own.K).max()
@@ -91,7 +86,7 @@ def test_collapsed_bricks_are_tetrahedra():
 @pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27"])
 def test_cells_numbered_the_other_way_round_are_mirrored(kind):
     """Which nodes a cell has stays; its volume turns; and what is right-handed is left."""
-    mesh = grid_mesh(kind, (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
+    mesh = cf.imported.grid_mesh(kind, (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
     turned = mesh.cells[:, mirror(kind)]
     assert np.array_equal(np.sort(turned, axis=1), np.sort(mesh.cells, axis=1))
     volumes = [mapped(kind, mesh.points, cells).measure.sum(axis=1) for cells in (turned, mesh.cells)]
@@ -109,14 +104,14 @@ def test_a_mixed_bar_is_stressed_alike_everywhere():
     pulled = np.zeros((len(mesh.points), 3))
     pulled[:, 0] = 1e-3 * mesh.points[:, 0]
     for node in range(0, len(mesh.points), 5):
-        row = NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xx").row(system)
+        row = cf.modal.NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xx").row(system)
         assert np.sum(row * pulled) == pytest.approx(210e6, rel=1e-6)
 
 
 def plate(thirds, count):
     """A square plate of 0.4 m, clamped along one side, `thirds` of its squares cut to two triangles each."""
     side = {"base": (0, 0.0)}
-    squares = grid_mesh("quad", (count, count), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups=side)
+    squares = cf.imported.grid_mesh("quad", (count, count), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups=side)
     cut = np.arange(len(squares.cells)) % 3 < thirds
     halves = np.concatenate([squares.cells[cut][:, [0, 1, 2]], squares.cells[cut][:, [0, 2, 3]]])
     parts = {"quad": squares.cells[~cut], "triangle": halves}
@@ -143,17 +138,17 @@ def test_cells_that_collapse_to_nothing_and_kinds_that_do_not_mix_are_refused():
     mesh, _ = mixed((2, 1, 1))
     flat = mesh.cells.copy()
     flat[0] = flat[0][[0, 1, 2, 2, 0, 1, 2, 2]]
-    with pytest.raises(ModelError, match="a node twice"):
+    with pytest.raises(cf.errors.ModelError, match="a node twice"):
         cf.Solid(mesh=replace(mesh, cells=flat), material=STEEL)
-    bricks = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    bricks = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
     folded = bricks.cells.copy()
     folded[0, 8:] = folded[0, 0]
-    with pytest.raises(ModelError, match=r"1 cell .* with a node twice"):
+    with pytest.raises(cf.errors.ModelError, match=r"1 cell .* with a node twice"):
         cf.Solid(mesh=replace(bricks, cells=folded), material=STEEL)
     points = np.random.default_rng(1).normal(size=(25, 3))
     kinds = {"quad8": 8, "quad9": 9}
     blocks = [Block(kind, np.arange(n)[None], np.array([n])) for kind, n in kinds.items()]
-    with pytest.raises(ModelError, match=r"1 quad8, 1 quad9: .*mesh-mixed-cells"):
+    with pytest.raises(cf.errors.ModelError, match=r"1 quad8, 1 quad9: .*mesh-mixed-cells"):
         build(Draft(points=points, node_numbers=np.arange(25), blocks=blocks), "part")
 
 
@@ -201,7 +196,7 @@ def test_constant_strains_are_exact_through_all_quadratic_kinds():
     assert volume == pytest.approx(0.02, rel=1e-12)
     stress = 2.0 * mu * eps + lam * np.trace(eps) * np.eye(3)
     for node in range(0, len(mesh.points), 9):
-        row = NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xy").row(system)
+        row = cf.modal.NodeStress(name="s", node=int(mesh.node_numbers[node]), component="xy").row(system)
         assert np.sum(row * field) == pytest.approx(stress[0, 1], rel=1e-4)
     weight = cf.loads.Gravity(acceleration=(0.0, 0.0, -9.81))
     assert nodal_loads(solid, weight)[:, 2].sum() == pytest.approx(-9.81 * 7800.0 * volume, rel=1e-12)
@@ -211,7 +206,7 @@ def test_constant_strains_are_exact_through_all_quadratic_kinds():
 def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
     """Modes at rest and at speed against a mesh of bricks as fine: 0.5 % at the worst."""
     spin = cf.Rotation(omega=omega, axis=(0.0, 0.0, 1.0), centre=(-0.5, 0.0, 0.0)) if omega else None
-    bricks = grid_mesh("hexahedron20", (4, 2, 2), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
+    bricks = cf.imported.grid_mesh("hexahedron20", (4, 2, 2), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
     found, exact = (
         cf.modes(cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}, rotation=spin), 5).freq
         for mesh in (quadratic((4, 2, 2)), bricks)
@@ -224,9 +219,11 @@ def test_all_quadratic_kinds_swing_like_bricks_alone(omega):
 def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
     """The pressure on the whole skin adds up to nothing, and its moment of places to the volume."""
     mesh = quadratic((3, 1, 2), bend=0.04)
-    skin = replace(mesh, groups={"skin": Group(nodes=mesh.facet_nodes(mesh.boundary).ravel(), facets=mesh.boundary)})
+    skin = replace(
+        mesh, groups={"skin": cf.imported.Group(nodes=mesh.facet_nodes(mesh.boundary).ravel(), facets=mesh.boundary)}
+    )
     solid = cf.Solid(mesh=skin, material=STEEL)
-    force = nodal_loads(solid, FacetPressure(group="skin", pressure=3.0))
+    force = nodal_loads(solid, cf.imported.FacetPressure(group="skin", pressure=3.0))
     assert np.abs(force.sum(axis=0)).max() < 1e-14
     volume = assemble_solid(solid).M.sum() / 3.0 / 7800.0
     assert np.sum(force * mesh.points) == pytest.approx(-3.0 * 3.0 * volume, rel=1e-12)
@@ -238,14 +235,14 @@ def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
 
 def test_linear_cells_among_quadratic_ones_stay_joined_to_them():
     """Half of a bar linear, half quadratic: neighbours share middle nodes, linear motions are exact."""
-    bricks = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
+    bricks = cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1], groups={"root": (0, 0.0)})
     blocks = [Block("hexahedron20", bricks.cells[:1], np.array([1])),
               Block("hexahedron", bricks.cells[1:, :8], np.array([2]))]  # fmt: skip
     numbers = np.arange(1, len(bricks.points) + 1)
     mesh = build(Draft(points=bricks.points, node_numbers=numbers, blocks=blocks), "part")
     (tie,) = mesh.attachments.glued
     assert len(tie.nodes) == 8  # of twelve edges four are the other brick's
-    with pytest.warns(ModelWarning, match="mesh-orphan-nodes"):
+    with pytest.warns(cf.errors.ModelWarning, match="mesh-orphan-nodes"):
         solid = cf.Solid(mesh=mesh, material=STEEL)
     system = solid.assembled()
     assert system.rigid == 6
@@ -266,7 +263,7 @@ def linear(mesh):
 @pytest.mark.slow
 def test_middle_nodes_that_are_left_out_move_as_the_mean_of_their_ends():
     """All of them out: the linear cells themselves, to round-off. Some of them out: constant strains stay exact."""
-    bricks = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
+    bricks = cf.imported.grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [1.0, 0.2, 0.1])
     wedges = np.array([bricks.cells[0][list(wedge)] for wedge in WEDGES])
     values = []
     for kinds, middles in ((("wedge15", "hexahedron20"), (9, 12)), (("wedge", "hexahedron"), (0, 0))):
@@ -321,7 +318,7 @@ def test_bricks_and_wedges_of_an_input_file(nodes, tmp_path):
     path = tmp_path / "part.inp"
     text = INP.replace("2, 2, 9, 3, 6, 10, 7", f"2, {nodes}")
     path.write_text(text if nodes[0] == "2" else text.replace("END, S2", "END, S1"))
-    mesh = read_mesh(path)
+    mesh = cf.read_mesh(path)
     assert mesh.collapsed.tolist() == [False, True]
     faces = mesh.facet_nodes(mesh.groups["TOP"].facets)
     assert mapped("quad", mesh.points, faces).measure.sum(axis=1) == pytest.approx([1.0, 0.5])

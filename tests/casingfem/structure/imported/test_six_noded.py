@@ -7,16 +7,13 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelWarning
 from casingfem.structure.imported.cells.tying import covariant_strains, tied_covariant
-from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.loads import nodal_loads
 from casingfem.structure.imported.mesh.cell_kind import KINDS, rule
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.walls import cell_normals
 from casingfem.structure.imported.readers.draft import Block, Draft, build
 from casingfem.structure.imported.shell import assemble_mesh_shell
-from casingfem.structure.shell.loads import Gravity, Pressure
 from tests.casingfem.structure.imported.parts import STEEL
 
 HALVES = ([0, 1, 2, 4, 5, 8], [0, 2, 3, 8, 6, 7])  # triangles of a square of nine nodes
@@ -47,7 +44,9 @@ def drafted(mesh, cut, *, linear=(), turned=()):
 
 def square(count, **options):
     """A square plate of 0.4 m clamped along one side, every third of its squares whole, the others cut."""
-    grid = grid_mesh("quad9", (count, count), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups={"base": (0, 0.0)})
+    grid = cf.imported.grid_mesh(
+        "quad9", (count, count), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups={"base": (0, 0.0)}
+    )
     return drafted(grid, np.arange(count**2) % 3 > 0, **options)
 
 
@@ -90,7 +89,7 @@ def test_what_tying_changes_has_no_mean_over_the_cell():
 def test_a_plate_of_squares_and_triangles_converges(thickness):
     """Towards nine-noded squares of a finer mesh, thick and thin; the thin one locked would be far off."""
     side = {"base": (0, 0.0)}
-    fine = grid_mesh("quad9", (8, 8), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups=side)
+    fine = cf.imported.grid_mesh("quad9", (8, 8), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups=side)
     shell = cf.MeshShell(mesh=fine, thickness=thickness, material=STEEL, supports={"base": cf.Clamped()})
     exact = cf.modes(shell, 5).freq
     coarse, found = (cf.modes(plate(count, thickness), 5).freq / exact - 1.0 for count in (3, 6))
@@ -118,7 +117,7 @@ def test_a_frustum_of_triangles_has_the_modes_of_its_chart():
         r, theta = 0.5 - 0.05 * u[:, 1], 2.0 * np.pi * u[:, 0]
         return np.stack([r * np.cos(theta), r * np.sin(theta), 0.25 * u[:, 1]], axis=1)
 
-    grid = grid_mesh("quad9", (32, 4), place, wrap=0, groups={"base": (1, 0.0)})
+    grid = cf.imported.grid_mesh("quad9", (32, 4), place, wrap=0, groups={"base": (1, 0.0)})
     mesh = drafted(grid, np.ones(len(grid.cells), dtype=bool))
     found = cf.modes(cf.MeshShell(mesh=mesh, thickness=20e-3, material=material, supports=base), 4)
     assert found.nodal_diameters.tolist() == exact.nodal_diameters.tolist()
@@ -129,7 +128,9 @@ def test_a_frustum_of_triangles_has_the_modes_of_its_chart():
 def test_triangles_turn_as_squares_do():
     """Prestress and spin of a fast plate: the change of its frequencies is that of nine-noded squares."""
     rotation = cf.Rotation(omega=500.0, axis=(0.0, 0.0, 1.0), centre=(-0.2, 0.2, 0.0))
-    grid = grid_mesh("quad9", (4, 4), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups={"base": (0, 0.0)})
+    grid = cf.imported.grid_mesh(
+        "quad9", (4, 4), lambda u: np.insert(0.4 * u, 2, 0.0, axis=1), groups={"base": (0, 0.0)}
+    )
     held = {"base": cf.Clamped()}
     rose = []
     for mesh in (grid, drafted(grid, np.ones(16, dtype=bool))):
@@ -142,9 +143,9 @@ def test_triangles_turn_as_squares_do():
 
 def test_mass_and_loads_of_a_mixed_plate_are_those_of_its_area():
     shell = plate(3)
-    weight = nodal_loads(shell, Gravity(acceleration=(0.0, 0.0, -9.81))).sum(axis=0)
+    weight = nodal_loads(shell, cf.loads.Gravity(acceleration=(0.0, 0.0, -9.81))).sum(axis=0)
     np.testing.assert_allclose(weight, [0.0, 0.0, -9.81 * 7800.0 * 4e-3 * 0.16, 0.0, 0.0], atol=1e-12)
-    pressed = nodal_loads(shell, Pressure(pressure=1e3)).sum(axis=0)
+    pressed = nodal_loads(shell, cf.loads.Pressure(pressure=1e3)).sum(axis=0)
     np.testing.assert_allclose(pressed, [0.0, 0.0, 160.0], atol=1e-10)
     M = assemble_mesh_shell(cf.MeshShell(mesh=shell.mesh, thickness=4e-3, material=STEEL)).M
     assert M[::5, ::5].sum() == pytest.approx(7800.0 * 4e-3 * 0.16, rel=1e-12)
@@ -153,7 +154,7 @@ def test_mass_and_loads_of_a_mixed_plate_are_those_of_its_area():
 def test_cells_that_point_against_their_neighbours_are_turned_round():
     """The fewer ones, named; the modes are those of the mesh that was in order."""
     right = square(4)
-    with pytest.warns(ModelWarning, match=r"3 cells \(\d+, \d+, \d+\).*mesh-turned-shell"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"3 cells \(\d+, \d+, \d+\).*mesh-turned-shell"):
         mended = square(4, turned=[0, 3, 11])
     assert (cell_normals(mended)[..., 2] >= 0.0).all()
     assert [set(cell) for cell in mended.cells.tolist()] == [set(cell) for cell in right.cells.tolist()]

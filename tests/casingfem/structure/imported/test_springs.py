@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.interface.kinds import AtNodes
-from casingfem.modal.mesh_modes import mesh_modes
 from casingfem.structure.imported.attachments.system import warn_floating
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad
-from casingfem.structure.imported.mesh.attachments import Equation, Mean, PointMass, Rigid, Spring, Term
-from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.structure.imported.read import read_mesh
 from tests.casingfem.structure.imported.parts import added_nodes, hung, supported
 
 QUIET = ("mesh-aspect", "mesh-orphan-nodes", "mesh-linear-cells")
@@ -25,7 +17,7 @@ END, MIDDLE = (0.6, 0.0, 0.0), (0.8, 0.0, 0.0)
 @pytest.fixture(scope="module")
 def bar():
     """A clamped bar along x with two nodes of no cell beyond its tip, and their indices."""
-    mesh = grid_mesh(
+    mesh = cf.imported.grid_mesh(
         "hexahedron20",
         (4, 1, 1),
         lambda u: (u - [0.0, 0.5, 0.5]) * [0.5, 0.04, 0.05],
@@ -36,12 +28,14 @@ def bar():
 
 def spring(first, other, axis, k):
     ends = [(first, 1.0), *([(other, -1.0)] if other is not None else [])]
-    return Spring(terms=tuple(Term(node, axis, sign) for node, sign in ends), stiffness=k)
+    return cf.imported.Spring(terms=tuple(cf.imported.Term(node, axis, sign) for node, sign in ends), stiffness=k)
 
 
 def on_tip(mesh, node, **items):
     tip = mesh.groups["tip"].nodes
-    return supported(hung(mesh, means=(Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),), **items))
+    return supported(
+        hung(mesh, means=(cf.imported.Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),), **items)
+    )
 
 
 @pytest.mark.slow
@@ -52,20 +46,22 @@ def test_a_node_between_two_springs_makes_one_of_them_in_series(bar):
     chain = [s for c in axes for s in (spring(end, middle, c, k1), spring(middle, None, c, k2))]
     series = [spring(end, None, c, k1 * k2 / (k1 + k2)) for c in axes]
     one, two = (on_tip(mesh, end, springs=tuple(springs)) for springs in (chain, series))
-    found, exact = mesh_modes(one, 6), mesh_modes(two, 6)
+    found, exact = cf.modes(one, 6), cf.modes(two, 6)
     np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-8)
     assert found.sturm_count == exact.sturm_count
     number = int(mesh.node_numbers[middle])
     free = np.diagonal(compliance(on_tip(mesh, end), int(mesh.node_numbers[end])))
     moved = compliance(one, number)
     np.testing.assert_allclose(np.diagonal(moved), 1.0 / (k2 + 1.0 / (1.0 / k1 + free)), rtol=1e-7)
-    basis = cf.reduce(one, interface=AtNodes((number,)), modes=5)
+    basis = cf.reduce(one, interface=cf.modal.AtNodes((number,)), modes=5)
     np.testing.assert_allclose(basis.rows / basis.omega**2 @ basis.rows.T + basis.S, moved, atol=1e-9 * moved.max())
 
 
 def compliance(part, node):
     """Displacements of a node under unit forces on it, (3, 3)."""
-    return np.stack([cf.solve_static(part, [NodeLoad(node=node, force=tuple(e))]).at(node) for e in np.eye(3)], axis=1)
+    return np.stack(
+        [cf.solve_static(part, [cf.imported.NodeLoad(node=node, force=tuple(e))]).at(node) for e in np.eye(3)], axis=1
+    )
 
 
 @pytest.mark.slow
@@ -73,24 +69,29 @@ def compliance(part, node):
 def test_a_slanted_spring_holds_one_direction_and_forces_across_it_are_refused(bar):
     mesh, (end, middle) = bar
     along = np.array([0.6, 0.0, 0.8])
-    terms = tuple(Term(node, c, sign * along[c]) for node, sign in ((end, 1.0), (middle, -1.0)) for c in (0, 2))
-    part = on_tip(mesh, end, springs=(Spring(terms=terms, stiffness=2e5),))
+    terms = tuple(
+        cf.imported.Term(node, c, sign * along[c]) for node, sign in ((end, 1.0), (middle, -1.0)) for c in (0, 2)
+    )
+    part = on_tip(mesh, end, springs=(cf.imported.Spring(terms=terms, stiffness=2e5),))
     bare = on_tip(mesh, end)
     end, middle = (int(mesh.node_numbers[k]) for k in (end, middle))
-    with pytest.warns(ModelWarning, match=rf"found 1 node \({middle}\) at the end of springs.*mesh-floating-spring"):
-        found = mesh_modes(part, 4).freq
-    np.testing.assert_allclose(found, mesh_modes(bare, 4).freq, rtol=1e-8)
+    with pytest.warns(
+        cf.errors.ModelWarning, match=rf"found 1 node \({middle}\) at the end of springs.*mesh-floating-spring"
+    ):
+        found = cf.modes(part, 4).freq
+    np.testing.assert_allclose(found, cf.modes(bare, 4).freq, rtol=1e-8)
     moved, alone = (
-        cf.solve_static(s, [NodeLoad(node=n, force=tuple(10.0 * along))]) for s, n in ((part, middle), (bare, end))
+        cf.solve_static(s, [cf.imported.NodeLoad(node=n, force=tuple(10.0 * along))])
+        for s, n in ((part, middle), (bare, end))
     )
     stretch = (moved.at(middle) - moved.at(end)) @ along
     np.testing.assert_allclose(stretch, 10.0 / 2e5, rtol=1e-8)
     np.testing.assert_allclose(moved.at(end), alone.at(end), rtol=1e-8, atol=1e-15)
     for refused in ((0.0, 1.0, 0.0), (0.6, 0.0, -0.8)):
-        with pytest.raises(ModelError, match=rf"a force on node {middle} along [xyz].*load-idle"):
-            cf.solve_static(part, [NodeLoad(node=middle, force=refused)])
-    with pytest.raises(ModelError, match=rf"node {middle} along .*load-idle"):
-        cf.reduce(part, interface=AtNodes((middle,)), modes=3)
+        with pytest.raises(cf.errors.ModelError, match=rf"a force on node {middle} along [xyz].*load-idle"):
+            cf.solve_static(part, [cf.imported.NodeLoad(node=middle, force=refused)])
+    with pytest.raises(cf.errors.ModelError, match=rf"node {middle} along .*load-idle"):
+        cf.reduce(part, interface=cf.modal.AtNodes((middle,)), modes=3)
 
 
 FILE = """BEGIN BULK
@@ -119,7 +120,7 @@ ENDDATA
 
 def read(path, cards):
     path.write_text(FILE.format(cards=cards))
-    return read_mesh(path)
+    return cf.read_mesh(path)
 
 
 def test_a_bush_with_arms_is_one_of_coincident_grids_on_rigid_bars(tmp_path):
@@ -140,7 +141,7 @@ def test_a_bush_with_arms_is_one_of_coincident_grids_on_rigid_bars(tmp_path):
         f"{properties}\nCORD2R,7,,{point},{vectors[0]},+\n+,{vectors[1]}",
     )
     for options in ({}, {"units": "mm-t-s"}):
-        parts = [supported(read_mesh(mesh_file, **options), "SPC 3") for mesh_file in (bush, bars)]
+        parts = [supported(cf.read_mesh(mesh_file, **options), "SPC 3") for mesh_file in (bush, bars)]
         K, other = (part.assembled().K.toarray() for part in parts)
         np.testing.assert_allclose(K, other, atol=1e-11 * np.abs(K).max())
 
@@ -162,7 +163,11 @@ def test_springs_masses_and_equations_follow_the_systems_that_cards_name(tmp_pat
             row[component] += coefficient
     np.testing.assert_allclose(felt, [[*radial, 0, 0, 0], [0, 0, 0, *around], [*around, 0, 0, 0]], atol=1e-12)
     (equation,) = mesh.attachments.equations
-    wanted = {Term(5, 0, 3.0 * around[0]), Term(5, 1, 3.0 * around[1]), Term(6, 0, 1.0)}
+    wanted = {
+        cf.imported.Term(5, 0, 3.0 * around[0]),
+        cf.imported.Term(5, 1, 3.0 * around[1]),
+        cf.imported.Term(6, 0, 1.0),
+    }
     assert {t._replace(coefficient=round(t.coefficient, 12)) for t in equation.terms} == {
         t._replace(coefficient=round(t.coefficient, 12)) for t in wanted
     }
@@ -219,7 +224,7 @@ def test_systems_by_grids_are_systems_by_their_places(kind, tmp_path):
     ],
 )
 def test_systems_and_bushes_that_are_not_given_whole_are_refused_by_line(cards, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"line \d+: .*{told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"line \d+: .*{told}"):
         read(tmp_path / "a.bdf", cards)
 
 
@@ -227,13 +232,13 @@ def test_forces_on_reference_nodes_without_mass_or_springs_reach_the_part(bar):
     """A rigid arm carries a force; its reference has neither mass nor stiffness of its own."""
     mesh, (end, middle) = bar
     tip = mesh.groups["tip"].nodes
-    arm = (Rigid(reference=end, nodes=tip), Rigid(reference=middle, nodes=np.array([end])))
+    arm = (cf.imported.Rigid(reference=end, nodes=tip), cf.imported.Rigid(reference=middle, nodes=np.array([end])))
     part = supported(hung(mesh, rigids=arm))
     number = int(mesh.node_numbers[middle])
     moved = compliance(part, number)
     np.testing.assert_allclose(moved, moved.T, atol=1e-9 * moved.max())
-    assert isinstance(part.mesh, MeshData)
-    heavy = supported(hung(mesh, rigids=arm, masses=(PointMass(node=middle, mass=3.0),)))
+    assert isinstance(part.mesh, cf.imported.MeshData)
+    heavy = supported(hung(mesh, rigids=arm, masses=(cf.imported.PointMass(node=middle, mass=3.0),)))
     np.testing.assert_allclose(compliance(heavy, number), moved, rtol=1e-9)
 
 
@@ -247,8 +252,12 @@ def test_only_a_node_that_nothing_but_one_other_node_holds_floats(bar, beside):
     if beside == "ground alone":
         springs = [spring(middle, None, 2, 1e5)]
     more = {
-        "mass": {"masses": (PointMass(node=middle, mass=0.1),)},
-        "equation": {"equations": (Equation(terms=(Term(middle, 0, 1.0), Term(tip, 0, -1.0))),)},
+        "mass": {"masses": (cf.imported.PointMass(node=middle, mass=0.1),)},
+        "equation": {
+            "equations": (
+                cf.imported.Equation(terms=(cf.imported.Term(middle, 0, 1.0), cf.imported.Term(tip, 0, -1.0))),
+            )
+        },
     }.get(beside, {})
     held = np.array([middle] if beside == "held" else [], dtype=np.int64)
     with warnings.catch_warnings(record=True) as told:

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.modal.mesh_modes import mesh_modes
-from casingfem.structure.imported.attachments.glue import Gluing, nearest_places, tied
-from casingfem.structure.imported.grid import grid_mesh, revolved
+from casingfem.structure.imported.attachments.glue import nearest_places
 from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
-from casingfem.structure.imported.mesh.mesh_data import Group, beside
-from casingfem.structure.imported.read import read_mesh
 from casingfem.structure.imported.readers.draft import joined
-from casingfem.structure.imported.shell import MeshShell
 from casingfem.study.load import load_any
 from reports.modes.mesh_files import write_inp
 from tests.casingfem.structure.imported.parts import STEEL, supported
@@ -25,32 +19,34 @@ pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in QUIET]
 
 
 def block(kind, counts, start, length):
-    return grid_mesh(kind, counts, lambda u: u * [length, 0.1, 0.12] + [start, 0.0, 0.0], groups=ENDS)
+    return cf.imported.grid_mesh(kind, counts, lambda u: u * [length, 0.1, 0.12] + [start, 0.0, 0.0], groups=ENDS)
 
 
 def pair(kind, first, other):
     """Blocks of 0.3 and 0.4 m in a row, 0.1 by 0.12 m, nothing joined."""
-    return beside({"a": block(kind, first, 0.0, 0.3), "b": block(kind, other, 0.3, 0.4)})
+    return cf.imported.beside({"a": block(kind, first, 0.0, 0.3), "b": block(kind, other, 0.3, 0.4)})
 
 
-GLUE = Gluing(follower="b.low", master="a.high")
+GLUE = cf.imported.Gluing(follower="b.low", master="a.high")
 
 
 def test_faces_that_match_are_as_good_as_joined():
     both = pair("hexahedron20", (2, 1, 2), (2, 1, 2))
-    with pytest.raises(ModelError, match=r"coincide.*tie faces.*mesh-open-seam"):
+    with pytest.raises(cf.errors.ModelError, match=r"coincide.*tie faces.*mesh-open-seam"):
         supported(both, "a.low")
-    found, exact = (mesh_modes(supported(mesh, "a.low"), 6).freq for mesh in (tied(both, [GLUE]), joined(both, 1e-6)))
+    found, exact = (
+        cf.modes(supported(mesh, "a.low"), 6).freq for mesh in (cf.imported.tied(both, [GLUE]), joined(both, 1e-6))
+    )
     np.testing.assert_allclose(found, exact, rtol=1e-8)
 
 
 @pytest.mark.slow
 def test_faces_that_do_not_match_are_those_of_calculix():
     """2 x 2 x 2 and 3 x 3 x 3 C3D20, *TIE with ADJUST: *FREQUENCY of CalculiX 2.20, E = 210e9, nu = 0.3, rho = 7800."""
-    part = supported(tied(pair("hexahedron20", (2, 2, 2), (3, 3, 3)), [GLUE]), "a.low")
-    found = mesh_modes(part, 6).freq
+    part = supported(cf.imported.tied(pair("hexahedron20", (2, 2, 2), (3, 3, 3)), [GLUE]), "a.low")
+    found = cf.modes(part, 6).freq
     np.testing.assert_allclose(found, [171.8851, 204.6305, 995.9702, 1057.227, 1147.342, 1868.787], rtol=5e-7)
-    one = mesh_modes(supported(block("hexahedron20", (5, 3, 3), 0.0, 0.7), "low"), 6).freq
+    one = cf.modes(supported(block("hexahedron20", (5, 3, 3), 0.0, 0.7), "low"), 6).freq
     np.testing.assert_allclose(found, one, rtol=8e-3)  # the coarse half, 0.7 % at the worst
 
 
@@ -58,15 +54,15 @@ def sectors(kind, first, other):
     """Half rings of a tube one above the other, meshed with other pieces around: the joint is curved."""
 
     def upon(z):
-        place = revolved((0.5, 0.5), z, 0.05)
+        place = cf.imported.revolved((0.5, 0.5), z, 0.05)
         if kind == "quad8":
             return lambda u: place(np.column_stack([np.full(len(u), 0.5), 0.5 * u[:, 0], u[:, 1]]))
         return lambda u: place(u * [1.0, 0.5, 1.0])
 
     axis = 1 if kind == "quad8" else 2
     ends = {"low": (axis, 0.0), "high": (axis, 1.0)}
-    return beside({"a": grid_mesh(kind, first, upon((0.0, 0.2)), groups=ends),
-                   "b": grid_mesh(kind, other, upon((0.2, 0.5)), groups=ends)})  # fmt: skip
+    return cf.imported.beside({"a": cf.imported.grid_mesh(kind, first, upon((0.0, 0.2)), groups=ends),
+                   "b": cf.imported.grid_mesh(kind, other, upon((0.2, 0.5)), groups=ends)})  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -74,13 +70,13 @@ def sectors(kind, first, other):
 )
 def test_ties_across_a_curved_joint_resist_no_rigid_motion(kind, first, other):
     """Nodes that follow are moved onto the facets; free, the part has six motions, all with no energy."""
-    mesh = tied(sectors(kind, first, other), [GLUE])
+    mesh = cf.imported.tied(sectors(kind, first, other), [GLUE])
     if kind == "quad8":
-        part = MeshShell(mesh=mesh, thickness=0.05, material=STEEL)
+        part = cf.MeshShell(mesh=mesh, thickness=0.05, material=STEEL)
     else:
         part = cf.Solid(mesh=mesh, material=STEEL)
     system = part.assembled()
-    values = mesh_modes(part, 8, system=system)
+    values = cf.modes(part, 8, system=system)
     assert system.rigid == 6
     assert values.freq[5] < 1e-2 * values.freq[6]
     assert values.sturm_count == len(values.freq)
@@ -89,7 +85,7 @@ def test_ties_across_a_curved_joint_resist_no_rigid_motion(kind, first, other):
 
 
 def test_a_linear_motion_passes_a_tie_unchanged():
-    part = cf.Solid(mesh=tied(pair("tetra10", (1, 2, 1), (1, 1, 3)), [GLUE]), material=STEEL)
+    part = cf.Solid(mesh=cf.imported.tied(pair("tetra10", (1, 2, 1), (1, 1, 3)), [GLUE]), material=STEEL)
     system = part.assembled()
     gradient = np.array([[1.0, 0.3, -0.2], [0.1, -0.5, 0.4], [0.0, 0.7, 0.6]])
     field = (part.mesh.points @ gradient.T)[:, :, None]
@@ -101,30 +97,37 @@ def test_shells_are_tied_edge_to_edge():
     """A clamped plate of two pieces, three and four cells wide, against one of four."""
 
     def plate(counts, start, length):
-        return grid_mesh("quad8", counts, lambda u: np.insert(u * [length, 0.4] + [start, 0.0], 2, 0.0, axis=1),
-                         groups=ENDS)  # fmt: skip
+        return cf.imported.grid_mesh(
+            "quad8", counts, lambda u: np.insert(u * [length, 0.4] + [start, 0.0], 2, 0.0, axis=1), groups=ENDS
+        )
 
-    pieces = beside({"a": plate((2, 3), 0.0, 0.3), "b": plate((2, 4), 0.3, 0.3)})
+    pieces = cf.imported.beside({"a": plate((2, 3), 0.0, 0.3), "b": plate((2, 4), 0.3, 0.3)})
     found, one = (
-        mesh_modes(MeshShell(mesh=mesh, thickness=5e-3, material=STEEL, supports={name: cf.Clamped()}), 4).freq
-        for mesh, name in ((tied(pieces, [GLUE]), "a.low"), (plate((4, 4), 0.0, 0.6), "low"))
+        cf.modes(cf.MeshShell(mesh=mesh, thickness=5e-3, material=STEEL, supports={name: cf.Clamped()}), 4).freq
+        for mesh, name in ((cf.imported.tied(pieces, [GLUE]), "a.low"), (plate((4, 4), 0.0, 0.6), "low"))
     )
     np.testing.assert_allclose(found, one, rtol=4e-3)
-    across = grid_mesh("quad8", (2, 3), lambda u: np.stack([0.0 * u[:, 0] + 0.3, 0.4 * u[:, 1], 0.3 * u[:, 0]], 1),
-                       groups=ENDS)  # fmt: skip
-    standing = tied(beside({"a": plate((2, 3), 0.0, 0.3), "b": across}), [Gluing(follower="b.low", master="a")])
-    with pytest.raises(ModelError, match=r"tie: node \d+: found walls that meet at an angle.*mesh-attachment"):
-        MeshShell(mesh=standing, thickness=5e-3, material=STEEL, supports={"a.low": cf.Clamped()}).assembled()
+    across = cf.imported.grid_mesh(
+        "quad8", (2, 3), lambda u: np.stack([0.0 * u[:, 0] + 0.3, 0.4 * u[:, 1], 0.3 * u[:, 0]], 1), groups=ENDS
+    )
+    standing = cf.imported.tied(
+        cf.imported.beside({"a": plate((2, 3), 0.0, 0.3), "b": across}),
+        [cf.imported.Gluing(follower="b.low", master="a")],
+    )
+    with pytest.raises(
+        cf.errors.ModelError, match=r"tie: node \d+: found walls that meet at an angle.*mesh-attachment"
+    ):
+        cf.MeshShell(mesh=standing, thickness=5e-3, material=STEEL, supports={"a.low": cf.Clamped()}).assembled()
 
 
 def test_what_a_support_holds_stays_held():
     """Clamped along a side that both blocks share, follower nodes included."""
-    both = tied(pair("hexahedron20", (1, 1, 2), (1, 1, 3)), [GLUE])
+    both = cf.imported.tied(pair("hexahedron20", (1, 1, 2), (1, 1, 3)), [GLUE])
     side = np.flatnonzero(both.points[:, 2] == 0.0)
     held = cf.imported.Group(nodes=side)
     mesh = cf.imported.MeshData(kind=both.kind, points=both.points, cells=both.cells, groups={"side": held},
                                 attachments=both.attachments)  # fmt: skip
-    shapes = mesh_modes(supported(mesh, "side"), 3).fields
+    shapes = cf.modes(supported(mesh, "side"), 3).fields
     assert not shapes[side].any()
     assert np.abs(shapes).max() > 0.0
 
@@ -165,9 +168,9 @@ def file_of(tmp_path, names="upper, lower", far=0.01):
 
 def test_ties_of_input_files_are_read_by_surfaces(tmp_path):
     """TYPE=NODE follows; the same as from Python, numbers of the tolerance in the file's lengths."""
-    found = read_mesh(file_of(tmp_path), scale=1e-3)
+    found = cf.read_mesh(file_of(tmp_path), scale=1e-3)
     assert repr(found.attachments) == "1 tie"
-    wanted = tied(pair("hexahedron", (1, 1, 1), (1, 2, 2)), [GLUE]).attachments.glued[0]
+    wanted = cf.imported.tied(pair("hexahedron", (1, 1, 1), (1, 2, 2)), [GLUE]).attachments.glued[0]
     np.testing.assert_array_equal(found.attachments.glued[0].nodes, wanted.nodes)
     np.testing.assert_allclose(found.attachments.glued[0].weights @ np.ones(4), np.ones(len(wanted.nodes)), rtol=1e-12)
     assert {"Upper", "Lower"} <= set(found.groups)
@@ -182,24 +185,24 @@ def test_ties_of_input_files_are_read_by_surfaces(tmp_path):
     ],
 )
 def test_ties_that_name_no_faces_are_refused_by_line(names, told, tmp_path):
-    with pytest.raises(ModelError, match=told):
-        read_mesh(file_of(tmp_path, names))
+    with pytest.raises(cf.errors.ModelError, match=told):
+        cf.read_mesh(file_of(tmp_path, names))
 
 
 def test_faces_that_are_not_there_or_apart_are_named():
     both = pair("hexahedron", (1, 1, 1), (1, 2, 2))
-    with pytest.raises(ModelError, match=r"tie: no group 'b.hih. \(did you mean b.high.*mesh-tie"):
-        tied(both, [Gluing(follower="b.hih", master="a.high")])
-    corner = replace(both, groups={**both.groups, "pin": Group(nodes=both.groups["a.high"].nodes[:3])})
-    with pytest.raises(ModelError, match=r"tie: group 'pin' has no facets.*mesh-tie"):
-        tied(corner, [Gluing(follower="b.low", master="pin")])
-    with pytest.raises(ModelError, match=r"'b.high' stands 0.4 m from 'a.high' or farther.*mesh-tie"):
-        tied(both, [Gluing(follower="b.high", master="a.high")])
-    with pytest.warns(ModelWarning, match=r"9 nodes .* of 'b' off 'a.high'.*mesh-tie-loose"):
-        found = tied(both, [Gluing(follower="b", master="a.high", tolerance=0.01)])
+    with pytest.raises(cf.errors.ModelError, match=r"tie: no group 'b.hih. \(did you mean b.high.*mesh-tie"):
+        cf.imported.tied(both, [cf.imported.Gluing(follower="b.hih", master="a.high")])
+    corner = replace(both, groups={**both.groups, "pin": cf.imported.Group(nodes=both.groups["a.high"].nodes[:3])})
+    with pytest.raises(cf.errors.ModelError, match=r"tie: group 'pin' has no facets.*mesh-tie"):
+        cf.imported.tied(corner, [cf.imported.Gluing(follower="b.low", master="pin")])
+    with pytest.raises(cf.errors.ModelError, match=r"'b.high' stands 0.4 m from 'a.high' or farther.*mesh-tie"):
+        cf.imported.tied(both, [cf.imported.Gluing(follower="b.high", master="a.high")])
+    with pytest.warns(cf.errors.ModelWarning, match=r"9 nodes .* of 'b' off 'a.high'.*mesh-tie-loose"):
+        found = cf.imported.tied(both, [cf.imported.Gluing(follower="b", master="a.high", tolerance=0.01)])
     assert len(found.attachments.glued[0].nodes) == 9
-    with pytest.raises(ModelError, match=r"(?s)3 parts .*tie their faces.*mesh-parts"):
-        cf.Solid(mesh=beside({"a": block("hexahedron", (1, 1, 1), 0.0, 0.1), "b": both}), material=STEEL)
+    with pytest.raises(cf.errors.ModelError, match=r"(?s)3 parts .*tie their faces.*mesh-parts"):
+        cf.Solid(mesh=cf.imported.beside({"a": block("hexahedron", (1, 1, 1), 0.0, 0.1), "b": both}), material=STEEL)
 
 
 STUDY = """

@@ -7,13 +7,7 @@ import pytest
 from scipy.linalg import eig, eigh
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.structure.imported.attachments.turning import attached_spin, points_of
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Mean, PointMass, Rigid, Spring, Term
-from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.imported.shell import MeshShell
-from casingfem.structure.imported.solid import Solid
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung
 
 QUIET = ("mesh-aspect", "mesh-orphan-nodes", "material-units", "mesh-parts")
@@ -24,7 +18,9 @@ Z = cf.Rotation(omega=OMEGA, axis=(0.0, 0.0, 1.0))
 
 
 def ground(node, stiffness):
-    return tuple(Spring(terms=(Term(node, c, 1.0),), stiffness=float(k)) for c, k in enumerate(stiffness))
+    return tuple(
+        cf.imported.Spring(terms=(cf.imported.Term(node, c, 1.0),), stiffness=float(k)) for c, k in enumerate(stiffness)
+    )
 
 
 def at_speed(part, rotation=Z):
@@ -37,23 +33,24 @@ def at_speed(part, rotation=Z):
 
 def body(how):
     """A steel block about the origin as a rigid body: its nodes on a reference, or its mass and inertia at a node."""
-    cube = grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * SIDES)
+    cube = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - 0.5) * SIDES)
     mass = 7800.0 * float(SIDES.prod())
     J = mass * (SIDES @ SIDES - SIDES**2) / 12.0
     mesh, (node,) = added_nodes(cube, (0.0, 0.0, 0.0))
-    rigid = Rigid(reference=node, nodes=np.arange(node))
+    rigid = cf.imported.Rigid(reference=node, nodes=np.arange(node))
     if how == "cells":
-        return Solid(mesh=hung(mesh, rigids=(rigid,), springs=ground(node, SPRINGS)), material=STEEL), mass, J
+        return cf.Solid(mesh=hung(mesh, rigids=(rigid,), springs=ground(node, SPRINGS)), material=STEEL), mass, J
     light = cf.Material(E=210e9, nu=0.3, rho=1e-9)
-    masses = (PointMass(node=node, mass=mass, inertia=np.diag(J)),)
+    masses = (cf.imported.PointMass(node=node, mass=mass, inertia=np.diag(J)),)
     if how == "pieces":  # eight eccentric masses with inertia of their own
         quarter = SIDES / 4.0
         corners = quarter * np.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
         masses = tuple(
-            PointMass(node=node, mass=mass / 8.0, inertia=np.diag(J) / 32.0, offset=tuple(corner)) for corner in corners
+            cf.imported.PointMass(node=node, mass=mass / 8.0, inertia=np.diag(J) / 32.0, offset=tuple(corner))
+            for corner in corners
         )
     mesh = hung(mesh, rigids=(rigid,), springs=ground(node, SPRINGS), masses=masses)
-    return Solid(mesh=mesh, material=light), mass, J
+    return cf.Solid(mesh=mesh, material=light), mass, J
 
 
 @pytest.mark.parametrize("how", ["cells", "mass", "pieces"])
@@ -75,27 +72,33 @@ def test_a_rigid_body_on_springs_turns_as_euler_says(how):
 
 def pendulum(arm, hub, kind):
     """A mass on an arm along x, hinged at a hub: carried by an offset, by a rigid connection, by two of them."""
-    mesh = grid_mesh("hexahedron20", (1, 1, 1), lambda u: (u - [2.0, 0.5, 0.5]) * 0.1, groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh(
+        "hexahedron20", (1, 1, 1), lambda u: (u - [2.0, 0.5, 0.5]) * 0.1, groups={"root": (0, 0.0)}
+    )
     places = [(hub, 0.0, 0.0), (hub + 0.4 * arm, 0.0, 0.0), (hub + arm, 0.0, 0.0)]
     mesh, (hinge, half, end) = added_nodes(mesh, *places)
-    groups = dict(mesh.groups) | {"hinge": Group(nodes=[hinge])}
+    groups = dict(mesh.groups) | {"hinge": cf.imported.Group(nodes=[hinge])}
     k = (7e4, 8e4, 9e4)
-    springs = tuple(Spring(terms=(Term(hinge, 3 + c, 1.0),), stiffness=value) for c, value in enumerate(k))
+    springs = tuple(
+        cf.imported.Spring(terms=(cf.imported.Term(hinge, 3 + c, 1.0),), stiffness=value) for c, value in enumerate(k)
+    )
     items = {
-        "offset": {"masses": (PointMass(node=hinge, mass=3.0, offset=(arm, 0.0, 0.0)),)},
+        "offset": {"masses": (cf.imported.PointMass(node=hinge, mass=3.0, offset=(arm, 0.0, 0.0)),)},
         "rigid": {
-            "masses": (PointMass(node=end, mass=3.0),), "rigids": (Rigid(reference=hinge, nodes=np.array([end])),)
+            "masses": (cf.imported.PointMass(node=end, mass=3.0),),
+            "rigids": (cf.imported.Rigid(reference=hinge, nodes=np.array([end])),),
         },
         "chain": {
-            "masses": (PointMass(node=end, mass=3.0),),
+            "masses": (cf.imported.PointMass(node=end, mass=3.0),),
             "rigids": (
-                Rigid(reference=hinge, nodes=np.array([half])), Rigid(reference=half, nodes=np.array([end])),
+                cf.imported.Rigid(reference=hinge, nodes=np.array([half])),
+                cf.imported.Rigid(reference=half, nodes=np.array([end])),
             ),
         },
-    }[kind]  # fmt: skip
+    }[kind]
     mesh = hung(replace(mesh, groups=groups), springs=springs, **items)
     held = {"root": cf.Clamped(), "hinge": cf.imported.Fixed(directions=("x", "y", "z"))}
-    return Solid(mesh=mesh, material=STEEL, supports=held), hinge, k
+    return cf.Solid(mesh=mesh, material=STEEL, supports=held), hinge, k
 
 
 @pytest.mark.parametrize("kind", ["offset", "rigid", "chain"])
@@ -128,15 +131,19 @@ def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
     light = cf.Material(E=210e9, nu=0.0, rho=1e-3)
     ends = {"root": (0, 0.0), "tip": (0, 1.0)}
     if kind == "shell":
-        mesh = grid_mesh("quad8", (6, 1), lambda u: np.insert((u - [0.0, 0.5]) * [L, B], 2, 0.0, axis=1), groups=ends)
+        mesh = cf.imported.grid_mesh(
+            "quad8", (6, 1), lambda u: np.insert((u - [0.0, 0.5]) * [L, B], 2, 0.0, axis=1), groups=ends
+        )
     else:
-        mesh = grid_mesh("hexahedron20", (12, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, B, 1.5 * B], groups=ends)
+        mesh = cf.imported.grid_mesh(
+            "hexahedron20", (12, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [L, B, 1.5 * B], groups=ends
+        )
     mesh, (node,) = added_nodes(mesh, (L + e, 0.0, 0.0))
     tip = mesh.groups["tip"].nodes
-    link = {"rigids": (Rigid(reference=node, nodes=tip),)}
+    link = {"rigids": (cf.imported.Rigid(reference=node, nodes=tip),)}
     if how == "mean":
-        link = {"means": (Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),)}
-    mesh = hung(mesh, masses=(PointMass(node=node, mass=2.0),), **link)
+        link = {"means": (cf.imported.Mean(reference=node, nodes=tip, weights=np.ones(len(tip))),)}
+    mesh = hung(mesh, masses=(cf.imported.PointMass(node=node, mass=2.0),), **link)
     x = np.linspace(0.0, L, 4001)
     slope = x * (L + e) - 0.5 * x**2  # of a force at the arm's end, EI w'' = L + e - x
     shape = np.cumsum(np.r_[0.0, 0.5 * (slope[1:] + slope[:-1]) * np.diff(x)])
@@ -144,7 +151,7 @@ def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
     stiffened = (L + e) * (np.trapezoid(slope**2, x) + e * slope[-1] ** 2) / end**2
     for axis, wanted in (((0.0, 1.0, 0.0), stiffened), ((0.0, 0.0, 1.0), stiffened)):
         options = {"material": light, "supports": {"root": cf.Clamped()}, "rotation": cf.Rotation(omega=0.0, axis=axis)}
-        part = MeshShell(mesh=mesh, thickness=B, **options) if kind == "shell" else Solid(mesh=mesh, **options)
+        part = cf.MeshShell(mesh=mesh, thickness=B, **options) if kind == "shell" else cf.Solid(mesh=mesh, **options)
         found = cf.campbell(part, [0.0, 5.0], count=2)
         np.testing.assert_allclose(sorted(found.southwell), [wanted - 1.0, wanted], atol=4e-3)
 
@@ -152,7 +159,7 @@ def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
 def test_masses_on_arms_are_their_points():
     """Mass, centre and inertia of the points are those of the mass."""
     J = np.array([[0.3, 0.02, 0.0], [0.02, 0.4, 0.05], [0.0, 0.05, 0.5]])
-    mass = PointMass(node=0, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3))
+    mass = cf.imported.PointMass(node=0, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3))
     m, r = (np.array(column) for column in zip(*points_of(mass), strict=True))
     np.testing.assert_allclose([m.sum(), *(m @ r)], [7.0, 0.7, -1.4, 2.1], rtol=1e-12)
     away = r - mass.offset
@@ -168,12 +175,12 @@ def test_masses_on_arms_are_their_points():
 @pytest.mark.slow
 def test_reduced_and_whirling_parts_carry_what_hangs_on_them():
     """A basis of a rotating beam with a tip mass, and its whirl: the same frequencies by the full matrices."""
-    mesh = grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.5, 0.03, 0.04],
+    mesh = cf.imported.grid_mesh("hexahedron20", (4, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.5, 0.03, 0.04],
                      groups={"root": (0, 0.0), "tip": (0, 1.0)})  # fmt: skip
     mesh, (node,) = added_nodes(mesh, (0.6, 0.0, 0.0))
-    mass = PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.05, 0.0, 0.0))
-    mesh = hung(mesh, rigids=(Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), masses=(mass,))
-    part = Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}, rotation=Z)
+    mass = cf.imported.PointMass(node=node, mass=1.0, inertia=np.diag([1e-3, 2e-3, 3e-3]), offset=(0.05, 0.0, 0.0))
+    mesh = hung(mesh, rigids=(cf.imported.Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), masses=(mass,))
+    part = cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}, rotation=Z)
     K, M, G = at_speed(replace(part, rotation=None))
     values = eigh(K, M, eigvals_only=True)
     at = int(mesh.node_numbers[node])
@@ -187,11 +194,11 @@ def test_reduced_and_whirling_parts_carry_what_hangs_on_them():
 @pytest.mark.slow
 def test_connections_of_a_part_in_large_rotation_are_taken_at_rest_and_unknown_turns_refused():
     """A mass with inertia on a spring moves no node as it turns: a curve over the speed cannot follow it."""
-    mesh = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * 0.1, groups={"root": (0, 0.0)})
+    mesh = cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u * 0.1, groups={"root": (0, 0.0)})
     mesh, (node,) = added_nodes(mesh, (0.3, 0.0, 0.0))
-    heavy = PointMass(node=node, mass=1.0, inertia=np.eye(3))
-    part = Solid(mesh=hung(mesh, masses=(heavy,), springs=ground(node, SPRINGS)), material=STEEL,
+    heavy = cf.imported.PointMass(node=node, mass=1.0, inertia=np.eye(3))
+    part = cf.Solid(mesh=hung(mesh, masses=(heavy,), springs=ground(node, SPRINGS)), material=STEEL,
                  supports={"root": cf.Clamped()}, rotation=Z)  # fmt: skip
-    with pytest.raises(ModelError, match=r"a turn with inertia that moves no node.*mesh-attachment"):
+    with pytest.raises(cf.errors.ModelError, match=r"a turn with inertia that moves no node.*mesh-attachment"):
         cf.campbell(part, [0.0, 10.0], count=2)
     assert part.spin(replace(part, rotation=None).assembled(), Z).steady is None

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from casingfem.structure.mesh.kinematics import frame, strain_slots
 
 STEP = 1e-30
 A, B = (grid.ravel() for grid in np.meshgrid(np.linspace(0.01, 0.24, 5), np.linspace(-0.2, 0.2, 6)))
 CHARTS = {
-    "frustum": Frustum(r_base=0.5, r_top=0.45, height=0.25),
-    "cylinder": Cylinder(radius=0.5, height=0.25),
-    "panel": Panel(radius=0.6, length=0.25, angle=0.5),
-    "plate": Plate(length=0.25, width=0.5),
+    "frustum": cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
+    "cylinder": cf.Cylinder(radius=0.5, height=0.25),
+    "panel": cf.Panel(radius=0.6, length=0.25, angle=0.5),
+    "plate": cf.Plate(length=0.25, width=0.5),
 }
 
 

@@ -5,18 +5,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
+import casingfem as cf
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lobatto
-from casingfem.structure.mesh.shell_mesh import ShellMesh, edge_breaks, make_grid, quads, rim_values, tensor_rule
+from casingfem.structure.mesh.shell_mesh import edge_breaks, make_grid, quads, rim_values, tensor_rule
 
-CASING, PLATE = Frustum(r_base=0.5, r_top=0.45, height=0.25), Plate(length=2.0, width=1.0)
+CASING, PLATE = cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), cf.Plate(length=2.0, width=1.0)
 GRADED = (0.0, 0.03, 0.5, 0.9, 1.0)
 
 
 @pytest.mark.parametrize("order", range(2, 13))
 @pytest.mark.parametrize("chart", [CASING, PLATE], ids=["casing", "plate"])
 def test_neighbours_share_nodes_at_the_places_both_give_them(order, chart):
-    grid = make_grid(chart, ShellMesh(order=order, rows=GRADED, around=5))
+    grid = make_grid(chart, cf.ShellMesh(order=order, rows=GRADED, around=5))
     local = ElementQuadLobatto(order).doflocs
     for e, nodes in enumerate(grid.elements):
         own = grid.corner[:, e, None] + grid.size[:, e, None] * local.T
@@ -30,7 +30,7 @@ def test_neighbours_share_nodes_at_the_places_both_give_them(order, chart):
 
 
 def test_quadrature_covers_the_parameter_rectangle():
-    grid = make_grid(CASING, ShellMesh(order=4, rows=GRADED, around=7))
+    grid = make_grid(CASING, cf.ShellMesh(order=4, rows=GRADED, around=7))
     a, b = grid.parameters
     assert grid.measure.sum() == pytest.approx(0.25 * 2 * np.pi, rel=1e-13)
     assert (grid.measure * a**3).sum() == pytest.approx(0.25**4 / 4 * 2 * np.pi, rel=1e-12)
@@ -39,7 +39,7 @@ def test_quadrature_covers_the_parameter_rectangle():
 
 @pytest.mark.parametrize(("chart", "length"), [(CASING, 2 * np.pi), (PLATE, 1.0)], ids=["casing", "plate"])
 def test_edge_nodes_run_along_the_edge_with_weights_that_integrate(chart, length):
-    grid = make_grid(chart, ShellMesh(order=5, rows=2, around=4))
+    grid = make_grid(chart, cf.ShellMesh(order=5, rows=2, around=4))
     for name, (held, end) in chart.edges.items():
         edge = grid.edges[name]
         places = grid.nodes[:, edge.nodes]
@@ -50,7 +50,7 @@ def test_edge_nodes_run_along_the_edge_with_weights_that_integrate(chart, length
 
 
 def test_edge_rule_integrates_polynomials_on_a_plate():
-    grid = make_grid(PLATE, ShellMesh(order=4, rows=2, around=3))
+    grid = make_grid(PLATE, cf.ShellMesh(order=4, rows=2, around=3))
     edge = grid.edges["left"]
     x = grid.nodes[0, edge.nodes]
     assert edge.weights @ x**7 == pytest.approx(2.0**8 / 8, rel=1e-12)
@@ -59,7 +59,7 @@ def test_edge_rule_integrates_polynomials_on_a_plate():
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=9), st.integers(0, 8))
 def test_rim_interpolation_follows_waves_around_the_seam(angles, n):
-    grid = make_grid(Cylinder(radius=1.0, height=1.0), ShellMesh(order=8, rows=1, around=11))
+    grid = make_grid(cf.Cylinder(radius=1.0, height=1.0), cf.ShellMesh(order=8, rows=1, around=11))
     nodes, weights = rim_values(grid, "top", np.array(angles))
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-11)
     values = (np.cos(n * grid.nodes[1, nodes]) * weights).sum(axis=1)
@@ -68,7 +68,7 @@ def test_rim_interpolation_follows_waves_around_the_seam(angles, n):
 
 
 def test_rim_interpolation_is_exact_for_polynomials_on_an_open_edge():
-    grid = make_grid(PLATE, ShellMesh(order=5, rows=2, around=3))
+    grid = make_grid(PLATE, cf.ShellMesh(order=5, rows=2, around=3))
     y = np.linspace(-0.5, 0.5, 23)
     nodes, weights = rim_values(grid, "tip", y)
     np.testing.assert_allclose((grid.nodes[1, nodes] ** 5 * weights).sum(axis=1), y**5, atol=1e-13)
@@ -90,19 +90,19 @@ def test_rim_interpolation_is_exact_for_polynomials_on_an_open_edge():
 )
 def test_refuses_a_mesh_that_is_none(changes, message):
     with pytest.raises(ValueError, match=message):
-        ShellMesh(**changes)
+        cf.ShellMesh(**changes)
 
 
 def test_defaults_and_breaks_of_a_mesh():
-    assert ShellMesh() == ShellMesh(order=8, rows=1, around=21)
-    assert ShellMesh(rows=4).breaks.tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
-    assert ShellMesh(rows=GRADED).breaks.tolist() == list(GRADED)
+    assert cf.ShellMesh() == cf.ShellMesh(order=8, rows=1, around=21)
+    assert cf.ShellMesh(rows=4).breaks.tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert cf.ShellMesh(rows=GRADED).breaks.tolist() == list(GRADED)
 
 
 @pytest.mark.parametrize("changes", [{"order": 2}, {"order": 20}, {"around": 1}, {"rows": 1}, {"rows": (0.0, 1.0)},
                                      {"order": np.int64(3), "rows": np.int64(2), "around": np.int64(5)}])  # fmt: skip
 def test_the_ends_of_what_a_mesh_may_be_are_taken(changes):
-    assert ShellMesh(**changes).breaks[-1] == 1.0
+    assert cf.ShellMesh(**changes).breaks[-1] == 1.0
 
 
 @pytest.mark.parametrize(("changes", "message"), [
@@ -112,16 +112,16 @@ def test_the_ends_of_what_a_mesh_may_be_are_taken(changes):
 ])  # fmt: skip
 def test_refuses_numbers_beyond_the_ends(changes, message):
     with pytest.raises(ValueError, match=message):
-        ShellMesh(**changes)
+        cf.ShellMesh(**changes)
 
 
 def test_a_mesh_of_more_unknowns_than_memory_has_is_refused():
     """5 x 20^2 x 10 x 100 = 2 000 000 unknowns are taken."""
-    assert ShellMesh(order=20, rows=10, around=100).around == 100
+    assert cf.ShellMesh(order=20, rows=10, around=100).around == 100
     with pytest.raises(ValueError, match=r"mesh: some 2e\+06 unknowns"):
-        ShellMesh(order=20, rows=10, around=101)
+        cf.ShellMesh(order=20, rows=10, around=101)
     with pytest.raises(ValueError, match="unknowns"):
-        ShellMesh(order=20, rows=tuple(np.linspace(0.0, 1.0, 12)), around=100)
+        cf.ShellMesh(order=20, rows=tuple(np.linspace(0.0, 1.0, 12)), around=100)
 
 
 def test_quadrature_points_run_along_the_second_coordinate_first():
@@ -135,7 +135,7 @@ def test_quadrature_points_run_along_the_second_coordinate_first():
 
 def test_quantities_of_elements_of_different_sizes():
     """Rows from 0 to 0.6 and 2, three elements of width 1 from -1.5: element 4 is the middle one of the second row."""
-    grid = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=2, rows=(0.0, 0.3, 1.0), around=3))
+    grid = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=2, rows=(0.0, 0.3, 1.0), around=3))
     np.testing.assert_allclose(grid.corner[:, 4], [0.6, -0.5], rtol=1e-14)
     np.testing.assert_allclose(grid.size[:, 4], [1.4, 1.0], rtol=1e-14)
     np.testing.assert_allclose(grid.middle[:, 0], [0.3] * 3 + [1.3] * 3, rtol=1e-14)
@@ -147,7 +147,7 @@ def test_quantities_of_elements_of_different_sizes():
 @pytest.mark.parametrize(("held", "name"), [(0, "tip"), (1, "right")])
 def test_elements_of_an_edge_have_their_nodes_and_weights(held, name):
     """Along x rows of 0.6 and 1.4, across three elements of 1."""
-    grid = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=3))
+    grid = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=3))
     edge, spans = grid.edges[name], ([1.0, 1.0, 1.0], [0.6, 1.4])[held]
     assert edge.along == 1 - held
     assert edge.parts.tolist() == [[3 * k, 3 * k + 1, 3 * k + 2, 3 * k + 3] for k in range(len(spans))]
@@ -162,15 +162,15 @@ def test_elements_of_an_edge_have_their_nodes_and_weights(held, name):
 
 
 def test_the_last_element_of_a_closed_edge_ends_at_its_first_node():
-    edge = make_grid(CASING, ShellMesh(order=3, rows=1, around=4)).edges["top"]
+    edge = make_grid(CASING, cf.ShellMesh(order=3, rows=1, around=4)).edges["top"]
     assert edge.parts.tolist() == [[0, 1, 2, 3], [3, 4, 5, 6], [6, 7, 8, 9], [9, 10, 11, 0]]
     assert edge.weights[0] == pytest.approx(2.0 * np.pi / 4 * 2.0 * lobatto(3)[1][0], rel=1e-13)
 
 
 @pytest.mark.parametrize(("at", "row"), [(0.0, 0.0), (0.2, 0.0), (0.4, 0.6), (1.31, 2.0), (1.9, 2.0)])
 def test_a_station_is_the_nearest_line_of_nodes_between_elements(at, row):
-    chart = Cylinder(radius=0.5, height=2.0)
-    grid = make_grid(chart, ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=5), {"there": at})
+    chart = cf.Cylinder(radius=0.5, height=2.0)
+    grid = make_grid(chart, cf.ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=5), {"there": at})
     edge = grid.edges["there"]
     np.testing.assert_allclose(grid.nodes[0, edge.nodes], row, atol=1e-14)
     assert edge.along == 1
@@ -180,8 +180,8 @@ def test_a_station_is_the_nearest_line_of_nodes_between_elements(at, row):
 
 @pytest.mark.parametrize(("name", "length"), [("left", 0.8), ("tip", 0.6 * 0.5)])
 def test_lengths_of_the_edges_of_a_panel(name, length):
-    chart = Panel(radius=0.6, length=0.8, angle=0.5)
-    grid = make_grid(chart, ShellMesh(order=3, rows=2, around=3))
+    chart = cf.Panel(radius=0.6, length=0.8, angle=0.5)
+    grid = make_grid(chart, cf.ShellMesh(order=3, rows=2, around=3))
     edge = grid.edges[name]
     arc = edge.arc(chart.surface(*grid.nodes[:, edge.nodes], None))
     assert arc.shape == edge.nodes.shape
@@ -189,7 +189,7 @@ def test_lengths_of_the_edges_of_a_panel(name, length):
 
 
 def test_an_element_is_cut_at_its_nodes_into_right_handed_quadrilaterals():
-    grid = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=3, rows=2, around=2))
+    grid = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=3, rows=2, around=2))
     cut = quads(grid)
     assert cut.shape == (4 * 9, 4)
     assert set(cut[9:18].ravel()) == set(grid.elements[1])
@@ -203,16 +203,16 @@ def test_an_element_is_cut_at_its_nodes_into_right_handed_quadrilaterals():
 
 
 def test_breaks_of_an_edge_are_the_ends_of_its_elements():
-    plate = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=3))
+    plate = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=3))
     np.testing.assert_allclose(edge_breaks(plate, "left"), [0.0, 0.6, 2.0], atol=1e-14)
     np.testing.assert_allclose(edge_breaks(plate, "root"), [-1.5, -0.5, 0.5, 1.5], atol=1e-14)
-    casing = make_grid(CASING, ShellMesh(order=3, rows=1, around=4))
+    casing = make_grid(CASING, cf.ShellMesh(order=3, rows=1, around=4))
     np.testing.assert_allclose(edge_breaks(casing, "base"), np.pi / 2.0 * np.arange(5), atol=1e-14)
 
 
 def test_places_on_a_rim_are_seen_by_the_element_they_are_in():
     """On a line between two elements by the latter; beyond the ends of an open edge by the last one."""
-    grid = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=2, rows=1, around=3))
+    grid = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=2, rows=1, around=3))
     edge = grid.edges["tip"].nodes
     nodes, weights = rim_values(grid, "tip", np.array([-1.6, -0.5, 1.0, 1.5]))
     assert nodes.tolist() == [edge[k : k + 3].tolist() for k in (0, 2, 4, 4)]

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.chart import Cylinder, Plate
+import casingfem as cf
 from casingfem.structure.mesh.place import interpolation, place_jets
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 
-PLATE = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=4))
-CYLINDER = make_grid(Cylinder(radius=1.0, height=0.7), ShellMesh(order=8, rows=(0.0, 0.4, 1.0), around=5))
+PLATE = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=3, rows=(0.0, 0.3, 1.0), around=4))
+CYLINDER = make_grid(cf.Cylinder(radius=1.0, height=0.7), cf.ShellMesh(order=8, rows=(0.0, 0.4, 1.0), around=5))
 TURN = 2.0 * np.pi
 
 

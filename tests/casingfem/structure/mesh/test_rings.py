@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.chart import Cylinder
+import casingfem as cf
 from casingfem.structure.mesh.place import ring_transform
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 
-CHART = Cylinder(radius=0.5, height=3.0)
-GRID = make_grid(CHART, ShellMesh(order=8, rows=(0.0, 0.2, 1.0), around=5))
+CHART = cf.Cylinder(radius=0.5, height=3.0)
+GRID = make_grid(CHART, cf.ShellMesh(order=8, rows=(0.0, 0.2, 1.0), around=5))
 
 
 @pytest.mark.parametrize("height", [3.0, 1e-5])
 def test_rings_are_sorted_by_height_and_by_angle(height):
-    chart = Cylinder(radius=0.5, height=height)
+    chart = cf.Cylinder(radius=0.5, height=height)
     grid = make_grid(chart, GRID.mesh)
     rings, _ = ring_transform(chart, grid, 1)
     z, theta = grid.nodes[:, rings]

@@ -3,26 +3,27 @@
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.linalg.element_sum import ElementSum
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import ElasticEdge, ShearDiaphragm
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Plate
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.jet_form import element_sum, scatter_blocks
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import assemble
+from casingfem.structure.mesh.shell_mesh import make_grid
 from casingfem.structure.shell.energies import modal_products, point_fields
 
 
-@pytest.mark.parametrize("supports", [
-    {"base": ElasticEdge(k_r=3e8, k_z=2e7, k_face=1e11, around=FourierField.of({2: 0.3})), "top": ShearDiaphragm()},
-    {"base": ShearDiaphragm(), "top": Ring(section=Section.rectangle(width=0.02, depth=0.01))},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "supports",
+    [
+        {
+            "base": cf.ElasticEdge(k_r=3e8, k_z=2e7, k_face=1e11, around=cf.FourierField.of({2: 0.3})),
+            "top": cf.ShearDiaphragm(),
+        },
+        {"base": cf.ShearDiaphragm(), "top": cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.01))},
+    ],
+)
 def test_the_sum_of_elements_has_the_energy_of_motions(frustum, coarse, supports):
     """Springs that vary around, directions held in an edge's frame, a ring with turns of its own."""
-    system = assemble(frustum(mesh=coarse, supports=supports))
+    system = cf.shell.assemble(frustum(mesh=coarse, supports=supports))
     assert isinstance(system.stiffness, ElementSum)
     V = np.random.default_rng(4).standard_normal((system.size, 3))
     energies = modal_products(
@@ -32,7 +33,7 @@ def test_the_sum_of_elements_has_the_energy_of_motions(frustum, coarse, supports
     np.testing.assert_allclose(V.T @ (system.K @ V), energies, rtol=1e-10)
 
 
-GRID = make_grid(Plate(length=2.0, width=3.0), ShellMesh(order=2, rows=2, around=1))
+GRID = make_grid(cf.Plate(length=2.0, width=3.0), cf.ShellMesh(order=2, rows=2, around=1))
 SIZE = 5 * GRID.nodes.shape[1]
 
 

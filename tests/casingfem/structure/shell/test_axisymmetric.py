@@ -3,21 +3,17 @@
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.modal.fourier import lowest
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.shell import Shell
 
-LINE = ShellMesh(order=8, rows=2, around=1)
+LINE = cf.ShellMesh(order=8, rows=2, around=1)
 
 
 def cylinder(steel, thickness=5e-3, **changes):
-    return Shell(
+    return cf.Shell(
         **{
-            "chart": Cylinder(radius=0.5, height=0.6),
+            "chart": cf.Cylinder(radius=0.5, height=0.6),
             "thickness": thickness,
             "material": steel,
             "mesh": LINE,
@@ -43,9 +39,9 @@ def test_rigid_motions_of_a_free_casing_stand_at_n_0_and_1(steel, frustum):
 @pytest.mark.parametrize(
     "supports",
     [
-        {"base": Clamped()},
-        {"base": ShearDiaphragm(), "top": ShearDiaphragm()},
-        {"base": ElasticEdge(k_face=1e12), "top": ElasticEdge(k_r=1e7, k_theta=2e7, k_z=1e6, k_rot=1e4)},
+        {"base": cf.Clamped()},
+        {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()},
+        {"base": cf.ElasticEdge(k_face=1e12), "top": cf.ElasticEdge(k_r=1e7, k_theta=2e7, k_z=1e6, k_rot=1e4)},
     ],
     ids=["clamped", "diaphragms", "elastic"],
 )
@@ -53,7 +49,7 @@ def test_rigid_motions_of_a_free_casing_stand_at_n_0_and_1(steel, frustum):
 def test_stiffness_is_symmetric_and_positive(frustum, supports, n):
     meridian = harmonic_matrices(frustum(supports=supports, mesh=LINE), n)
     assert np.abs(meridian.K - meridian.K.T).max() < 1e-13 * np.abs(meridian.K).max()
-    sliding = n == 0 and isinstance(supports["base"], ShearDiaphragm)
+    sliding = n == 0 and isinstance(supports["base"], cf.ShearDiaphragm)
     values, _ = lowest(meridian, 3, 1e4)
     assert values[0] > (0.0 if not sliding else -1e-2)
     assert meridian.mass.min() > 0.0
@@ -70,7 +66,7 @@ def test_meridian_converges_spectrally(frustum):
     """Error at n = 8 falls by more than a decade from order 4 to 6 to 8, down to the free edge's shear layer."""
 
     def f(order):
-        mesh = ShellMesh(order=order, rows=(0.0, 0.97, 1.0), around=1)
+        mesh = cf.ShellMesh(order=order, rows=(0.0, 0.97, 1.0), around=1)
         return np.sqrt(lowest(harmonic_matrices(frustum(mesh=mesh), 8), 1, 1e4)[0][0])
 
     errors = np.array([abs(f(order) / f(14) - 1) for order in (4, 6, 8)])
@@ -81,8 +77,8 @@ def test_meridian_converges_spectrally(frustum):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"radius_defect": FourierField.of({3: 0.001})},
-        {"thickness_defect": FourierField.of({3: 0.001})},
+        {"radius_defect": cf.FourierField.of({3: 0.001})},
+        {"thickness_defect": cf.FourierField.of({3: 0.001})},
     ],
 )
 def test_refuses_what_varies_around(frustum, changes):

@@ -3,33 +3,25 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
-from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.mesh.shell_mesh import ShellMesh
+import casingfem as cf
 from casingfem.structure.shell.checks import check_on_mesh
-from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.variation import around_period, field_samples, finest_harmonic, harmonic_amplitudes
 
-HELD = {"base": Clamped(), "top": Clamped()}
+HELD = {"base": cf.Clamped(), "top": cf.Clamped()}
 
 
 def mesh_of(steel, thickness=2e-3, height=0.3, supports=HELD, **parts):
     """Of a cylinder with R = 0.5 m: lowest = 0.46 R/sqrt(t h) = 9.39 diameters, if nothing else is said."""
-    chart = Cylinder(radius=0.5, height=height)
-    return Shell(chart=chart, thickness=thickness, material=steel, supports=supports, **parts).mesh
+    chart = cf.Cylinder(radius=0.5, height=height)
+    return cf.Shell(chart=chart, thickness=thickness, material=steel, supports=supports, **parts).mesh
 
 
 def waves(p):
-    return {"thickness_defect": FourierField.of({p: 0.01})}
+    return {"thickness_defect": cf.FourierField.of({p: 0.01})}
 
 
 def around_on(p):
-    return {"supports": {"base": ElasticEdge(k_r=1e8, around=FourierField.of({p: 0.1})), "top": Clamped()}}
+    return {"supports": {"base": cf.ElasticEdge(k_r=1e8, around=cf.FourierField.of({p: 0.1})), "top": cf.Clamped()}}
 
 
 @pytest.mark.parametrize(
@@ -42,18 +34,24 @@ def around_on(p):
         (waves(50), 75),  # 100, of which 75 are taken
         ({"thickness": 0.02}, 21),  # 6.8
         ({"thickness": 1e-4}, 75),  # 96
-        ({"masses": {"top": [EdgeMass(angle=0.1, mass=0.01)]}}, 47),
+        ({"masses": {"top": [cf.edge.EdgeMass(angle=0.1, mass=0.01)]}}, 47),
         (around_on(8), 48),  # a multiple of the period instead of 47
         (around_on(58), 58),  # at most a quarter more than 47
         (around_on(59), 47),
         (around_on(1), 47),  # no period
-        ({"supports": {"base": Bolts(count=24, k=1e8), "top": Clamped()}}, 24),
-        ({"supports": {"base": Bolts(count=16, k=1e8), "top": Bolts(count=24, k=1e8)}}, 48),  # 2 * 24 = 3 * 16
-        ({"supports": {"base": Bolts(count=24, k=1e8), "top": Clamped()}, **waves(3)}, 48),
-        ({"supports": {"base": Bolts(count=4, k=1e8), "top": around_on(3)["supports"]["base"]}}, 48),
-        ({"supports": {"base": Bolts(count=10, k=1e8)}, "masses": {"top": [EdgeMass(angle=0.0, mass=0.1)]}}, 50),
+        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}}, 24),
+        ({"supports": {"base": cf.Bolts(count=16, k=1e8), "top": cf.Bolts(count=24, k=1e8)}}, 48),  # 2 * 24 = 3 * 16
+        ({"supports": {"base": cf.Bolts(count=24, k=1e8), "top": cf.Clamped()}, **waves(3)}, 48),
+        ({"supports": {"base": cf.Bolts(count=4, k=1e8), "top": around_on(3)["supports"]["base"]}}, 48),
+        (
+            {
+                "supports": {"base": cf.Bolts(count=10, k=1e8)},
+                "masses": {"top": [cf.edge.EdgeMass(angle=0.0, mass=0.1)]},
+            },
+            50,
+        ),
     ],
-)  # fmt: skip
+)
 def test_elements_around(steel, parts, around):
     mesh = mesh_of(steel, **parts)
     assert (mesh.order, mesh.around) == (7, around)
@@ -70,8 +68,8 @@ def test_the_radius_in_the_middle_and_the_length_along_the_wall_count(steel):
 
     Rows are at most 7 sqrt(0.35 * 2e-3)/0.583 = 0.318 of that length.
     """
-    chart = Frustum(r_base=0.6, r_top=0.1, height=0.3)
-    mesh = Shell(chart=chart, thickness=2e-3, material=steel, supports=HELD, **waves(2)).mesh
+    chart = cf.Frustum(r_base=0.6, r_top=0.1, height=0.3)
+    mesh = cf.Shell(chart=chart, thickness=2e-3, material=steel, supports=HELD, **waves(2)).mesh
     assert mesh.around == 23
     assert mesh.rows == (0.0, 0.25, 0.5, 0.75, 1.0)
 
@@ -83,10 +81,10 @@ def test_the_radius_in_the_middle_and_the_length_along_the_wall_count(steel):
         ({"height": 0.2}, (0.0, 1.0)),  # 1.1
         ({"height": 0.5}, (0.0, 1 / 3, 2 / 3, 1.0)),  # 0.443
         ({"thickness": 1e-5, "height": 0.8}, (0.0, 0.25, 0.5, 0.75, 1.0)),  # 0.02, of which 0.25 is taken
-        ({"supports": {"base": Clamped()}}, (0.0, 59 / 120, 59 / 60, 1.0)),  # 2.5 * 2e-3/0.3 = 1/60
-        ({"supports": {"top": Clamped()}}, (0.0, 1 / 60, 61 / 120, 1.0)),
-        ({"supports": {"base": Clamped()}, "thickness": 1e-4}, (*np.linspace(0.0, 0.999, 5), 1.0)),  # a thousandth
-        ({"supports": {"base": Clamped()}, "thickness": 0.02}, (0.0, 0.9, 1.0)),  # 0.167, of which 0.1 is taken
+        ({"supports": {"base": cf.Clamped()}}, (0.0, 59 / 120, 59 / 60, 1.0)),  # 2.5 * 2e-3/0.3 = 1/60
+        ({"supports": {"top": cf.Clamped()}}, (0.0, 1 / 60, 61 / 120, 1.0)),
+        ({"supports": {"base": cf.Clamped()}, "thickness": 1e-4}, (*np.linspace(0.0, 0.999, 5), 1.0)),  # a thousandth
+        ({"supports": {"base": cf.Clamped()}, "thickness": 0.02}, (0.0, 0.9, 1.0)),  # 0.167, of which 0.1 is taken
     ],
 )
 def test_rows_along(steel, parts, rows):
@@ -94,7 +92,7 @@ def test_rows_along(steel, parts, rows):
 
 
 def test_layers_are_as_wide_as_the_wall_at_their_own_edge(steel):
-    thick = Strip(start=0.0, end=0.1, thickness=4e-3)
+    thick = cf.Strip(start=0.0, end=0.1, thickness=4e-3)
     rows = mesh_of(steel, supports={}, strips=(thick,)).rows
     np.testing.assert_allclose(rows, [0.0, 1 / 30, 1 / 3, 1 - 1 / 60, 1.0], rtol=1e-12)
 
@@ -102,7 +100,7 @@ def test_layers_are_as_wide_as_the_wall_at_their_own_edge(steel):
 def test_a_layer_wider_than_half_its_stretch_is_left_out(steel):
     """2.5 * 2e-3/0.3 = 1/60 of the height is half of a strip of 0.01 m."""
     for end, layered in ((0.0101, True), (0.0099, False)):
-        strips = (Strip(start=0.0, end=end, thickness=2e-3), Strip(start=0.3 - end, end=0.3, thickness=2e-3))
+        strips = (cf.Strip(start=0.0, end=end, thickness=2e-3), cf.Strip(start=0.3 - end, end=0.3, thickness=2e-3))
         rows = np.array(mesh_of(steel, supports={}, strips=strips).rows)
         assert any(abs(rows - 1 / 60) < 1e-9) is layered
         assert any(abs(rows - 59 / 60) < 1e-9) is layered
@@ -110,8 +108,8 @@ def test_a_layer_wider_than_half_its_stretch_is_left_out(steel):
 
 def test_a_stiffener_stands_on_a_line_and_the_thinnest_wall_counts(steel):
     """A strip of 1 mm: 0.46 R/sqrt(1e-3 * 0.3) = 13.3 diameters, 16 * 13.3/7 = 30.4 elements, rows of 0.522."""
-    ring = Stiffener(at=0.12, section=Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
-    mesh = mesh_of(steel, strips=(Strip(start=0.2, end=0.3, thickness=1e-3),), stiffeners=(ring,))
+    ring = cf.edge.Stiffener(at=0.12, section=cf.edge.Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
+    mesh = mesh_of(steel, strips=(cf.Strip(start=0.2, end=0.3, thickness=1e-3),), stiffeners=(ring,))
     assert mesh.around == 31
     np.testing.assert_allclose(mesh.rows, [0.0, 0.4, 2 / 3, 1.0], rtol=1e-12)
 
@@ -121,53 +119,53 @@ def test_a_stiffener_stands_on_a_line_and_the_thinnest_wall_counts(steel):
     [(0.4, 0.2, 4, 2), (0.2, 0.2, 2, 2), (0.3, 0.2, 3, 2), (0.2, 0.3, 2, 3), (0.1, 0.9, 2, 8), (0.9, 0.1, 8, 2)],
 )
 def test_a_plate_is_divided_by_its_sides(steel, length, width, rows, around):
-    mesh = Shell(chart=Plate(length=length, width=width), thickness=1e-3, material=steel).mesh
+    mesh = cf.Shell(chart=cf.Plate(length=length, width=width), thickness=1e-3, material=steel).mesh
     assert (mesh.order, mesh.rows, mesh.around) == (8, rows, around)
 
 
 def test_strips_of_a_plate_are_divided_on_their_own(steel):
     """Rows of a quarter: a strip of 0.3 takes two, the rest of 0.7 three."""
-    strips = (Strip(start=0.0, end=0.12, thickness=2e-3),)
-    mesh = Shell(chart=Plate(length=0.4, width=0.2), thickness=1e-3, material=steel, strips=strips).mesh
+    strips = (cf.Strip(start=0.0, end=0.12, thickness=2e-3),)
+    mesh = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=1e-3, material=steel, strips=strips).mesh
     np.testing.assert_allclose(mesh.rows, [0.0, 0.15, 0.3, 0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0], rtol=1e-12)
 
 
 def test_amplitudes_around_are_those_of_the_series(frustum):
     shell = frustum()
-    half = FourierField(p=[2, 5], cos=[[0.1, 0.2], [0.0, 0.0]], sin=[[0.0, 0.0], [0.05, 0.0]], z_half=0.25)
+    half = cf.FourierField(p=[2, 5], cos=[[0.1, 0.2], [0.0, 0.0]], sin=[[0.0, 0.0], [0.05, 0.0]], z_half=0.25)
     found = harmonic_amplitudes(shell, half)
     assert len(found) == 127
     np.testing.assert_allclose(found[[1, 4]] / 128.0, [0.3, 0.05], rtol=1e-12)  # 0.1 + 0.2 z/z_half at the top
     assert np.delete(found, [1, 4]).max() < 1e-12
-    assert field_samples(FourierField.of({62: 0.1})) == 256
-    assert field_samples(FourierField.of({64: 0.1})) == 260
-    assert finest_harmonic(shell, FourierField.of({90: 0.1, 3: 0.2})) == 90
+    assert field_samples(cf.FourierField.of({62: 0.1})) == 256
+    assert field_samples(cf.FourierField.of({64: 0.1})) == 260
+    assert finest_harmonic(shell, cf.FourierField.of({90: 0.1, 3: 0.2})) == 90
 
 
 def test_the_period_is_the_common_divisor_of_all_that_varies(frustum):
     def period(**parts):
-        return around_period(frustum(mesh=ShellMesh(order=7, rows=1, around=21), **parts))
+        return around_period(frustum(mesh=cf.ShellMesh(order=7, rows=1, around=21), **parts))
 
     def edge(*p):
-        return ElasticEdge(k_r=1e8, around=FourierField.of(dict.fromkeys(p, 0.1)))
+        return cf.ElasticEdge(k_r=1e8, around=cf.FourierField.of(dict.fromkeys(p, 0.1)))
 
     assert period() == 0
     assert period(supports={"base": edge(12)}) == 12
     assert period(supports={"base": edge(12, 18)}) == 6
     assert period(supports={"base": edge(12), "top": edge(8)}) == 4
-    assert period(supports={"base": edge(12)}, radius_defect=FourierField.of({9: 1e-3})) == 3
-    assert period(supports={"base": edge(12), "top": Bolts(count=42, k=1e8)}) == 6
-    small = FourierField.of({12: 0.1, 5: 0.9e-4})
-    assert period(supports={"base": ElasticEdge(k_r=1e8, around=small)}) == 12  # below a thousandth
-    assert period(supports={"base": ElasticEdge(k_r=1e8, around=small.with_harmonic(5, cos=1.1e-4))}) == 1
-    ring = Ring(section=Section.rectangle(width=0.02, depth=0.02), support=edge(14))
+    assert period(supports={"base": edge(12)}, radius_defect=cf.FourierField.of({9: 1e-3})) == 3
+    assert period(supports={"base": edge(12), "top": cf.Bolts(count=42, k=1e8)}) == 6
+    small = cf.FourierField.of({12: 0.1, 5: 0.9e-4})
+    assert period(supports={"base": cf.ElasticEdge(k_r=1e8, around=small)}) == 12  # below a thousandth
+    assert period(supports={"base": cf.ElasticEdge(k_r=1e8, around=small.with_harmonic(5, cos=1.1e-4))}) == 1
+    ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02), support=edge(14))
     assert period(supports={"base": ring}) == 14
 
 
 @pytest.mark.parametrize("at", [0.1, 0.1 + 1e-11])
 def test_a_given_mesh_needs_a_line_at_a_stiffener(steel, at):
-    ring = Stiffener(at=at, section=Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
-    mesh_of(steel, stiffeners=(ring,), mesh=ShellMesh(order=4, rows=(0.0, 1 / 3, 1.0), around=21))
+    ring = cf.edge.Stiffener(at=at, section=cf.edge.Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
+    mesh_of(steel, stiffeners=(ring,), mesh=cf.ShellMesh(order=4, rows=(0.0, 1 / 3, 1.0), around=21))
     with pytest.raises(ValueError, match=r"no element line at 0\.1 m, stiffener 1"):
-        mesh_of(steel, stiffeners=(ring,), mesh=ShellMesh(order=4, rows=(0.0, 1 / 3 + 1e-8, 1.0), around=21))
-    check_on_mesh(Shell(chart=Cylinder(radius=0.5, height=0.3), thickness=2e-3, material=steel))
+        mesh_of(steel, stiffeners=(ring,), mesh=cf.ShellMesh(order=4, rows=(0.0, 1 / 3 + 1e-8, 1.0), around=21))
+    check_on_mesh(cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=2e-3, material=steel))

@@ -5,56 +5,44 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.structure.edge.ring import EdgeMass, Ring, Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm, Symmetry
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Frustum, Panel
-from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.material import Material
+import casingfem as cf
 from casingfem.structure.mesh.kinematics import frame
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
-from casingfem.structure.shell.assembly import (
-    admitted,
-    assemble,
-    edge_rotation,
-    held_dofs,
-    independent,
-    joint_frame,
-)
+from casingfem.structure.mesh.shell_mesh import make_grid
+from casingfem.structure.shell.assembly import admitted, edge_rotation, held_dofs, independent, joint_frame
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import outward, ties
 from casingfem.structure.shell.energies import modal_products, point_fields, product_rates
 from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.rigid import free_motions, kinetic_products, rigid_fields, rigid_modes, ring_turns
-from casingfem.structure.shell.shell import Shell, remade
+from casingfem.structure.shell.shell import remade
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
-BRASS = Material(E=90e9, nu=0.34, rho=8400.0)
-BAR = Section.rectangle(width=0.05, depth=0.03)
-CONE = Frustum(r_base=0.5, r_top=0.4, height=0.3)
-SPRINGS = ElasticEdge(k_r=3e9, k_theta=5e9, k_z=7e9, k_rot=2e7, k_face=4e11)
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+BRASS = cf.Material(E=90e9, nu=0.34, rho=8400.0)
+BAR = cf.edge.Section.rectangle(width=0.05, depth=0.03)
+CONE = cf.Frustum(r_base=0.5, r_top=0.4, height=0.3)
+SPRINGS = cf.ElasticEdge(k_r=3e9, k_theta=5e9, k_z=7e9, k_rot=2e7, k_face=4e11)
 
 CASINGS = {
     "springs and a diaphragm": {
-        "supports": {"base": SPRINGS, "top": ShearDiaphragm()},
-        "strips": (Strip(start=0.0, end=0.1, thickness=0.03, material=BRASS),),
+        "supports": {"base": SPRINGS, "top": cf.ShearDiaphragm()},
+        "strips": (cf.Strip(start=0.0, end=0.1, thickness=0.03, material=BRASS),),
     },
     "rings": {
-        "supports": {"top": Ring(section=BAR, material=BRASS, offset=(0.03, -0.02), support=SPRINGS, foot=(0.0, 0.04))},
-        "stiffeners": (Stiffener(at=0.1, section=BAR, offset=(0.035, 0.01)),),
+        "supports": {
+            "top": cf.Ring(section=BAR, material=BRASS, offset=(0.03, -0.02), support=SPRINGS, foot=(0.0, 0.04))
+        },
+        "stiffeners": (cf.edge.Stiffener(at=0.1, section=BAR, offset=(0.035, 0.01)),),
         "wall": "linear",
     },
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("n", [1, 3])
 @pytest.mark.parametrize("name", CASINGS)
 def test_a_harmonic_has_the_energies_of_its_motion_on_the_whole_casing(name, n):
     """(u_r, -u_theta, u_z, w_1, -w_2) times (cos, sin, cos, cos, sin) of n theta, turns of rings with sin: pi times."""
-    mesh = ShellMesh(order=6, rows=(0.0, 1 / 3, 1.0), around=9)
-    shell = Shell(chart=CONE, thickness=0.02, material=STEEL, mesh=mesh, **CASINGS[name])
+    mesh = cf.ShellMesh(order=6, rows=(0.0, 1 / 3, 1.0), around=9)
+    shell = cf.Shell(chart=CONE, thickness=0.02, material=STEEL, mesh=mesh, **CASINGS[name])
     meridian, grid = harmonic_matrices(shell, n), make_grid(shell.chart, mesh, shell.stations)
     vectors = np.random.default_rng(4).normal(size=(len(meridian.free), 2))
     amplitudes, own = meridian.expand(vectors), meridian.expand_own(vectors)
@@ -79,8 +67,8 @@ def test_a_harmonic_has_the_energies_of_its_motion_on_the_whole_casing(name, n):
 
 def test_the_centre_of_a_ring_lies_off_its_edge_outwards_and_up():
     """At 0.03 m along the radius and -0.02 m along the axis: u + phi x arm there, phi the turn of the wall's frame."""
-    shell = Shell(
-        chart=CONE, thickness=0.02, material=STEEL, **CASINGS["rings"], mesh=ShellMesh(around=9, order=3, rows=3)
+    shell = cf.Shell(
+        chart=CONE, thickness=0.02, material=STEEL, **CASINGS["rings"], mesh=cf.ShellMesh(around=9, order=3, rows=3)
     )
     theta = np.array([0.4, 2.0])
     G, points, radial = ties(shell, np.full(2, 0.3), theta, np.array([0.03, -0.02]))
@@ -97,31 +85,31 @@ def test_the_centre_of_a_ring_lies_off_its_edge_outwards_and_up():
 
 def casing(**changes):
     given = {
-        "chart": CONE, "thickness": 0.02, "material": STEEL, "mesh": ShellMesh(order=3, rows=2, around=5),
-        "supports": {"base": ShearDiaphragm(), "top": ElasticEdge(k_r=1e9, k_z=2e9)},
+        "chart": CONE, "thickness": 0.02, "material": STEEL, "mesh": cf.ShellMesh(order=3, rows=2, around=5),
+        "supports": {"base": cf.ShearDiaphragm(), "top": cf.ElasticEdge(k_r=1e9, k_z=2e9)},
     }  # fmt: skip
-    return Shell(**given | changes)
+    return cf.Shell(**given | changes)
 
 
 STEP = 1e-20j
-BENT = FourierField.of({2: 0.01})
+BENT = cf.FourierField.of({2: 0.01})
 CHANGES = {
     "thickness": lambda s: {"thickness": s.thickness + STEP},
     "density": lambda s: {"material": replace(STEEL, rho=7800.0 + 1e6 * STEP)},
     "radius field": lambda s: {"radius_defect": BENT.with_harmonic(2, cos=0.01 + STEP)},
     "radius": lambda s: {"chart": replace(CONE, r_top=0.4 + STEP)},
     "height": lambda s: {"chart": replace(CONE, height=0.3 + STEP)},
-    "springs": lambda s: {"supports": {**s.supports, "top": ElasticEdge(k_r=1e9 + 1e9 * STEP, k_z=2e9)}},
-    "masses": lambda s: {"masses": {"top": (EdgeMass(angle=1.0, mass=3.0 + STEP),)}},
+    "springs": lambda s: {"supports": {**s.supports, "top": cf.ElasticEdge(k_r=1e9 + 1e9 * STEP, k_z=2e9)}},
+    "masses": lambda s: {"masses": {"top": (cf.edge.EdgeMass(angle=1.0, mass=3.0 + STEP),)}},
 }
 
 
 @pytest.mark.parametrize("held", ["frame", "springs"])
 @pytest.mark.parametrize("name", CHANGES)
 def test_rates_of_energies_are_the_imaginary_parts_of_a_complex_step(name, held):
-    shell = casing(radius_defect=BENT, masses={"top": [EdgeMass(angle=1.0, mass=3.0)]})
+    shell = casing(radius_defect=BENT, masses={"top": [cf.edge.EdgeMass(angle=1.0, mass=3.0)]})
     if held == "springs":
-        shell = replace(shell, supports={"top": ElasticEdge(k_r=1e9, k_z=2e9)})
+        shell = replace(shell, supports={"top": cf.ElasticEdge(k_r=1e9, k_z=2e9)})
     grid = make_grid(shell.chart, shell.mesh)
     fields = np.random.default_rng(1).normal(size=(grid.nodes.shape[1], 5, 2))
     fields = admitted(shell, grid, fields)
@@ -137,9 +125,9 @@ def test_rates_of_energies_are_the_imaginary_parts_of_a_complex_step(name, held)
 
 def test_what_a_shell_without_held_corners_may_move():
     """A clamped root and a symmetric side of a panel: at their corner both hold."""
-    shell = Shell(
-        chart=Panel(radius=0.5, length=0.3, angle=0.8), thickness=0.01, material=STEEL,
-        mesh=ShellMesh(order=2, rows=1, around=1), supports={"left": Symmetry(), "tip": ShearDiaphragm()},
+    shell = cf.Shell(
+        chart=cf.Panel(radius=0.5, length=0.3, angle=0.8), thickness=0.01, material=STEEL,
+        mesh=cf.ShellMesh(order=2, rows=1, around=1), supports={"left": cf.edge.Symmetry(), "tip": cf.ShearDiaphragm()},
     )  # fmt: skip
     grid = make_grid(shell.chart, shell.mesh)
     fields = np.random.default_rng(1).normal(size=(grid.nodes.shape[1], 5, 2))
@@ -175,8 +163,8 @@ def test_directions_count_once(off, rank):
 
 
 def test_motions_of_a_ringed_casing_go_there_and_back():
-    shell = casing(supports={"top": Ring(section=BAR, offset=(0.03, 0.0)), "base": ShearDiaphragm()})
-    system = assemble(shell)
+    shell = casing(supports={"top": cf.Ring(section=BAR, offset=(0.03, 0.0)), "base": cf.ShearDiaphragm()})
+    system = cf.shell.assemble(shell)
     vectors = np.random.default_rng(3).normal(size=(system.size, 2))
     fields, own = system.expand(vectors), system.expand_own(vectors)
     assert (system.own, len(own), system.dofs, system.K.shape[0]) == (15, 15, 5, system.size)
@@ -188,7 +176,7 @@ def test_motions_of_a_ringed_casing_go_there_and_back():
     np.testing.assert_allclose(vectors.T @ system.M @ vectors, kinetic, rtol=1e-9)
     found = modal_products(shell, point_fields(shell, system.grid, fields, own))
     np.testing.assert_allclose([vectors.T @ system.K @ vectors, kinetic], [found.K, found.M], rtol=1e-8)
-    free = assemble(casing(supports={"top": Ring(section=BAR)}))
+    free = cf.shell.assemble(casing(supports={"top": cf.Ring(section=BAR)}))
     axes = np.array([[0.6, 0.0, 0.8]])
     moved = free.expand(free.translations(axes))[:, :, 0]
     np.testing.assert_allclose(moved, np.tile([0.6, 0.0, 0.8, 0.0, 0.0], (len(moved), 1)), atol=1e-9)
@@ -197,11 +185,11 @@ def test_motions_of_a_ringed_casing_go_there_and_back():
 def test_rigid_motions_that_supports_leave():
     """Three translations and three turns; springs along z alone leave four; the turns of rings about the normal."""
     for supports, count in (
-        ({}, 6), ({"top": Clamped()}, 0), ({"base": ElasticEdge(k_z=1e-3)}, 3),
-        ({"base": Bolts(count=3, k=(0.0, 1.0, 0.0))}, 3), ({"top": Ring(section=BAR)}, 6),
-        ({"top": Ring(section=BAR, support=ElasticEdge(k_theta=1.0))}, 3),
+        ({}, 6), ({"top": cf.Clamped()}, 0), ({"base": cf.ElasticEdge(k_z=1e-3)}, 3),
+        ({"base": cf.Bolts(count=3, k=(0.0, 1.0, 0.0))}, 3), ({"top": cf.Ring(section=BAR)}, 6),
+        ({"top": cf.Ring(section=BAR, support=cf.ElasticEdge(k_theta=1.0))}, 3),
     ):  # fmt: skip
-        shell = casing(supports=supports, mesh=ShellMesh(order=3, rows=2, around=6))
+        shell = casing(supports=supports, mesh=cf.ShellMesh(order=3, rows=2, around=6))
         grid = make_grid(shell.chart, shell.mesh)
         assert free_motions(shell, grid).shape == (grid.nodes.shape[1], 5, count)
     fields = rigid_fields(shell, grid)
@@ -222,4 +210,4 @@ def test_modes_that_are_rigid_are_counted_from_the_first():
     assert rigid_modes(shell, grid, np.dstack([bent, rigid]), own) == 0
     with pytest.warns(UserWarning, match="6 rigid motions are free, 3 modes show them"):
         assert rigid_modes(shell, grid, np.dstack([rigid[:, :, :3], bent, rigid[:, :, 3:]]), own) == 3
-    assert rigid_modes(replace(shell, supports={"base": Clamped()}), grid, rigid, own[:, :6]) == 0
+    assert rigid_modes(replace(shell, supports={"base": cf.Clamped()}), grid, rigid, own[:, :6]) == 0

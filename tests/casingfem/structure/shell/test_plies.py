@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.shell.plies import Lamina, Ply, layered_inertia, layered_wall, mirrored, turned
+from casingfem.structure.shell.plies import layered_inertia, layered_wall, mirrored, turned
 from casingfem.structure.shell.wall import linear_wall
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-GRAPHITE = Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
-LIKE_STEEL = Lamina(E1=210e9, E2=210e9, nu12=0.3, G12=STEEL.shear_modulus, G13=STEEL.shear_modulus,
+GRAPHITE = cf.shell.Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
+LIKE_STEEL = cf.shell.Lamina(E1=210e9, E2=210e9, nu12=0.3, G12=STEEL.shear_modulus, G13=STEEL.shear_modulus,
                     G23=STEEL.shear_modulus, rho=7800.0)  # fmt: skip
 
 # omega a^2/h sqrt(rho/E2) of square panels on shear diaphragms, first-order shear deformation with k = 5/6:
@@ -26,7 +25,7 @@ PUBLISHED = {  # plies from the inside out, a/h, R/a (none: a plate)
 
 
 def plies(angles, lamina=GRAPHITE):
-    return tuple(Ply(thickness=1.0, angle_deg=angle, lamina=lamina) for angle in angles)
+    return tuple(cf.shell.Ply(thickness=1.0, angle_deg=angle, lamina=lamina) for angle in angles)
 
 
 @pytest.mark.parametrize("case", PUBLISHED)
@@ -58,7 +57,9 @@ def test_equal_layers_of_the_shells_own_material_are_no_layers():
 @pytest.mark.slow
 def test_a_casing_by_harmonics_is_the_casing_as_a_whole():
     layered = casing(
-        plies=(Ply(thickness=1.0), *plies((0, 90))), thickness=0.03, mesh=cf.ShellMesh(order=6, rows=1, around=7)
+        plies=(cf.shell.Ply(thickness=1.0), *plies((0, 90))),
+        thickness=0.03,
+        mesh=cf.ShellMesh(order=6, rows=1, around=7),
     )
     assert layered.axisymmetric
     one, other = (cf.modes(layered, 2, method=method) for method in ("fourier", "shell"))
@@ -105,7 +106,7 @@ def test_stiffness_turns_as_a_tensor():
 def test_resultants_of_one_isotropic_layer_are_those_of_the_linear_wall():
     one = np.ones(3)
     E, nu, t = 210e9 * one, 0.3 * one, np.array([1e-3, 2e-3, 5e-3])
-    D = layered_wall((Ply(thickness=1.0),), STEEL, E, nu, t, 5.0 / 6.0 * one)
+    D = layered_wall((cf.shell.Ply(thickness=1.0),), STEEL, E, nu, t, 5.0 / 6.0 * one)
     shear = 5.0 / 6.0 * STEEL.shear_modulus * one
     np.testing.assert_allclose(D, linear_wall(STEEL.plane_stress()[..., None] * one, shear, t), atol=1e-6)
 
@@ -113,7 +114,7 @@ def test_resultants_of_one_isotropic_layer_are_those_of_the_linear_wall():
 def test_mass_and_rotary_inertia_add_up_over_the_plies():
     """A third of 1,500 kg/m^3 within the shell's own 7,800: rho t, int rho z dz and int rho z^2 dz."""
     t = np.array([3e-3])
-    both = (Ply(thickness=1.0, lamina=GRAPHITE), Ply(thickness=2.0))
+    both = (cf.shell.Ply(thickness=1.0, lamina=GRAPHITE), cf.shell.Ply(thickness=2.0))
     mass, first, rotary = layered_inertia(both, STEEL, 7800.0 * np.ones(1), t)
     np.testing.assert_allclose(mass, 1500.0 * 1e-3 + 7800.0 * 2e-3)
     np.testing.assert_allclose(first, 1500.0 * 0.5 * (0.5e-3**2 - 1.5e-3**2) + 7800.0 * 0.5 * (1.5e-3**2 - 0.5e-3**2))
@@ -131,17 +132,17 @@ def test_mass_and_rotary_inertia_add_up_over_the_plies():
     ],
 )
 def test_refuses_what_layers_cannot_stand_beside(changes, told):
-    with pytest.raises(ModelError, match=told + ".*shell-plies"):
+    with pytest.raises(cf.errors.ModelError, match=told + ".*shell-plies"):
         casing(**({"plies": plies((0, 90))} | changes))
 
 
 @pytest.mark.parametrize("change", [{"E1": 0.0}, {"G23": np.nan}, {"rho": -1.0}, {"nu12": 6.0}])
 def test_refuses_laminae_that_are_none(change):
-    with pytest.raises(ModelError, match=f"lamina.{next(iter(change))}.*shell-plies"):
+    with pytest.raises(cf.errors.ModelError, match=f"lamina.{next(iter(change))}.*shell-plies"):
         replace(GRAPHITE, **change)
 
 
 @pytest.mark.parametrize("given", [{"thickness": 0.0}, {"thickness": 1.0, "angle_deg": np.inf}])
 def test_refuses_plies_that_are_none(given):
-    with pytest.raises(ModelError, match="shell-plies"):
-        Ply(**given)
+    with pytest.raises(cf.errors.ModelError, match="shell-plies"):
+        cf.shell.Ply(**given)

@@ -5,15 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.blade import TwistedPlate
-from casingfem.structure.geometry.chart import Cylinder, Plate
-from casingfem.structure.geometry.revolved import Arc, Revolved
-from casingfem.structure.geometry.stations import Taper
-from casingfem.structure.geometry.strip import Strip
-from casingfem.structure.material import Material
-from casingfem.structure.mesh.shell_mesh import ShellMesh
+import casingfem as cf
 from casingfem.structure.shell.parts import ShellParts, sampled_geometry
-from casingfem.structure.shell.plies import Lamina, Ply, layered_inertia, layered_wall, mirrored, turned
+from casingfem.structure.shell.plies import layered_inertia, layered_wall, mirrored, turned
 from casingfem.structure.shell.wall import (
     constitutive,
     curved_wall,
@@ -24,13 +18,13 @@ from casingfem.structure.shell.wall import (
     stretched_rows,
 )
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
-CARBON = Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=4e9, G23=3e9, rho=1600.0)
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+CARBON = cf.shell.Lamina(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, G13=4e9, G23=3e9, rho=1600.0)
 POINT = np.array([0.1]), np.array([0.4])
 
 
 def parts(chart=None, **changes):
-    given = {"chart": chart or Cylinder(radius=0.5, height=0.3), "thickness": 0.02, "material": STEEL}
+    given = {"chart": chart or cf.Cylinder(radius=0.5, height=0.3), "thickness": 0.02, "material": STEEL}
     return ShellParts(**given | changes)
 
 
@@ -100,7 +94,7 @@ def test_resultants_of_a_linear_wall():
      ({"shear_correction": 0.7, "wall": "linear"}, 0.7)],
 )  # fmt: skip
 def test_the_shear_of_each_kind_of_wall(changes, factor):
-    shell = parts(Plate(length=0.3, width=2.0), **changes)
+    shell = parts(cf.Plate(length=0.3, width=2.0), **changes)
     D = constitutive(shell, shell.geometry(*POINT), np.zeros((3, 1)))[..., 0]
     assert D[6, 6] == pytest.approx(factor * STEEL.shear_modulus * 0.02, rel=1e-13)
     assert D[7, 7] == pytest.approx(D[6, 6], rel=1e-13)
@@ -114,7 +108,8 @@ def test_layers_add_up_over_their_depths():
     """int (1, z, z^2) C dz by the bounds of each ply; the modulus twice that of the material doubles all plies."""
     angles = (20.0, None, -70.0)
     plies = tuple(
-        Ply(thickness=2.0) if angle is None else Ply(thickness=1.0, angle_deg=angle, lamina=CARBON) for angle in angles
+        cf.shell.Ply(thickness=2.0) if angle is None else cf.shell.Ply(thickness=1.0, angle_deg=angle, lamina=CARBON)
+        for angle in angles
     )
     t, faces = 0.8, [-0.4, -0.2, 0.2, 0.4]
     E, nu, k = np.array([420e9]), np.array([0.3]), np.array([0.9])
@@ -170,26 +165,29 @@ def test_laminae_at_their_bounds(changes, refused):
     given = {name: getattr(CARBON, name) for name in ("E1", "E2", "nu12", "G12", "G13", "G23", "rho")} | changes
     if refused:
         with pytest.raises(ValueError, match=r"between 1e-25 and 1e25|must be below E1/E2"):
-            Lamina(**given)
+            cf.shell.Lamina(**given)
     else:
-        Lamina(**given)
+        cf.shell.Lamina(**given)
 
 
 def test_walls_that_look_the_same_in_a_mirror():
     def of(*angles):
-        return mirrored(tuple(Ply(thickness=1.0, angle_deg=angle, lamina=CARBON) for angle in angles))
+        return mirrored(tuple(cf.shell.Ply(thickness=1.0, angle_deg=angle, lamina=CARBON) for angle in angles))
 
     assert of(0.0, 90.0)
     assert of(0.0, 180.0)
     assert not of(30.0, -30.0)  # balanced, but stretch couples with twist
     assert not of(30.0)
-    assert mirrored((Ply(thickness=1.0, angle_deg=33.0), Ply(thickness=2.0)))
+    assert mirrored((cf.shell.Ply(thickness=1.0, angle_deg=33.0), cf.shell.Ply(thickness=2.0)))
 
 
 def test_a_layered_wall_as_a_beam_bends_with_all_else_free():
     """A cross-ply: along its length both curvatures and stretches but its own are free."""
-    plies = (Ply(thickness=1.0, angle_deg=0.0, lamina=CARBON), Ply(thickness=2.0, angle_deg=90.0, lamina=CARBON))
-    shell = parts(Plate(length=0.3, width=2.0), wall="linear", plies=plies)
+    plies = (
+        cf.shell.Ply(thickness=1.0, angle_deg=0.0, lamina=CARBON),
+        cf.shell.Ply(thickness=2.0, angle_deg=90.0, lamina=CARBON),
+    )
+    shell = parts(cf.Plate(length=0.3, width=2.0), wall="linear", plies=plies)
     D = layered_wall(plies, STEEL, *(np.array([x]) for x in (210e9, 0.3, 0.02, 5.0 / 6.0)))[..., 0]
     for way in (0, 1):
         beam = section(shell, shell.geometry(*POINT), way)
@@ -201,10 +199,10 @@ def test_a_layered_wall_as_a_beam_bends_with_all_else_free():
 @pytest.mark.parametrize(
     ("chart", "H", "K"),
     [
-        (Plate(length=0.3, width=2.0), 0.0, 0.0),
-        (Cylinder(radius=0.5, height=0.3), 1.0, 0.0),  # the normal points in
-        (Revolved(profile=Arc(radius=0.25, start=0.0, end=1.0)), 4.0, 16.0),
-        (TwistedPlate(length=0.3, width=2.0, twist=0.6), 0.0, -4.0 / 1.64**2),  # -k^2/(1 + (k y)^2)^2, k y = 0.8
+        (cf.Plate(length=0.3, width=2.0), 0.0, 0.0),
+        (cf.Cylinder(radius=0.5, height=0.3), 1.0, 0.0),  # the normal points in
+        (cf.Revolved(profile=cf.geometry.Arc(radius=0.25, start=0.0, end=1.0)), 4.0, 16.0),
+        (cf.TwistedPlate(length=0.3, width=2.0, twist=0.6), 0.0, -4.0 / 1.64**2),  # -k^2/(1 + (k y)^2)^2, k y = 0.8
     ],
 )
 def test_curvatures_and_inertia(chart, H, K):
@@ -222,9 +220,9 @@ def test_curvatures_and_inertia(chart, H, K):
 
 def test_layers_follow_the_way_that_the_normal_looks():
     """From the inside of a casing out: a normal a1 x a2 that points in counts them the other way."""
-    plies = (Ply(thickness=1.0), Ply(thickness=2.0))
+    plies = (cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=2.0))
     assert parts(plies=plies).layers == plies[::-1]
-    tube = Cylinder(radius=0.5, height=0.3)
+    tube = cf.Cylinder(radius=0.5, height=0.3)
 
     def downwards(a, b, defect):
         surface = tube.surface(0.3 - a, b, defect)
@@ -232,22 +230,22 @@ def test_layers_follow_the_way_that_the_normal_looks():
 
     turned_over = SimpleNamespace(bounds=tube.bounds, surface=downwards, directions=tube.directions)
     assert parts(turned_over, plies=plies).layers == plies
-    assert parts(Plate(length=0.3, width=0.1), plies=plies).layers == plies
+    assert parts(cf.Plate(length=0.3, width=0.1), plies=plies).layers == plies
 
 
 def test_the_thinnest_wall_counts_strips_and_taper():
-    strips = (Strip(start=0.0, end=0.1, thickness=5e-3), Strip(start=0.2, end=0.3, thickness=0.05))
+    strips = (cf.Strip(start=0.0, end=0.1, thickness=5e-3), cf.Strip(start=0.2, end=0.3, thickness=0.05))
     assert parts(strips=strips).thinnest == 5e-3
     assert parts(strips=strips[1:]).thinnest == 0.02
-    taper = Taper(along=(1.0, 0.5), across=(1.0, 0.8))
+    taper = cf.Taper(along=(1.0, 0.5), across=(1.0, 0.8))
     assert parts(strips=strips, taper=taper).thinnest == pytest.approx(2e-3, rel=1e-14)
 
 
 def test_a_shell_is_sampled_in_every_row_of_its_mesh():
     """Rows from 0 to 0.1 and on to 0.3: five places in each, the strip's end on its own side in both."""
-    strip = Strip(start=0.0, end=0.1, thickness=5e-3)
-    mesh = ShellMesh(order=2, rows=(0.0, 1.0 / 3.0, 1.0), around=3)
-    at = sampled_geometry(parts(Plate(length=0.3, width=2.0), strips=(strip,), mesh=mesh), 3)
+    strip = cf.Strip(start=0.0, end=0.1, thickness=5e-3)
+    mesh = cf.ShellMesh(order=2, rows=(0.0, 1.0 / 3.0, 1.0), around=3)
+    at = sampled_geometry(parts(cf.Plate(length=0.3, width=2.0), strips=(strip,), mesh=mesh), 3)
     np.testing.assert_allclose(
         at.surface.x[0, :, :, 0], [[0.0, 0.025, 0.05, 0.075, 0.1], [0.1, 0.15, 0.2, 0.25, 0.3]], atol=1e-15
     )

@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.geometry.chart import Surface
 from casingfem.structure.mesh.jet_form import point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import frame, strain_slots
-from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.shell.assembly import spin
 from casingfem.structure.shell.nodal_mass import NodalMass, nodal_mass
 from casingfem.structure.shell.prestress import centrifugal, gradients, gyroscopic, quadratic_strains, softening
 from casingfem.structure.shell.wall import constitutive, curvature
-from casingfem.updating.sensitivity import eigen_derivatives
 from reports.verification.rotation import FACTORS, rotating_beam, strip, strip_factors
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -27,7 +22,7 @@ RINGED = cf.Shell(
     chart=cf.Cylinder(radius=0.2, height=0.1),
     thickness=2e-3,
     material=STEEL,
-    supports={"base": Ring(section=Section.rectangle(width=0.02, depth=0.02)), "top": cf.Clamped()},
+    supports={"base": cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02)), "top": cf.Clamped()},
     rotation=cf.Rotation(omega=100.0),
     mesh=cf.ShellMesh(order=4, rows=1, around=5),
 )
@@ -61,7 +56,7 @@ def exact_strains(surface, rates, jets):
 @pytest.mark.parametrize("chart", [CONE, TWISTED], ids=["cone", "twisted"])
 def test_quadratic_strains_are_the_second_order_of_the_deformed_surface(chart):
     """Linear part from the strain slots, quadratic part here; what is left falls with the third power."""
-    surface = Surface(*(part[:, 0] for part in chart.surface(np.array([0.1]), np.array([0.8]), None)))
+    surface = cf.geometry.Surface(*(part[:, 0] for part in chart.surface(np.array([0.1]), np.array([0.8]), None)))
     L, rates = strain_slots(surface)
     jets = np.random.default_rng(5).normal(size=15)
     g = np.einsum("pcsd,sd->pc", gradients(rates), jets.reshape(3, 5))
@@ -87,7 +82,7 @@ def test_a_rigid_rotation_of_the_spinning_shell_costs_what_its_springs_cost(char
     springs = {"base": cf.ElasticEdge(k_r=1e6, k_theta=2e6, k_z=3e6)}
     shell = cf.Shell(chart=chart, thickness=5e-3, material=STEEL, supports=springs,
                      mesh=cf.ShellMesh(order=7, rows=1, around=7))  # fmt: skip
-    system, free = assemble(shell), assemble(replace(shell, supports={}))
+    system, free = cf.shell.assemble(shell), cf.shell.assemble(replace(shell, supports={}))
     rotation = cf.Rotation(omega=1.0)
     added = spin(system, rotation)
     basis = frame(shell.geometry(*system.grid.nodes).surface)
@@ -136,7 +131,7 @@ def test_nodal_blocks_are_the_derivatives_of_the_kinetic_energy():
 
 
 def test_added_matrices_are_symmetric_and_skew():
-    added = spin(assemble(blade(rotation=None)), blade().rotation)
+    added = spin(cf.shell.assemble(blade(rotation=None)), blade().rotation)
     assert abs(added.K1 - added.K1.T).max() < 1e-12 * abs(added.K1).max()
     assert abs(added.G + added.G.T).max() < 1e-15 * abs(added.G).max()
 
@@ -146,7 +141,7 @@ def test_static_state_is_that_of_a_rotating_bar():
     soft = cf.Material(E=210e9, nu=0.0, rho=7800.0)
     rotation = cf.Rotation.of_blade(BLADE, omega=1.0, hub_radius=0.3)
     shell = blade(material=soft, rotation=None)
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     moved = spin(system, rotation).fields[system.grid.edges["tip"].nodes, 0]
     exact = 7800.0 / 210e9 * (0.3 * 0.2**2 / 2 + 0.2**3 / 3)
     np.testing.assert_allclose(moved, exact, rtol=1e-3)  # the clamped root and the force across the chord
@@ -183,7 +178,7 @@ def test_a_strip_on_its_own_axis_loses_its_stiffness_at_its_frequency():
     assert len(cf.modes(replace(shell, rotation=along), band=(0.01 * low, 0.02 * low))) == 0
     assert cf.modes(replace(shell, rotation=along), 1).omega[0] == pytest.approx(0.6 * low, rel=2e-3)
     for broken in (cf.modes, cf.whirl_modes):
-        with pytest.raises(ModelError, match="rotation-unstable"):
+        with pytest.raises(cf.errors.ModelError, match="rotation-unstable"):
             broken(replace(shell, rotation=along.at(1.05 * low)), 1)
 
 
@@ -204,7 +199,7 @@ def test_reduced_rotating_blade_answers_a_push_with_its_stiffened_compliance():
     basis = cf.reduce(shell, cf.Tip(), modes=4)
     push = [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 1.0 / 0.04))]
     moved = cf.solve_static(shell, push).fields
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     edge = system.grid.edges["tip"]
     mean = edge.weights @ moved[edge.nodes, 2] / edge.weights.sum()
     flap = basis.channels.index("flap")
@@ -222,7 +217,7 @@ def test_axes_of_a_blade():
 
 
 def test_a_blade_that_the_speed_untwists_is_doubted():
-    with pytest.warns(ModelWarning, match="rotation-large"):
+    with pytest.warns(cf.errors.ModelWarning, match="rotation-large"):
         cf.modes(blade(rotation=blade().rotation.at(1500.0)), 1)
 
 
@@ -231,7 +226,7 @@ def test_matrices_are_the_derivatives_of_the_strain_energy():
     chart = cf.Frustum(r_base=0.5, r_top=0.4, height=0.2)
     shell = cf.Shell(chart=chart, thickness=0.02, material=STEEL, supports={"base": cf.Clamped()},
                      mesh=cf.ShellMesh(order=4, rows=(0.0, 0.3, 1.0), around=3))  # fmt: skip
-    system, rotation = assemble(shell), cf.Rotation(omega=1.0, axis=(0.3, 0.1, 1.0))
+    system, rotation = cf.shell.assemble(shell), cf.Rotation(omega=1.0, axis=(0.3, 0.1, 1.0))
     grid, added = system.grid, spin(system, rotation)
     v = np.random.default_rng(3).normal(size=(system.size, 1))
     geometry = shell.geometry(*grid.parameters, grid.middle)
@@ -281,11 +276,11 @@ def test_an_axis_of_any_length_has_a_direction(length):
         (lambda: cf.whirl_modes(blade(rotation=None)), "rotation-none"),
         (lambda: cf.modes(blade(supports={}), 1), "static-loose"),
         (lambda: cf.modes(RINGED, 1), "rotation-ring"),
-        (lambda: eigen_derivatives(cf.modes(blade(), 1), []), "rotation-update"),
+        (lambda: cf.updating.eigen_derivatives(cf.modes(blade(), 1), []), "rotation-update"),
     ],
 )
 def test_refused(make, code):
-    with pytest.raises(ModelError) as caught:
+    with pytest.raises(cf.errors.ModelError) as caught:
         make()
     assert caught.value.code == code
 

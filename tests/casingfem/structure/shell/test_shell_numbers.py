@@ -6,22 +6,18 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.ring import EdgeMass, Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import Symmetry
-from casingfem.structure.shell.assembly import assemble, spin
+from casingfem.structure.shell.assembly import spin
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.nodal_mass import nodal_mass
 from casingfem.structure.shell.plausible import extent
-from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.structure.shell.rigid import free_motions, rigid_fields
 from tests.probed import probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BRASS = cf.Material(E=100e9, nu=0.35, rho=8500.0)
 CLOSED, OPEN = cf.ShellMesh(order=4, rows=1, around=7), cf.ShellMesh(order=4, rows=2, around=2)
-BAR = Section.rectangle(width=0.02, depth=0.012)
-GRAPHITE = Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
+BAR = cf.edge.Section.rectangle(width=0.02, depth=0.012)
+GRAPHITE = cf.shell.Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
 FRUSTUM, PLATE = cf.Frustum(r_base=0.50, r_top=0.45, height=0.25), cf.Plate(length=0.2, width=0.05)
 WAVES = cf.FourierField.of({2: 0.004, 3: (0.001, -0.002)})
 EMBEDDED = cf.ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5, around=cf.FourierField.of({2: (0.3, 0.1)}))
@@ -65,12 +61,12 @@ SHELLS = {
         chart=cf.Cylinder(radius=0.3, height=0.25),
         supports={"base": cf.Clamped()},
         mesh=cf.ShellMesh(order=4, rows=2, around=7),
-        stiffeners=(Stiffener(at=0.125, section=BAR, offset=(0.0075, 0.001), material=BRASS),),
+        stiffeners=(cf.edge.Stiffener(at=0.125, section=BAR, offset=(0.0075, 0.001), material=BRASS),),
     ),
     "plies": lambda: closed(
         wall="linear",
         supports={"base": cf.Clamped()},
-        plies=(Ply(thickness=1.0), Ply(thickness=2.0, angle_deg=30.0, lamina=GRAPHITE)),
+        plies=(cf.shell.Ply(thickness=1.0), cf.shell.Ply(thickness=2.0, angle_deg=30.0, lamina=GRAPHITE)),
     ),
     "revolved": lambda: closed(
         chart=cf.Revolved(profile=PIECES),
@@ -79,7 +75,7 @@ SHELLS = {
         radius_defect=WAVES,
         rotation=cf.Rotation(omega=300.0),
     ),
-    "masses": lambda: closed(supports={"base": cf.Clamped()}, masses={"top": (EdgeMass(angle=0.3, mass=0.2),)}),
+    "masses": lambda: closed(supports={"base": cf.Clamped()}, masses={"top": (cf.edge.EdgeMass(angle=0.3, mass=0.2),)}),
     "blade": lambda: open_shell(
         cf.Blade(
             length=0.2,
@@ -101,7 +97,7 @@ SHELLS = {
     "panel": lambda: open_shell(
         cf.Panel(radius=0.3, length=0.2, angle=0.25), supports={"root": cf.ShearDiaphragm(), "right": EMBEDDED}
     ),
-    "symmetric": lambda: open_shell(supports={"root": cf.Clamped(), "left": Symmetry()}),
+    "symmetric": lambda: open_shell(supports={"root": cf.Clamped(), "left": cf.edge.Symmetry()}),
     "strips": lambda: open_shell(strips=(cf.Strip(start=0.0, end=0.1, thickness=5e-3, material=BRASS),)),
 }
 LOADS = (
@@ -115,7 +111,7 @@ LOADS = (
 @pytest.mark.parametrize("name", SHELLS)
 def test_numbers_of_shells(name, held):
     shell = SHELLS[name]()
-    system = assemble(shell)
+    system = cf.shell.assemble(shell)
     edge = "top" if "top" in shell.chart.edges else "tip"
     loads = [*LOADS, cf.loads.EdgeLoad(edge=edge, force=(1e3, -5e2, 2e3))]
     if not shell.rings and not shell.masses:
@@ -124,7 +120,7 @@ def test_numbers_of_shells(name, held):
     grid, size = system.grid, extent(shell)
     turning = {}
     if shell.rotation is not None:
-        spun = spin(assemble(replace(shell, rotation=None)), shell.rotation)
+        spun = spin(cf.shell.assemble(replace(shell, rotation=None)), shell.rotation)
         turning = {"G": probed(spun.G), "K1": probed(spun.K1), "K2": probed(spun.K2), "nonlinear": [spun.nonlinear]}
     held(
         size=[system.size, system.own, len(system.frames)],

@@ -7,16 +7,13 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError, ModelError
 from casingfem.modal.fourier import harmonic_floor, lowest
 from casingfem.modal.mode_set import frequency_scale
-from casingfem.structure.mesh.shell_mesh import ShellMesh, make_grid
+from casingfem.structure.mesh.shell_mesh import make_grid
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.edges import holding_forms
 from casingfem.structure.shell.nodal_mass import nodal_mass
-from casingfem.updating.addresses import get_value, with_value
-from casingfem.updating.parameters import Parameter, check_parameters
-from casingfem.updating.sensitivity import eigen_derivatives
+from casingfem.updating.parameters import check_parameters
 from reports.verification import strips as verify_strips
 from reports.verification.strips import ALUMINIUM, exact, found, refined, stepped
 
@@ -56,7 +53,7 @@ def test_the_shell_agrees_with_its_meridian(frustum, edge):
     casing = frustum(
         chart=cf.Frustum(r_base=0.2, r_top=0.18, height=0.3), thickness=10e-3, supports={"top": edge},
         strips=(cf.Strip(start=0.2, end=0.3, thickness=14e-3, material=ALUMINIUM),),
-        mesh=ShellMesh(order=10, rows=(0.0, 2 / 3, 1.0), around=7),
+        mesh=cf.ShellMesh(order=10, rows=(0.0, 2 / 3, 1.0), around=7),
     )  # fmt: skip
     shell, meridian = (cf.modes(casing, 6, method=method) for method in ("shell", "fourier"))
     np.testing.assert_allclose(shell.freq, meridian.freq, rtol=1e-9)
@@ -65,7 +62,7 @@ def test_the_shell_agrees_with_its_meridian(frustum, edge):
 
 @pytest.mark.slow
 def test_strips_all_alike_are_a_uniform_shell(frustum):
-    mesh = ShellMesh(order=6, rows=(0.0, 0.4, 1.0), around=9)
+    mesh = cf.ShellMesh(order=6, rows=(0.0, 0.4, 1.0), around=9)
     whole = frustum(thickness=4e-3, material=ALUMINIUM, mesh=mesh)
     parts = uniform_of_strips(frustum, mesh=mesh)
     found = [cf.modes(shell, 6, method="shell").freq for shell in (whole, parts)]
@@ -82,7 +79,7 @@ def test_mass_is_the_sum_of_the_strips_each_on_its_side(steel):
             cf.Strip(start=0.2, end=0.5, thickness=0.03),
             cf.Strip(start=0.5, end=0.6, thickness=0.02, material=ALUMINIUM),
         ),
-        mesh=ShellMesh(order=4, rows=(0.0, 0.2, 0.5, 0.6, 1.0), around=3),
+        mesh=cf.ShellMesh(order=4, rows=(0.0, 0.2, 0.5, 0.6, 1.0), around=3),
     )  # fmt: skip
     grid = make_grid(plate.chart, plate.mesh)
     mass, _, rotary = nodal_mass(plate, grid).moments.T
@@ -97,7 +94,7 @@ def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
     edge = cf.ElasticEdge(k_face=1e9)
     plate = cf.Shell(
         chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, supports={"left": edge},
-        strips=(cf.Strip(start=0.25, end=0.5, thickness=0.03),), mesh=ShellMesh(order=3, rows=4, around=2),
+        strips=(cf.Strip(start=0.25, end=0.5, thickness=0.03),), mesh=cf.ShellMesh(order=3, rows=4, around=2),
     )  # fmt: skip
     (form,) = holding_forms(plate, make_grid(plate.chart, plate.mesh))
     np.testing.assert_allclose(form.D[:, :3, :3].sum(axis=0), 1e9 * (0.75 * 0.01 + 0.25 * 0.03) * np.eye(3), rtol=1e-13)
@@ -107,7 +104,7 @@ def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
 @pytest.fixture(scope="module")
 def uneven(frustum):
     """A casing of strips with a radius field, and its modes."""
-    mesh = ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 0.96, 1.0), around=9)
+    mesh = cf.ShellMesh(order=5, rows=(0.0, 0.4, 0.6, 0.96, 1.0), around=9)
     casing = frustum(strips=STRIPS, mesh=mesh, radius_defect=cf.FourierField.of({8: 0.002, 3: 0.001}))
     return casing, cf.modes(casing, 6)
 
@@ -118,9 +115,9 @@ def uneven(frustum):
 )
 def test_derivatives_equal_central_differences(uneven, name):
     casing, found = uneven
-    exact = np.diag(eigen_derivatives(found, [Parameter(name=name, lower=1e-4, upper=1e12)])[0])
-    x = get_value(casing, name)
-    plus, minus = (cf.modes(with_value(casing, name, x * (1 + s)), 6).omega ** 2 for s in (1e-4, -1e-4))
+    exact = np.diag(cf.updating.eigen_derivatives(found, [cf.Parameter(name=name, lower=1e-4, upper=1e12)])[0])
+    x = cf.updating.get_value(casing, name)
+    plus, minus = (cf.modes(cf.updating.with_value(casing, name, x * (1 + s)), 6).omega ** 2 for s in (1e-4, -1e-4))
     numeric = (plus - minus) / (2e-4 * x)
     pairs = np.arange(6).reshape(3, 2)
     np.testing.assert_allclose(exact[pairs].mean(axis=1), numeric[pairs].mean(axis=1), rtol=2e-5)
@@ -154,27 +151,29 @@ def test_the_default_mesh_has_a_line_at_each_end(frustum, steel):
     ],
 )
 def test_refuses_strips_that_do_not_fit(frustum, strips, code):
-    with pytest.raises(ModelError, match=r"strip\[\d\] from") as caught:
+    with pytest.raises(cf.errors.ModelError, match=r"strip\[\d\] from") as caught:
         frustum(strips=[cf.Strip(start=a, end=b, thickness=1e-3) for a, b in strips])
     assert caught.value.code == code
 
 
 def test_refuses_a_mesh_that_would_smear_a_strip(frustum):
-    with pytest.raises(ModelError, match=r"strip\[2\] from 0.1 to 0.15 m: no element line at 0.1 m") as caught:
-        frustum(strips=STRIPS, mesh=ShellMesh(order=4, rows=4, around=9))
+    with pytest.raises(
+        cf.errors.ModelError, match=r"strip\[2\] from 0.1 to 0.15 m: no element line at 0.1 m"
+    ) as caught:
+        frustum(strips=STRIPS, mesh=cf.ShellMesh(order=4, rows=4, around=9))
     assert caught.value.code == "strip-off-line"
 
 
 @pytest.mark.parametrize("ends", [(0.2, 0.1), (0.1, 0.1), (np.nan, 0.1), (0.1, np.inf)])
 def test_refuses_ends_that_are_none(ends):
-    with pytest.raises(ModelError, match="strip: found start") as caught:
+    with pytest.raises(cf.errors.ModelError, match="strip: found start") as caught:
         cf.Strip(start=ends[0], end=ends[1], thickness=1e-3)
     assert caught.value.code == "strip-extent"
 
 
 @pytest.mark.parametrize("thickness", [0.0, -1e-3, np.nan])
 def test_refuses_a_strip_without_a_wall(thickness):
-    with pytest.raises(ModelError, match=r"strip\.thickness must be positive"):
+    with pytest.raises(cf.errors.ModelError, match=r"strip\.thickness must be positive"):
         cf.Strip(start=0.0, end=0.1, thickness=thickness)
 
 
@@ -190,19 +189,19 @@ def test_refuses_a_strip_without_a_wall(thickness):
     ],
 )
 def test_names_what_a_strip_has(frustum, name, message):
-    with pytest.raises(InputError, match=message):
-        get_value(frustum(strips=STRIPS), name)
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.updating.get_value(frustum(strips=STRIPS), name)
 
 
 def test_a_strip_holds_its_place_when_the_casing_grows(frustum):
     """Strips are absolute, mesh lines relative: a height that moves the lines off their ends is refused."""
     casing = frustum(strips=STRIPS[1:])
-    with pytest.raises(InputError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
-        check_parameters(casing, [Parameter(name="chart.height", lower=0.2, upper=0.3)])
+    with pytest.raises(cf.errors.InputError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
+        check_parameters(casing, [cf.Parameter(name="chart.height", lower=0.2, upper=0.3)])
 
 
 def test_a_strip_without_a_material_follows_the_wall(frustum):
-    stiff = with_value(frustum(strips=STRIPS), "material.E", 1e11)
+    stiff = cf.updating.with_value(frustum(strips=STRIPS), "material.E", 1e11)
     at = stiff.geometry(np.array([0.05, 0.12, 0.245]), np.zeros(3))
     assert at.E.tolist() == [1e11, ALUMINIUM.E, 1e11]
     assert at.thickness.tolist() == [3e-3, 5e-3, 12e-3]

@@ -3,17 +3,15 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Frustum
-from casingfem.structure.material import Material, plane_stress
+import casingfem as cf
+from casingfem.structure.material import plane_stress
 from casingfem.structure.mesh.kinematics import dot, frame, strain_slots
 from casingfem.structure.shell import wall
-from casingfem.structure.shell.shell import Shell
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
-DENTED = Shell(
-    chart=Frustum(r_base=0.5, r_top=0.4, height=0.3), thickness=0.02, material=STEEL,
-    radius_defect=FourierField.of({5: 0.02, 3: (0.01, 0.02)}),
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+DENTED = cf.Shell(
+    chart=cf.Frustum(r_base=0.5, r_top=0.4, height=0.3), thickness=0.02, material=STEEL,
+    radius_defect=cf.FourierField.of({5: 0.02, 3: (0.01, 0.02)}),
 )  # fmt: skip
 A, B, STEP = np.array([0.05, 0.11, 0.2]), np.array([0.3, 1.7, 4.0]), 1e-20
 GRADIENT = np.array([[0.3, -0.2, 0.5], [0.1, 0.4, -0.6], [-0.7, 0.2, 0.1]])

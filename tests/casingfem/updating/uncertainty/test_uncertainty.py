@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.updating.uncertainty.posterior import Laplace, Parabolas, laplace, weakest
-from casingfem.updating.uncertainty.prediction import LeftOut, Prediction
-from casingfem.updating.uncertainty.sampling import PosteriorSamples, log_density
+import casingfem as cf
+from casingfem.updating.uncertainty.posterior import Parabolas, weakest
+from casingfem.updating.uncertainty.prediction import Prediction
+from casingfem.updating.uncertainty.sampling import log_density
 
 RNG = np.random.default_rng(6)
 NEAR = Parabolas(
@@ -47,7 +48,7 @@ def test_the_laplace_covariance_is_the_inverse_of_the_whole_hessian():
     H = np.zeros((3, 2, 2))
     H[1] = [[0.2, 0.1], [0.1, -0.6]]
     near = Parabolas(x0=NEAR.x0, r=NEAR.r, J=J, H=H)
-    found = laplace(fit(), near)
+    found = cf.updating.laplace(fit(), near)
     hessian = J.T @ J + np.diag(PRIOR**2) - H[1]
     np.testing.assert_allclose(found.covariance, np.linalg.inv(hessian), rtol=1e-12)
     np.testing.assert_allclose(found.bend, [0.5 * 0.2 * 0.3**2, 0.5 * 0.6 * 0.7**2], rtol=1e-12)
@@ -72,7 +73,7 @@ def test_errors_of_predictions_are_relative_or_in_sigma():
     )
     assert [row.error for row in rows] == pytest.approx([0.01, -0.03])
     assert [row.deviation for row in rows] == pytest.approx([2.0, -4.0])
-    left = LeftOut(rows=rows)
+    left = cf.updating.LeftOut(rows=rows)
     assert left.rms == pytest.approx(np.sqrt((0.01**2 + 0.03**2) / 2.0))
     assert left.rms_sigma == pytest.approx(np.sqrt(10.0))
     told = left.to_json()
@@ -86,7 +87,7 @@ def test_errors_of_predictions_are_relative_or_in_sigma():
 
 def test_samples_tell_their_spread_and_quantiles():
     samples = np.column_stack([np.arange(201.0), 5.0 - np.arange(201.0)])
-    drawn = PosteriorSamples(
+    drawn = cf.updating.PosteriorSamples(
         names=("a", "b"), log=(False, True), samples=samples, gauss_newton=np.array([1.0, 2.0]), acceptance=0.4,
         autocorrelation=30.0, gap=0.01,
     )  # fmt: skip
@@ -104,6 +105,8 @@ def test_samples_tell_their_spread_and_quantiles():
 
 
 def test_a_posterior_of_laplace_is_told_as_plain_data():
-    sure = Laplace(names=("a",), log=(False,), covariance=np.array([[4.0]]), gauss_newton=np.ones(1), bend=np.zeros(1))
+    sure = cf.updating.Laplace(
+        names=("a",), log=(False,), covariance=np.array([[4.0]]), gauss_newton=np.ones(1), bend=np.zeros(1)
+    )
     told = {"name": "a", "log": False, "sigma": 2.0, "gauss_newton": 1.0, "bend": 0.0}
     assert sure.to_json() == {"kind": "laplace", "parameters": [told]}

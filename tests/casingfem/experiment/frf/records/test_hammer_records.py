@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.frf.records.hits import clipped
 
 FS, BLOCK, DELAY = 2048.0, 4096, 0.05
@@ -141,7 +140,7 @@ def test_double_hits_are_left_out_with_their_size_and_delay():
     assert found.averages == 3
     assert off(found.frfs).max() < 2e-3
     long = second_pulse(cut(whole, 0, 2 * BLOCK), 0.03, 0.3)
-    with pytest.raises(InputError, match=r"hit 1: double hit.*hit 2: double hit"):
+    with pytest.raises(cf.errors.InputError, match=r"hit 1: double hit.*hit 2: double hit"):
         cf.frf.estimate(long)
 
 
@@ -157,7 +156,7 @@ def test_wrong_triggers_are_named(start, words):
         bad = with_values(take, force=shifted[0], response=shifted[1])
     else:
         bad = cut(take, start, BLOCK - start)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.estimate(bad, test="hammer")
     good = cf.frf.estimate([cut(take, 0, BLOCK - max(start, 0)), bad], test="hammer", band=(20.0, 400.0))
     assert words in good.hits[1].fault
@@ -220,7 +219,9 @@ def test_takes_that_do_not_belong_together_are_refused():
     fast = replace(
         take, response=replace(take.response, x=take.response.x / 2.0), force=replace(take.force, x=take.force.x / 2.0)
     )
-    with pytest.raises(InputError, match="4096 samples a second, the rig's record has 2048; expected one rate"):
+    with pytest.raises(
+        cf.errors.InputError, match="4096 samples a second, the rig's record has 2048; expected one rate"
+    ):
         cf.frf.estimate([take, fast])
     for options, words in (
         ({"test": "drop"}, "test: found 'drop'"),
@@ -231,7 +232,7 @@ def test_takes_that_do_not_belong_together_are_refused():
         ({"seconds": 1e-9}, "seconds: found 1e-09 s"),
         ({"exponential": 1e-9}, "exponential: found 1e-09 s"),
     ):
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             cf.frf.estimate(take, **options)
 
 
@@ -250,7 +251,7 @@ def test_a_shaker_s_record_is_taken_for_one():
 def test_forces_that_are_none_or_one_signal_are_refused():
     take = tapped(blocks=1)
     silent = with_values(take, force=np.full((1, BLOCK), 3.0))
-    with pytest.raises(InputError, match="a force at point 1 that does not change: 3 N"):
+    with pytest.raises(cf.errors.InputError, match="a force at point 1 that does not change: 3 N"):
         cf.frf.estimate(silent)
     noise = np.random.default_rng(2).standard_normal(BLOCK)
     twice = replace(
@@ -258,7 +259,7 @@ def test_forces_that_are_none_or_one_signal_are_refused():
         **{name: np.array([1, 2]) for name in ("response_point", "response_direction", "reference_point",
                                                "reference_direction")},
     )  # fmt: skip
-    with pytest.raises(InputError, match="2 forces of which one follows from the others"):
+    with pytest.raises(cf.errors.InputError, match="2 forces of which one follows from the others"):
         cf.frf.estimate(replace(take, force=twice))
 
 

@@ -7,7 +7,6 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.uff.set_58 import Axis
 from casingfem.experiment.uff.write import write_uff
 
@@ -117,7 +116,7 @@ def test_hits_in_records_of_their_own_are_put_together_in_either_order(take, tmp
 )
 def test_universal_files_that_state_too_little_are_refused(change, words, take, tmp_path):
     path = write_uff(tmp_path / "records.uff", functions=change(functions(take)), binary=True)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(path)
 
 
@@ -133,24 +132,28 @@ def test_a_record_of_a_day_is_refused_before_it_is_read(tmp_path):
     for name in ("day.uff", "day.wav", "day.csv"):
         with (tmp_path / name).open("wb") as file:
             file.truncate(11_059_200_000)  # 24 h of eight channels of two bytes at 8 kHz; nothing is on the disk
-        with pytest.raises(InputError, match=r"found 11059\.2 MB; expected at most 500 MB: cut the record to the test"):
+        with pytest.raises(
+            cf.errors.InputError, match=r"found 11059\.2 MB; expected at most 500 MB: cut the record to the test"
+        ):
             cf.frf.read_records(tmp_path / name)
 
 
 def test_sound_files_are_whole_and_need_a_table_of_channels(take, tmp_path):
     path, table = written("wav", take, tmp_path)
-    with pytest.raises(InputError, match="3 channels of a sound file without units; expected a table of channels"):
+    with pytest.raises(
+        cf.errors.InputError, match="3 channels of a sound file without units; expected a table of channels"
+    ):
         cf.frf.read_records(path)
     data = path.read_bytes()
     for bad, words in ((data[:-8], "it is cut short"), (b"RIFX" + data[4:], "expected a WAVE file"),
                        (data[:20] + b"\x55" + data[21:], "coding 85 of 32 bits")):  # fmt: skip
         path.write_bytes(bad)
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             cf.frf.read_records(path, channels=table)
     for bits, values in ((16, np.int16), (32, np.float32)):
         wavfile.write(path, 1000, (np.linspace(-0.5, 0.5, 99) * (2.0**15 if bits == 16 else 1.0)).astype(values))
         (tmp_path / "one.csv").write_text("channel,kind,point,unit\n1,force,1,N\n")
-        with pytest.raises(InputError, match="no response"):
+        with pytest.raises(cf.errors.InputError, match="no response"):
             cf.frf.read_records(path, channels=tmp_path / "one.csv")
 
 
@@ -165,7 +168,7 @@ def test_sound_files_are_whole_and_need_a_table_of_channels(take, tmp_path):
 def test_tables_of_channels_are_checked(rows, words, take, tmp_path):
     path, _ = written("csv", take, tmp_path)
     (tmp_path / "channels.csv").write_text("channel,kind,point,unit\n" + rows)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(path, channels=tmp_path / "channels.csv")
 
 
@@ -180,7 +183,7 @@ def test_tables_of_channels_are_checked(rows, words, take, tmp_path):
 )
 def test_tables_of_records_are_refused_with_line_or_column(name, content, words, tmp_path):
     (tmp_path / name).write_text(content)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(tmp_path / name)
 
 
@@ -201,5 +204,5 @@ def test_tables_of_records_are_refused_with_line_or_column(name, content, words,
 )
 def test_arrays_that_do_not_fit_are_refused(arrays, words, tmp_path):
     np.savez(tmp_path / "a.npz", **arrays)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(tmp_path / "a.npz")

@@ -8,30 +8,27 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.imported.assembly import MeshSystem, held_dofs, require_structure, still_nodes
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import PointMass, Rigid
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
-from casingfem.structure.imported.solid import Solid
+from casingfem.structure.imported.assembly import held_dofs, require_structure, still_nodes
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, flat, hung
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
-BAR = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.04], groups=ENDS)
+BAR = cf.imported.grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.04], groups=ENDS)
 
 
 def bar(**items):
     """Two bricks with a node beyond the tip, where its nodes hang."""
     mesh, (node,) = added_nodes(BAR, (0.3, 0.01, 0.02))
-    return hung(mesh, rigids=(Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), **items), node
+    return hung(mesh, rigids=(cf.imported.Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), **items), node
 
 
 def test_a_structure_must_have_its_members():
-    with pytest.raises(ModelError, match="modes: found SimpleNamespace, which has no supports, assembled") as caught:
+    with pytest.raises(
+        cf.errors.ModelError, match="modes: found SimpleNamespace, which has no supports, assembled"
+    ) as caught:
         require_structure(SimpleNamespace(mesh=1, density=2), "modes")
     assert caught.value.code == "structure-unknown"
-    require_structure(Solid(mesh=BAR, material=STEEL), "modes")
+    require_structure(cf.Solid(mesh=BAR, material=STEEL), "modes")
 
 
 def test_clamps_hold_all_dofs_and_fixed_directions_their_own():
@@ -49,7 +46,7 @@ def test_clamps_hold_all_dofs_and_fixed_directions_their_own():
 
 def test_fields_of_a_part_are_zero_where_it_is_held_and_where_no_cell_is():
     mesh, (orphan,) = added_nodes(BAR, (1.0, 1.0, 1.0))
-    system = Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}).assembled()
+    system = cf.Solid(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()}).assembled()
     assert system.size == 3 * 8
     vectors = np.random.default_rng(1).standard_normal((24, 2))
     fields = system.expand(vectors)
@@ -68,7 +65,7 @@ def test_fields_of_a_part_are_zero_where_it_is_held_and_where_no_cell_is():
 def test_fields_of_a_part_with_connections_go_there_and_back():
     """Virtual work is the same; a translation moves every node alike; what hangs on a node moves too."""
     mesh, node = bar()
-    system = Solid(mesh=mesh, material=STEEL).assembled()
+    system = cf.Solid(mesh=mesh, material=STEEL).assembled()
     rng = np.random.default_rng(2)
     vectors, forces = rng.standard_normal((system.size, 2)), rng.standard_normal((len(mesh.points), 3, 2))
     fields = system.expand(vectors)
@@ -86,11 +83,11 @@ def test_fields_of_a_part_with_connections_go_there_and_back():
 @pytest.mark.parametrize("shell", [False, True])
 def test_masses_lower_the_floor_of_frequencies(shell):
     """By the root of the part's own mass over all."""
-    mesh = grid_mesh("quad", (2, 1), lambda u: flat(u * [0.2, 0.05]), groups=ENDS) if shell else BAR
-    light, heavy = (hung(mesh, masses=(PointMass(node=0, mass=m),)) for m in (1e-12, 7.0))
+    mesh = cf.imported.grid_mesh("quad", (2, 1), lambda u: flat(u * [0.2, 0.05]), groups=ENDS) if shell else BAR
+    light, heavy = (hung(mesh, masses=(cf.imported.PointMass(node=0, mass=m),)) for m in (1e-12, 7.0))
 
     def scale(mesh):
-        part = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL) if shell else Solid(mesh=mesh, material=STEEL)
+        part = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL) if shell else cf.Solid(mesh=mesh, material=STEEL)
         return part.assembled().frequency_scale
 
     own = 7800.0 * 0.2 * 0.05 * (0.01 if shell else 0.04)
@@ -107,25 +104,39 @@ def test_masses_lower_the_floor_of_frequencies(shell):
 @pytest.mark.parametrize(("part", "refused"), [(4e-9, False), (-4e-9, False), (6e-9, True), (-6e-9, True)])
 def test_forces_along_a_motion_that_nothing_resists_are_refused_beyond_round_off(part, refused):
     """Idle is (.8, -.6) of node 3's x and y; of the force (3, 4) 1e-9 (3 x .8 + 4 x .6) is round-off."""
-    mesh = MeshData(kind="tetra", points=np.vstack([np.zeros(3), np.eye(3)]), cells=np.array([[0, 1, 2, 3]]),
-                    node_numbers=np.array([5, 6, 7, 8]), source="part.inp")  # fmt: skip
+    mesh = cf.imported.MeshData(
+        kind="tetra",
+        points=np.vstack([np.zeros(3), np.eye(3)]),
+        cells=np.array([[0, 1, 2, 3]]),
+        node_numbers=np.array([5, 6, 7, 8]),
+        source="part.inp",
+    )
     idle = np.zeros((12, 2))
     idle[6:8, 1], idle[9, 0] = [0.8, -0.6], 1.0
     nothing = csc_array((12, 12))
-    system = MeshSystem(structure=SimpleNamespace(mesh=mesh), K=nothing, M=nothing, free=np.arange(12), dofs=3, rigid=0,
-                        wall=1.0, frequency_scale=1.0, idle=csc_array(idle))  # fmt: skip
+    system = cf.imported.MeshSystem(
+        structure=SimpleNamespace(mesh=mesh),
+        K=nothing,
+        M=nothing,
+        free=np.arange(12),
+        dofs=3,
+        rigid=0,
+        wall=1.0,
+        frequency_scale=1.0,
+        idle=csc_array(idle),
+    )
     forces = np.zeros((4, 3, 1))
     forces[2, :2, 0] = np.array([3.0, 4.0]) + part * np.array([0.8, -0.6])
     forces[0] = 1e6
     if refused:
-        with pytest.raises(ModelError, match=r"part\.inp: found a force on node 7 along [xy].*load-idle"):
+        with pytest.raises(cf.errors.ModelError, match=r"part\.inp: found a force on node 7 along [xy].*load-idle"):
             system.restrict(forces)
     else:
         np.testing.assert_array_equal(system.restrict(forces)[:, 0], forces.ravel())
 
 
 def test_a_system_without_idle_motions_takes_every_force():
-    system = Solid(mesh=BAR, material=STEEL).assembled()
+    system = cf.Solid(mesh=BAR, material=STEEL).assembled()
     forces = np.random.default_rng(3).standard_normal((12, 3, 1))
     np.testing.assert_array_equal(system.restrict(forces)[:, 0], forces.ravel())
     assert system.idle is None
@@ -134,9 +145,9 @@ def test_a_system_without_idle_motions_takes_every_force():
 def test_materials_of_groups_and_springs_on_facets_of_one_brick():
     """k_face on the area of the tip: the springs of a shift are k times the area, the least speed of sound counts."""
     soft = cf.Material(E=1e9, nu=0.3, rho=7800.0)
-    groups = {"one": Group(nodes=BAR.cells[1], cells=[1]), "tip": BAR.groups["tip"]}
+    groups = {"one": cf.imported.Group(nodes=BAR.cells[1], cells=[1]), "tip": BAR.groups["tip"]}
     mesh = replace(BAR, groups=groups)
-    part = Solid(mesh=mesh, material=STEEL, materials={"one": soft}, supports={"tip": cf.ElasticEdge(k_face=3e9)})
+    part = cf.Solid(mesh=mesh, material=STEEL, materials={"one": soft}, supports={"tip": cf.ElasticEdge(k_face=3e9)})
     system = part.assembled()
     assert part.constants().tolist() == [[210e9, 1e9], [0.3, 0.3], [7800.0, 7800.0]]
     assert part.density().tolist() == [7800.0, 7800.0]
@@ -144,5 +155,5 @@ def test_materials_of_groups_and_springs_on_facets_of_one_brick():
     np.testing.assert_allclose(shift.T @ (system.K @ shift), 3e9 * 0.05 * 0.04 * np.eye(3), rtol=1e-6, atol=1.0)
     np.testing.assert_allclose(shift.T @ (system.M @ shift), 3.12 * np.eye(3), rtol=1e-12, atol=1e-12)
     assert system.rigid == 0
-    own = Solid(mesh=mesh, material=STEEL).assembled().frequency_scale
+    own = cf.Solid(mesh=mesh, material=STEEL).assembled().frequency_scale
     assert system.frequency_scale / own == pytest.approx(np.sqrt(1e9 / 210e9), rel=1e-12)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.attachments.system import (
     enlarged,
     mass_matrix,
@@ -13,18 +13,7 @@ from casingfem.structure.imported.attachments.system import (
     without_mass,
 )
 from casingfem.structure.imported.attachments.ties import Rows, eliminated, fitted, motions_of, tied_rows
-from casingfem.structure.imported.mesh.attachments import (
-    Attachments,
-    Equation,
-    Mean,
-    PointMass,
-    Rigid,
-    Spring,
-    Term,
-    Tie,
-)
 from casingfem.structure.imported.mesh.joints import joints_of
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.mesh.walls import walls_apart
 
 X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 5], [7, 1, 1], [4, 4, 4.0]])
@@ -35,8 +24,14 @@ RNG = np.random.default_rng(2)
 
 def motions(**items):
     """A tetrahedron of nodes 0 to 3 with 4, 5 and 6 beside it."""
-    mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), node_numbers=NUMBERS, source="part.bdf",
-                    attachments=Attachments(**items))  # fmt: skip
+    mesh = cf.imported.MeshData(
+        kind="tetra",
+        points=X,
+        cells=np.array([[0, 1, 2, 3]]),
+        node_numbers=NUMBERS,
+        source="part.bdf",
+        attachments=cf.imported.Attachments(**items),
+    )
     return motions_of(mesh, 3)
 
 
@@ -45,8 +40,12 @@ def shell(**items):
     n = np.array([1.0, 2.0, 2.0]) / 3.0
     e = np.array([[2.0, 1.0, -2.0], [-2.0, 2.0, -1.0]]) / 3.0
     x = np.array([np.zeros(3), e[0], e[0] + e[1], e[1], [1.0, 2.0, 3.0]])
-    mesh = MeshData(
-        kind="quad", points=x, cells=np.array([[0, 1, 2, 3]]), source="skin", attachments=Attachments(**items)
+    mesh = cf.imported.MeshData(
+        kind="quad",
+        points=x,
+        cells=np.array([[0, 1, 2, 3]]),
+        source="skin",
+        attachments=cf.imported.Attachments(**items),
     )
     return motions_of(mesh, 5, joints_of(walls_apart(mesh), np.tile(n, (5, 1)), np.tile(e, (5, 1, 1))))
 
@@ -61,15 +60,17 @@ def rigid_motion(at, u, theta):
 
 
 def test_nodes_of_no_cell_and_references_have_turns_behind_the_dofs_of_nodes():
-    spring = Spring(terms=(Term(4, 0, 1.0), Term(6, 0, -1.0)), stiffness=1.0)
-    at = motions(springs=(spring,), rigids=(Rigid(reference=1, nodes=np.array([2, 3])),))
+    spring = cf.imported.Spring(terms=(cf.imported.Term(4, 0, 1.0), cf.imported.Term(6, 0, -1.0)), stiffness=1.0)
+    at = motions(springs=(spring,), rigids=(cf.imported.Rigid(reference=1, nodes=np.array([2, 3])),))
     assert at.turning.tolist() == [1, 4, 6]
     assert at.size == 3 * 7 + 3 * 3
     assert [at.turn(node) for node in range(7)] == [-1, 21, -1, -1, 24, -1, 27]
     assert [at.place(dof) for dof in (0, 20, 21, 23, 28)] == [(0, 0), (6, 2), (1, 3), (1, 5), (6, 4)]
     assert at.row(5, 2, "") == {17: 1.0}
     assert at.row(4, 5, "") == {26: 1.0}
-    with pytest.raises(ModelError, match=r"part\.bdf: CELAS2 7: node 13: found the turn about y, and nodes of solids"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"part\.bdf: CELAS2 7: node 13: found the turn about y, and nodes of solids"
+    ):
         at.row(2, 4, "CELAS2 7")
 
 
@@ -81,12 +82,21 @@ def test_turns_of_a_shells_node_are_those_of_its_director():
         assert at.row(2, 3 + c, "") == pytest.approx({13: e[1, c], 14: -e[0, c]}, rel=1e-14)
     assert at.row(2, 2, "") == {12: 1.0}
     assert at.place(14) == (2, 4)
-    assert at.combined([Term(0, 0, 2.0), Term(0, 0, -2.0), Term(1, 1, 3.0)], "") == {6: 3.0}
+    assert at.combined(
+        [cf.imported.Term(0, 0, 2.0), cf.imported.Term(0, 0, -2.0), cf.imported.Term(1, 1, 3.0)], ""
+    ) == {6: 3.0}
 
 
 def test_springs_feel_their_terms():
-    at = motions(springs=(Spring(terms=(Term(0, 1, 2.0), Term(0, 1, 0.5), Term(4, 3, -1.0)), stiffness=9.0),
-                          Spring(terms=(Term(3, 2, 1.0),), stiffness=9.0)))  # fmt: skip
+    at = motions(
+        springs=(
+            cf.imported.Spring(
+                terms=(cf.imported.Term(0, 1, 2.0), cf.imported.Term(0, 1, 0.5), cf.imported.Term(4, 3, -1.0)),
+                stiffness=9.0,
+            ),
+            cf.imported.Spring(terms=(cf.imported.Term(3, 2, 1.0),), stiffness=9.0),
+        )
+    )
     expected = np.zeros((2, at.size))
     expected[0, [1, 21]], expected[1, 11] = [2.5, -1.0], 1.0
     np.testing.assert_array_equal(spring_rows(at).toarray(), expected)
@@ -94,8 +104,8 @@ def test_springs_feel_their_terms():
 
 
 def test_masses_stand_on_the_dofs_of_their_nodes():
-    heavy = PointMass(node=4, mass=2.0, inertia=np.diag([3.0, 4.0, 5.0]), offset=(0.1, 0.2, 0.3))
-    at = motions(masses=(PointMass(node=2, mass=7.0), heavy))
+    heavy = cf.imported.PointMass(node=4, mass=2.0, inertia=np.diag([3.0, 4.0, 5.0]), offset=(0.1, 0.2, 0.3))
+    at = motions(masses=(cf.imported.PointMass(node=2, mass=7.0), heavy))
     expected = np.zeros((at.size, at.size))
     expected[6:9, 6:9] = 7.0 * np.eye(3)
     six = [12, 13, 14, 21, 22, 23]
@@ -108,14 +118,23 @@ def test_every_dof_of_a_rigid_motion_is_what_its_connections_make_of_it(kind):
     """Of any rigid motion what follows others is where they carry it."""
     at = {
         "rigid": lambda: motions(
-            rigids=(Rigid(reference=4, nodes=np.array([1, 5])), Rigid(reference=5, nodes=np.array([6])))
+            rigids=(
+                cf.imported.Rigid(reference=4, nodes=np.array([1, 5])),
+                cf.imported.Rigid(reference=5, nodes=np.array([6])),
+            )
         ),
-        "mean": lambda: motions(means=(Mean(reference=5, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)),
-        "shell": lambda: shell(rigids=(Rigid(reference=0, nodes=np.array([1, 2, 4])),)),
+        "mean": lambda: motions(
+            means=(cf.imported.Mean(reference=5, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)
+        ),
+        "shell": lambda: shell(rigids=(cf.imported.Rigid(reference=0, nodes=np.array([1, 2, 4])),)),
         "tie": lambda: shell(
-            glued=(Tie(nodes=np.array([3]), others=np.array([[0, 1, 2]]), weights=np.array([[1.0, -1.0, 1.0]])),)
+            glued=(
+                cf.imported.Tie(
+                    nodes=np.array([3]), others=np.array([[0, 1, 2]]), weights=np.array([[1.0, -1.0, 1.0]])
+                ),
+            )
         ),
-    }[kind]()  # fmt: skip
+    }[kind]()
     rows = tied_rows(at, NONE)
     R = eliminated(rows)
     motion = rigid_motion(at, np.array([0.3, -0.5, 0.8]), np.array([0.7, 0.2, -0.4]))
@@ -125,8 +144,10 @@ def test_every_dof_of_a_rigid_motion_is_what_its_connections_make_of_it(kind):
 
 
 def test_components_that_are_not_named_stay_free():
-    at = motions(rigids=(Rigid(reference=4, nodes=np.array([5, 1]), components=(0, 2, 4), where="RBE2 3"),),
-                 means=(Mean(reference=6, nodes=np.arange(4), weights=np.ones(4), components=(1, 5)),))  # fmt: skip
+    at = motions(
+        rigids=(cf.imported.Rigid(reference=4, nodes=np.array([5, 1]), components=(0, 2, 4), where="RBE2 3"),),
+        means=(cf.imported.Mean(reference=6, nodes=np.arange(4), weights=np.ones(4), components=(1, 5)),),
+    )
     rows = tied_rows(at, NONE)
     turn5, turn6 = at.turn(5), at.turn(6)
     assert sorted(rows.owner) == sorted([3, 5, 15, 17, turn5 + 1, 19, turn6 + 2])
@@ -138,7 +159,7 @@ def test_a_mean_fits_its_nodes_by_weighted_least_squares():
     """Of displacements that are no rigid motion: minimise sum w |u_j - u - theta x (x_j - x)|^2 over (u, theta)."""
     w = np.array([1.0, 2.0, 4.0, 8.0, 3.0])
     nodes = np.array([0, 1, 2, 3, 4])
-    at = motions(means=(Mean(reference=6, nodes=nodes, weights=w),))
+    at = motions(means=(cf.imported.Mean(reference=6, nodes=nodes, weights=w),))
     u = RNG.standard_normal((5, 3))
     A, b = [], []
     for k, node in enumerate(nodes):
@@ -153,30 +174,36 @@ def test_a_mean_fits_its_nodes_by_weighted_least_squares():
 @pytest.mark.parametrize(("off", "taken"), [(1e-4, True), (1e-6, False)])
 def test_nodes_of_a_mean_span_a_triangle(off, taken):
     x = np.array([[0, 0, 0], [1, 0, 0], [2, off, 0], [0, 0, 1], [0, 0, 0]])
-    mean = Mean(reference=4, nodes=np.arange(3), weights=np.ones(3), where="RBE3 9")
-    mesh = MeshData(kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(means=(mean,)))
+    mean = cf.imported.Mean(reference=4, nodes=np.arange(3), weights=np.ones(3), where="RBE3 9")
+    mesh = cf.imported.MeshData(
+        kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=cf.imported.Attachments(means=(mean,))
+    )
     at = motions_of(mesh, 3)
     if taken:
         assert fitted(at, mean).shape == (6, 3, 3)
     else:
-        with pytest.raises(ModelError, match="RBE3 9: node 5: found 3 nodes in a line, expected three that span"):
+        with pytest.raises(
+            cf.errors.ModelError, match="RBE3 9: node 5: found 3 nodes in a line, expected three that span"
+        ):
             fitted(at, mean)
 
 
 def test_an_equation_is_solved_for_its_first_term():
     """2 u_0x - 3 u_1y + 8 u_4z = 0."""
-    equation = Equation(terms=(Term(0, 0, 2.0), Term(1, 1, -3.0), Term(4, 2, 8.0)))
+    equation = cf.imported.Equation(
+        terms=(cf.imported.Term(0, 0, 2.0), cf.imported.Term(1, 1, -3.0), cf.imported.Term(4, 2, 8.0))
+    )
     rows = tied_rows(motions(equations=(equation,)), NONE)
     assert rows.entries == [(0, 4, 1.5), (0, 14, -4.0)]
     assert rows.owner == {0: "equation"}
 
 
 def test_what_is_tied_twice_or_in_a_ring_is_refused():
-    one = Equation(terms=(Term(0, 0, 1.0), Term(1, 0, -1.0)), where="MPC 1")
-    other = Equation(terms=(Term(1, 0, 1.0), Term(0, 0, -1.0)), where="MPC 2")
-    with pytest.raises(ModelError, match="MPC 2: node 11: found it tied already by MPC 1"):
-        tied_rows(motions(equations=(one, Equation(terms=one.terms, where="MPC 2"))), NONE)
-    with pytest.raises(ModelError, match="found connections that hang on one another in a ring"):
+    one = cf.imported.Equation(terms=(cf.imported.Term(0, 0, 1.0), cf.imported.Term(1, 0, -1.0)), where="MPC 1")
+    other = cf.imported.Equation(terms=(cf.imported.Term(1, 0, 1.0), cf.imported.Term(0, 0, -1.0)), where="MPC 2")
+    with pytest.raises(cf.errors.ModelError, match="MPC 2: node 11: found it tied already by MPC 1"):
+        tied_rows(motions(equations=(one, cf.imported.Equation(terms=one.terms, where="MPC 2"))), NONE)
+    with pytest.raises(cf.errors.ModelError, match="found connections that hang on one another in a ring"):
         eliminated(tied_rows(motions(equations=(one, other)), NONE))
 
 
@@ -185,18 +212,27 @@ def test_connections_hang_on_one_another_sixty_four_deep(depth, taken):
     """Each node follows the next with a factor of one half; the last is free."""
     count = depth + 1
     x = np.vstack([X[:4], np.column_stack([np.arange(count), np.ones((count, 2))])])
-    chain = tuple(Equation(terms=(Term(4 + k, 0, 1.0), Term(5 + k, 0, -0.5))) for k in range(depth))
-    mesh = MeshData(kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(equations=chain))
+    chain = tuple(
+        cf.imported.Equation(terms=(cf.imported.Term(4 + k, 0, 1.0), cf.imported.Term(5 + k, 0, -0.5)))
+        for k in range(depth)
+    )
+    mesh = cf.imported.MeshData(
+        kind="tetra", points=x, cells=np.array([[0, 1, 2, 3]]), attachments=cf.imported.Attachments(equations=chain)
+    )
     rows = tied_rows(motions_of(mesh, 3), NONE)
     if taken:
         assert eliminated(rows)[[12]].toarray()[0, 12 + 3 * depth] == 0.5**depth
     else:
-        with pytest.raises(ModelError, match="in a ring"):
+        with pytest.raises(cf.errors.ModelError, match="in a ring"):
             eliminated(rows)
 
 
 def test_of_a_tie_what_a_support_holds_is_kept():
-    at = motions(glued=(Tie(nodes=np.array([3]), others=np.array([[0, 1, 2]]), weights=np.array([[0.5, 0.0, 0.25]])),))
+    at = motions(
+        glued=(
+            cf.imported.Tie(nodes=np.array([3]), others=np.array([[0, 1, 2]]), weights=np.array([[0.5, 0.0, 0.25]])),
+        )
+    )
     rows = tied_rows(at, np.array([10]))
     assert rows.entries == [(9, 0, 0.5), (9, 6, 0.25), (11, 2, 0.5), (11, 8, 0.25)]
 
@@ -239,7 +275,12 @@ def test_an_enlarged_matrix_is_a_copy_with_nothing_behind():
 
 
 def test_the_director_of_a_reference_on_a_shell_turns_with_it():
-    at = shell(rigids=(Rigid(reference=0, nodes=np.array([1])), Rigid(reference=0, nodes=np.array([4]))))
+    at = shell(
+        rigids=(
+            cf.imported.Rigid(reference=0, nodes=np.array([1])),
+            cf.imported.Rigid(reference=0, nodes=np.array([4])),
+        )
+    )
     rows = tied_rows(at, NONE)
     assert rows.own == {3, 4}
     assert rows.owner[3] == rows.owner[4] == "its turns as the reference of rigid connection"

@@ -4,28 +4,31 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
+import casingfem as cf
 from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.attachments.system import attached
 from casingfem.structure.imported.attachments.ties import motions_of
-from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 5], [7, 1, 1], [4, 4, 4.0]])
 J = np.array([[0.3, 0.02, 0.01], [0.02, 0.4, 0.05], [0.01, 0.05, 0.5]])
 NONE = np.zeros(0, dtype=np.int64)
 RNG = np.random.default_rng(12)
-TURN = Spring(terms=(Term(4, 5, 1.0),), stiffness=3.0)
-SPIDER = (Rigid(reference=4, nodes=np.array([1, 2, 3])),)
+TURN = cf.imported.Spring(terms=(cf.imported.Term(4, 5, 1.0),), stiffness=3.0)
+SPIDER = (cf.imported.Rigid(reference=4, nodes=np.array([1, 2, 3])),)
 ITEMS = {
-    "rigids": (Rigid(reference=4, nodes=np.array([1])),),
+    "rigids": (cf.imported.Rigid(reference=4, nodes=np.array([1])),),
     "springs": (
-        Spring(terms=(Term(5, 0, 1.0), Term(2, 1, -2.0)), stiffness=9.0),
-        Spring(terms=(Term(5, 1, 1.0),), stiffness=4.0), TURN,
-        Spring(terms=(Term(6, 0, 1.0), Term(2, 0, -1.0)), stiffness=5.0),
-        Spring(terms=(Term(6, 0, 1.0),), stiffness=2.0),
+        cf.imported.Spring(terms=(cf.imported.Term(5, 0, 1.0), cf.imported.Term(2, 1, -2.0)), stiffness=9.0),
+        cf.imported.Spring(terms=(cf.imported.Term(5, 1, 1.0),), stiffness=4.0),
+        TURN,
+        cf.imported.Spring(terms=(cf.imported.Term(6, 0, 1.0), cf.imported.Term(2, 0, -1.0)), stiffness=5.0),
+        cf.imported.Spring(terms=(cf.imported.Term(6, 0, 1.0),), stiffness=2.0),
     ),
-    "masses": (PointMass(node=4, mass=2.0, inertia=J, offset=(0.1, -0.2, 0.3)), PointMass(node=5, mass=7.0)),
-}  # fmt: skip
+    "masses": (
+        cf.imported.PointMass(node=4, mass=2.0, inertia=J, offset=(0.1, -0.2, 0.3)),
+        cf.imported.PointMass(node=5, mass=7.0),
+    ),
+}
 
 
 def positive(size):
@@ -38,7 +41,9 @@ def positive(size):
 
 def hung(held=(), still=(), supports=(), **items):
     """A tetrahedron of nodes 0 to 3 with 4, 5 and 6 beside it: what it becomes, and matrices of its cells."""
-    mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(**items))
+    mesh = cf.imported.MeshData(
+        kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=cf.imported.Attachments(**items)
+    )
     motions, (K, M) = motions_of(mesh, 3), (positive(21) for _ in range(2))
     held, still = (np.array(part, dtype=np.int64) for part in (held, still))
     return attached(motions, K, M, held, still, rigid_motions(X), supports), motions, K, M
@@ -96,24 +101,49 @@ def support(*dofs):
 
 def tilt(error):
     """A spring that feels two points on a line along y move along y, but for an error."""
-    return Spring(terms=(Term(0, 1, 1.0), Term(2, 1, -1.0 + error)), stiffness=1.0)
+    return cf.imported.Spring(terms=(cf.imported.Term(0, 1, 1.0), cf.imported.Term(2, 1, -1.0 + error)), stiffness=1.0)
 
 
-@pytest.mark.parametrize(("left", "held", "supports", "items"), [
-    (6, (), (), {"rigids": SPIDER}),
-    (6, (), (), {"means": (Mean(reference=5, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)}),
-    (5, (), (), {"rigids": SPIDER, "springs": (TURN,)}),
-    (5, (1,), (), {"rigids": SPIDER}),
-    (3, (0, 1, 2), (), {"rigids": SPIDER}),
-    (2, (0, 1, 2), (), {"rigids": SPIDER, "springs": (TURN,)}),
-    (1, (0, 1, 2), (support(9, 10),), {"rigids": SPIDER}),
-    (4, (), (support(3), support(10)), {"rigids": SPIDER}),
-    (6, (), (), {"equations": (Equation(terms=(Term(0, 0, 1.0), Term(1, 0, -1.0))),)}),
-    (5, (), (), {"equations": (Equation(terms=(Term(0, 1, 1.0), Term(1, 1, -1.0))),)}),
-    (5, (), (), {"equations": (Equation(terms=(Term(0, 2, 2.0), Term(1, 2, -3.0))),)}),
-    (6, (), (), {"springs": (tilt(0.9e-9),)}), (5, (), (), {"springs": (tilt(1.1e-9),)}),
-    (6, (), (), {"springs": (tilt(-0.9e-9),)}), (5, (), (), {"springs": (tilt(-1.1e-9),)}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("left", "held", "supports", "items"),
+    [
+        (6, (), (), {"rigids": SPIDER}),
+        (
+            6,
+            (),
+            (),
+            {"means": (cf.imported.Mean(reference=5, nodes=np.arange(4), weights=np.array([1.0, 2.0, 4.0, 8.0])),)},
+        ),
+        (5, (), (), {"rigids": SPIDER, "springs": (TURN,)}),
+        (5, (1,), (), {"rigids": SPIDER}),
+        (3, (0, 1, 2), (), {"rigids": SPIDER}),
+        (2, (0, 1, 2), (), {"rigids": SPIDER, "springs": (TURN,)}),
+        (1, (0, 1, 2), (support(9, 10),), {"rigids": SPIDER}),
+        (4, (), (support(3), support(10)), {"rigids": SPIDER}),
+        (
+            6,
+            (),
+            (),
+            {"equations": (cf.imported.Equation(terms=(cf.imported.Term(0, 0, 1.0), cf.imported.Term(1, 0, -1.0))),)},
+        ),
+        (
+            5,
+            (),
+            (),
+            {"equations": (cf.imported.Equation(terms=(cf.imported.Term(0, 1, 1.0), cf.imported.Term(1, 1, -1.0))),)},
+        ),
+        (
+            5,
+            (),
+            (),
+            {"equations": (cf.imported.Equation(terms=(cf.imported.Term(0, 2, 2.0), cf.imported.Term(1, 2, -3.0))),)},
+        ),
+        (6, (), (), {"springs": (tilt(0.9e-9),)}),
+        (5, (), (), {"springs": (tilt(1.1e-9),)}),
+        (6, (), (), {"springs": (tilt(-0.9e-9),)}),
+        (5, (), (), {"springs": (tilt(-1.1e-9),)}),
+    ],
+)
 def test_rigid_motions_that_nothing_feels_are_counted(left, held, supports, items):
     """A node held leaves the turns about it, of which a spring on one and supports of another point feel some."""
     assert hung(held, supports=supports, **items)[0].rigid == left

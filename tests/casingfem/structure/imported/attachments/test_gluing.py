@@ -5,18 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.attachments.glue import (
-    Gluing,
-    faces_of,
-    glued,
-    inside,
-    nearest_places,
-    projected,
-    tied,
-)
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.mesh_data import Group, beside
+import casingfem as cf
+from casingfem.structure.imported.attachments.glue import faces_of, glued, inside, nearest_places, projected
 from tests.casingfem.structure.imported.parts import box, flat
 
 ENDS = {"low": (0, 0.0), "high": (0, 1.0)}
@@ -24,18 +14,20 @@ ENDS = {"low": (0, 0.0), "high": (0, 1.0)}
 
 def pair(gap, raised=0.0):
     """A brick of 1 x 3 x 4 and half of its height beyond a gap; one corner of the other stands farther off."""
-    first = grid_mesh("hexahedron", (1, 1, 1), lambda u: u * [1.0, 3.0, 4.0], groups=ENDS)
-    other = grid_mesh("hexahedron", (1, 1, 1), lambda u: u * [1.0, 3.0, 2.0] + [1.0 + gap, 0.0, 1.0], groups=ENDS)
+    first = cf.imported.grid_mesh("hexahedron", (1, 1, 1), lambda u: u * [1.0, 3.0, 4.0], groups=ENDS)
+    other = cf.imported.grid_mesh(
+        "hexahedron", (1, 1, 1), lambda u: u * [1.0, 3.0, 2.0] + [1.0 + gap, 0.0, 1.0], groups=ENDS
+    )
     points = other.points.copy()
     points[other.groups["low"].nodes[0], 0] += raised
-    return beside({"a": first, "b": replace(other, points=points)})
+    return cf.imported.beside({"a": first, "b": replace(other, points=points)})
 
 
 @pytest.mark.parametrize(("gap", "given"), [(0.24, {}), (0.5, {"tolerance": 0.51}), (-0.24, {})])
 def test_nodes_within_a_twentieth_of_the_facet_are_moved_onto_it_and_follow(gap, given):
     """The facet of 3 x 4 has the size 5."""
     mesh = pair(gap)
-    both = glued(mesh, Gluing(follower="b.low", master="a.high", **given))
+    both = glued(mesh, cf.imported.Gluing(follower="b.low", master="a.high", **given))
     tie = both.attachments.glued[0]
     assert tie.nodes.tolist() == mesh.groups["b.low"].nodes.tolist()
     np.testing.assert_allclose(both.points[tie.nodes], mesh.points[tie.nodes] - [gap, 0.0, 0.0], atol=1e-13)
@@ -50,15 +42,15 @@ def test_nodes_within_a_twentieth_of_the_facet_are_moved_onto_it_and_follow(gap,
 @pytest.mark.parametrize(("gap", "given"), [(0.26, {}), (0.5, {"tolerance": 0.49})])
 def test_faces_that_are_farther_apart_are_refused_with_the_distance(gap, given):
     with pytest.raises(
-        ModelError, match=rf"grid: tie: 'b\.low' stands {gap} m from 'a\.high' or farther.*\[mesh-tie\]"
+        cf.errors.ModelError, match=rf"grid: tie: 'b\.low' stands {gap} m from 'a\.high' or farther.*\[mesh-tie\]"
     ):
-        glued(pair(gap), Gluing(follower="b.low", master="a.high", **given))
+        glued(pair(gap), cf.imported.Gluing(follower="b.low", master="a.high", **given))
 
 
 def test_single_nodes_that_are_too_far_stay_where_they_are():
     mesh = pair(0.1, raised=0.2)
-    with pytest.warns(ModelWarning, match=r"TIE 3: 1 node \(9\) of 'b\.low' off 'a\.high'.*mesh-tie-loose"):
-        both = glued(mesh, Gluing(follower="b.low", master="a.high", where="TIE 3"))
+    with pytest.warns(cf.errors.ModelWarning, match=r"TIE 3: 1 node \(9\) of 'b\.low' off 'a\.high'.*mesh-tie-loose"):
+        both = glued(mesh, cf.imported.Gluing(follower="b.low", master="a.high", where="TIE 3"))
     far = mesh.groups["b.low"].nodes[0]
     assert far not in both.attachments.glued[0].nodes
     assert len(both.attachments.glued[0].nodes) == 3
@@ -72,26 +64,29 @@ def test_names_that_are_no_faces_are_refused():
         ({"follower": "b.low", "master": "c"}, "no group 'c'"),
         ({"follower": "b.low", "master": "edge"}, "group 'edge' has no facets"),
     ):
-        with pytest.raises(ModelError, match=told) as caught:
-            tied(replace(mesh, groups={**mesh.groups, "edge": Group(nodes=[0, 1])}), [Gluing(**given)])
+        with pytest.raises(cf.errors.ModelError, match=told) as caught:
+            cf.imported.tied(
+                replace(mesh, groups={**mesh.groups, "edge": cf.imported.Group(nodes=[0, 1])}),
+                [cf.imported.Gluing(**given)],
+            )
         assert caught.value.code == "mesh-tie"
 
 
 def test_nodes_that_follow_already_or_are_the_masters_own_are_passed_over():
     mesh = pair(0.0)
-    once = tied(mesh, [Gluing(follower="b.low", master="a.high")])
-    assert len(tied(once, [Gluing(follower="b.low", master="a.high")]).attachments.glued) == 1
-    assert len(tied(mesh, [Gluing(follower="a.high", master="a.high")]).attachments.glued) == 0
+    once = cf.imported.tied(mesh, [cf.imported.Gluing(follower="b.low", master="a.high")])
+    assert len(cf.imported.tied(once, [cf.imported.Gluing(follower="b.low", master="a.high")]).attachments.glued) == 1
+    assert len(cf.imported.tied(mesh, [cf.imported.Gluing(follower="a.high", master="a.high")]).attachments.glued) == 0
 
 
 def test_a_shell_is_followed_on_its_edges_or_its_cells():
-    mesh = grid_mesh("quad8", (2, 1), flat, groups=ENDS)
-    mesh = replace(mesh, groups={**mesh.groups, "skin": Group(nodes=mesh.cells[1], cells=[1])})
+    mesh = cf.imported.grid_mesh("quad8", (2, 1), flat, groups=ENDS)
+    mesh = replace(mesh, groups={**mesh.groups, "skin": cf.imported.Group(nodes=mesh.cells[1], cells=[1])})
     kind, cells = faces_of(mesh, "skin")
     assert (kind, cells.tolist()) == ("quad8", [mesh.cells[1].tolist()])
     kind, edges = faces_of(mesh, "high")
     assert (kind, edges.shape) == ("line3", (1, 3))
-    solid = replace(box(1, 1, 1), groups={"body": Group(nodes=np.arange(8), cells=[0])})
+    solid = replace(box(1, 1, 1), groups={"body": cf.imported.Group(nodes=np.arange(8), cells=[0])})
     assert [faces_of(solid, "body")[0], faces_of(solid, "body")[1].shape] == ["quad", (6, 4)]
 
 

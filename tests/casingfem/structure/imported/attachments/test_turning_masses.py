@@ -3,23 +3,23 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.geometry.rotation import Rotation
+import casingfem as cf
 from casingfem.structure.imported.attachments.ties import motions_of, tied_rows
 from casingfem.structure.imported.attachments.turning import arm_stiffness, attached_spin, carried, points_of, summed
-from casingfem.structure.imported.mesh.attachments import Attachments, Mean, PointMass, Rigid
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 X = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 5], [7, 1, 1], [4, 4, 4.0]])
 J = np.array([[0.3, 0.02, 0.01], [0.02, 0.4, 0.05], [0.01, 0.05, 0.5]])
 A = np.array([2.0, -1.0, 2.0]) / 3.0
-ROTATION = Rotation(omega=7.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
+ROTATION = cf.Rotation(omega=7.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
 U, THETA = np.array([0.5, -1.0, 2.0]), np.array([0.3, 0.7, -0.4])
 V, PHI = np.array([1.5, 0.2, -0.3]), np.array([-0.6, 0.1, 0.8])
 NONE = np.zeros(0, dtype=np.int64)
 
 
 def motions(**items):
-    mesh = MeshData(kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=Attachments(**items))
+    mesh = cf.imported.MeshData(
+        kind="tetra", points=X, cells=np.array([[0, 1, 2, 3]]), attachments=cf.imported.Attachments(**items)
+    )
     return motions_of(mesh, 3)
 
 
@@ -27,10 +27,15 @@ def across(vector):
     return vector - (vector @ A) * A
 
 
-@pytest.mark.parametrize("mass", [
-    PointMass(node=4, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3)), PointMass(node=4, mass=7.0, inertia=J),
-    PointMass(node=4, mass=7.0, offset=(0.1, -0.2, 0.3)), PointMass(node=4, mass=7.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "mass",
+    [
+        cf.imported.PointMass(node=4, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3)),
+        cf.imported.PointMass(node=4, mass=7.0, inertia=J),
+        cf.imported.PointMass(node=4, mass=7.0, offset=(0.1, -0.2, 0.3)),
+        cf.imported.PointMass(node=4, mass=7.0),
+    ],
+)
 def test_a_mass_adds_what_its_points_do(mass):
     """Two motions (u, theta) of the node; the points of the mass stand at x + r."""
     at = motions(masses=(mass,))
@@ -57,7 +62,7 @@ def test_a_mass_adds_what_its_points_do(mass):
 
 
 def test_masses_on_two_nodes_add_up():
-    one, other = PointMass(node=4, mass=7.0), PointMass(node=1, mass=3.0)
+    one, other = cf.imported.PointMass(node=4, mass=7.0), cf.imported.PointMass(node=1, mass=3.0)
     both = attached_spin(motions(masses=(one, other)), ROTATION)
     assert both.mass.diagonal()[[3, 4, 5, 12, 13, 14]].tolist() == [3.0, 3.0, 3.0, 7.0, 7.0, 7.0]
     np.testing.assert_allclose(both.force[3:6], 3.0 * across(X[1] - ROTATION.centre), rtol=1e-12)
@@ -72,7 +77,12 @@ def test_a_force_on_an_arm_stiffens_its_turns():
 
 def test_rigid_connections_carry_the_forces_of_what_follows_them():
     """Node 6 follows 5, which follows 4: the arm from 4 to 5 carries the forces on both."""
-    at = motions(rigids=(Rigid(reference=4, nodes=np.array([5, 1])), Rigid(reference=5, nodes=np.array([6]))))
+    at = motions(
+        rigids=(
+            cf.imported.Rigid(reference=4, nodes=np.array([5, 1])),
+            cf.imported.Rigid(reference=5, nodes=np.array([6])),
+        )
+    )
     residual = np.random.default_rng(3).standard_normal(at.size)
     found = carried(at, tied_rows(at, NONE), residual).toarray()
     on = residual[:21].reshape(7, 3)
@@ -86,7 +96,7 @@ def test_rigid_connections_carry_the_forces_of_what_follows_them():
 
 
 def test_a_connection_carries_forces_along_its_components_alone():
-    at = motions(rigids=(Rigid(reference=4, nodes=np.array([5]), components=(0, 2)),))
+    at = motions(rigids=(cf.imported.Rigid(reference=4, nodes=np.array([5]), components=(0, 2)),))
     residual = np.arange(1.0, at.size + 1.0)
     first = at.turn(4)
     found = carried(at, tied_rows(at, NONE), residual).toarray()[first : first + 3, first : first + 3]
@@ -95,7 +105,7 @@ def test_a_connection_carries_forces_along_its_components_alone():
 
 def test_a_mean_spreads_its_force_over_its_nodes():
     """Its nodes have parts of the force with its moment; the mean turn carries less the sum of them on their arms."""
-    mean = Mean(reference=6, nodes=np.array([0, 1, 2, 3]), weights=np.array([1.0, 2.0, 3.0, 4.0]))
+    mean = cf.imported.Mean(reference=6, nodes=np.array([0, 1, 2, 3]), weights=np.array([1.0, 2.0, 3.0, 4.0]))
     at = motions(means=(mean,))
     residual = np.zeros(at.size)
     force, moment = np.array([3.0, -1.0, 2.0]), np.array([0.5, 0.2, 0.7])

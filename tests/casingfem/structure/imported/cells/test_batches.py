@@ -9,8 +9,6 @@ import casingfem as cf
 from casingfem.structure.imported import solid_spin
 from casingfem.structure.imported.cells import shell as shell_cells
 from casingfem.structure.imported.cells import solid as solid_cells
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.mesh_data import Group
 from tests.casingfem.structure.imported.parts import STEEL, flat
 
 BRASS = cf.Material(E=100e9, nu=0.35, rho=8500.0)
@@ -24,8 +22,8 @@ def part(kind):
         x = np.stack([u[:, 0] ** 2 + 0.1 * u[:, 0], 0.3 * u[:, 1]], axis=1)
         return flat(x) if shell else np.column_stack([x, 0.2 * u[:, 2]])
 
-    mesh = grid_mesh(kind, (5, 1) if shell else (5, 1, 1), place)
-    mesh = replace(mesh, groups={"soft": Group(nodes=mesh.cells[[1, 4]].ravel(), cells=[1, 4])})
+    mesh = cf.imported.grid_mesh(kind, (5, 1) if shell else (5, 1, 1), place)
+    mesh = replace(mesh, groups={"soft": cf.imported.Group(nodes=mesh.cells[[1, 4]].ravel(), cells=[1, 4])})
     given = {"mesh": mesh, "material": STEEL, "materials": {"soft": BRASS}}
     return cf.MeshShell(thickness=0.02, **given) if shell else cf.Solid(**given)
 

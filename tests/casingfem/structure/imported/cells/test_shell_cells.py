@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.mapped import shape_products
 from casingfem.structure.imported.cells.shell import (
     ShellCells,
@@ -20,9 +19,7 @@ from casingfem.structure.imported.cells.shell import (
 )
 from casingfem.structure.imported.cells.support import by_group
 from casingfem.structure.imported.cells.tying import lagrange, linear_weights, local_frame, to_local
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Attachments, Tie
-from casingfem.structure.imported.mesh.mesh_data import Group, natives
+from casingfem.structure.imported.mesh.mesh_data import natives
 from casingfem.structure.imported.mesh.walls import cell_normals
 from casingfem.structure.imported.shell_spin import placed, shell_inertia, sym
 from casingfem.structure.shell.wall import curved_wall
@@ -31,7 +28,7 @@ from tests.casingfem.structure.imported.parts import STEEL, flat, squares
 RNG = np.random.default_rng(9)
 TURN = np.linalg.qr(RNG.standard_normal((3, 3)))[0]
 TURN *= np.sign(np.linalg.det(TURN))
-PLATE = grid_mesh("quad9", (2, 1), lambda u: flat(u * [2.0, 3.0]) @ TURN.T + [1.0, -2.0, 0.5])
+PLATE = cf.imported.grid_mesh("quad9", (2, 1), lambda u: flat(u * [2.0, 3.0]) @ TURN.T + [1.0, -2.0, 0.5])
 FLAT = np.zeros((3, 1, 1))
 
 
@@ -58,9 +55,11 @@ def test_tied_nodes_have_the_director_of_the_wall_they_follow_up_to_an_angle(ang
     """The cosine of 45.6 degrees is 0.7."""
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     x = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 0], [1 + c, 0, s], [1 + c, 1, s], [1, 1, 0], [9, 9, 9]]
-    tie = Tie(nodes=np.array([4, 7]), others=np.array([[1, 2], [1, 2]]), weights=np.array([[1.0, 0.0], [0.0, 1.0]]))
+    tie = cf.imported.Tie(
+        nodes=np.array([4, 7]), others=np.array([[1, 2], [1, 2]]), weights=np.array([[1.0, 0.0], [0.0, 1.0]])
+    )
     mesh = replace(squares(np.zeros((9, 2)), [[0, 1, 2, 3], [4, 5, 6, 7]]), points=np.array(x, dtype=float),
-                   attachments=Attachments(glued=(tie,)))  # fmt: skip
+                   attachments=cf.imported.Attachments(glued=(tie,)))  # fmt: skip
     found = directors(mesh)
     own = [0.0, 0.0, 1.0] if followed else [-s, 0.0, c]
     np.testing.assert_allclose(found[[4, 7]], [own, own], atol=1e-14)
@@ -163,7 +162,7 @@ def test_inertia_of_a_turning_plate():
     The softening of leanings is that of arms n + p: (n.a)^2 p.q - (p.a)(q.a).
     """
     a = np.array([2.0, -1.0, 2.0]) / 3.0
-    rotation = Rotation(omega=1.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
+    rotation = cf.Rotation(omega=1.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
     of = shell_inertia(wall(), rotation)
     n, frames = TURN[:, 2], tangent_frames(np.tile(TURN[:, 2], (9, 1)))
     v, w, p, q = RNG.standard_normal((4, 3))
@@ -211,12 +210,12 @@ def test_products_of_shape_functions_have_the_area_of_the_plate():
 
 
 def test_numbers_of_groups_stand_instead_of_the_common_ones():
-    mesh = replace(PLATE, groups={"one": Group(nodes=[0], cells=[1]), "none": Group(nodes=[0])})
+    mesh = replace(PLATE, groups={"one": cf.imported.Group(nodes=[0], cells=[1]), "none": cf.imported.Group(nodes=[0])})
     assert by_group(mesh, (1.0, 2.0), {"one": (5.0, 7.0)}).tolist() == [[1.0, 5.0], [2.0, 7.0]]
     with pytest.raises(cf.errors.ModelError, match="grid: material of group 'none'"):
         by_group(mesh, (1.0,), {"none": (2.0,)})
     twice = replace(
-        mesh, groups={**mesh.groups, "other": Group(nodes=[0], cells=[0, 1])}, cell_numbers=np.array([7, 8])
+        mesh, groups={**mesh.groups, "other": cf.imported.Group(nodes=[0], cells=[0, 1])}, cell_numbers=np.array([7, 8])
     )
     with pytest.raises(cf.errors.ModelError, match="grid: cell 8 has the materials of 'one' and 'other'"):
         by_group(twice, (1.0,), {"one": (2.0,), "other": (3.0,)})

@@ -6,18 +6,15 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
 from casingfem.structure.imported.cells.shell import tangent_frames
 from casingfem.structure.imported.cells.support import check_support
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.imported.shell import MeshShell, edge_springs, with_centres
+from casingfem.structure.imported.shell import edge_springs, with_centres
 from tests.casingfem.structure.imported.parts import STEEL, box, flat, squares
 
 PLIES = (cf.shell.Ply(thickness=1.0),)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
-PLATE = grid_mesh("quad", (2, 1), lambda u: flat(u * [2.0, 3.0]), groups=ENDS)
-OWN = replace(PLATE, groups={**PLATE.groups, "one": Group(nodes=PLATE.cells[1], cells=[1])})
+PLATE = cf.imported.grid_mesh("quad", (2, 1), lambda u: flat(u * [2.0, 3.0]), groups=ENDS)
+OWN = replace(PLATE, groups={**PLATE.groups, "one": cf.imported.Group(nodes=PLATE.cells[1], cells=[1])})
 
 
 def folded(angle):
@@ -33,7 +30,7 @@ def test_the_ninth_node_stands_where_eight_put_it():
     x = np.array([[0, 0], [4, 0], [5, 3], [0, 2], [2, -0.5], [4.6, 1.5], [2.5, 2.7], [0.1, 1], [8, 0], [6, 0.2],
                   [6.6, 1.6]])  # fmt: skip
     mesh = squares(x, [[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]], "quad8",
-                   node_numbers=np.arange(21, 32), groups={"all": Group(nodes=[0])})  # fmt: skip
+                   node_numbers=np.arange(21, 32), groups={"all": cf.imported.Group(nodes=[0])})  # fmt: skip
     nine = with_centres(mesh)
     assert nine.kind == "quad9"
     assert nine.cells.tolist() == [[0, 1, 2, 3, 4, 5, 6, 7, 11], [1, 8, 2, 2, 9, 10, 2, 5, 2]]
@@ -46,7 +43,7 @@ def test_the_ninth_node_stands_where_eight_put_it():
 
 
 def shell_of(mesh):
-    return MeshShell(mesh=mesh, thickness=0.1, material=STEEL)
+    return cf.MeshShell(mesh=mesh, thickness=0.1, material=STEEL)
 
 
 @pytest.mark.parametrize("angle", [0.0, 9.9, -9.9])
@@ -56,7 +53,7 @@ def test_small_kinks_pass_without_a_word(angle):
 
 @pytest.mark.parametrize(("angle", "dofs"), [(10.1, 5), (-10.1, 5), (24.9, 5), (25.1, 6), (60.9, 6)])
 def test_kinks_are_doubted(angle, dofs):
-    with pytest.warns(ModelWarning, match=rf"roof: 2 cells \(7, 8\) meet at up to {abs(angle):.0f} degrees"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"roof: 2 cells \(7, 8\) meet at up to {abs(angle):.0f} degrees"):
         assert shell_of(folded(angle)).assembled().dofs == dofs
 
 
@@ -69,27 +66,29 @@ def test_at_a_fold_both_walls_have_their_own_director_and_one_rotation(angle):
 
 
 def test_a_wall_folded_back_over_itself_is_refused():
-    with pytest.raises(ModelError, match=r"roof: 2 cells \(7, 8\) lie over another cell.*at 2 nodes \(2, 3\)"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"roof: 2 cells \(7, 8\) lie over another cell.*at 2 nodes \(2, 3\)"
+    ):
         shell_of(folded(176.0))
 
 
 @pytest.mark.parametrize("t", [0.0, -1.0, np.nan, np.inf])
 def test_thicknesses_are_above_zero(t):
-    with pytest.raises(ModelError, match=rf"shell\.thickness must be above 0, found {t!r}"):
-        MeshShell(mesh=PLATE, thickness=t, material=STEEL)
-    with pytest.raises(ModelError, match=rf"shell\.thicknesses\.one must be above 0, found {t!r}"):
-        MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": t}, material=STEEL)
+    with pytest.raises(cf.errors.ModelError, match=rf"shell\.thickness must be above 0, found {t!r}"):
+        cf.MeshShell(mesh=PLATE, thickness=t, material=STEEL)
+    with pytest.raises(cf.errors.ModelError, match=rf"shell\.thicknesses\.one must be above 0, found {t!r}"):
+        cf.MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": t}, material=STEEL)
 
 
 def test_walls_and_inertia_of_groups():
     brass = cf.Material(E=100e9, nu=0.35, rho=8500.0)
-    shell = MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL, materials={"one": brass})
+    shell = cf.MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL, materials={"one": brass})
     assert shell.walls().tolist() == [[0.1, 0.2], [210e9, 100e9], [0.3, 0.35], [7800.0, 8500.0]]
     moments = shell.inertia(np.arange(2), np.zeros((3, 2, 1)))[:, :, 0]
     np.testing.assert_allclose(moments, [[780.0, 1700.0], [0.0, 0.0], [0.65, 8500.0 * 0.008 / 12.0]], rtol=1e-13)
     np.testing.assert_allclose(shell.density(), [780.0, 1700.0], rtol=1e-13)
     assert (shell.fibres, shell.wall, shell.shear_correction) == (None, "curved", None)
-    layered = MeshShell(mesh=OWN, thickness=0.1, material=STEEL, wall="linear", plies=PLIES,
+    layered = cf.MeshShell(mesh=OWN, thickness=0.1, material=STEEL, wall="linear", plies=PLIES,
                         angle_from=(1.0, 0.0, 0.0))  # fmt: skip
     assert layered.fibres.tolist() == [1.0, 0.0, 0.0]
     system = shell.assembled()
@@ -104,10 +103,10 @@ def test_plies_do_not_count_from_a_direction_across_the_wall(degrees, seen):
     given = {"mesh": PLATE, "thickness": 0.1, "material": STEEL, "wall": "linear",
              "plies": PLIES, "angle_from": (0.0, 5.0 * np.sin(angle), 5.0 * np.cos(angle))}  # fmt: skip
     if seen:
-        assert len(MeshShell(**given).plies) == 1
+        assert len(cf.MeshShell(**given).plies) == 1
     else:
-        with pytest.raises(ModelError, match=r"shell\.angle_from: found .*, 2 cells \(1, 2\) lie across it"):
-            MeshShell(**given)
+        with pytest.raises(cf.errors.ModelError, match=r"shell\.angle_from: found .*, 2 cells \(1, 2\) lie across it"):
+            cf.MeshShell(**given)
 
 
 @pytest.mark.parametrize(("given", "told"), [
@@ -118,13 +117,13 @@ def test_plies_do_not_count_from_a_direction_across_the_wall(degrees, seen):
     ({"plies": PLIES, "wall": "linear", "angle_from": (0.0, np.inf, 0.0)}, "expected a direction"),
 ])  # fmt: skip
 def test_layers_need_a_linear_wall_of_one_material_and_a_direction(given, told):
-    with pytest.raises(ModelError, match=told):
-        MeshShell(mesh=OWN, thickness=0.1, material=STEEL, **given)
+    with pytest.raises(cf.errors.ModelError, match=told):
+        cf.MeshShell(mesh=OWN, thickness=0.1, material=STEEL, **given)
 
 
 def test_springs_of_an_edge_act_on_displacements_and_on_leanings():
     """t k per length on the 3 m of the tip, t^3/12 k on a leaning of its directors; nothing on the root."""
-    shell = MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL,
+    shell = cf.MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL,
                       supports={"tip": cf.ElasticEdge(k_face=7e6), "root": cf.Clamped()})  # fmt: skip
     frames = tangent_frames(np.tile([0.0, 0.0, 1.0], (6, 1)))
     (K,) = edge_springs(shell, frames)
@@ -143,14 +142,14 @@ def test_springs_of_an_edge_act_on_displacements_and_on_leanings():
     (cf.ElasticEdge(k_rot=1.0, k_face=1.0), "found line springs"), (cf.ShearDiaphragm(), "found ShearDiaphragm"),
 ])  # fmt: skip
 def test_supports_that_a_mesh_cannot_have_are_refused(support, told):
-    with pytest.raises(ModelError, match=rf"grid: support\.tip: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"grid: support\.tip: {told}"):
         check_support(PLATE, "tip", support)
 
 
 def test_supports_that_a_mesh_can_have():
     for support in (cf.Clamped(), cf.imported.Fixed(directions=("x",)), cf.ElasticEdge(k_face=1.0)):
         check_support(PLATE, "tip", support)
-    bare = replace(box(1, 1, 1), groups={"pin": Group(nodes=[0])})
+    bare = replace(box(1, 1, 1), groups={"pin": cf.imported.Group(nodes=[0])})
     check_support(bare, "pin", cf.Clamped())
-    with pytest.raises(ModelError, match=r"grid: support\.pin.*mesh-group-no-facets"):
+    with pytest.raises(cf.errors.ModelError, match=r"grid: support\.pin.*mesh-group-no-facets"):
         check_support(bare, "pin", cf.ElasticEdge(k_face=1.0))

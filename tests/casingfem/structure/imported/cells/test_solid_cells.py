@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.structure.geometry.rotation import Rotation
+import casingfem as cf
 from casingfem.structure.imported.cells.mapped import (
     cell_dofs,
     facet_shape_products,
@@ -25,7 +25,6 @@ from casingfem.structure.imported.cells.solid import (
     stiffness,
     strain_table,
 )
-from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.solid_spin import (
     batches,
     geometric,
@@ -39,7 +38,7 @@ from tests.casingfem.structure.imported.parts import flat
 RNG = np.random.default_rng(4)
 CONSTANTS = np.array([[3.0, 11.0], [0.2, 0.35], [5.0, 7.0]])
 SKEW = np.array([[2.0, 0.3, 0.0], [0.1, 3.0, 0.2], [0.0, -0.2, 5.0]])
-BRICKS = grid_mesh("hexahedron20", (2, 1, 1), lambda u: u @ SKEW.T)
+BRICKS = cf.imported.grid_mesh("hexahedron20", (2, 1, 1), lambda u: u @ SKEW.T)
 VOLUME = np.linalg.det(SKEW) / 2.0  # of each of the two
 H = np.array([[0.1, -0.4, 0.2], [0.3, 0.7, -0.1], [0.5, 0.2, -0.6]])  # u = H x
 PART = SimpleNamespace(mesh=BRICKS, constants=lambda: CONSTANTS)
@@ -158,7 +157,7 @@ def test_inner_forces_of_a_large_uniform_strain():
 def test_inertia_about_a_slanted_axis():
     """Of uniform velocities v and w: rho V v.P w and 2 rho V v.(a x w); the force is that of the middle's arm."""
     a = np.array([2.0, -1.0, 2.0]) / 3.0
-    rotation = Rotation(omega=7.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
+    rotation = cf.Rotation(omega=7.0, axis=(2.0, -1.0, 2.0), centre=(0.3, 0.1, -0.2))
     of = solid_inertia(PART, rotation)
     v, w = np.array([0.3, 0.5, -0.7]), np.array([1.0, -2.0, 0.4])
     V, W = (np.tile(vector, 20) for vector in (v, w))
@@ -191,9 +190,9 @@ def test_cells_are_mapped_with_their_places_tangents_and_measure(kind, sides, si
 def test_products_of_shape_functions_of_a_collapsed_square():
     """A triangle of six nodes of area 2 as a square: its corners' functions have no mean, its middles' a third."""
     x = flat(np.array([[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1.0]]))
-    from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
+    from casingfem.structure.imported.mesh.mesh_data import natives
 
-    mesh = MeshData(kind="quad8", points=x, cells=np.array([[0, 1, 2, 2, 3, 4, 2, 5]]))
+    mesh = cf.imported.MeshData(kind="quad8", points=x, cells=np.array([[0, 1, 2, 2, 3, 4, 2, 5]]))
     whole, size = shape_products(mesh.points, mesh.cells, natives(mesh))
     assert size.tolist() == pytest.approx([2.0], rel=1e-13)
     rows = np.zeros(6)

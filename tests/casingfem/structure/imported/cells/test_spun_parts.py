@@ -7,13 +7,14 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.solid_spin import solid_spin, steady_stiffness, tangent
 from casingfem.structure.imported.spin import LARGE, Inertia, MeshSpin, MeshTurning, Stiffening, mesh_spin, spun
 from tests.casingfem.structure.imported.parts import STEEL, supported
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
-BAR = grid_mesh("hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.04], groups={"root": (0, 0.0), "tip": (0, 1.0)})
+BAR = cf.imported.grid_mesh(
+    "hexahedron", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.04], groups={"root": (0, 0.0), "tip": (0, 1.0)}
+)
 AXIS, CENTRE = np.array([2.0, -1.0, 2.0]) / 3.0, np.array([-0.05, 0.01, 0.02])
 ROTATION = cf.Rotation(omega=1.0, axis=(2.0, -1.0, 2.0), centre=tuple(CENTRE))
 P = np.eye(3) - np.outer(AXIS, AXIS)

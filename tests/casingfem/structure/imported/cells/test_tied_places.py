@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
+import casingfem as cf
 from casingfem.structure.imported.cells import mapped as summing
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
 from casingfem.structure.imported.cells.shell import directors
 from casingfem.structure.imported.cells.tying import across, in_plane, tied_strains, tying
-from casingfem.structure.imported.mesh.attachments import Attachments, Tie
 from casingfem.structure.imported.mesh.cell_kind import KINDS, rule
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 
 RNG = np.random.default_rng(17)
 GAUSS = np.array([0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0])
@@ -150,9 +149,9 @@ def test_followers_have_a_unit_director_between_those_of_two_walls():
     c, s = np.cos(np.radians(50.0)), np.sin(np.radians(50.0))
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     lean = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    tie = Tie(nodes=np.array([4]), others=np.array([[1, 8]]), weights=np.array([[0.25, 0.75]]))
-    mesh = MeshData(kind="quad", points=np.vstack([square, square + 3.0, square @ lean]),
-                    cells=np.arange(12).reshape(3, 4), attachments=Attachments(glued=(tie,)))  # fmt: skip
+    tie = cf.imported.Tie(nodes=np.array([4]), others=np.array([[1, 8]]), weights=np.array([[0.25, 0.75]]))
+    mesh = cf.imported.MeshData(kind="quad", points=np.vstack([square, square + 3.0, square @ lean]),
+                    cells=np.arange(12).reshape(3, 4), attachments=cf.imported.Attachments(glued=(tie,)))  # fmt: skip
     expected = np.array([-0.75 * s, 0.0, 0.25 + 0.75 * c])
     np.testing.assert_allclose(directors(mesh)[4], expected / np.linalg.norm(expected), atol=1e-14)
 

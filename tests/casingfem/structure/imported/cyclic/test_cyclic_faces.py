@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.cyclic.faces import Pairs, Turn, found_pairs, named, paired_faces, require_facets
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
 from tests.casingfem.structure.imported.parts import flat, squares
 
 QUARTER = Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 2.0)
@@ -20,13 +18,13 @@ def annulus(angle=np.pi / 2.0, shift=(0.0, 0.0, 0.0), **given):
         r, theta = 1.0 + u[:, 0], angle * u[:, 1]
         return flat(np.stack([r * np.cos(theta), r * np.sin(theta)], axis=1)) + shift
 
-    return grid_mesh("quad", (2, 3), place, groups={"low": (1, 0.0), "high": (1, 1.0)}, **given)
+    return cf.imported.grid_mesh("quad", (2, 3), place, groups={"low": (1, 0.0), "high": (1, 1.0)}, **given)
 
 
 def shifted(mesh, node, by):
     points = mesh.points.copy()
     points[node] += by
-    return MeshData(kind=mesh.kind, points=points, cells=mesh.cells, groups=mesh.groups, source="disk.inp")
+    return cf.imported.MeshData(kind=mesh.kind, points=points, cells=mesh.cells, groups=mesh.groups, source="disk.inp")
 
 
 def edge():
@@ -70,7 +68,7 @@ def test_pairs_may_miss_by_a_thousandth_of_the_shortest_edge(part, found, names)
         assert len(paired_faces(mesh, QUARTER, names, None).low) == 3
         return
     told = f"disk.inp: turned by 90 degrees.*, node 5 comes to lie {part * edge():.3g} m from the nearest, 8"
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         paired_faces(mesh, QUARTER, names, None)
     assert len(paired_faces(mesh, QUARTER, names, 1.01 * part * edge()).low) == 3
 
@@ -78,30 +76,30 @@ def test_pairs_may_miss_by_a_thousandth_of_the_shortest_edge(part, found, names)
 @pytest.mark.parametrize(("part", "told"), [(0.24, "node 5 comes to lie"), (0.26, "facets of the faces: found none")])
 def test_nodes_that_miss_by_more_than_a_quarter_are_no_pair(part, told):
     """Then nodes 0 and 8 are paired alone, between which there is no facet."""
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         paired_faces(shifted(annulus(), 7, [0.0, 0.0, part * edge()]), QUARTER, None, None)
 
 
 def test_the_worst_miss_is_named_and_with_no_hit_the_nearest():
     mesh = shifted(shifted(annulus(), 7, [0.0, 0.0, 0.05]), 11, [0.0, 0.0, 0.03])
-    with pytest.raises(ModelError, match=r"node 5 comes to lie 0\.05 m from the nearest, 8"):
+    with pytest.raises(cf.errors.ModelError, match=r"node 5 comes to lie 0\.05 m from the nearest, 8"):
         found_pairs(mesh, QUARTER, 1e-6, 0.1)
-    with pytest.raises(ModelError, match=r"node 5 comes to lie 0\.05 m"):
+    with pytest.raises(cf.errors.ModelError, match=r"node 5 comes to lie 0\.05 m"):
         named(mesh, QUARTER, ("low", "high"), 0.04)
     mesh = shifted(shifted(mesh, 3, [0.0, 0.0, 0.2]), 7, [0.0, 0.0, 0.2])
-    with pytest.raises(ModelError, match=r"node 9 comes to lie 0\.03 m from the nearest, 12"):
+    with pytest.raises(cf.errors.ModelError, match=r"node 9 comes to lie 0\.03 m from the nearest, 12"):
         found_pairs(mesh, QUARTER, 1e-6, 1e-3)
 
 
 def test_a_full_sector_of_another_angle_is_told_how_many_there_are():
     with pytest.raises(
-        ModelError,
+        cf.errors.ModelError,
         match=r"faces 90 degrees apart .*as 4 sectors have, beside 6 sectors, 60 degrees",
     ):
         named(annulus(), SIXTH, ("low", "high"), 1e-3)
-    with pytest.raises(ModelError, match=r"faces 90 degrees apart .*as 4 sectors have"):
+    with pytest.raises(cf.errors.ModelError, match=r"faces 90 degrees apart .*as 4 sectors have"):
         named(annulus(), SIXTH, ("high", "low"), 1e-3)
-    with pytest.raises(ModelError, match=r"faces 0 degrees apart .*as 0 sectors have"):
+    with pytest.raises(cf.errors.ModelError, match=r"faces 0 degrees apart .*as 0 sectors have"):
         named(annulus(), SIXTH, ("low", "low"), 1e-3)
 
 
@@ -112,7 +110,7 @@ def test_angles_may_be_a_thousandth_off(angle, fits, names):
     if fits:
         assert named(mesh, QUARTER, names, 0.1).low.tolist() == [0, 4, 8]
     else:
-        with pytest.raises(ModelError, match="as 4 sectors have, beside 4 sectors"):
+        with pytest.raises(cf.errors.ModelError, match="as 4 sectors have, beside 4 sectors"):
             named(mesh, QUARTER, names, 0.1)
 
 
@@ -127,30 +125,35 @@ def test_faces_of_a_half_are_named_in_either_order(names):
 
 def test_named_faces_have_as_many_nodes_each_with_a_partner_of_its_own():
     mesh = annulus()
-    few = MeshData(kind="quad", points=mesh.points, cells=mesh.cells, source="disk.inp",
-                   groups={"low": Group(nodes=[0, 4, 8]), "high": Group(nodes=[3, 7])})  # fmt: skip
-    with pytest.raises(ModelError, match=r"disk\.inp: found 3 nodes in 'low', 2 in 'high'"):
+    few = cf.imported.MeshData(
+        kind="quad",
+        points=mesh.points,
+        cells=mesh.cells,
+        source="disk.inp",
+        groups={"low": cf.imported.Group(nodes=[0, 4, 8]), "high": cf.imported.Group(nodes=[3, 7])},
+    )
+    with pytest.raises(cf.errors.ModelError, match=r"disk\.inp: found 3 nodes in 'low', 2 in 'high'"):
         named(few, QUARTER, ("low", "high"), 1e-3)
     near = shifted(mesh, 4, mesh.points[8] - mesh.points[4])  # two low nodes at one place
-    with pytest.raises(ModelError, match="comes to lie"):
+    with pytest.raises(cf.errors.ModelError, match="comes to lie"):
         named(near, Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 2.0), ("low", "high"), 5.0)
 
 
 def test_nodes_of_a_group_that_no_cell_has_are_passed_over():
     mesh = annulus()
-    more = MeshData(kind="quad", points=np.vstack([mesh.points, [[9.0, 9.0, 9.0]]]), cells=mesh.cells,
-                    groups={"low": Group(nodes=[0, 4, 8, 12]), "high": mesh.groups["high"]})  # fmt: skip
+    more = cf.imported.MeshData(kind="quad", points=np.vstack([mesh.points, [[9.0, 9.0, 9.0]]]), cells=mesh.cells,
+                    groups={"low": cf.imported.Group(nodes=[0, 4, 8, 12]), "high": mesh.groups["high"]})  # fmt: skip
     assert named(more, QUARTER, ("low", "high"), 1e-6).low.tolist() == [0, 4, 8]
 
 
 def test_a_part_that_repeats_itself_is_no_sector():
-    with pytest.raises(ModelError, match=r"turned by 30 degrees .*, the part repeats itself within"):
+    with pytest.raises(cf.errors.ModelError, match=r"turned by 30 degrees .*, the part repeats itself within"):
         paired_faces(annulus(), Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 6.0), None, None)
 
 
 def test_nodes_on_the_axis_alone_are_no_faces():
     points = [[0, 0], [1, 0.2], [1.2, 0.7], [0.4, 0.9]]
-    with pytest.raises(ModelError, match="found no nodes of faces but those on the axis"):
+    with pytest.raises(cf.errors.ModelError, match="found no nodes of faces but those on the axis"):
         paired_faces(squares(points, [[0, 1, 2, 3]]), QUARTER, None, None)
 
 
@@ -161,8 +164,8 @@ def test_facets_are_laid_on_facets():
     require_facets(mesh, pairs)
     cells = mesh.cells.copy()
     cells[cells == 7] = len(mesh.points)
-    torn = MeshData(kind="quad", points=np.vstack([mesh.points, mesh.points[7:8]]), cells=cells)
-    with pytest.raises(ModelError, match=r"a facet comes to lie on nodes \[4, 8\], which are no facet"):
+    torn = cf.imported.MeshData(kind="quad", points=np.vstack([mesh.points, mesh.points[7:8]]), cells=cells)
+    with pytest.raises(cf.errors.ModelError, match=r"a facet comes to lie on nodes \[4, 8\], which are no facet"):
         require_facets(torn, pairs)
-    with pytest.raises(ModelError, match="found none"):
+    with pytest.raises(cf.errors.ModelError, match="found none"):
         require_facets(mesh, Pairs(np.array([0, 8]), np.array([3, 11])))

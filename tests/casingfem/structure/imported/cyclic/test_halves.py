@@ -5,15 +5,13 @@ import pytest
 from scipy.linalg import eigh
 
 import casingfem as cf
-from casingfem.errors import ModelError
 from casingfem.structure.imported.cyclic.faces import Turn, paired_faces
-from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
+from casingfem.structure.imported.cyclic.sector import assemble_cyclic
 from casingfem.structure.imported.cyclic.wheel import wheel_mesh, wheel_structure
-from casingfem.structure.imported.grid import grid_mesh, revolved
 from tests.casingfem.structure.imported.parts import STEEL, flat, squares
 
 HALF = Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi)
-CONE = revolved((0.5, 0.4), (0.0, 0.2), 0.3)
+CONE = cf.imported.revolved((0.5, 0.4), (0.0, 0.2), 0.3)
 POINT, AXIS = np.array([0.3, -0.2, 0.1]), np.array([2.0, -1.0, 2.0]) / 3.0
 ONTO = np.stack([np.cross([0.0, 1.0, 0.0], AXIS), np.cross(AXIS, np.cross([0.0, 1.0, 0.0], AXIS)), AXIS], axis=1)
 ONTO /= np.linalg.norm(ONTO, axis=0)  # axes of a wheel about AXIS
@@ -24,7 +22,7 @@ def ring(turns, wrap=None, counts=(3, 4), wound=0.0):
         r, theta = 1.0 + u[:, 0], 2.0 * np.pi * turns * u[:, 1] + wound * u[:, 0]
         return flat(np.stack([r * np.cos(theta), r * np.sin(theta)], axis=1))
 
-    return grid_mesh("quad", counts, place, wrap=wrap)
+    return cf.imported.grid_mesh("quad", counts, place, wrap=wrap)
 
 
 def sets(pairs):
@@ -58,7 +56,9 @@ def test_a_whole_ring_is_no_half_with_a_hole_neither():
     cut = squares(whole.points[:, :2], np.delete(whole.cells, 10, axis=0))
     assert len(cut.boundary) == len(whole.boundary) + 4
     for mesh in (whole, cut):
-        with pytest.raises(ModelError, match=r"turned by 180 degrees .*the part repeats itself within.*cyclic-sectors"):
+        with pytest.raises(
+            cf.errors.ModelError, match=r"turned by 180 degrees .*the part repeats itself within.*cyclic-sectors"
+        ):
             paired_faces(mesh, HALF, None, None)
 
 
@@ -72,10 +72,10 @@ def test_both_diameters_of_two_halves_have_the_frequencies_of_the_whole(kind):
         parts = [u[:, 0], 0.5 * u[:, 1], u[:, 2]] if solid else [np.full(len(u), 0.5), 0.5 * u[:, 0], u[:, 1]]
         return CONE(np.column_stack(parts)) @ ONTO.T + POINT
 
-    mesh = grid_mesh(kind, (1, 4, 1) if solid else (4, 1), place, groups={"base": (1 + solid, 0.0)})
+    mesh = cf.imported.grid_mesh(kind, (1, 4, 1) if solid else (4, 1), place, groups={"base": (1 + solid, 0.0)})
     given = {"mesh": mesh, "material": STEEL, "supports": {"base": cf.Clamped()}}
     part = cf.Solid(**given) if solid else cf.MeshShell(thickness=0.05, **given)
-    sector = CyclicSector(structure=part, sectors=2, axis=tuple(AXIS), point=tuple(POINT))
+    sector = cf.imported.CyclicSector(structure=part, sectors=2, axis=tuple(AXIS), point=tuple(POINT))
     assert len(wheel_mesh(sector).points) == 2 * (len(mesh.points) - len(sector.pairs.low))
     system = assemble_cyclic(sector)
     each = [eigh(*(A.toarray() for A in system.matrices(n)[:2]), eigvals_only=True) for n in sector.diameters]

@@ -5,9 +5,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.structure.imported.cells.shell import tangent_frames
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.cyclic.sector import CyclicSector, assemble_cyclic
-from casingfem.structure.imported.grid import grid_mesh
+from casingfem.structure.imported.cyclic.sector import assemble_cyclic
 from tests.casingfem.structure.imported.parts import STEEL, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
@@ -18,11 +16,11 @@ FOOT = {"foot": (2, 0.0)}
 def quarter(shell):
     """Two by two cells with corners on the axis; a solid stands on rollers."""
     if shell:
-        mesh = grid_mesh("quad", (2, 2), lambda u: flat(u * [0.2, 0.2]))
-        return CyclicSector(structure=cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL), sectors=4)
-    mesh = grid_mesh("hexahedron", (2, 2, 2), lambda u: u * [0.2, 0.2, 0.3], groups=FOOT)
-    rollers = {"foot": Fixed(directions=("z",))}
-    return CyclicSector(structure=cf.Solid(mesh=mesh, material=STEEL, supports=rollers), sectors=4)
+        mesh = cf.imported.grid_mesh("quad", (2, 2), lambda u: flat(u * [0.2, 0.2]))
+        return cf.imported.CyclicSector(structure=cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL), sectors=4)
+    mesh = cf.imported.grid_mesh("hexahedron", (2, 2, 2), lambda u: u * [0.2, 0.2, 0.3], groups=FOOT)
+    rollers = {"foot": cf.imported.Fixed(directions=("z",))}
+    return cf.imported.CyclicSector(structure=cf.Solid(mesh=mesh, material=STEEL, supports=rollers), sectors=4)
 
 
 @pytest.mark.parametrize(("shell", "n", "within", "axis"), [

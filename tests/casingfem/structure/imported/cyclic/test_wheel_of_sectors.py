@@ -7,12 +7,9 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.cells.shell import directors, tangent_frames
 from casingfem.structure.imported.cyclic.faces import Turn
 from casingfem.structure.imported.cyclic.sector import (
-    CyclicSector,
     assemble_cyclic,
     joint_directors,
     node_turns,
@@ -21,12 +18,10 @@ from casingfem.structure.imported.cyclic.sector import (
     tied,
 )
 from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_fields, wheel_mesh, wheel_nodes
-from casingfem.structure.imported.grid import grid_mesh, revolved
-from casingfem.structure.imported.mesh.mesh_data import Group
 from tests.casingfem.structure.imported.parts import STEEL
 
 Z_TURN = Turn((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), np.pi / 2.0)
-CONE = revolved((0.5, 0.3), (0.0, 0.2), 0.1)
+CONE = cf.imported.revolved((0.5, 0.3), (0.0, 0.2), 0.1)
 
 
 def cone(u):
@@ -35,10 +30,10 @@ def cone(u):
 
 
 def shell_sector(**given):
-    mesh = grid_mesh("quad9", (2, 1), cone, groups={"low": (0, 0.0), "base": (1, 0.0)})
-    mesh = replace(mesh, groups={**mesh.groups, "blade": Group(nodes=mesh.cells[1], cells=[1])})
+    mesh = cf.imported.grid_mesh("quad9", (2, 1), cone, groups={"low": (0, 0.0), "base": (1, 0.0)})
+    mesh = replace(mesh, groups={**mesh.groups, "blade": cf.imported.Group(nodes=mesh.cells[1], cells=[1])})
     part = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL, supports={}, **given)
-    return CyclicSector(structure=part, sectors=4)
+    return cf.imported.CyclicSector(structure=part, sectors=4)
 
 
 @pytest.fixture(scope="module")
@@ -153,12 +148,12 @@ def test_tied_matrices_are_hermitian():
     ((0.0, 0.0, 1.0), (1e-6, 0.0, 0.0), "beside"),
 ])  # fmt: skip
 def test_a_sector_turns_about_the_axis_of_its_wheel(axis, centre, told):
-    rotation = Rotation(omega=1.0, axis=axis, centre=centre)
+    rotation = cf.Rotation(omega=1.0, axis=axis, centre=centre)
     if told is None:
         require_axis(rotation, Z_TURN)
         require_axis(None, Z_TURN)
         return
-    with pytest.raises(ModelError, match=f"rotation: found .*{told}") as caught:
+    with pytest.raises(cf.errors.ModelError, match=f"rotation: found .*{told}") as caught:
         require_axis(rotation, Z_TURN)
     assert caught.value.code == "cyclic-axis"
 
@@ -182,20 +177,20 @@ def test_a_blade_is_all_cells_or_those_of_its_group(sector):
     assert not part[~touched].any()
     alone = np.flatnonzero(np.isin(system.free // 5, np.setdiff1d(structure.mesh.cells[1], structure.mesh.cells[0])))
     np.testing.assert_allclose(part[np.ix_(alone, alone)], system.K.toarray()[np.ix_(alone, alone)], rtol=1e-9)
-    with pytest.raises(ModelError, match=r"grid: blade 'base'.*\[mesh-group-no-cells\]"):
+    with pytest.raises(cf.errors.ModelError, match=r"grid: blade 'base'.*\[mesh-group-no-cells\]"):
         blade_stiffness(structure, system, "base")
 
 
 @pytest.mark.parametrize(("sectors", "told"), [(1, "found 1, expected 2 or more"), (0, "found 0")])
 def test_a_wheel_has_two_sectors_or_more(sector, sectors, told):
-    with pytest.raises(ModelError, match=rf"cyclic\.sectors: {told}"):
-        CyclicSector(structure=sector.structure, sectors=sectors)
+    with pytest.raises(cf.errors.ModelError, match=rf"cyclic\.sectors: {told}"):
+        cf.imported.CyclicSector(structure=sector.structure, sectors=sectors)
 
 
 def test_two_halves_with_named_faces_make_a_wheel():
     ends = {"low": (0, 0.0), "high": (0, 1.0)}
-    mesh = grid_mesh("quad9", (4, 1), lambda u: cone(u * [2.0, 1.0]), groups=ends)
+    mesh = cf.imported.grid_mesh("quad9", (4, 1), lambda u: cone(u * [2.0, 1.0]), groups=ends)
     part = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL, supports={})
-    half = CyclicSector(structure=part, sectors=2, faces=("low", "high"))
+    half = cf.imported.CyclicSector(structure=part, sectors=2, faces=("low", "high"))
     assert half.diameters == (0, 1)
     assert len(np.unique(wheel_nodes(half))) == 8 * 2 * 3

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
-from casingfem.structure.imported.matrix.read import read_matrices
+import casingfem as cf
 
 HEAD = "DMIG,KAA,0,{form},{kind},0\n"
 MASS = "DMIG,MAA,0,6,2,0\nDMIG,MAA,7,1,,7,1,2.\nDMIG,MAA,7,3,,7,3,3.\nDMIG,MAA,4,,,4,,5.\n"
@@ -13,7 +12,7 @@ FULL = "DMIG,KAA,7,1,,7,1,10.\n,7,3,-1.\nDMIG,KAA,7,3,,7,3,20.\n,7,1,-2.\nDMIG,K
 
 def read(folder, text):
     (folder / "a.pch").write_text(text)
-    return read_matrices(folder / "a.pch")
+    return cf.imported.read_matrices(folder / "a.pch")
 
 
 def test_a_column_has_the_entries_of_its_rows(tmp_path):
@@ -47,7 +46,8 @@ def test_what_is_rectangular_or_complex_is_passed_over_unless_it_is_one_of_a_set
     other = f"DMIG,KVIS,0,{form},{kind},0\nDMIG,KVIS,7,1,,9,1,10.\n"
     assert read(tmp_path, other + text).dofs.tolist() == [[7, 1], [7, 3], [4, 0]]
     with pytest.raises(
-        ModelError, match=rf"a\.pch: line 1: DMIG: found KAA of form {form} and type {kind}, expected form 1 or 6"
+        cf.errors.ModelError,
+        match=rf"a\.pch: line 1: DMIG: found KAA of form {form} and type {kind}, expected form 1 or 6",
     ):
         read(tmp_path, HEAD.format(form=form, kind=kind) + FULL + MASS)
 
@@ -55,7 +55,7 @@ def test_what_is_rectangular_or_complex_is_passed_over_unless_it_is_one_of_a_set
 @pytest.mark.parametrize(("form", "kind"), [(3, 2), (1, 5), (1, ""), ("", 2), (6, 0)])
 def test_forms_and_types_that_there_are_not_are_refused(form, kind, tmp_path):
     with pytest.raises(
-        ModelError, match=rf"line 1: DMIG: found KXY of form {form} and type {kind}, expected form 1 or 6"
+        cf.errors.ModelError, match=rf"line 1: DMIG: found KXY of form {form} and type {kind}, expected form 1 or 6"
     ):
         read(tmp_path, f"DMIG,KXY,0,{form},{kind},0\n")
 
@@ -77,7 +77,7 @@ def test_forms_and_types_that_there_are_not_are_refused(form, kind, tmp_path):
 )
 def test_columns_that_are_not_whole_are_refused(card, told, tmp_path):
     text = HEAD.format(form=1, kind=2) + FULL + MASS
-    with pytest.raises(ModelError, match=rf"a\.pch: line 12: DMIG: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.pch: line 12: DMIG: {told}"):
         read(tmp_path, f"{text}{card}\n")
 
 

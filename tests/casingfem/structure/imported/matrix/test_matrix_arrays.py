@@ -7,7 +7,7 @@ import pytest
 from scipy.io import savemat
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.matrix.arrays import (
     fitting,
     hdf5_arrays,
@@ -66,7 +66,7 @@ def test_a_table_that_is_given_stands_for_that_of_the_file(tmp_path):
     ],
 )
 def test_what_a_file_lacks_is_named(arrays, told, tmp_path):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, **({"K": K, "M": M} | arrays))
 
 
@@ -82,9 +82,11 @@ def test_tables_hold_whole_numbers_in_their_first_columns():
         [["1", "2", "3"]],
         [[True, False, True]],
     ):
-        with pytest.raises(ModelError, match=r"a: nodes: found .*, not all of them finite or whole, expected numbers"):
+        with pytest.raises(
+            cf.errors.ModelError, match=r"a: nodes: found .*, not all of them finite or whole, expected numbers"
+        ):
             whole_numbers(np.array(table), 3, "matrix-file", "a: nodes")
-    with pytest.raises(ModelError, match=r"a have shape \(3,\), expected \(n, 3\)"):
+    with pytest.raises(cf.errors.ModelError, match=r"a have shape \(3,\), expected \(n, 3\)"):
         whole_numbers(np.zeros(3), 3, "matrix-file", "a")
 
 
@@ -112,7 +114,7 @@ def test_compressed_columns_that_fit():
     ],
 )
 def test_compressed_columns_that_do_not_fit_are_refused(given, told):
-    with pytest.raises(ModelError, match=rf"a: .*{told}.*matrix-file"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a: .*{told}.*matrix-file"):
         fitting("a", given, shape=(2, 2))
 
 
@@ -126,7 +128,7 @@ def test_parts_of_arrays_are_put_together_by_their_names(tmp_path):
     np.testing.assert_array_equal(square["k"].toarray(), K)
     for part in ("data", "indices"):
         some = {name: value for name, value in to_columns("k", csc_array(K)).items() if not name.endswith(part)}
-        with pytest.raises(ModelError, match=re.escape("a.npz: k: expected k_data, k_indices, k_indptr")):
+        with pytest.raises(cf.errors.ModelError, match=re.escape("a.npz: k: expected k_data, k_indices, k_indptr")):
             put_together(tmp_path / "a.npz", some)
 
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from casingfem.errors import InputError, ModelError
-from casingfem.structure.imported.matrix.read import read_matrices
+import casingfem as cf
 from casingfem.structure.imported.matrix.tables import read_dofs, read_nodes
 
 SPARSE = "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 {}\n"
@@ -34,12 +33,12 @@ def test_a_file_is_read_by_its_ending(files, given, tmp_path):
     paths = paths if len(paths) == 2 else [str(paths[0])]
     tables = {name: tmp_path / f"{name}.csv" for name in given}
     for one in (paths, paths[0]) if len(paths) == 1 else (paths,):
-        found = read_matrices(one, **tables)
+        found = cf.imported.read_matrices(one, **tables)
         assert (found.K.toarray().tolist(), found.M.toarray().tolist(), found.C) == ([[2.0]], [[3.0]], None)
         assert found.dofs.tolist() == [[7, 1]]
         own = {7: [1.0, 2.0, 3.0]} if "GRID" in next(iter(files.values())) else {}
         assert {n: x.tolist() for n, x in found.points.items()} == own
-        more = read_matrices(one, **tables, nodes=tmp_path / "nodes.csv").points
+        more = cf.imported.read_matrices(one, **tables, nodes=tmp_path / "nodes.csv").points
         assert {n: x.tolist() for n, x in more.items()} == own | {9: [4.0, 5.0, 6.0]}
 
 
@@ -49,9 +48,9 @@ def test_an_op4_file_needs_dofs_and_may_have_damping(tmp_path):
         a__op4=OP4 + OP4.partition("       1       1       2       2M")[0].replace("K ", "C "),
         d__csv="node,direction\n7,x\n",
     )
-    assert read_matrices(tmp_path / "a.op4", dofs=tmp_path / "d.csv").C.toarray().tolist() == [[2.0]]
-    with pytest.raises(ModelError, match=r"a\.op4: an OP4 file has no dofs.*matrix-dofs"):
-        read_matrices(tmp_path / "a.op4")
+    assert cf.imported.read_matrices(tmp_path / "a.op4", dofs=tmp_path / "d.csv").C.toarray().tolist() == [[2.0]]
+    with pytest.raises(cf.errors.ModelError, match=r"a\.op4: an OP4 file has no dofs.*matrix-dofs"):
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
 @pytest.mark.parametrize(
@@ -65,15 +64,17 @@ def test_an_op4_file_needs_dofs_and_may_have_damping(tmp_path):
     ],
 )
 def test_files_that_nobody_reads_are_named(names, found, tmp_path):
-    with pytest.raises(ModelError, match=rf"found {found}: .*matrix-format"):
-        read_matrices([tmp_path / name for name in names])
+    with pytest.raises(cf.errors.ModelError, match=rf"found {found}: .*matrix-format"):
+        cf.imported.read_matrices([tmp_path / name for name in names])
 
 
 def test_positions_of_nodes(tmp_path):
     put(tmp_path, n__csv="z,node,y,x\n1,7,2,3\n-4,5,0.5,6\n")
     assert {n: x.tolist() for n, x in read_nodes(tmp_path / "n.csv").items()} == {7: [3, 2, 1], 5: [6, 0.5, -4]}
     put(tmp_path, n__csv="node,x,y,z\n7,0,0,0\n5,0,0,0\n6,0,0,0\n5,0,0,1\n")
-    with pytest.raises(InputError, match=r"n\.csv, line 5, column 'node': found node 5 again; expected each once"):
+    with pytest.raises(
+        cf.errors.InputError, match=r"n\.csv, line 5, column 'node': found node 5 again; expected each once"
+    ):
         read_nodes(tmp_path / "n.csv")
 
 
@@ -82,12 +83,14 @@ def test_directions_of_dofs(tmp_path):
     assert read_dofs(tmp_path / "d.csv").tolist() == [[7, 3], [12, 4], [3, 0]]
     for row, told in (("w,7", "7, w"), ("x,-7", "-7, x"), ("x,7.5", "7.5, x"), ("7,1", "1, 7")):
         put(tmp_path, d__csv=f"direction,node\nx,1\n{row}\n")
-        with pytest.raises(InputError, match=rf"d\.csv, line 3: found {told}; expected a node, and q, x, y, z, rx"):
+        with pytest.raises(
+            cf.errors.InputError, match=rf"d\.csv, line 3: found {told}; expected a node, and q, x, y, z, rx"
+        ):
             read_dofs(tmp_path / "d.csv")
 
 
 def test_columns_that_are_missing_are_named(tmp_path):
     put(tmp_path, n__csv="# a comment\nnode,y\n7,0\n")
     told = r"n\.csv, line 2: found no column x, z; expected columns node, x, y, z"
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(cf.errors.InputError, match=told):
         read_nodes(tmp_path / "n.csv")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet, from_triples, role_of, roles_of
+import casingfem as cf
+from casingfem.structure.imported.matrix.matrix_set import from_triples, role_of, roles_of
 
 ONE = csc_array(np.eye(1))
 
@@ -48,7 +48,7 @@ def test_which_matrix_is_which(names, roles):
     ],
 )
 def test_none_or_several_of_a_kind_are_refused(names, told):
-    with pytest.raises(ModelError, match=f"{told}.*matrix-names"):
+    with pytest.raises(cf.errors.ModelError, match=f"{told}.*matrix-names"):
         roles_of(names, "a")
 
 
@@ -79,16 +79,18 @@ def test_an_entry_of_zero_on_the_other_side_is_one_and_is_not_kept():
 def test_a_set_has_a_dof_for_each_row():
     two = csc_array(np.eye(2))
     dofs = np.array([[7, 1], [7, 2]])
-    assert MatrixSet(K=two, M=two, dofs=dofs).source == "matrices"
+    assert cf.imported.MatrixSet(K=two, M=two, dofs=dofs).source == "matrices"
     for changes, told in (
         ({"M": ONE}, "found K 2 x 2, M 1 x 1 and 2 dofs"),
         ({"C": csc_array(np.ones((2, 3)))}, "found K 2 x 2, M 2 x 2, C 2 x 3 and 2 dofs"),
         ({"dofs": dofs[:1]}, "found K 2 x 2, M 2 x 2 and 1 dofs"),
     ):
-        with pytest.raises(ModelError, match=f"a: {told}.*matrix-size"):
-            MatrixSet(**({"K": two, "M": two, "dofs": dofs, "source": "a"} | changes))
-    with pytest.raises(ModelError, match=r"a: found direction 2 of node 7 twice.*matrix-dofs"):
-        MatrixSet(K=csc_array(np.eye(3)), M=csc_array(np.eye(3)), dofs=np.array([[7, 2], [7, 1], [7, 2]]), source="a")
+        with pytest.raises(cf.errors.ModelError, match=f"a: {told}.*matrix-size"):
+            cf.imported.MatrixSet(**({"K": two, "M": two, "dofs": dofs, "source": "a"} | changes))
+    with pytest.raises(cf.errors.ModelError, match=r"a: found direction 2 of node 7 twice.*matrix-dofs"):
+        cf.imported.MatrixSet(
+            K=csc_array(np.eye(3)), M=csc_array(np.eye(3)), dofs=np.array([[7, 2], [7, 1], [7, 2]]), source="a"
+        )
     empty = csc_array((0, 0))
-    with pytest.raises(ModelError, match=r"a: found no entries and no dofs.*matrix-file"):
-        MatrixSet(K=empty, M=empty, dofs=np.zeros((0, 2), dtype=int), source="a")
+    with pytest.raises(cf.errors.ModelError, match=r"a: found no entries and no dofs.*matrix-file"):
+        cf.imported.MatrixSet(K=empty, M=empty, dofs=np.zeros((0, 2), dtype=int), source="a")

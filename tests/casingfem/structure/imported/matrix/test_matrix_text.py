@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.matrix.text import (
     aligned,
     check_count,
@@ -37,9 +37,9 @@ def test_a_table_is_of_numbers_between_commas_and_blanks(tmp_path):
     assert numbers(file(tmp_path, "7 8\n"), 2).tolist() == [[7, 8]]
     assert numbers(file(tmp_path, "* a\n\n"), 5).shape == (0, 5)
     for text, told in (("1 2\n", "found 2 columns, expected 3"), ("1 2 3 4\n", "found 4 columns, expected 3")):
-        with pytest.raises(ModelError, match=rf"a\.mtx: {told}: .*matrix-file"):
+        with pytest.raises(cf.errors.ModelError, match=rf"a\.mtx: {told}: .*matrix-file"):
             numbers(file(tmp_path, text), 3)
-    with pytest.raises(ModelError, match=r"a\.mtx: .*'x'"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.mtx: .*'x'"):
         numbers(file(tmp_path, "1 2 x\n"), 3)
 
 
@@ -49,7 +49,7 @@ def test_what_counts_is_whole_and_has_fifteen_digits(tmp_path):
         [999 * 10**12, -999 * 10**12],
     ]
     for odd in (0.5, np.nan, np.inf, -np.inf, 1e15, -1e15):
-        with pytest.raises(ModelError, match=r"a\.mtx: found rows or nodes that are not whole numbers"):
+        with pytest.raises(cf.errors.ModelError, match=r"a\.mtx: found rows or nodes that are not whole numbers"):
             whole(np.array([[1.0, odd]]), tmp_path / "a.mtx")
 
 
@@ -135,7 +135,7 @@ def test_a_matrix_without_entries_is_zero(tmp_path):
     ],
 )
 def test_what_is_no_matrix_is_refused(text, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.mtx: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.mtx: {told}"):
         read_market(file(tmp_path, text))
 
 
@@ -144,18 +144,18 @@ def test_sizes_and_counts_at_their_bounds(tmp_path):
         check_square(tmp_path, size, size)
     for rows, columns in ((0, 0), (10**8 + 1, 10**8 + 1), (2, 3), (-1, -1)):
         with pytest.raises(
-            ModelError, match=f"found a matrix of {rows} x {columns}, expected a square one of 1 to 100000000"
+            cf.errors.ModelError, match=f"found a matrix of {rows} x {columns}, expected a square one of 1 to 100000000"
         ):
             check_square(tmp_path, rows, columns)
     check_count(tmp_path, 3, 3)
     for found, wanted, short in ((2, 3, ": cut short"), (4, 3, ": write")):
-        with pytest.raises(ModelError, match=f"found {found} entries, expected {wanted}{short}"):
+        with pytest.raises(cf.errors.ModelError, match=f"found {found} entries, expected {wanted}{short}"):
             check_count(tmp_path, found, wanted)
 
 
 def test_a_number_may_have_fortrans_exponent(tmp_path):
     assert [real(word, tmp_path) for word in ("1.5D2", "1.5d-1", "-2e1", "7")] == [150.0, 0.15, -20.0, 7.0]
-    with pytest.raises(ModelError, match=r"a\.mtx: found '1.x', expected a number"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.mtx: found '1.x', expected a number"):
         real("1.x", tmp_path / "a.mtx")
 
 
@@ -168,9 +168,9 @@ def test_rows_are_put_where_another_matrix_has_them():
     expected = [[5.0, 0.0, 4.0, 0.0], [0.0, 0.0, 0.0, 0.0], [4.0, 0.0, 3.0, 2.0], [0.0, 0.0, 2.0, 1.0]]
     np.testing.assert_array_equal(aligned(B, labels, wanted, "a").toarray(), expected)
     assert aligned(B, labels, labels.copy(), "a") is B
-    with pytest.raises(ModelError, match=re.escape("a: dof (9, 1) has mass or damping and no stiffness")):
+    with pytest.raises(cf.errors.ModelError, match=re.escape("a: dof (9, 1) has mass or damping and no stiffness")):
         aligned(B, labels, wanted[:3], "a")
-    with pytest.raises(ModelError, match="a: found mass or damping of 3 rows and a list of 2 dofs"):
+    with pytest.raises(cf.errors.ModelError, match="a: found mass or damping of 3 rows and a list of 2 dofs"):
         aligned(B, labels[:2], wanted, "a")
 
 
@@ -178,7 +178,9 @@ def test_a_list_of_dofs(tmp_path):
     assert read_dof(file(tmp_path, " 7.1 \n\n12.6\n3.0\n", "a.dof")).tolist() == [[7, 1], [12, 6], [3, 0]]
     assert read_dof(file(tmp_path, "\n", "a.dof")).shape == (0, 2)
     for dof in ("7.7", "7", "7.", ".1", "x.1", "7.x", "-7.1", "7.-1"):
-        with pytest.raises(ModelError, match=rf"a\.dof: line 3: found '{dof}', expected node\.direction, such as 6\.1"):
+        with pytest.raises(
+            cf.errors.ModelError, match=rf"a\.dof: line 3: found '{dof}', expected node\.direction, such as 6\.1"
+        ):
             read_dof(file(tmp_path, f"7.1\n\n{dof}\n", "a.dof"))
 
 
@@ -194,11 +196,11 @@ def test_matrices_of_calculix(tmp_path):
         assert (found.dofs.tolist(), found.source, found.C) == ([[9, 1], [2, 3], [2, 1]], f"job{ending}", None)
     for row, told in (("4 1", 4), ("1 4", 4), ("0 1", 0), ("1 0", 0)):
         file(tmp_path, f"{row} 1.\n", "job.mas")
-        with pytest.raises(ModelError, match=rf"job\.mas: found row {told} of 3 dofs: .*matrix-size"):
+        with pytest.raises(cf.errors.ModelError, match=rf"job\.mas: found row {told} of 3 dofs: .*matrix-size"):
             read_calculix(tmp_path / "job.sti")
     for ending in (".dof", ".mas"):
         (tmp_path / f"job{ending}").unlink()
-        with pytest.raises(ModelError, match=rf"job\.sti: found no job\{ending} beside it"):
+        with pytest.raises(cf.errors.ModelError, match=rf"job\.sti: found no job\{ending} beside it"):
             read_calculix(tmp_path / "job.sti")
 
 
@@ -212,5 +214,5 @@ def test_files_of_a_pair_are_told_apart_by_their_names(tmp_path):
     given = read_mtx_pair(paths[::2], np.array([[4, 1], [5, 1]]))
     assert (given.dofs.tolist(), given.C) == ([[4, 1], [5, 1]], None)
     (tmp_path / "p_K.dof").unlink()
-    with pytest.raises(ModelError, match=r"p_M\.mtx, p_K\.mtx: found no p_K\.dof beside it.*matrix-dofs"):
+    with pytest.raises(cf.errors.ModelError, match=r"p_M\.mtx, p_K\.mtx: found no p_K\.dof beside it.*matrix-dofs"):
         read_mtx_pair(paths[::2], None)

@@ -5,10 +5,9 @@ import pytest
 from scipy.io import loadmat
 from scipy.sparse import csc_array
 
+import casingfem as cf
 from casingfem.structure.imported.matrix.arrays import read_arrays
-from casingfem.structure.imported.matrix.matrix_set import MatrixSet
 from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.read import read_matrices
 from casingfem.structure.imported.matrix.tables import read_dofs, read_nodes
 from casingfem.structure.imported.matrix.text import read_market
 from casingfem.structure.imported.matrix.write import NAMES, dmig, market, mat, matrix_files, npz, op4, tables
@@ -25,8 +24,8 @@ K = np.array(
 M = np.diag([1.0, 0.0, 3.0, 4.0, 5.0])
 DOFS = np.array([[41, 1], [41, 3], [12, 5], [12, 6], [900, 0]])
 POINTS = {12: np.array([1.5, -0.25, 1 / 3]), 41: np.array([0.0, 2.0, -3e-7]), 77: np.zeros(3)}
-SET = MatrixSet(K=csc_array(K), M=csc_array(M), dofs=DOFS, points=POINTS)
-DAMPED = MatrixSet(K=csc_array(K), M=csc_array(M), C=csc_array(0.5 * K), dofs=DOFS)
+SET = cf.imported.MatrixSet(K=csc_array(K), M=csc_array(M), dofs=DOFS, points=POINTS)
+DAMPED = cf.imported.MatrixSet(K=csc_array(K), M=csc_array(M), C=csc_array(0.5 * K), dofs=DOFS)
 
 
 def stored(folder, files):
@@ -82,7 +81,7 @@ def test_dmig_cards_have_fixed_columns():
 
 
 def test_dmig_cards_are_read_again_to_ten_digits(tmp_path):
-    found = read_matrices(stored(tmp_path, dmig(SET, "p")) / "p.pch")
+    found = cf.imported.read_matrices(stored(tmp_path, dmig(SET, "p")) / "p.pch")
     order = [DOFS.tolist().index(dof) for dof in found.dofs.tolist()]
     np.testing.assert_allclose(found.K.toarray(), K[np.ix_(order, order)], rtol=1e-9)
     np.testing.assert_array_equal(found.M.toarray(), M[np.ix_(order, order)])
@@ -107,7 +106,7 @@ def test_op4_files_have_strings_of_what_is_not_zero(tmp_path):
     found = read_op4(stored(tmp_path, files) / "p.op4")
     same(found["K"], K)
     same(found["M"], M)
-    full = MatrixSet(K=csc_array(np.arange(1.0, 26.0).reshape(5, 5)), M=csc_array(M), dofs=DOFS)
+    full = cf.imported.MatrixSet(K=csc_array(np.arange(1.0, 26.0).reshape(5, 5)), M=csc_array(M), dofs=DOFS)
     lines = op4(full, "p")["p.op4"].splitlines()
     assert [len(line) // 23 for line in lines[3:5]] == [3, 2]  # three values a line
     assert lines[1:3] == ["       1       0      12", "      11       1"]

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.matrix.op4 import read_op4
 from casingfem.structure.imported.matrix.op4_entries import Entries, begun, split_word
 from casingfem.structure.imported.matrix.op4_text import check_column, integers
@@ -73,7 +73,7 @@ def test_complex_matrices_are_passed_over_but_those_of_a_set(tmp_path):
     assert list(found) == ["K"]
     for kind in (3, 4):
         with pytest.raises(
-            ModelError, match=f"a.op4: MAA: found type {kind}, 4 rows, 3 columns, expected a real matrix"
+            cf.errors.ModelError, match=f"a.op4: MAA: found type {kind}, 4 rows, 3 columns, expected a real matrix"
         ):
             read(tmp_path, header("MAA", kind=kind) + both)
 
@@ -105,7 +105,7 @@ def test_rows_and_columns_are_numbers_of_a_binary_file(columns, rows, taken):
         assert begun("a.op4", "K", columns, rows, 2).columns == columns
         return
     told = f"a.op4: K: found {abs(rows)} rows, {columns} columns, expected 1 to 2147483647 of each"
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         begun("a.op4", "K", columns, rows, 2)
 
 
@@ -139,13 +139,13 @@ def test_entries_up_to_the_edges_of_their_matrix_are_taken(parts):
     ],
 )
 def test_entries_beyond_the_edges_of_their_matrix_are_refused(outside, told):
-    with pytest.raises(ModelError, match=f"a.op4: K: found {told} in a matrix of 4 x 3"):
+    with pytest.raises(cf.errors.ModelError, match=f"a.op4: K: found {told} in a matrix of 4 x 3"):
         Entries("K", 4, 3, False, 2, [part(2, 2, 1), outside]).matrix("a.op4")
 
 
 def test_the_first_entry_that_is_given_again_is_named():
     again = [part(3, 1, 2), part(2, 2, 3), part(3, 2, 1), part(2, 4, 1)]
-    with pytest.raises(ModelError, match=r"a\.op4: K: found row 4 of column 2 again, expected it once"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.op4: K: found row 4 of column 2 again, expected it once"):
         Entries("K", 4, 3, False, 2, again).matrix("a.op4")
 
 
@@ -166,7 +166,7 @@ def test_a_column_has_the_words_that_it_says(words, parts, taken, refused):
     for wanted in refused:
         short = ": cut short" if wanted > found else ": write"
         told = rf"a\.op4: line 5: K: found {found} values in column 1, announced {wanted} words{short}"
-        with pytest.raises(ModelError, match=told):
+        with pytest.raises(cf.errors.ModelError, match=told):
             check_column("a.op4", 5, entries, 1, wanted)
     check_column("a.op4", 5, entries, 0, 99)  # before the first
 
@@ -200,11 +200,11 @@ def test_a_column_has_the_words_that_it_says(words, parts, taken, refused):
     ],
 )
 def test_text_that_is_damaged_is_named_with_its_line(text, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.op4: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {told}"):
         read(tmp_path, text)
 
 
 def test_whole_numbers_of_a_line():
     assert integers(" 7 -8   9", 4, "a.op4") == [7, -8, 9]
-    with pytest.raises(ModelError, match=re.escape("a.op4: line 5: found '7 8.', expected whole numbers")):
+    with pytest.raises(cf.errors.ModelError, match=re.escape("a.op4: line 5: found '7 8.', expected whole numbers")):
         integers("7 8.", 4, "a.op4")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.matrix.op4 import read_op4
 
 A = np.array([[0.0, 2.5, 0.0], [1.5, 0.0, 0.0], [-3.0, 0.0, 0.0], [0.0, 4.0, 7.0]])  # not square
@@ -57,7 +57,7 @@ def test_a_binary_file_in_every_layout(layout, order, kind, tmp_path):
 def test_a_binary_file_cut_in_its_last_record_is_refused(cut, tmp_path):
     whole = binary("long")
     at = len(whole) - 28
-    with pytest.raises(ModelError, match=rf"a\.op4: byte {at}: found no whole record: cut short"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: byte {at}: found no whole record: cut short"):
         read(tmp_path, whole[:-cut])
 
 
@@ -80,7 +80,7 @@ def test_a_binary_file_cut_in_its_last_record_is_refused(cut, tmp_path):
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_damaged_records_are_named_with_their_place(content, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.op4: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {told}"):
         read(tmp_path, content)
 
 

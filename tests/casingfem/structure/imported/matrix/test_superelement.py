@@ -12,7 +12,6 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.structure.imported.matrix.read import read_matrices
 
 MASS = 7800.0 * 4e-4
 FREQ = np.sqrt(720.0 * 210e9 * 0.02**4 / 12.0 / MASS) / (2.0 * np.pi)  # symmetric bending of one element, 127.935 Hz
@@ -137,7 +136,11 @@ def test_structural_damping_is_half_its_loss_factor_at_each_mode(matrices, folde
     np.testing.assert_allclose(document["zeta"], [0.0] * 6 + [0.01] * 6, rtol=1e-9)
     np.testing.assert_allclose(document["matrices"]["structural"], 0.02, rtol=1e-9)
     np.savez(
-        folder / "a.npz", K=K, M=M, K4=0.02 * K, dofs=read_matrices(folder / "part.op4", dofs=folder / "dofs.csv").dofs
+        folder / "a.npz",
+        K=K,
+        M=M,
+        K4=0.02 * K,
+        dofs=cf.imported.read_matrices(folder / "part.op4", dofs=folder / "dofs.csv").dofs,
     )
     np.testing.assert_allclose(run(folder, "a.npz", "--contact", "1")["zeta"][6:], 0.01, rtol=1e-9)
 

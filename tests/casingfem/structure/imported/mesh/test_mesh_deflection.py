@@ -6,18 +6,15 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.loads import NodeLoad, solve_mesh_static
-from casingfem.structure.imported.mesh.mesh_data import Group
+from casingfem.structure.imported.loads import solve_mesh_static
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, box, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")
-LOADS = [NodeLoad(node=37, force=(3e3, -1e3, 2e3)), NodeLoad(node=34, force=(0.0, 5e3, -7e3))]
+LOADS = [cf.imported.NodeLoad(node=37, force=(3e3, -1e3, 2e3)), cf.imported.NodeLoad(node=34, force=(0.0, 5e3, -7e3))]
 
 
 def plate():
-    return grid_mesh("quad", (3, 1), lambda u: flat(u * [0.3, 0.1]), groups={"root": (0, 0.0)})
+    return cf.imported.grid_mesh("quad", (3, 1), lambda u: flat(u * [0.3, 0.1]), groups={"root": (0, 0.0)})
 
 
 def numbered(mesh):
@@ -28,7 +25,7 @@ def numbered(mesh):
 
 def brick():
     mesh = box(0.2, 0.1, 0.1)
-    return replace(mesh, groups={"root": Group(nodes=np.flatnonzero(mesh.points[:, 2] == 0.0))})
+    return replace(mesh, groups={"root": cf.imported.Group(nodes=np.flatnonzero(mesh.points[:, 2] == 0.0))})
 
 
 @pytest.mark.parametrize("shell", [False, True])
@@ -55,10 +52,10 @@ def test_two_loads_bend_a_part_and_its_table_has_the_nodes_of_its_cells(shell):
     np.testing.assert_array_equal(np.stack([table[name] for name in names[1:4]], axis=1), mesh.points[:8])
     np.testing.assert_array_equal(np.stack([table[name] for name in names[4 : 4 + dofs]], axis=1), bent.fields[:8])
     assert bent.at(34).tolist() == bent.fields[4, :3].tolist()
-    with pytest.raises(ModelError, match=r"displacement at node 38, which no cell has.*load-place"):
+    with pytest.raises(cf.errors.ModelError, match=r"displacement at node 38, which no cell has.*load-place"):
         bent.at(38)
     again = solve_mesh_static(part, LOADS[:1], system=replace(system, K=2.0 * system.K))
     alone = solve_mesh_static(part, LOADS[:1])
     np.testing.assert_allclose(again.fields, 0.5 * alone.fields, rtol=1e-6, atol=1e-9 * np.abs(fields).max())
-    with pytest.raises(ModelError, match=r"solve_static: found no loads, expected at least one"):
+    with pytest.raises(cf.errors.ModelError, match=r"solve_static: found no loads, expected at least one"):
         solve_mesh_static(part, [])

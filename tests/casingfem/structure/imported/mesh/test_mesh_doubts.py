@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.structure.imported.checks import (
     check_groups,
     check_units,
@@ -12,17 +12,13 @@ from casingfem.structure.imported.checks import (
     slender,
     thin_and_curved,
 )
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Attachments
-from casingfem.structure.imported.mesh.mesh_data import Group
-from casingfem.structure.material import Material
 from tests.casingfem.structure.imported.parts import box, codes, flat, link, moved, squares, tapered
 
 
 def test_nodes_of_no_cell_are_orphans_unless_something_hangs_there():
     x = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [3, 0]]
     assert [f.message for f in orphans(squares(x, [[0, 1, 2, 3]]))] == ["2 nodes (5, 6) without a cell"]
-    hung = squares(x, [[0, 1, 2, 3]], attachments=Attachments(springs=(link(1, 4), link(0, 5))))
+    hung = squares(x, [[0, 1, 2, 3]], attachments=cf.imported.Attachments(springs=(link(1, 4), link(0, 5))))
     assert orphans(hung) == []
 
 
@@ -54,7 +50,7 @@ def test_a_bow_is_measured_by_the_shortest_edge(bow, found):
 
 
 def test_shells_and_linear_bricks_are_not_asked_for_a_bow():
-    assert thin_and_curved(moved(grid_mesh("quad8", (1, 1), flat), 4, [0.0, 0.3, 0.0])) == []
+    assert thin_and_curved(moved(cf.imported.grid_mesh("quad8", (1, 1), flat), 4, [0.0, 0.3, 0.0])) == []
     assert thin_and_curved(box(1, 1, 1)) == []
 
 
@@ -65,14 +61,19 @@ def test_linear_solids_are_told():
 
 
 def test_groups_are_asked_by_name_and_for_a_node_in_use():
-    mesh = squares([[0, 0], [1, 0], [1, 1], [0, 1], [5, 5]], [[0, 1, 2, 3]],
-                   groups={"root": Group(nodes=np.array([0, 4])), "far": Group(nodes=np.array([4]))})  # fmt: skip
+    mesh = squares(
+        [[0, 0], [1, 0], [1, 1], [0, 1], [5, 5]],
+        [[0, 1, 2, 3]],
+        groups={"root": cf.imported.Group(nodes=np.array([0, 4])), "far": cf.imported.Group(nodes=np.array([4]))},
+    )
     check_groups(mesh, ["root"])
-    with pytest.raises(ModelError, match="group 'far' has no node of a cell"):
+    with pytest.raises(cf.errors.ModelError, match="group 'far' has no node of a cell"):
         check_groups(mesh, ["root", "far"])
-    with pytest.raises(ModelError, match=r"no group 'rooot' \(did you mean 'root'\?\); its groups: 'root', 'far'"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"no group 'rooot' \(did you mean 'root'\?\); its groups: 'root', 'far'"
+    ):
         check_groups(mesh, ["rooot"])
-    with pytest.raises(ModelError, match="no group 'root'; its groups: none"):
+    with pytest.raises(cf.errors.ModelError, match="no group 'root'; its groups: none"):
         check_groups(tapered(0.5), ["root"])
 
 
@@ -83,6 +84,6 @@ def test_groups_are_asked_by_name_and_for_a_node_in_use():
 ])  # fmt: skip
 def test_sizes_and_speeds_of_sound_at_their_bounds(size, speed, codes, recwarn):
     """The diagonal of 3-4-5, and E = c^2 rho."""
-    check_units(grid_mesh("quad", (1, 1), lambda u: flat(u * [0.6 * size, 0.8 * size])),
-                Material(E=speed**2 * 4.0, nu=0.3, rho=4.0))  # fmt: skip
-    assert [w.message.code for w in recwarn if isinstance(w.message, ModelWarning)] == codes
+    check_units(cf.imported.grid_mesh("quad", (1, 1), lambda u: flat(u * [0.6 * size, 0.8 * size])),
+                cf.Material(E=speed**2 * 4.0, nu=0.3, rho=4.0))  # fmt: skip
+    assert [w.message.code for w in recwarn if isinstance(w.message, cf.errors.ModelWarning)] == codes

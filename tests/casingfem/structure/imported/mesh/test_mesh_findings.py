@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.structure.imported.checks import (
     attached_pairs,
     bad_cells,
@@ -21,10 +22,7 @@ from casingfem.structure.imported.checks import (
     split_facets,
     stray_middles,
 )
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Attachments, Equation, Rigid
 from casingfem.structure.imported.mesh.findings import edge_lengths, edge_vectors, named
-from casingfem.structure.imported.mesh.mesh_data import MeshData
 from tests.casingfem.structure.imported.parts import box, codes, flat, link, moved, squares, tapered
 
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # the first of two points on [0, 1]
@@ -60,7 +58,9 @@ def test_a_quadratic_square_that_lost_a_middle_node_only_is_refused():
     square = tapered(0.8, "quad8")
     cells = square.cells.copy()
     cells[0, 5] = cells[0, 4]
-    assert codes(repeated_nodes(MeshData(kind="quad8", points=square.points, cells=cells))) == ["mesh-collapsed-cell"]
+    assert codes(repeated_nodes(cf.imported.MeshData(kind="quad8", points=square.points, cells=cells))) == [
+        "mesh-collapsed-cell"
+    ]
     assert repeated_nodes(square) == []
 
 
@@ -89,7 +89,7 @@ def test_local_sizes_of_a_shell_count_along_its_mean_normal():
     np.testing.assert_allclose(at_nodes, [[1.0, 0.25, -0.5, 0.25]], rtol=1e-12)
     assert inner.shape == (1, 4)
     assert inner.sum() / 4.0 == pytest.approx(0.25, rel=1e-12)
-    other = MeshData(kind="quad", points=mesh.points[:, [1, 0, 2]], cells=mesh.cells)
+    other = cf.imported.MeshData(kind="quad", points=mesh.points[:, [1, 0, 2]], cells=mesh.cells)
     np.testing.assert_allclose(local_sizes(other, "quad", mesh.cells)[1], at_nodes, rtol=1e-12)
 
 
@@ -98,7 +98,7 @@ def test_a_pyramid_is_measured_short_of_its_apex():
     from casingfem.structure.imported.mesh.cell_kind import KINDS
 
     points = KINDS["pyramid13"].places * [2.0, 3.0, 5.0]
-    mesh = MeshData(kind="tetra", points=points, cells=np.array([[0, 1, 2, 4]]))
+    mesh = cf.imported.MeshData(kind="tetra", points=points, cells=np.array([[0, 1, 2, 4]]))
     for sizes in local_sizes(mesh, "pyramid13", np.arange(13)[None]):
         np.testing.assert_allclose(sizes, 30.0, rtol=1e-9)
 
@@ -120,7 +120,7 @@ def test_cells_flat_inverted_or_folded(mesh, found):
 ])  # fmt: skip
 def test_middles_stray_beyond_a_third_of_the_reach_of_their_corners(kind, node, shift, stray):
     """Sides of 1 and sqrt 3: .35 of the distance to the farthest corner, 1, 2 and sqrt 3."""
-    mesh = grid_mesh(kind, (1, 1), lambda u: flat(u * [1.0, np.sqrt(3.0)]))
+    mesh = cf.imported.grid_mesh(kind, (1, 1), lambda u: flat(u * [1.0, np.sqrt(3.0)]))
     assert stray_middles(moved(mesh, node, [0.0, shift, 0.0])).tolist() == [stray]
 
 
@@ -146,10 +146,15 @@ def test_attachments_join_pairs_and_parts():
     pairs = np.array([[1, 4], [2, 7], [1, 7]])
     assert attached_pairs(halves(0.0), pairs).tolist() == [False, False, False]
     assert attached_pairs(halves(0.0), np.zeros((0, 2), dtype=int)).tolist() == []
-    bolt = halves(0.0, attachments=Attachments(springs=(link(1, 4),)))
+    bolt = halves(0.0, attachments=cf.imported.Attachments(springs=(link(1, 4),)))
     assert attached_pairs(bolt, pairs).tolist() == [True, False, False]
     assert [f.message.split(" coincide")[0] for f in coincident(bolt)] == ["2 nodes (3, 8)"]
-    both = halves(0.0, attachments=Attachments(springs=(link(1, 4),), equations=(Equation(terms=link(2, 7).terms),)))
+    both = halves(
+        0.0,
+        attachments=cf.imported.Attachments(
+            springs=(link(1, 4),), equations=(cf.imported.Equation(terms=link(2, 7).terms),)
+        ),
+    )
     assert coincident(both) == []
     assert parts(bolt) == []
 
@@ -162,19 +167,19 @@ def test_parts_are_counted_with_the_largest_first():
     loose = squares(x, cells)
     told = ["3 parts of 3, 2, 1 cells, apart from the largest: 3 cells (1, 2, 3)"]
     assert [f.message for f in parts(loose)] == told
-    body = Rigid(reference=1, nodes=np.array([13, 4, 0]))
-    tied = squares(x, cells, attachments=Attachments(rigids=(body,)))
+    body = cf.imported.Rigid(reference=1, nodes=np.array([13, 4, 0]))
+    tied = squares(x, cells, attachments=cf.imported.Attachments(rigids=(body,)))
     assert [f.message for f in parts(tied)] == ["2 parts of 3, 3 cells, apart from the largest: 3 cells (4, 5, 6)"]
 
 
 def test_cells_given_twice_and_branches():
-    row = grid_mesh("quad", (2, 1), flat)
+    row = cf.imported.grid_mesh("quad", (2, 1), flat)
     assert overlaps(row) == []
-    twice = MeshData(kind="quad", points=row.points, cells=row.cells[[0, 1, 1]])
+    twice = cf.imported.MeshData(kind="quad", points=row.points, cells=row.cells[[0, 1, 1]])
     assert [f.message for f in overlaps(twice)] == ["1 cell (3) with the same nodes as another"]
     shared = sorted(set(row.cells[0]) & set(row.cells[1]))
     points = np.vstack([row.points, row.points[shared] + [0.0, 0.0, 1.0]])
-    fin = MeshData(kind="quad", points=points, cells=np.vstack([row.cells, [[*shared, 7, 6]]]))
+    fin = cf.imported.MeshData(kind="quad", points=points, cells=np.vstack([row.cells, [[*shared, 7, 6]]]))
     assert overlaps(fin) == []
     points[-2:] = row.points[shared] + [0.5, 0.0, 0.04]  # over the second cell
     message = "2 cells (2, 3) lie over another cell beside an edge that they share, at 2 nodes (3, 4)"
@@ -183,42 +188,46 @@ def test_cells_given_twice_and_branches():
     facet = sorted(set(bricks.cells[0]) & set(bricks.cells[1]))
     third = [facet[0], facet[1], facet[3], facet[2], *range(12, 16)]
     points = np.vstack([bricks.points, bricks.points[third[:4]] + [0.0, 5.0, 0.0]])
-    fork = MeshData(kind="hexahedron", points=points, cells=np.vstack([bricks.cells, [third]]))
+    fork = cf.imported.MeshData(kind="hexahedron", points=points, cells=np.vstack([bricks.cells, [third]]))
     assert [f.message for f in overlaps(fork)] == ["3 cells (1, 2, 3) share a facet with two or more others"]
 
 
 def test_a_corner_on_a_middle_node_hangs_and_linear_cells_have_none():
-    row = grid_mesh("quad8", (2, 1), flat)
+    row = cf.imported.grid_mesh("quad8", (2, 1), flat)
     assert hanging(row) == []
-    assert hanging(grid_mesh("quad", (2, 1), flat)) == []
+    assert hanging(cf.imported.grid_mesh("quad", (2, 1), flat)) == []
     x = [[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]]
     assert hanging(squares(x, [[0, 1, 2, 2, 3, 4, 2, 5]], "quad8")) == []  # a triangle: 2 is a corner and a middle
     cells = row.cells.copy()
     cells[1, 0] = cells[0, 4]
-    found = hanging(MeshData(kind="quad8", points=row.points, cells=cells))
+    found = hanging(cf.imported.MeshData(kind="quad8", points=row.points, cells=cells))
     assert found[0].message == "1 cell (1) use a corner of another cell as a middle node"
 
 
 def test_neighbours_with_middles_of_their_own_are_split():
-    row = grid_mesh("quad8", (3, 1), flat)
+    row = cf.imported.grid_mesh("quad8", (3, 1), flat)
     assert split_facets(row) == []
     both = (set(row.cells[0]) & set(row.cells[1])) - set(row.cells[:, :4].ravel())
     cells = np.where(np.isin(row.cells, list(both)) & (np.arange(3) == 1)[:, None], len(row.points), row.cells)
-    found = split_facets(MeshData(kind="quad8", points=np.vstack([row.points, [[0.3, 0.5, 0]]]), cells=cells))
+    found = split_facets(
+        cf.imported.MeshData(kind="quad8", points=np.vstack([row.points, [[0.3, 0.5, 0]]]), cells=cells)
+    )
     assert [f.message for f in found] == ["2 cells (1, 2) share corners of a facet, not its middle"]
 
 
 def test_normals_against_a_neighbour_and_collapsed_edges():
-    row = grid_mesh("quad", (3, 1), flat)
+    row = cf.imported.grid_mesh("quad", (3, 1), flat)
     assert normals(row) == []
     turned = row.cells.copy()
     turned[0] = turned[0, ::-1]
-    found = normals(MeshData(kind="quad", points=row.points, cells=turned))
+    found = normals(cf.imported.MeshData(kind="quad", points=row.points, cells=turned))
     assert [f.message for f in found] == ["2 cells (1, 2) with the normal against a neighbour's"]
     assert normals(box(1, 1, 1, counts=(2, 1, 1))) == []
     points = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, 1, 0], [0, 0, 1], [0, 1, 1]])
     for fin in ([0, 1, 7, 6], [1, 0, 6, 7]):  # a branch: its normal is independent
-        assert normals(MeshData(kind="quad", points=points, cells=[[0, 1, 3, 2], [1, 0, 4, 5], fin])) == []
-        assert len(normals(MeshData(kind="quad", points=points, cells=[[0, 1, 3, 2], [0, 1, 5, 4], fin]))) == 1
+        assert normals(cf.imported.MeshData(kind="quad", points=points, cells=[[0, 1, 3, 2], [1, 0, 4, 5], fin])) == []
+        assert (
+            len(normals(cf.imported.MeshData(kind="quad", points=points, cells=[[0, 1, 3, 2], [0, 1, 5, 4], fin]))) == 1
+        )
     fan = squares([[0, 0], [1, 0], [1, 1], [0, 1]], [[1, 2, 0, 0], [2, 3, 0, 0]])
     assert normals(fan) == []  # both have the edge from node 0 to itself

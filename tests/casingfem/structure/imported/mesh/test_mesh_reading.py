@@ -6,13 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
-from casingfem.structure.imported.cells.support import Fixed
+import casingfem as cf
 from casingfem.structure.imported.read import (
     LONGEST,
     blocks_of,
     is_flag,
-    read_mesh,
     read_vtu,
     require_modest,
     sizes_of,
@@ -31,10 +29,10 @@ def test_sizes_of_units(scale, units, sizes):
 
 
 def test_units_stand_instead_of_a_scale_and_must_be_known():
-    with pytest.raises(ModelError, match=r"part\.inp: found scale = 0\.001 beside units 'mm-t-s'") as caught:
+    with pytest.raises(cf.errors.ModelError, match=r"part\.inp: found scale = 0\.001 beside units 'mm-t-s'") as caught:
         sizes_of("part.inp", 1e-3, "mm-t-s")
     assert caught.value.code == "mesh-scale"
-    with pytest.raises(ModelError, match=r"part\.inp: .*furlong"):
+    with pytest.raises(cf.errors.ModelError, match=r"part\.inp: .*furlong"):
         sizes_of("part.inp", 1.0, "furlong-t-s")
 
 
@@ -44,13 +42,13 @@ def test_units_stand_instead_of_a_scale_and_must_be_known():
     ({"join": np.inf}, "join must be 0 or a distance, found inf"),
 ])  # fmt: skip
 def test_scale_and_join_are_finite_numbers(given, told):
-    with pytest.raises(ModelError, match=f"part.msh: {told}"):
-        read_mesh(FILE, **given)
+    with pytest.raises(cf.errors.ModelError, match=f"part.msh: {told}"):
+        cf.read_mesh(FILE, **given)
 
 
 def test_endings_that_no_reader_has_are_refused():
-    with pytest.raises(ModelError, match=r"part\.stp: found the ending '\.stp'"):
-        read_mesh("part.stp")
+    with pytest.raises(cf.errors.ModelError, match=r"part\.stp: found the ending '\.stp'"):
+        cf.read_mesh("part.stp")
 
 
 def found(*cells, points=4):
@@ -66,7 +64,7 @@ def test_blocks_are_numbered_on_in_the_order_of_the_file():
 @pytest.mark.parametrize(("row", "number"), [([2, 4], 5), ([-1, 2], 5)])
 def test_the_cell_that_names_a_node_that_is_not_given_is_named(row, number):
     mesh = found(("triangle", [[0, 1, 2], [0, 1, 3]]), ("line", [[0, 1], [0, 3], row, row]))
-    with pytest.raises(ModelError, match=f"part.msh: cell {number} names a node that is not given"):
+    with pytest.raises(cf.errors.ModelError, match=f"part.msh: cell {number} names a node that is not given"):
         blocks_of(mesh, FILE)
 
 
@@ -104,7 +102,7 @@ def test_numbers_of_nodes_are_not_beyond_ten_million_in_a_short_file(number, ref
         require_modest(content, FILE)
         return
     told = f"part.msh: the number {number[:30].decode()} in a file of {len(content)} bytes, expected at most 10000000"
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         require_modest(content, FILE)
 
 
@@ -116,7 +114,7 @@ def test_coordinates_with_many_digits_are_no_numbers_of_nodes():
 def test_names_have_a_longest_line(length, refused):
     content = TEXT + b"$PhysicalNames\n" + b"a" * length + b"\nb\n$EndPhysicalNames\n" + b"c" * 20_000
     if refused:
-        with pytest.raises(ModelError, match=r"\$PhysicalNames: a line of more than 10000 characters"):
+        with pytest.raises(cf.errors.ModelError, match=r"\$PhysicalNames: a line of more than 10000 characters"):
             require_modest(content, FILE)
     else:
         require_modest(content, FILE)
@@ -125,13 +123,13 @@ def test_names_have_a_longest_line(length, refused):
 @pytest.mark.parametrize(("text", "count"), [(b"<VTKFile></VTKFile>", 0), (b"<Piece a='1'><Piece a='2'>", 2)])
 def test_a_grid_has_one_piece(text, count, tmp_path):
     (tmp_path / "part.vtu").write_bytes(text)
-    with pytest.raises(ModelError, match=rf"part\.vtu: {count} pieces, expected one"):
+    with pytest.raises(cf.errors.ModelError, match=rf"part\.vtu: {count} pieces, expected one"):
         read_vtu(tmp_path / "part.vtu")
 
 
 @pytest.mark.parametrize("directions", [(), ("x", "x"), ("x", "w"), ("r",)])
 def test_directions_are_some_of_the_axes_each_once(directions):
     with pytest.raises(ValueError, match=r"directions must name some of x, y, z, each once, found \("):
-        Fixed(directions=directions)
-    assert Fixed(directions=["z", "y"]).directions == ("z", "y")
-    assert Fixed(directions=("z", "y")).held == (2, 1)
+        cf.imported.Fixed(directions=directions)
+    assert cf.imported.Fixed(directions=["z", "y"]).directions == ("z", "y")
+    assert cf.imported.Fixed(directions=("z", "y")).held == (2, 1)

@@ -5,8 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.mesh.attachments import Term
+import casingfem as cf
 from casingfem.structure.imported.readers.inp import read_inp
 
 PART = """*NODE
@@ -75,7 +74,7 @@ def test_one_card_gives_all_elements_of_its_set_what_they_have(tmp_path):
     text = points("SPRING1", "9, 15", "8, 12") + "*SPRING, ELSET=p\n1\n7.\n" + points("MASS", "20, 11", name="m")
     text += "*MASS, ELSET=m\n.5\n" + points("ROTARYI", "21, 11", name="r")
     found = attached(tmp_path, f"{text}*ROTARY INERTIA, ELSET=r\n1., 2., 3., 0., 0., 0.\n")
-    assert [spring.terms[0] for spring in found.springs] == [Term(4, 0, 1.0), Term(1, 0, 1.0)]
+    assert [spring.terms[0] for spring in found.springs] == [cf.imported.Term(4, 0, 1.0), cf.imported.Term(1, 0, 1.0)]
     mass, turning = found.masses
     assert (mass.node, mass.mass, mass.inertia.any(), mass.where) == (0, 0.5, False, "MASS 20 (line 20)")
     assert (turning.node, turning.mass, turning.where) == (0, 0.0, "ROTARYI 21 (line 24)")
@@ -111,8 +110,8 @@ def test_pins_join_displacements_alone_and_sets_follow_node_by_node_or_one_node(
     text = "*NSET, NSET=other\n12, 15\n*MPC\nPIN, two, other\nBEAM, two, 16\n"
     found = attached(tmp_path, text)
     # other stands in the order of the file
-    wanted = [(Term(2, c, 1.0), Term(1, c, -1.0)) for c in range(3)]
-    wanted += [(Term(3, c, 1.0), Term(4, c, -1.0)) for c in range(3)]
+    wanted = [(cf.imported.Term(2, c, 1.0), cf.imported.Term(1, c, -1.0)) for c in range(3)]
+    wanted += [(cf.imported.Term(3, c, 1.0), cf.imported.Term(4, c, -1.0)) for c in range(3)]
     assert [equation.terms for equation in found.equations] == wanted
     assert {equation.where for equation in found.equations} == {"*MPC PIN (line 15)"}
     assert [(rigid.reference, rigid.nodes.tolist()) for rigid in found.rigids] == [(5, [2]), (5, [3])]
@@ -122,8 +121,9 @@ def test_equations_go_over_lines_and_several_stand_in_one_card(tmp_path):
     text = "*EQUATION\n2\n12, 1, 2.,\n13, 6, -3.\n3.\n14, 2, 1., 15, 3, 4.\n16, 4, .5d1\n"
     found = attached(tmp_path, text).equations
     assert [equation.terms for equation in found] == [
-        (Term(1, 0, 2.0), Term(2, 5, -3.0)), (Term(3, 1, 1.0), Term(4, 2, 4.0), Term(5, 3, 5.0))
-    ]  # fmt: skip
+        (cf.imported.Term(1, 0, 2.0), cf.imported.Term(2, 5, -3.0)),
+        (cf.imported.Term(3, 1, 1.0), cf.imported.Term(4, 2, 4.0), cf.imported.Term(5, 3, 5.0)),
+    ]
     assert [equation.where for equation in found] == ["*EQUATION (line 13)", "*EQUATION (line 16)"]
 
 
@@ -198,7 +198,7 @@ def test_means_have_the_weights_of_their_lines(tmp_path):
     ],
 )  # fmt: skip
 def test_words_that_are_not_understood_are_refused(text, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.inp: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: {told}"):
         attached(tmp_path, text)
 
 
@@ -206,13 +206,13 @@ def test_words_that_are_not_understood_are_refused(text, told, tmp_path):
 def test_other_weights_of_a_distributing_coupling_are_refused(method, tmp_path):
     text = f"{NODES}*COUPLING, REF NODE=15, SURFACE=N\n*DISTRIBUTING, WEIGHTING METHOD={method}\n"
     told = "*DISTRIBUTING: found a weighting method or degrees of freedom, expected neither"
-    with pytest.raises(ModelError, match=f"line 16: {re.escape(told)}"):
+    with pytest.raises(cf.errors.ModelError, match=f"line 16: {re.escape(told)}"):
         attached(tmp_path, text)
 
 
 def test_a_distributing_coupling_on_faces_is_left_out(tmp_path):
     with pytest.warns(
-        ModelWarning, match=r"a\.inp: \*DISTRIBUTING on a surface of elements \(line 15\): .*mesh-left-out"
+        cf.errors.ModelWarning, match=r"a\.inp: \*DISTRIBUTING on a surface of elements \(line 15\): .*mesh-left-out"
     ):
         assert not attached(tmp_path, f"{FACE}*COUPLING, REF NODE=15, SURFACE=F\n*DISTRIBUTING\n").means
 
@@ -222,14 +222,14 @@ def test_a_distributing_coupling_on_faces_is_left_out(tmp_path):
 )
 def test_single_directions_beside_turned_nodes_are_refused(card, tmp_path):
     with pytest.raises(
-        ModelError, match=r"line 12: \*TRANSFORM beside springs or equations, expected them along the global"
+        cf.errors.ModelError, match=r"line 12: \*TRANSFORM beside springs or equations, expected them along the global"
     ):
         attached(tmp_path, f"*TRANSFORM, NSET=two\n1., 0., 0., 0., 1., 0.\n{card}")
 
 
 def test_whole_motions_beside_turned_nodes_are_taken(tmp_path):
     text = f"{points('MASS', '9, 15')}*MASS, ELSET=p\n1.\n*RIGID BODY, REF NODE=15, NSET=two\n"
-    with pytest.warns(ModelWarning, match=r"\*TRANSFORM \(line 12\)"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"\*TRANSFORM \(line 12\)"):
         assert len(attached(tmp_path, f"*TRANSFORM, NSET=two\n1., 0., 0., 0., 1., 0.\n{text}").rigids) == 1
 
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.readers.bdf import read_bdf
 
@@ -117,7 +117,7 @@ def test_an_element_without_middles_is_linear_and_single_ones_may_lack(name, tmp
 )
 def test_elements_without_their_corners_are_refused(card, told, tmp_path):
     name = card.partition(",")[0]
-    with pytest.raises(ModelError, match=f"line 7: {name}: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=f"line 7: {name}: {told}"):
         read(tmp_path, TETRA + lines(card))
 
 
@@ -133,7 +133,7 @@ def test_elements_are_groups_by_their_property_which_is_their_number_where_it_is
     assert draft.blocks[0].numbers.tolist() == [7, 9, 8]
     found = {name: [(k, rows.tolist()) for k, rows in parts] for name, parts in draft.cell_sets.items()}
     assert found == {"PID 5": [(0, [0, 2]), (1, [0])], "PID 9": [(0, [1])]}
-    with pytest.raises(ModelError, match="element 7 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="element 7 is given twice"):
         read(tmp_path, TETRA + "CTRIA3,7,5,11,12,13\n")
 
 
@@ -141,7 +141,7 @@ def test_elements_are_groups_by_their_property_which_is_their_number_where_it_is
 def test_an_offset_of_zero_is_none(field, count, tmp_path):
     nodes = ",".join(str(11 + k) for k in range(count))
     assert len(read(tmp_path, TETRA + lines(f"{field},3,5,{nodes},30.,0.")).blocks) == 2
-    with pytest.warns(ModelWarning, match=rf"1 offset \(ZOFFS\) of {field} \(from line 7\)"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"1 offset \(ZOFFS\) of {field} \(from line 7\)"):
         read(tmp_path, TETRA + lines(f"{field},3,5,{nodes},30.,-1.-9"))
 
 
@@ -201,7 +201,7 @@ def test_all_displacements_or_turns_are_the_same_in_every_system(components, tmp
 def test_constraints_that_lack_a_field_are_refused(card, found, tmp_path):
     name = card.partition(",")[0]
     with pytest.raises(
-        ModelError, match=f"line 7: {name}: found the fields {found}, expected a set, components, grids"
+        cf.errors.ModelError, match=f"line 7: {name}: found the fields {found}, expected a set, components, grids"
     ):
         read(tmp_path, f"{TETRA}{card}\n")
 
@@ -221,7 +221,7 @@ def test_a_grid_has_a_field_for_each_fact_and_grdset_those_it_leaves_blank(tmp_p
 
 
 def test_a_grid_in_one_line_of_large_fields_ends_before_z(tmp_path):
-    with pytest.raises(ModelError, match="line 7: GRID: grid 16 ends before z, expected a second line"):
+    with pytest.raises(cf.errors.ModelError, match="line 7: GRID: grid 16 ends before z, expected a second line"):
         read(tmp_path, TETRA + "GRID*,16,,1.,2.\n")
     assert read(tmp_path, TETRA + "GRID*,16,,1.,2.\n*,3.\n").points[5].tolist() == [1.0, 2.0, 3.0]
     assert read(tmp_path, TETRA + "GRID,16,,1.,2.\n").points[5].tolist() == [1.0, 2.0, 0.0]
@@ -235,10 +235,12 @@ def test_a_grid_in_one_line_of_large_fields_ends_before_z(tmp_path):
     ],
 )
 def test_files_without_grids_or_elements_are_refused(text, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.bdf: found {re.escape(told)}: .*mesh-no-cells"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.bdf: found {re.escape(told)}: .*mesh-no-cells"):
         read(tmp_path, text)
 
 
 def test_cards_that_are_left_out_are_counted_from_their_first_line(tmp_path):
-    with pytest.warns(ModelWarning, match=r"a\.bdf: 2 CGAP \(from line 7\), 1 RROD \(from line 8\): .*mesh-left-out"):
+    with pytest.warns(
+        cf.errors.ModelWarning, match=r"a\.bdf: 2 CGAP \(from line 7\), 1 RROD \(from line 8\): .*mesh-left-out"
+    ):
         read(tmp_path, TETRA + "CGAP,1\nRROD,3\nCGAP,2\nCORD3G,3\nCSET,1\nMAT1,1\nPARAM,POST,-1\n")

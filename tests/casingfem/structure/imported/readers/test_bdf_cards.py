@@ -2,7 +2,7 @@
 
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.readers.bdf_cards import Card, Numbers, cards, split_line
 
 CARD = Card("7", "GRID", [])
@@ -74,7 +74,7 @@ def test_real_numbers_in_nastrans_ways(text, value):
 @pytest.mark.parametrize("text", ["x", "1e100", "-1e100", "nan", "inf", "1.5-3-3", "1.+", "--1"])
 def test_what_is_no_real_number_is_refused(text):
     with pytest.raises(
-        ModelError, match=rf"a.bdf: line 7: GRID: found '{text}', expected a real number".replace("+", r"\+")
+        cf.errors.ModelError, match=rf"a.bdf: line 7: GRID: found '{text}', expected a real number".replace("+", r"\+")
     ):
         Numbers("a.bdf").real(CARD, text)
 
@@ -84,11 +84,11 @@ def test_whole_numbers_have_eight_digits():
     assert [numbers.integer(CARD, text) for text in ("99999999", "-99999999", " 7 ")] == [99999999, -99999999, 7]
     for text in ("100000000", "-100000000"):
         with pytest.raises(
-            ModelError, match=f"line 7: GRID: found '{text}', expected a number of at most eight digits"
+            cf.errors.ModelError, match=f"line 7: GRID: found '{text}', expected a number of at most eight digits"
         ):
             numbers.integer(CARD, text)
     for text in ("", "1.", "x"):
-        with pytest.raises(ModelError, match=f"line 7: GRID: found '{text}', expected a whole number"):
+        with pytest.raises(cf.errors.ModelError, match=f"line 7: GRID: found '{text}', expected a whole number"):
             numbers.integer(CARD, text)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.readers.bdf import read_bdf
 
 A, B = np.array([1.0, 1.0, 1.0]), np.array([1.5, 1.2, 0.9])
@@ -112,7 +112,7 @@ def test_stiffness_stands_behind_its_letter(property_card, stiffness, tmp_path):
 
 @pytest.mark.parametrize("c", [1, 2, 4, 5])
 def test_stiffness_across_its_line_needs_an_orientation(c, tmp_path):
-    with pytest.raises(ModelError, match="stiffness across the line of its grids and no orientation"):
+    with pytest.raises(cf.errors.ModelError, match="stiffness across the line of its grids and no orientation"):
         springs(tmp_path, f"CBUSH,30,3,5,6\nPBUSH,3,K,{',' * c}7.")
 
 
@@ -135,7 +135,7 @@ def test_stiffness_along_its_line_alone_needs_no_orientation(tmp_path):
     ],
 )
 def test_bushes_that_are_not_understood_are_refused(cards, told, tmp_path):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         springs(tmp_path, cards)
 
 
@@ -147,7 +147,7 @@ def test_an_orientation_along_the_line_is_told_to_round_off(away, stands, tmp_pa
         check(springs(tmp_path, card), np.eye(3), np.array([1.0, 0, 0]),
               [(5, np.zeros(3)), (6, np.array([2.0, 0, 0]))], (1.0, 1.0, 0, 0, 0, 0))  # fmt: skip
         return
-    with pytest.raises(ModelError, match="found an orientation along the line"):
+    with pytest.raises(cf.errors.ModelError, match="found an orientation along the line"):
         springs(tmp_path, card)
 
 

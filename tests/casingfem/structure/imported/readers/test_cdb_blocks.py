@@ -5,7 +5,7 @@ import warnings
 
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.structure.imported.readers.cdb import Archive, check_count
 from tests.casingfem.structure.imported.archives import BRICK, PART, PLACES, elements_block, nodes_block, read, row
 
@@ -50,10 +50,10 @@ def test_a_number_of_zero_in_a_component_is_none(tmp_path):
 def test_a_range_has_no_more_numbers_than_the_file_has_characters(tmp_path):
     lines = [*PART, "CMBLOCK,a,NODE,1", "(8i10)"]
     size = sum(map(len, lines)) + 10
-    with pytest.raises(ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
         read(tmp_path, [*lines, f"{-size:10d}"])
     with pytest.raises(
-        ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file can hold"
+        cf.errors.ModelError, match=f"line 18: found a range up to {size + 1}, more numbers than the file can hold"
     ):
         read(tmp_path, [*lines, f"{-size - 1:10d}"])
 
@@ -67,7 +67,7 @@ def test_a_block_has_as_many_items_as_it_says(block, by, tmp_path):
     lines[at] = lines[at].rpartition(",")[0] + f",{count + by:8d}"
     short = "cut short" if by > 0 else "export"
     told = f"line {at + 1}: found {count} of the {count + by} items that the block announces: {short}"
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, lines)
 
 
@@ -76,7 +76,7 @@ def test_a_block_has_as_many_items_as_it_says(block, by, tmp_path):
 )
 def test_blocks_that_say_no_number_may_have_any(fields):
     check_count(Archive("a.cdb", []), 0, fields, 5)
-    with pytest.raises(ModelError, match="found 5 of the 6 items"):
+    with pytest.raises(cf.errors.ModelError, match="found 5 of the 6 items"):
         check_count(Archive("a.cdb", []), 0, ["6", "SOLID", "6"], 5)
 
 
@@ -95,7 +95,7 @@ def test_columns_of_a_block(line, widths, real):
 @pytest.mark.parametrize("line", ["(0i9)", "(9i0)", "(100i9)", "(9i100)", "(2i9,0i9)"])
 def test_columns_of_no_or_too_many_characters_are_refused(line):
     with pytest.raises(
-        ModelError, match=rf"a\.cdb: line 2: found '{re.escape(line)}', expected columns such as \(19i9\)"
+        cf.errors.ModelError, match=rf"a\.cdb: line 2: found '{re.escape(line)}', expected columns such as \(19i9\)"
     ):
         Archive("a.cdb", ["x", line]).layout(1)
 
@@ -105,10 +105,10 @@ def test_a_block_without_columns_is_refused(line):
     for lines in (["x", line], ["x", "y", line]):
         at = len(lines) - 1
         with pytest.raises(
-            ModelError, match=rf"a\.cdb: line {at + 1}: expected the columns of a block, such as \(19i9\)"
+            cf.errors.ModelError, match=rf"a\.cdb: line {at + 1}: expected the columns of a block, such as \(19i9\)"
         ):
             Archive("a.cdb", lines).layout(at)
-    with pytest.raises(ModelError, match=r"a\.cdb: line 1: expected the columns of a block"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.cdb: line 1: expected the columns of a block"):
         Archive("a.cdb", ["NBLOCK"]).layout(1)
 
 
@@ -122,7 +122,7 @@ def test_a_line_of_nodes_may_end_between_its_columns(tmp_path):
     draft = read(tmp_path, lines)
     assert draft.points[1:5].tolist() == [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 2.5, 0.0], [1.0, 2.0, 3.0]]
     lines[at + 1] += " 0.1"
-    with pytest.raises(ModelError, match=f"line {at + 2}: found 30 characters, expected columns of 8 and 10"):
+    with pytest.raises(cf.errors.ModelError, match=f"line {at + 2}: found 30 characters, expected columns of 8 and 10"):
         read(tmp_path, lines)
 
 
@@ -156,14 +156,14 @@ def test_blocks_of_nodes_end_in_two_ways(end, tmp_path):
     ],
 )  # fmt: skip
 def test_archives_that_are_not_whole_are_refused(lines, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.cdb: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.cdb: {told}"):
         read(tmp_path, lines)
 
 
 def test_numbers_are_those_of_one_node_or_element(tmp_path):
-    with pytest.raises(ModelError, match="node 22 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="node 22 is given twice"):
         read(tmp_path, [line.replace("      23       0", "      22       0") for line in PART])
-    with pytest.raises(ModelError, match="element 300 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="element 300 is given twice"):
         read(
             tmp_path, [*PART[:2], "ET,8,181", *nodes_block(), *elements_block(BRICK, row(4, 8, 300, (21, 22, 23, 24)))]
         )
@@ -181,12 +181,12 @@ def test_lines_of_other_commands_are_passed_over(tmp_path):
 
 @pytest.mark.parametrize("head", ["CE", "CP", "CERIG", "RBE3", "ce"])
 def test_constraints_are_counted_and_left_out(head, tmp_path):
-    with pytest.warns(ModelWarning, match=rf"a\.cdb: 2 constraints \({head.upper()}\): .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.cdb: 2 constraints \({head.upper()}\): .*mesh-left-out"):
         read(tmp_path, [*PART, f"{head},1,2", f"{head},2,3"])
 
 
 def test_elements_that_are_no_solids_or_shells_are_counted(tmp_path):
     more = [row(1, 9, 301, [21]), row(1, 9, 302, [22])]
     lines = [*PART[:2], "ET,9,MASS21", *nodes_block(), *elements_block(BRICK, *more)]
-    with pytest.warns(ModelWarning, match=r"a\.cdb: 2 elements of type MASS21: .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=r"a\.cdb: 2 elements of type MASS21: .*mesh-left-out"):
         assert read(tmp_path, lines).blocks[0].numbers.tolist() == [300]

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.readers.bdf_cards import Card, Numbers
 from casingfem.structure.imported.readers.coordinates import (
     CardSystems,
@@ -54,14 +54,14 @@ def test_a_card_of_systems_by_grids_has_one_or_two(name, kind):
     [((5, 11, 12), "11, 12"), ((5,), "none"), ((5, 11, "", 13), "11, , 13"), ((5, 1, 2, 3, 6, 7, 8), "7, 8")],
 )
 def test_systems_by_other_than_three_grids_are_refused(fields, told):
-    with pytest.raises(ModelError, match=f"a.bdf: line 4: CORD1R: found the grids {told}, expected three"):
+    with pytest.raises(cf.errors.ModelError, match=f"a.bdf: line 4: CORD1R: found the grids {told}, expected three"):
         systems(card("CORD1R", *fields))
 
 
 @pytest.mark.parametrize("first", [("CORD2R", 5), ("CORD1R", 5, 1, 2, 3)])
 @pytest.mark.parametrize("second", [("CORD2C", 5), ("CORD1C", 5, 1, 2, 3)])
 def test_a_number_is_that_of_one_system(first, second):
-    with pytest.raises(ModelError, match=f"{second[0]}: coordinate system 5 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match=f"{second[0]}: coordinate system 5 is given twice"):
         systems(card(*first), card(*second))
 
 
@@ -99,7 +99,7 @@ def test_a_grid_in_a_system_within_one_by_grids_waits_for_it():
     ],
 )
 def test_a_grid_whose_system_cannot_be_is_refused(given, system, told):
-    with pytest.raises(ModelError, match=re.escape("a.bdf: line 7: GRID: ") + ".*" + told):
+    with pytest.raises(cf.errors.ModelError, match=re.escape("a.bdf: line 7: GRID: ") + ".*" + told):
         systems(*given).place([(4, 1.0, 2.0, 3.0)], [(0, system, card("GRID", 4, line="7"))])
 
 
@@ -154,5 +154,5 @@ def test_axes_that_a_card_asks_for_are_refused_with_its_line():
     np.testing.assert_allclose(
         found.axes(card("CONM2"), 5, np.array([0.0, 2.0, 1.0])), [[0, 1, 0], [-1, 0, 0], [0, 0, 1]], atol=1e-15
     )
-    with pytest.raises(ModelError, match=r"a\.bdf: line 9: CONM2: coordinate system 6: no system 6"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.bdf: line 9: CONM2: coordinate system 6: no system 6"):
         found.axes(card("CONM2", line="9"), 6, np.zeros(3))

@@ -5,10 +5,7 @@ import warnings
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.mesh.attachments import Attachments, Spring, Term, Tie
-from casingfem.structure.imported.mesh.mesh_data import Group, MeshData
+import casingfem as cf
 from casingfem.structure.imported.readers.draft import Block, Draft, Lookup, build, joined
 
 CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], dtype=float)
@@ -39,9 +36,9 @@ def test_numbers_are_looked_up_in_any_order():
     assert find(np.array([[12, 30], [7, 12]])).tolist() == [[2, 0], [1, 2]]
     assert find(np.array([], dtype=int)).tolist() == []
     for wanted, missing in (([7, 40, 50], 40), ([1, 7], 1), ([8], 8)):
-        with pytest.raises(ModelError, match=rf"a\.inp: node {missing} is named but not given: .*mesh-file"):
+        with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: node {missing} is named but not given: .*mesh-file"):
             find(np.array(wanted))
-    with pytest.raises(ModelError, match=r"a\.inp: node 7 is given twice: .*mesh-file"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: node 7 is given twice: .*mesh-file"):
         Lookup(np.array([7, 30, 7]), "a.inp", "node")
 
 
@@ -68,7 +65,7 @@ def test_cells_of_several_kinds_are_written_as_bricks_with_their_numbers():
     ],
 )  # fmt: skip
 def test_meshes_of_no_kind_are_refused(blocks, told):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         build(draft(*blocks), "a")
 
 
@@ -105,7 +102,7 @@ def test_a_group_has_all_that_the_file_gives_its_name():
 def test_facets_of_no_cell_are_counted_and_left_out():
     sets = {"tip": np.array([[0, 1, 5, 4], [0, 1, 6, 7], [0, 2, 5, 7]])}
     with pytest.warns(
-        ModelWarning, match=r"a: group 'tip' has 2 of 3 facets that belong to no cell: .*mesh-loose-facets"
+        cf.errors.ModelWarning, match=r"a: group 'tip' has 2 of 3 facets that belong to no cell: .*mesh-loose-facets"
     ):
         mesh = build(draft(block("hexahedron", BRICK), facet_sets=sets), "a")
     assert len(mesh.groups["tip"].facets) == 1
@@ -113,7 +110,7 @@ def test_facets_of_no_cell_are_counted_and_left_out():
 
 
 def test_names_of_groups_that_no_program_can_print_are_refused():
-    with pytest.raises(ModelError, match=r"a: found the group .*mesh-file"):
+    with pytest.raises(cf.errors.ModelError, match=r"a: found the group .*mesh-file"):
         build(draft(block("hexahedron", BRICK), node_sets={"a\u202eb": np.array([0])}), "a")
 
 
@@ -123,7 +120,8 @@ SHEET = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 
 def test_the_fewer_shell_cells_are_turned_round_and_named():
     blocks = [block("quad", [[0, 1, 2, 3], [1, 2, 5, 4]], 7), block("triangle", [[4, 6, 5]], 30)]
     with pytest.warns(
-        ModelWarning, match=r"a: 1 cell \(8\) turned round, with normals against their neighbours'.*mesh-turned-shell"
+        cf.errors.ModelWarning,
+        match=r"a: 1 cell \(8\) turned round, with normals against their neighbours'.*mesh-turned-shell",
     ):
         mesh = build(draft(*blocks, points=SHEET, cell_sets={"t": [(1, np.array([0]))]}), "a")
     x = mesh.points[mesh.cells]
@@ -136,10 +134,10 @@ def test_the_fewer_shell_cells_are_turned_round_and_named():
 
 
 def test_middles_that_solids_leave_out_are_tied_and_those_of_shells_are_held_with_their_ends():
-    tie = Tie(nodes=np.array([9]), others=np.array([[0, 1]]), weights=np.array([[0.5, 0.5]]))
+    tie = cf.imported.Tie(nodes=np.array([9]), others=np.array([[0, 1]]), weights=np.array([[0.5, 0.5]]))
     cells = np.full((1, 20), -1)
     cells[0, :8] = range(8)
-    mesh = build(draft(block("hexahedron20", cells), attachments=Attachments(glued=(tie,))), "a")
+    mesh = build(draft(block("hexahedron20", cells), attachments=cf.imported.Attachments(glued=(tie,))), "a")
     assert (len(mesh.points), mesh.node_numbers[10:].tolist()) == (22, [0] * 12)
     assert [len(one.nodes) for one in mesh.attachments.glued] == [12, 1]
     shell = np.array([[0, 1, 2, 3, -1, -1, -1, 6]])
@@ -160,13 +158,13 @@ def test_middles_that_solids_leave_out_are_tied_and_those_of_shells_are_held_wit
 
 def test_nodes_closer_than_a_distance_are_one():
     """Two bricks side by side, a gap of 1e-3 between them; nodes of no cell stay apart."""
-    one = grid_mesh("hexahedron", (1, 1, 1), lambda u: u, groups={"far": (0, 1.0)})
+    one = cf.imported.grid_mesh("hexahedron", (1, 1, 1), lambda u: u, groups={"far": (0, 1.0)})
     points = np.vstack([one.points, one.points + np.array([1.001, 0.0, 0.0]), [[1.0, 0.0, 0.0]]])
-    spring = Spring(terms=(Term(16, 0, 1.0), Term(8, 1, -1.0)), stiffness=5.0)
-    mesh = MeshData(
+    spring = cf.imported.Spring(terms=(cf.imported.Term(16, 0, 1.0), cf.imported.Term(8, 1, -1.0)), stiffness=5.0)
+    mesh = cf.imported.MeshData(
         kind="hexahedron", points=points, cells=np.vstack([one.cells, one.cells + 8]), cell_numbers=np.array([1, 2]),
-        node_numbers=np.arange(1, 18), groups={"near": Group(nodes=8 + np.arange(8), cells=np.array([1]))},
-        attachments=Attachments(springs=(spring,)), source="a",
+        node_numbers=np.arange(1, 18), groups={"near": cf.imported.Group(nodes=8 + np.arange(8), cells=np.array([1]))},
+        attachments=cf.imported.Attachments(springs=(spring,)), source="a",
     )  # fmt: skip
     assert len(joined(mesh, 0.9e-3).points) == 17
     found = joined(mesh, 1.1e-3)

@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
-from casingfem.structure.imported.read import read_gmsh, read_mesh, read_vtu
+import casingfem as cf
+from casingfem.structure.imported.read import read_gmsh, read_vtu
 
 CORNERS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
 MSH_41 = f"""$MeshFormat
@@ -120,7 +120,9 @@ def test_groups_without_a_name_are_called_by_what_they_are_made_of(tmp_path):
     ("$Nodes", "Nodes"), ("$EndNodes", "Nodes"), ("$Elements", "Elements"), ("$EndElements", "Elements"),
 ])  # fmt: skip
 def test_sections_are_there_and_closed(mark, section, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.msh: \${section} is missing or not closed: cut short\?.*mesh-file"):
+    with pytest.raises(
+        cf.errors.ModelError, match=rf"a\.msh: \${section} is missing or not closed: cut short\?.*mesh-file"
+    ):
         drafted(read_gmsh, MSH_22.replace(mark, "$Other"), tmp_path / "a.msh")
 
 
@@ -132,7 +134,7 @@ def test_arrays_of_0_and_1_are_groups_of_a_grid_and_it_counts_from_0(tmp_path):
     assert {name: nodes.tolist() for name, nodes in draft.node_sets.items()} == {"pin": [1, 4]}
     assert draft.node_numbers.tolist() == [0, 1, 2, 3, 4]
     np.testing.assert_array_equal(draft.points, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 2, 2.5]])
-    with pytest.raises(ModelError, match=r"a\.vtu: cannot be read"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.vtu: cannot be read"):
         drafted(read_vtu, VTU.replace('NumberOfPoints="5"', 'NumberOfPoints="6"'), tmp_path / "a.vtu")
 
 
@@ -146,7 +148,7 @@ def test_metres_and_nodes_apart_are_what_is_taken_if_nothing_else_is_said(given,
     text = text.replace('NumberOfPoints="5"', 'NumberOfPoints="8"').replace("1 2 3 4 0 1 2", "5 6 7 4 0 1 2")
     path = tmp_path / "A.VTU"
     path.write_text(re.sub("<PointData>.*</PointData>", "", text, flags=re.DOTALL))
-    mesh = read_mesh(path, **given)
+    mesh = cf.read_mesh(path, **given)
     assert len(mesh.used) == nodes
     np.testing.assert_allclose(np.ptp(mesh.points[mesh.used], axis=0), size * np.array([2.0, 2.0, 2.5]), rtol=1e-14)
     assert mesh.source == "A.VTU"

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
+import casingfem as cf
 from casingfem.structure.imported.readers.inp import FAMILIES, read_inp, stacked
 
 PLACES = ["0, 0, 0", "1, 0, 0", "1, 1, 0", "0, 1, 0", "0, 0, 1", "1, 0, 1", "1, 1, 1", "0, 1, 1", "2, 0, 0", "2, 1, 0"]
@@ -42,7 +42,7 @@ def test_types_of_elements_take_as_many_nodes_as_they_have(family, ending, tmp_p
     row = [str(10 + k % 10) for k in range(count)]
     text = f"{NODE}*ELEMENT, TYPE={family.lower()}{ending}\n31, {row[0]},\n{', '.join(row[1:])}\n"
     if family.startswith("B3"):
-        with pytest.warns(ModelWarning, match=rf"a.inp: \*ELEMENT of type {family}{ending} \(line 12\)"):
+        with pytest.warns(cf.errors.ModelWarning, match=rf"a.inp: \*ELEMENT of type {family}{ending} \(line 12\)"):
             draft = read(tmp_path, text)
     else:
         draft = read(tmp_path, text)
@@ -53,7 +53,9 @@ def test_types_of_elements_take_as_many_nodes_as_they_have(family, ending, tmp_p
 
 @pytest.mark.parametrize("name", ["C3D", "C3D80", "S40", "XS4", ""])
 def test_types_that_nobody_knows_are_refused(name, tmp_path):
-    with pytest.raises(ModelError, match=rf"a.inp: line 12: \*ELEMENT of type '{name}'.*mesh-unsupported-cell"):
+    with pytest.raises(
+        cf.errors.ModelError, match=rf"a.inp: line 12: \*ELEMENT of type '{name}'.*mesh-unsupported-cell"
+    ):
         read(tmp_path, f"{NODE}*ELEMENT, TYPE={name}\n31, 10, 11, 12, 13\n")
 
 
@@ -66,7 +68,7 @@ def test_types_that_nobody_knows_are_refused(name, tmp_path):
     ],
 )
 def test_elements_of_other_than_their_nodes_are_refused(rows, told, tmp_path):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, f"{NODE}*ELEMENT, TYPE=S4\n{rows}")
 
 
@@ -75,7 +77,7 @@ def test_numbers_go_up_to_fifteen_digits(tmp_path):
     draft = read(tmp_path, f"*NODE, NSET=n\n{most}, 1., -9e14, 3.\n*ELEMENT, TYPE=T3D2\n{most}, {most}, {most}\n")
     assert (draft.node_numbers.tolist(), draft.points.tolist()) == ([most], [[1.0, -9e14, 3.0]])
     for text in (f"*NODE\n{10**15}, 1., 2., 3.\n", "*NODE\n1, 1., 2., -1e15\n", "*NODE\n1, 1., nan, 1.\n"):
-        with pytest.raises(ModelError, match=r"line 2: found '.*', expected numbers below 1e\+15"):
+        with pytest.raises(cf.errors.ModelError, match=r"line 2: found '.*', expected numbers below 1e\+15"):
             read(tmp_path, text)
 
 
@@ -134,7 +136,7 @@ all
     ],
 )
 def test_what_is_not_understood_is_refused_with_its_line(card, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.inp: {told}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: {told}"):
         read(tmp_path, SHELLS + card)
 
 
@@ -143,10 +145,10 @@ def test_a_range_has_no_more_numbers_than_the_text_has_characters(tmp_path):
     size = len(text) + len("10,999\n")
     whole = f"{text}10,{10 + size - 1}\n"
     assert len(whole) == size
-    with pytest.raises(ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
+    with pytest.raises(cf.errors.ModelError, match=r"node \d+ is named but not given"):  # read, and then looked for
         read(tmp_path, whole)
     with pytest.raises(
-        ModelError, match=f"line 16: found '10,{10 + size}', {size + 1} numbers, more than the file can"
+        cf.errors.ModelError, match=f"line 16: found '10,{10 + size}', {size + 1} numbers, more than the file can"
     ):
         read(tmp_path, f"{text}10,{10 + size}\n")
 
@@ -210,7 +212,7 @@ master, Master
     ],
 )
 def test_what_is_left_out_is_said_with_its_line(card, told, tmp_path):
-    with pytest.warns(ModelWarning, match=rf"a\.inp: {told}: .*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=rf"a\.inp: {told}: .*mesh-left-out"):
         read(tmp_path, SHELLS + card)
 
 
@@ -225,15 +227,15 @@ def test_sections_without_offset_and_materials_are_passed_over(tmp_path):
      (f"{NODE}*ELEMENT, TYPE=S4\n", "10 nodes and no elements")],
 )  # fmt: skip
 def test_files_without_nodes_or_elements_are_refused(text, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.inp: found {told}: .*mesh-no-cells"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.inp: found {told}: .*mesh-no-cells"):
         read(tmp_path, text)
 
 
 def test_a_number_is_that_of_one_element(tmp_path):
-    with pytest.raises(ModelError, match="element 31 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="element 31 is given twice"):
         read(tmp_path, SHELLS.replace("\n32,", "\n31,"))
     more = "*ELEMENT, TYPE=S3, ELSET=t\n31, 10, 11, 12\n"
-    with pytest.raises(ModelError, match="element 31 is given twice"):
+    with pytest.raises(cf.errors.ModelError, match="element 31 is given twice"):
         read(tmp_path, SHELLS + more)
     draft = read(tmp_path, SHELLS + more.replace("31,", "33,") + "*ELSET, ELSET=mixed\n33, 32\n")
     assert cell_sets(draft) == {"All": [[31, 32]], "t": [[33]], "mixed": [[32], [33]]}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.readers.inp import read_inp
 from casingfem.structure.imported.readers.inp_cards import Card, Frame
 from casingfem.structure.imported.readers.inp_names import Names
@@ -98,21 +98,21 @@ def test_a_name_within_an_instance_is_its_own_before_that_of_the_assembly():
     assert names.nodes_of("set", "3").tolist() == [7]
     names.add(names.node_sets, "more", np.array([9]))
     assert names.spelling == {"SET": "Set", "I.SET": "I.set", "MORE": "more"}
-    with pytest.raises(ModelError, match=r"a\.inp: line 3: no set 'none' up to here"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: line 3: no set 'none' up to here"):
         names.nodes_of("none", "3")
 
 
 def test_numbers_have_fifteen_digits_at_most():
     names = Names("a.inp")
     assert names.nodes_of("9" * 15, "3").tolist() == [10**15 - 1]
-    with pytest.raises(ModelError, match=r"no set '9{16}' up to here"):
+    with pytest.raises(cf.errors.ModelError, match=r"no set '9{16}' up to here"):
         names.nodes_of("9" * 16, "3")
     card = Card("2", "NODE", {}, [("3", "1, 2.5,"), ("4", "-9.9e14")])
     assert names.values(card, float) == [[1.0, 2.5], [-9.9e14]]
     for text in ("1e15", "-1e15", "nan"):
-        with pytest.raises(ModelError, match=rf"line 3: found '1, {text}', expected numbers below 1e\+15"):
+        with pytest.raises(cf.errors.ModelError, match=rf"line 3: found '1, {text}', expected numbers below 1e\+15"):
             names.values(Card("2", "NODE", {}, [("3", f"1, {text}")]), float)
-    with pytest.raises(ModelError, match=r"line 3: found '1, 2\.5', expected numbers"):
+    with pytest.raises(cf.errors.ModelError, match=r"line 3: found '1, 2\.5', expected numbers"):
         names.values(Card("2", "ELEMENT", {}, [("3", "1, 2.5")]), int)
 
 
@@ -132,7 +132,7 @@ def test_nodes_of_a_surface_are_those_of_its_faces_on_cells_of_every_kind():
     names.on_nodes["C"] = [np.array([9, 3]), np.array([3])]
     assert names.surface_nodes("c", "3").tolist() == [3, 9]
     assert names.node_surface("A") is None
-    with pytest.raises(ModelError, match=r"a\.inp: line 3: no surface 'D'"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: line 3: no surface 'D'"):
         names.surface_nodes("D", "3")
 
 
@@ -142,5 +142,5 @@ def test_a_numbered_face_is_an_edge_where_all_cells_are_in_a_plane():
     assert names.local_corners("quad", np.array([4, 5]), "S1") == (0, 1)
     for ids in ([4, 6], [6], []):
         assert names.local_corners("quad", np.array(ids, dtype=int), "S1") == (0, 1, 2, 3)
-    with pytest.raises(ModelError, match=r"a\.inp: a surface on face 'S7' of quad elements"):
+    with pytest.raises(cf.errors.ModelError, match=r"a\.inp: a surface on face 'S7' of quad elements"):
         names.local_corners("quad", np.array([6]), "S7")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.structure.imported.readers.inp_cards import Card, cards, laid_out, largest, motion, split_parts
 
 PART = """*PART, NAME=p
@@ -21,7 +21,7 @@ def numbered(text):
 
 
 def fault(line, message):
-    return ModelError("mesh-file", f"line {line}: {message}")
+    return cf.errors.ModelError("mesh-file", f"line {line}: {message}")
 
 
 def laid(text):
@@ -48,7 +48,7 @@ def test_without_instances_all_cards_stand_as_they_are():
     assert found == [(name, 0, "", True) for name in ("PART", "NODE", "ELEMENT", "END PART")]
     _, frame = laid(PART)[1]
     np.testing.assert_array_equal(frame.moved(np.array([[1.0, 2.0, 3.0]])), [[1.0, 2.0, 3.0]])
-    with pytest.raises(ModelError, match=r"line 9: \*PART: several parts and no \*INSTANCE that places them"):
+    with pytest.raises(cf.errors.ModelError, match=r"line 9: \*PART: several parts and no \*INSTANCE that places them"):
         laid(PART + "*MATERIAL\n*PART, NAME=q\n*END PART\n*PART, NAME=r\n")
 
 
@@ -90,7 +90,7 @@ def test_several_instances_have_numbers_beyond_all_numbers_of_the_parts():
     ],
 )
 def test_instances_that_cannot_be_laid_out_are_refused(assembly, told):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         laid(PART + assembly)
 
 
@@ -147,7 +147,7 @@ def test_an_instance_is_shifted_and_then_turned_about_its_axis():
     ],
 )
 def test_motions_that_are_not_given_whole_are_refused(rows, told):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         moved(*rows)
 
 

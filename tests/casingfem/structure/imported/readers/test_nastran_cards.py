@@ -5,8 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.mesh.attachments import Term
+import casingfem as cf
 from casingfem.structure.imported.readers.bdf import read_bdf
 
 FILE = """GRID,11,,1.,2.,3.
@@ -56,7 +55,7 @@ def test_a_mass_without_offset_and_inertia_needs_no_system(tmp_path):
     """System 9 is not there; what has no direction asks for none."""
     assert attached(tmp_path, "CONM2,30,15,9,8.").masses[0].mass == 8.0
     for more in ("CONM2,30,15,9,8.,,,.1", "CONM2,30,15,9,8.,,,,,+\n+,,,,,,1."):
-        with pytest.raises(ModelError, match="coordinate system 9: no system 9"):
+        with pytest.raises(cf.errors.ModelError, match="coordinate system 9: no system 9"):
             attached(tmp_path, more)
 
 
@@ -64,7 +63,7 @@ def test_a_mass_without_offset_and_inertia_needs_no_system(tmp_path):
 def test_inertia_below_zero_is_refused_beyond_round_off(least, told, tmp_path):
     card = f"CONM2,30,15,,8.,,,,,+\n+,1.,,1.,,,{least!r}"
     if told:
-        with pytest.raises(ModelError, match="line 10: CONM2: found the mass 8 or an inertia below 0"):
+        with pytest.raises(cf.errors.ModelError, match="line 10: CONM2: found the mass 8 or an inertia below 0"):
             attached(tmp_path, card)
         return
     assert attached(tmp_path, card).masses[0].inertia[2, 2] == least
@@ -73,20 +72,24 @@ def test_inertia_below_zero_is_refused_beyond_round_off(least, told, tmp_path):
 @pytest.mark.parametrize(
     ("cards", "stiffness", "terms"),
     [
-        ("CELAS2,30,7.,15,3", 7.0, (Term(4, 2, 1.0),)),
-        ("CELAS2,30,7.,15,3,16,2", 7.0, (Term(4, 2, 1.0), Term(5, 1, -1.0))),
-        ("CELAS2,30,7.,,,16,2", 7.0, (Term(5, 1, 1.0),)),
-        ("CELAS2,30,7.,0,,16,2", 7.0, (Term(5, 1, 1.0),)),
-        ("CELAS2,30,7.,15,4,16,6", 7.0, (Term(4, 3, 1.0), Term(5, 5, -1.0))),
-        ("PELAS,8,9.,,,5,6.\nCELAS1,30,5,15,1", 6.0, (Term(4, 0, 1.0),)),
-        ("PELAS,8,9.,,,5,6.\nCELAS1,30,8,15,1", 9.0, (Term(4, 0, 1.0),)),
-        ("PELAS,30,9.\nCELAS1,30,,15,1", 9.0, (Term(4, 0, 1.0),)),
-        ("CELAS2,30,7.,14,2", 7.0, (Term(3, 1, 1.0),)),
-        ("CELAS2,30,7.,14,1", 7.0, (Term(3, 0, 0.8), Term(3, 2, -0.6))),
-        ("CELAS2,30,7.,14,3", 7.0, (Term(3, 2, 0.8), Term(3, 0, 0.6))),  # the largest first
-        ("CELAS2,30,7.,15,1,14,3", 7.0, (Term(4, 0, 1.0), Term(3, 2, -0.8), Term(3, 0, -0.6))),
-        ("CELAS2,30,7.,14,6", 7.0, (Term(3, 5, 0.8), Term(3, 3, 0.6))),
-        ("CELAS2,30,7.,14,4", 7.0, (Term(3, 3, 0.8), Term(3, 5, -0.6))),
+        ("CELAS2,30,7.,15,3", 7.0, (cf.imported.Term(4, 2, 1.0),)),
+        ("CELAS2,30,7.,15,3,16,2", 7.0, (cf.imported.Term(4, 2, 1.0), cf.imported.Term(5, 1, -1.0))),
+        ("CELAS2,30,7.,,,16,2", 7.0, (cf.imported.Term(5, 1, 1.0),)),
+        ("CELAS2,30,7.,0,,16,2", 7.0, (cf.imported.Term(5, 1, 1.0),)),
+        ("CELAS2,30,7.,15,4,16,6", 7.0, (cf.imported.Term(4, 3, 1.0), cf.imported.Term(5, 5, -1.0))),
+        ("PELAS,8,9.,,,5,6.\nCELAS1,30,5,15,1", 6.0, (cf.imported.Term(4, 0, 1.0),)),
+        ("PELAS,8,9.,,,5,6.\nCELAS1,30,8,15,1", 9.0, (cf.imported.Term(4, 0, 1.0),)),
+        ("PELAS,30,9.\nCELAS1,30,,15,1", 9.0, (cf.imported.Term(4, 0, 1.0),)),
+        ("CELAS2,30,7.,14,2", 7.0, (cf.imported.Term(3, 1, 1.0),)),
+        ("CELAS2,30,7.,14,1", 7.0, (cf.imported.Term(3, 0, 0.8), cf.imported.Term(3, 2, -0.6))),
+        ("CELAS2,30,7.,14,3", 7.0, (cf.imported.Term(3, 2, 0.8), cf.imported.Term(3, 0, 0.6))),  # the largest first
+        (
+            "CELAS2,30,7.,15,1,14,3",
+            7.0,
+            (cf.imported.Term(4, 0, 1.0), cf.imported.Term(3, 2, -0.8), cf.imported.Term(3, 0, -0.6)),
+        ),
+        ("CELAS2,30,7.,14,6", 7.0, (cf.imported.Term(3, 5, 0.8), cf.imported.Term(3, 3, 0.6))),
+        ("CELAS2,30,7.,14,4", 7.0, (cf.imported.Term(3, 3, 0.8), cf.imported.Term(3, 5, -0.6))),
     ],
 )
 def test_springs_of_cards(cards, stiffness, terms, tmp_path):
@@ -107,7 +110,9 @@ def test_components_of_axes_that_are_round_off_are_none(slant, components, tmp_p
     "card", ["CELAS2,30,7.,15,0", "CELAS2,30,7.,15", "CELAS2,30,7.,15,1,16", "CELAS1,30,5,16,,15,1"]
 )
 def test_springs_at_scalar_points_are_left_out(card, tmp_path):
-    with pytest.warns(ModelWarning, match=rf"a.bdf: 1 {card[:6]} at scalar points \(from line 10\): .*mesh-left-out"):
+    with pytest.warns(
+        cf.errors.ModelWarning, match=rf"a.bdf: 1 {card[:6]} at scalar points \(from line 10\): .*mesh-left-out"
+    ):
         assert attached(tmp_path, card).springs == ()
 
 
@@ -150,7 +155,12 @@ def test_mean_cards(card, reference, components, weighted, tmp_path):
 def test_equations_have_two_terms_on_each_line(tmp_path):
     cards = "MPC,5,11,1,2.,12,2,-3.,,+\n+,,13,3,4.,15,6,.5\nMPC,5,16,1,1.,14,3,2."
     found = attached(tmp_path, cards).equations
-    assert found[0].terms == (Term(0, 0, 2.0), Term(1, 1, -3.0), Term(2, 2, 4.0), Term(4, 5, 0.5))
+    assert found[0].terms == (
+        cf.imported.Term(0, 0, 2.0),
+        cf.imported.Term(1, 1, -3.0),
+        cf.imported.Term(2, 2, 4.0),
+        cf.imported.Term(4, 5, 0.5),
+    )
     assert [term[:2] for term in found[1].terms] == [(5, 0), (3, 2), (3, 0)]
     np.testing.assert_allclose([term[2] for term in found[1].terms], [1.0, 1.6, 1.2], rtol=1e-13)
     assert [equation.where for equation in found] == ["MPC 5 (line 10)", "MPC 5 (line 12)"]
@@ -183,10 +193,10 @@ def test_equations_have_two_terms_on_each_line(tmp_path):
     ],
 )
 def test_cards_that_are_not_understood_are_refused(card, told, tmp_path):
-    with pytest.raises(ModelError, match=rf"a\.bdf: line 10: {card.partition(',')[0]}: {re.escape(told)}"):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.bdf: line 10: {card.partition(',')[0]}: {re.escape(told)}"):
         attached(tmp_path, card)
 
 
 def test_a_second_set_of_equations_is_refused(tmp_path):
-    with pytest.raises(ModelError, match="line 11: MPC: found a second set, expected one"):
+    with pytest.raises(cf.errors.ModelError, match="line 11: MPC: found a second set, expected one"):
         attached(tmp_path, "MPC,5,11,1,2.,12,1,1.\nMPC,6,11,2,2.,12,2,1.")

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelError, ModelWarning
-from casingfem.structure.imported.grid import grid_mesh
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from tests.casingfem.structure.imported.parts import STEEL
 
@@ -86,7 +84,7 @@ def test_cells_nodes_and_groups_are_those_that_were_written(kind, tmp_path):
     """Node labels are 7, 10, 13, ...; the first cell is the group half."""
     dim = KINDS[kind].dim
     sides = np.array([0.4, 0.2, 0.1])[:dim]
-    mesh = grid_mesh(
+    mesh = cf.imported.grid_mesh(
         kind, (2, 1, 1)[:dim], lambda u: np.pad(u * sides, ((0, 0), (0, 3 - dim))), groups={"root": (0, 0.0)}
     )
     found = read(tmp_path, written(mesh, lambda node: 3 * int(node) + 7))
@@ -145,7 +143,9 @@ def test_sets_of_older_programs_are_read_too(tmp_path):
 def test_a_stated_unit_of_length_is_taken_once(tmp_path):
     units = data_set(164, "         5MM (MILLI-NEWTON)             2", "  1.0D+03  1.0D+03  1.0D+00", "  2.7315D+02")
     assert read(tmp_path, units + PLATE).size == pytest.approx(1e-3 * np.sqrt(5.0))
-    with pytest.raises(ModelError, match=r"part\.unv states its unit of length, 0\.001 m, beside scale.*mesh-scale"):
+    with pytest.raises(
+        cf.errors.ModelError, match=r"part\.unv states its unit of length, 0\.001 m, beside scale.*mesh-scale"
+    ):
         read(tmp_path, units + PLATE, scale=1e-3)
     assert read(tmp_path, PLATE, scale=1e-3).size == pytest.approx(1e-3 * np.sqrt(5.0))
 
@@ -156,7 +156,7 @@ def test_springs_and_unknown_sets_are_left_out_with_a_warning(tmp_path):
         PLATE + beams + elements(136, [[1, 2]], 9) + data_set(791, "1") + data_set(151, "a title") + group("g", [1], 11)
     )
     left = "1 element with descriptor 136, 1 set 791, 1 member of type 11 of group 'g', 1 beam in no group"
-    with pytest.warns(ModelWarning, match=left + r".*mesh-left-out"):
+    with pytest.warns(cf.errors.ModelWarning, match=left + r".*mesh-left-out"):
         assert len(read(tmp_path, text).cells) == 2
 
 
@@ -169,7 +169,7 @@ def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refuse
     cells = elements(44, [[1, 2, 3, 4]])
     systems = data_set(2420, "1", "part", *system(1, 0, np.zeros(3)), *system(2, 0, np.ones(3)))
     assert len(read(tmp_path, systems + nodes(SQUARE[:4], system=1) + cells).points) == 4
-    with pytest.raises(ModelError, match=r"node 1 and 3 more in coordinates of their own"):
+    with pytest.raises(cf.errors.ModelError, match=r"node 1 and 3 more in coordinates of their own"):
         read(tmp_path, systems + nodes(SQUARE[:4], system=2) + cells)
 
 
@@ -192,5 +192,5 @@ def test_nodes_in_the_global_system_by_another_number_pass_and_others_are_refuse
     (PLATE + data_set(164, "5 mm", "0.0 1.0 1.0"), r"found the factor 0 of lengths, expected one above 0"),
 ])  # fmt: skip
 def test_damaged_files_are_refused_by_line(text, told, tmp_path):
-    with pytest.raises(ModelError, match=told):
+    with pytest.raises(cf.errors.ModelError, match=told):
         read(tmp_path, text)
