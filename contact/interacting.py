@@ -106,6 +106,8 @@ COLUMNS = (
     Column("half_wall_s", "Time at which the rim deflects by half its wall, from the start of the run.",
            lambda found: _runs(found, "half_wall_s"), where="files"),
     Column("verdict", "Safe, resonance, unstable or not decided.", lambda found: _runs(found, "verdict"), format=str),
+    Column("check", "What half the step says of a growing run: converged, numerical, irregular, depends on the step.",
+           lambda found: [row.at.check or None for row in found.rows], format=str, where="files"),
     Column("seconds", "Length of the run.", lambda found: _runs(found, "seconds"), where="files"),
     Column("why", "Reason of a run that does not decide.", lambda found: _runs(found, "why"), where="files"),
 )  # fmt: skip

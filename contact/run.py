@@ -314,6 +314,7 @@ def finished(
     else:
         result = with_growth(ready, result, marks)
         flags = (*flags, stepper.why()) if failed >= 0 else flags
+    flags = (*flags, *(() if result.growth is None else result.growth.flags))
     result = replace(result, notes=replace(result.notes, flags=once(flags)))
     failures = [flag for flag in result.flags if flag.failed]
     if not failures or (ready.on_limit == "flag" and failed < 0 and (limit is None or limit[0] != "overflow")):

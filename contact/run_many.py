@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import cast
 
 from contact.base.errors import DivergedError, InputError, NumericsError
+from contact.half_step import MARKS, Mark, mark
 from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
 from contact.result import Result
@@ -28,8 +29,7 @@ def run_many(
     Rotating rims with one contact (`RotatingRim`, no coating) run eight at a time in one compiled loop, those together
     whose arrays have equal shapes: speed, clearance, friction, lean, blade, casing, step and length may differ. A run's
     numbers do not depend on which others are given, nor on their order. `record` says by the number of steps what a run
-    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end. No growth is
-    checked at half the step.
+    stores whose scene does not; `ended` is called with the place and the outcome of each run, as they end.
 
     >>> from contact.model.bodies.body import Rod, Wall
     >>> rod = Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=20, x=5.0, velocity=-10.0)
@@ -76,7 +76,7 @@ def _note(i: int, outcome: Outcome, ended: Ended | None) -> Outcome:
 
 
 def _prepared(scene: Scene, record: Callable[[int], Record] | None) -> Prepared:
-    ready = replace(prepared(scene), marked=False)
+    ready = prepared(scene)
     return ready if record is None or scene.record is not None else replace(ready, record=record(ready.count))
 
 
@@ -100,7 +100,8 @@ def _fits(ready: Prepared) -> Shape | None:
 def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outcome | None]]:
     """Outcomes of prepared runs of one shape in the order in which lanes end; None where no force was found.
 
-    The energies of each are looked at as often as those of a run alone; None, too, where contact adds too much of it.
+    The energies of each are computed as often as those of a run alone; None, too, where contact adds too much of it.
+    Marks are kept as in a run alone (`contact.half_step`).
     """
     jobs = [Job(run=cast(RubStepper, one.stepper), steps=one.count, record=one.record) for _, one in group]
     shared = batch(jobs)
@@ -108,13 +109,15 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
     lanes: dict[int, int] = {}
     events: dict[int, list[Events]] = {}
     calm: dict[int, EnergyBudget] = {}  # of each lane after its first LEDGER steps
+    marks: dict[int, list[Mark]] = {}
     began, steps = time.perf_counter(), sum(job.steps for job in jobs)
     while waiting or lanes:
         for k in range(WIDTH):
             if k not in lanes and waiting:
                 lanes[k] = waiting.pop()
                 events[k] = []
-                shared.load(k, jobs[lanes[k]], LEDGER)
+                marks[k] = []
+                shared.load(k, jobs[lanes[k]], _until(group[lanes[k]][1], 0))
                 calm.pop(k, None)
         happened = shared.advance()
         for k, own in happened.items():
@@ -125,27 +128,32 @@ def together(group: Sequence[tuple[int, Prepared]]) -> Iterator[tuple[int, Outco
                 job, (i, ready), taken = jobs[number], group[number], int(shared.lanes.step[k])
                 if not failed and taken < job.steps:
                     shared.read(k, job)
-                    now = budget_of(ready)
-                    calm.setdefault(k, now)
-                    if not runs_away(ready, now, calm[k]):
-                        shared.go_on(k, job, LEDGER)
+                    if ready.marked:
+                        marks[k].append(mark(job.run, taken))
+                    if taken % LEDGER or not runs_away(ready, now := budget_of(ready), calm.setdefault(k, now)):
+                        shared.go_on(k, job, _until(ready, taken))
                         continue
                     failed = 1  # its lane: alone it ends here
                 kept = shared.unload(k, job, events.pop(k))
                 del lanes[k]
                 seconds = (time.perf_counter() - began) * job.steps / steps
                 ended_at = taken if failed else -1
-                yield i, None if failed == 1 else _result(ready, kept, taken, seconds, ended_at, calm.get(k))
+                yield i, None if failed == 1 else _result(ready, kept, taken, seconds, ended_at, calm.get(k), marks[k])
+
+
+def _until(ready: Prepared, taken: int) -> int:
+    """Steps to the next mark or the next energy."""
+    most = max(1, ready.count // MARKS) if ready.marked else LEDGER
+    return min(most, LEDGER - taken % LEDGER)
 
 
 def _result(
-    ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int, calm: EnergyBudget | None
-) -> Outcome | None:
+    ready: Prepared, kept: Samples, taken: int, seconds: float, failed: int, calm: EnergyBudget | None,
+    marks: Sequence[Mark],
+) -> Outcome | None:  # fmt: skip
     try:
-        return finished(ready, [kept], taken, seconds, failed, calm)
-    except DivergedError as error:  # alone, a run whose energy grows ends at the next look at it
-        ended = error.result
-        fitted = ended.growth is not None and ended.growth.state == "grows"
-        return error if fitted and ended.divergence.limit != "energy" else None
+        return finished(ready, [kept], taken, seconds, failed, calm, marks)
+    except DivergedError as error:  # alone, a run whose energy grows ends where its energy is next computed
+        return error if error.result.divergence.limit in ("wall", "radius") else None
     except NumericsError:
         return None

@@ -1,7 +1,7 @@
 """Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
 
-The verdict is the growth of the run (`contact.growth.of_run`). A run that is too short for it is repeated longer, and
-one that grows where closed contact does not is repeated with half the step.
+The verdict is the growth of the run (`contact.growth.of_run`). A run that is too short for it is repeated longer. The
+last stretch of one that grows is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
-from contact.record.growth import STANDS, RunGrowth
+from contact.record.growth import STANDS, Check, RunGrowth
 from contact.record.record import STATES, Record, prime_stride
-from contact.run import Scene, run
+from contact.run import Scene
 from contact.run_many import Outcome, run_many
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
@@ -31,7 +31,7 @@ RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 SHORT = "the run is too short for its growth: lengthen t_end"
-NUMERICAL = "the growth is numerical: reduce dt"
+NUMERICAL = "the growth depends on the step: reduce dt"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,8 @@ class SpeedRun:
     `closed` growth of closed contact [1/s]; `growth` of the run with its interval of 95 %, nan where it has none;
     `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
     where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
-    does not decide.
+    does not decide. `check` says what half the step gives: "converged", "numerical", "irregular", "depends on the
+    step", or "" of motions that do not grow.
     """
 
     speed_hz: float
@@ -57,6 +58,7 @@ class SpeedRun:
     body: str
     seconds: float = 0.0
     why: str = ""
+    check: Check = ""
 
 
 def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -73,7 +75,7 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     """
     rub = rub_of(scene.what)
     allowed = float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM])
-    return _decided(_checked(scene, _longer(scene, _ran(scene, speed_hz, poles))), allowed)
+    return _decided(_longer(scene, _ran(scene, speed_hz, poles)), allowed)
 
 
 def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
@@ -102,25 +104,6 @@ def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
     again = _ran(replace(scene, t_end=LONGER * scene.t_end), speed, poles)
     better = {run.speed_hz: run for run in again if run.seconds > 0.0}
     return [better.get(run.speed_hz, run) for run in runs]
-
-
-def _checked(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """Runs of which those that grow where closed contact does not were repeated, with half the step at their end."""
-    found = []
-    for one in runs:
-        if one.verdict == "unstable" and not one.closed > 0.0:
-            again = at_speed(scene, one.speed_hz)
-            one = _speed_run(again.what, _alone(again, one.seconds), one.speed_hz, one.closed)
-        found.append(one)
-    return found
-
-
-def _alone(scene: Scene, seconds: float) -> Outcome:
-    """One run of at least these seconds, its growth checked at half the step."""
-    try:
-        return run(scene, t_end=max(seconds, scene.t_end or 0.0))
-    except (InputError, NumericsError) as error:
-        return error
 
 
 def _record(steps: int) -> Record:
@@ -176,7 +159,7 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
         run = replace(
             run, growth=growth.rate, low=growth.low, high=growth.high, amplitude_m=growth.amplitude,
             half_wall_s=growth.time_to_half_wall, n=growth.nodal_diameters, body=growth.body,
-            wave="" if growth.cause is None else _wave(growth.cause.travel),
+            wave="" if growth.cause is None else _wave(growth.cause.travel), check=growth.check,
         )  # fmt: skip
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
     if isinstance(outcome, NumericsError) and not passed:
@@ -195,7 +178,7 @@ def _wave(travel: float) -> str:
 
 def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
     """Verdict of a run, and why it has none; `passed` whether the rim moved beyond half its wall."""
-    if growth is not None and growth.converged is False:
+    if growth is not None and growth.check in ("numerical", "depends on the step"):
         return "not decided", NUMERICAL
     if passed or (growth is not None and growth.state == "grows"):
         return "unstable", ""

@@ -37,6 +37,12 @@ TROUBLES = MappingProxyType({
         f"warning above {OPEN:g} of the largest energy: round-off of a million steps is below",
         "shorten the run or reduce dt; report the scene, since a scheme's own ledger closes to round-off",
     ),
+    "growth-numerical": Trouble(
+        "the growth of the motion depends on the step",
+        "warning where half the step changes the growth by more than 10 % and more than both intervals, of a motion "
+        "that is not irregular",
+        "reduce dt until half the step gives the same growth",
+    ),
     "load-unknown": Trouble(
         "a load that was given as a function is no finite number", "failure at the first step that meets one",
         "correct the function",

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from contact.io.outfiles import finite
+from contact.io.trust import Flag
 
 Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
+Check = Literal["", "converged", "numerical", "irregular", "depends on the step"]
 AGREED = 0.1  # of the growth: by how much half the step may change it
 STANDS = 0.3  # share of one travelling wave below which the motion stands
 
@@ -124,6 +126,22 @@ class RunGrowth:
         less = self.half_step + self.half_step_width < 0.5 * self.rate
         return self.converged is False and less and not self.irregular
 
+    @property
+    def check(self) -> Check:
+        """What half the step says of the growth, in a word; "" where it was not run."""
+        if self.converged is None:
+            return ""
+        if self.converged:
+            return "converged"
+        return "numerical" if self.numerical else "irregular" if self.irregular else "depends on the step"
+
+    @property
+    def flags(self) -> tuple[Flag, ...]:
+        """A warning where the growth is that of the step."""
+        if self.check not in ("numerical", "depends on the step"):
+            return ()
+        return (Flag(f"The motion grows by {self.rate:.3g} 1/s. {self.at_half_step}"[:-1], "growth-numerical"),)
+
     def checked(self, half_step: float, width: float, share: float) -> RunGrowth:
         """The same with the growth at half the step, and the half width of its interval."""
         return replace(self, half_step=half_step, half_step_width=width, check_share=share)
@@ -165,17 +183,14 @@ class RunGrowth:
     @property
     def at_half_step(self) -> str:
         """The growth at half the step, and what that means; empty where it was not run."""
-        if self.converged is None:
-            return ""
         at = f"At half the step it grows by {self.half_step:.3g} 1/s"
-        if self.converged:
-            return f"{at}: converged."
-        if self.numerical:
-            return f"{at}: the growth is numerical, reduce dt."
-        if self.irregular:
-            other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
-            return f"{at}, {other}: the motion is irregular, its growth differs from run to run."
-        return f"{at}: the growth depends on the step, reduce dt."
+        other = f"at the same step from a slightly different start by {self.same_step:.3g} 1/s"
+        words: dict[Check, str] = {
+            "": "", "converged": f"{at}: converged.", "numerical": f"{at}: the growth is numerical, reduce dt.",
+            "irregular": f"{at}, {other}: the motion is irregular, its growth differs from run to run.",
+            "depends on the step": f"{at}: the growth depends on the step, reduce dt.",
+        }  # fmt: skip
+        return words[self.check]
 
     def to_dict(self) -> dict[str, object]:
         """JSON-ready."""
@@ -187,7 +202,9 @@ class RunGrowth:
             "check_share": self.check_share,
         }  # fmt: skip
         cause = self.cause
-        found: dict[str, object] = {"state": self.state, "converged": self.converged, "words": self.words, **numbers}
+        found: dict[str, object] = {
+            "state": self.state, "converged": self.converged, "check": self.check, "words": self.words, **numbers,
+        }  # fmt: skip
         if cause is not None:
             found |= {
                 "body": cause.body, "n": cause.n, "energy_share": cause.share, "travel": cause.travel,

@@ -41,6 +41,8 @@ MEASURED = (
            where="files"),
     Column("growth_high_1_s", "Upper end of the 95 % interval of the growth rate.", kept("growth_high_1_s"),
            where="files"),
+    Column("growth_check", "What half the step says of a motion that grows: converged, numerical, irregular or depends "
+           "on the step.", kept("growth_check"), head="half the step", format=word),
     Column("half_wall_at_s", "Time at which the rim moves by half of its wall, at this growth.",
            kept("half_wall_at_s"), head="half the wall at", unit="s", format=".4g"),
     Column("body", "Body that holds most of the motion.", kept("body"), format=word),

@@ -31,7 +31,7 @@ from contact.run_many import Outcome
 from contact.sweep.columns import COLUMNS
 
 STATES = 256  # about so many states are stored for the amplitudes
-FORMAT = "contact-run-2"
+FORMAT = "contact-run-3"
 Row = dict[str, Any]
 
 
@@ -114,7 +114,8 @@ def _numbers(what: What | None, rim: RotatingRim | Rub | None, result: Result, r
     if grown is not None:
         found |= {
             "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
-            "half_wall_at_s": grown.time_to_half_wall, "body": grown.body or None, "n": grown.nodal_diameters,
+            "growth_check": grown.check or None, "half_wall_at_s": grown.time_to_half_wall,
+            "body": grown.body or None, "n": grown.nodal_diameters,
             "source": None if grown.cause is None else grown.cause.source or None,
         }  # fmt: skip
     plain: dict[str, Any] = finite(found)  # JSON and CSV have no word for nan and inf

@@ -144,3 +144,22 @@ def test_energies_of_lanes_are_looked_at_as_often_as_those_of_a_run_alone(monkey
     assert isinstance(found, DivergedError)
     assert found.result.divergence.limit == "energy"
     assert found.result.steps == 40_000
+
+
+def test_growth_of_lanes_is_checked_at_half_the_step_as_that_of_a_run_alone():
+    """Friction above the lean feeds the rim; the rim that nothing touches has no growth to check."""
+    digs = replace(ring(), thickness=1e-3)
+    grows = [
+        ct.Scene(
+            what=ct.RotatingRim(digs, blade(), clearance=clearance, speed_hz=20.0, lean_deg=10.0),
+            law=ct.Coulomb(mu=0.3), t_end=0.4, dt=2e-5,
+        ) for clearance in (-1e-5, 1e-2)
+    ]  # fmt: skip
+    lanes, still = ct.run_many(grows)
+    with pytest.raises(DivergedError) as alone:
+        ct.run(grows[0])
+    assert isinstance(lanes, DivergedError)
+    for found in (lanes.result.growth, alone.value.result.growth):
+        assert (found.state, found.check) == ("grows", "converged")
+    assert lanes.result.growth.half_step == pytest.approx(alone.value.result.growth.half_step, rel=1e-6)
+    assert still.growth.check == ""

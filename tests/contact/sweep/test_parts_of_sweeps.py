@@ -229,5 +229,5 @@ def test_a_table_has_units_empty_cells_and_quotes():
     lines = sweep.table(sweep.SweepResult(plan=plan, rows=rows, resumed=0)).splitlines()
     assert lines[:4] == ["# COMPUTED: sweep of scene.toml, 2 runs", "# numpy: 2", "# scene: scene.toml", "# sha256: ab"]
     assert lines[4] == ",".join(["run", "contact.clearance_m", "casing.basis", *COLUMNS])
-    assert lines[5] == "1,1.5,a,done,3" + "," * 27
-    assert lines[6] == "2,2.5,a,done,4" + "," * 27 + '"a, ""b"" c"'
+    assert lines[5] == "1,1.5,a,done,3" + "," * 28
+    assert lines[6] == "2,2.5,a,done,4" + "," * 28 + '"a, ""b"" c"'

@@ -484,8 +484,8 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
         "amplitude_m": np.sqrt(np.mean((field - field.mean(axis=1, keepdims=True)) ** 2)),
         "blade_rms_m": np.sqrt(np.mean((tip[late] - tip[late].mean()) ** 2)),
         "motion": grown.state, "growth_1_s": grown.rate, "growth_low_1_s": grown.low, "growth_high_1_s": grown.high,
-        "half_wall_at_s": None if np.isinf(grown.time_to_half_wall) else grown.time_to_half_wall, "body": grown.body,
-        "n": grown.nodal_diameters, "source": grown.cause.source,
+        "half_wall_at_s": None if np.isinf(grown.time_to_half_wall) else grown.time_to_half_wall, "growth_check": None,
+        "body": grown.body, "n": grown.nodal_diameters, "source": grown.cause.source,
         "dominant_n": int(levels.argmax()), "dominant_rms_m": levels.max(), "diverged_at_s": None, "flags": "",
         "why": "",
     }  # fmt: skip
