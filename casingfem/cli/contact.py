@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from contact import NumericsError, Result, Scene
     from contact.growth.cycles.basins import Basins
     from contact.growth.cycles.result import Cycles
+    from contact.growth.cycles.traced import Trace
+    from contact.scene.cycles import CyclesScene
 
 STABILITY = (
     "This is a contact that stays closed. `casingfem interactions SCENE` runs the scene itself and lists the dangerous "
@@ -25,6 +27,7 @@ ORBITS = (
     "of all motions."
 )
 SCENE = click.argument("file", metavar="SCENE", type=click.Path(path_type=Path))
+DRAWN = 4  # orbits of the page on periodic motions
 NUMBERS = 20_000  # that the histories of a JSON document may have without --history
 HISTORY = click.option(
     "--history", is_flag=True, help=f"Keep histories of more than {NUMBERS:,} numbers in --json and DIR's .json."
@@ -149,27 +152,48 @@ def cycles(file: Path, as_json: bool, out: Path | None) -> None:
     if reached is not None:
         document["basins"] = {"at": reached.value, "starts": len(reached.reached), "motions": reached.records()}
         words += f"\n{reached!r}"
-    files = {} if out is None else cycles_files(found, reached, document, words, file)
+    files = {} if out is None else cycles_files(scene, found, reached, document, file)
     deliver(document, words, as_json=as_json, out=out, files=files)
     if part is not None:
         part.unlink(missing_ok=True)
 
 
 def cycles_files(
-    found: "Cycles", reached: "Basins | None", document: dict[str, object], words: str, file: Path
+    scene: "CyclesScene", found: "Cycles", reached: "Basins | None", document: dict[str, object], file: Path
 ) -> dict[str, Content]:
     """The table, the states, the document, the picture and the page."""
-    from casingfem.plot.pages.contact import cycles_page
+    from casingfem.plot.cycles import figure_cycles
+    from casingfem.plot.pages.cycles import cycles_page
     from casingfem.plot.style import png
-    from casingfem.plot.sweep import figure_cycles
 
-    rows, marks, ends = found.records(), found.marks(), [part.end for part in found.branches]
+    rows, marks = found.records(), found.marks()
     motions = [] if reached is None else [{found.name: reached.value, **one} for one in reached.records()]
     return {
-        "cycles.html": cycles_page(file.stem, rows, marks, ends, source_of(file), words, motions),
+        "cycles.html": cycles_page(file.stem, found, source_of(file), traces_of(scene, found), motions),
         "cycles.csv": csv_text(rows), "cycles.npz": found.save, "cycles.json": json_text(document, indent=1),
         "cycles.png": png(figure_cycles(rows, marks, motions)),
     }  # fmt: skip
+
+
+def traces_of(scene: "CyclesScene", found: "Cycles") -> "list[Trace]":
+    """The largest orbit of each stretch of one stability over its period, of the first DRAWN stretches.
+
+    An orbit that cannot be followed in parts, such as one that chatters, is left out.
+    """
+    from itertools import groupby
+
+    from contact import NumericsError
+    from contact.growth.cycles import traced
+
+    channel = next(iter(found.branches[0].points[0].amplitude))
+    parts = [list(part) for branch in found.branches for _, part in groupby(branch.points, key=lambda one: one.stable)]
+    traces = []
+    for part in parts[:DRAWN]:
+        try:
+            traces.append(traced(scene.family, max(part, key=lambda one: one.amplitude[channel])))
+        except NumericsError:
+            continue
+    return traces
 
 
 def run_scene(

@@ -106,7 +106,7 @@ def motion_words(
 
 def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Content]:
     """The table, the document, the page, and the picture where numbers were varied."""
-    from casingfem.plot.pages.contact import sweep_page
+    from casingfem.plot.pages.sweep import sweep_page
     from contact.sweep.columns import MEASURED
     from contact.sweep.sweep import table
 
@@ -122,8 +122,9 @@ def result_files(found: "SweepResult", document: dict[str, Any]) -> dict[str, Co
         values = np.array([[float(run.values[k]) for k in numbers] for run in plan.runs])
         drawn = Drawn(figure_sweep([plan.labels[k] for k in numbers], values, found.rows))
         files["sweep.png"] = drawn.png
-    told = words(found, document["seconds"])
-    files["sweep.html"] = sweep_page(plan.file.stem, plan.keys, document["runs"], plan.source, drawn, told, MEASURED)
+    files["sweep.html"] = sweep_page(
+        plan.file.stem, plan.labels, plan.keys, document["runs"], plan.source, drawn, MEASURED
+    )
     return files
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell
 from casingfem.modal.interaction import DiskFrequencies, Interactions, blade_over_speed, wave_hz
-from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, rpm_above, styled
 
 MARKS: dict[str, dict[str, Any]] = {
     "unstable": {"color": AFTER, "marker": "^", "linestyle": "", "markersize": 5.0},
@@ -164,12 +164,6 @@ def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> Non
                 xytext=(-2, -1), textcoords="offset points",
             )  # fmt: skip
             last = place
-
-
-def rpm_above(axes: Any) -> None:
-    """The speed of the lower axis [Hz] in revolutions a minute, above."""
-    above = axes.secondary_xaxis("top", functions=(lambda f: 60.0 * f, lambda rpm: rpm / 60.0))
-    above.set_xlabel("speed [rpm]")
 
 
 @styled

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
@@ -24,6 +25,7 @@ from contact.io.columns import Columns, Rows, cells_of
 
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 POWER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)?e[+-]?\d+(?![\w.]\w)")
+CODE = re.compile(r"`([^`]+)`")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SIXTEEN, EIGHT = 32767, 127
 Cell = str | float | int | None
@@ -123,13 +125,16 @@ def raised(text: str) -> str:
     return {"1": ten, "-1": f"-{ten}"}.get(mantissa, f"{mantissa} × {ten}")
 
 
-def prose(text: str) -> str:
-    """A sentence whose powers of ten are written as one writes them.
+def prose(text: str) -> Markup:
+    """A sentence as HTML: powers of ten as one writes them, and commands between backticks as code.
 
     >>> prose("The rim moves 4.2e-05 m, less than 1e-3 m.")
-    'The rim moves 4.2 × 10⁻⁵ m, less than 10⁻³ m.'
+    Markup('The rim moves 4.2 × 10⁻⁵ m, less than 10⁻³ m.')
+    >>> prose("`casingfem rub` where n < 3")
+    Markup('<code>casingfem rub</code> where n &lt; 3')
     """
-    return POWER.sub(lambda found: raised(found[0]), str(text))
+    written_out = str(escape(POWER.sub(lambda found: raised(found[0]), str(text))))
+    return Markup(CODE.sub(r"<code>\1</code>", written_out))
 
 
 def numeric(cell: Cell) -> bool:

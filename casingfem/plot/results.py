@@ -137,7 +137,7 @@ def run(result: Any, *, contact: int | None = None) -> Figure:
 
 def cycles(result: Any) -> Figure:
     """Amplitudes over the parameter."""
-    return by_name("sweep", "figure_cycles")(result.records(), marks=result.marks())
+    return by_name("cycles", "figure_cycles")(result.records(), marks=result.marks())
 
 
 def over_modes(y: str, label: str) -> Draw:

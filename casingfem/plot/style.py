@@ -121,6 +121,12 @@ def new_figure(width: float = 7.6, height: float = 4.0) -> Figure:
     return Figure(figsize=(width, height), layout="constrained") if ax is None else cast(Figure, Inset(ax))
 
 
+def rpm_above(axes: Any) -> None:
+    """The speed of the lower axis [Hz] in revolutions a minute, above."""
+    above = axes.secondary_xaxis("top", functions=(lambda f: 60.0 * f, lambda rpm: rpm / 60.0))
+    above.set_xlabel("speed [rpm]")
+
+
 def know_in_notebook() -> None:
     """Let a notebook show figures: of itself it shows those of pyplot, which nothing here loads."""
     ipython: Any = sys.modules.get("IPython")

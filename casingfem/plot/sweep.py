@@ -1,8 +1,7 @@
-"""What became of many runs: over one varied key as curves, over two as maps; periodic motions over their parameter."""
+"""What became of many runs: over one varied key as curves, over two as maps."""
 
 from collections.abc import Mapping, Sequence
-from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -10,140 +9,181 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from casingfem.io.arrays import FloatArray
-from casingfem.plot.style import AFTER, BEFORE, DIVERGING, GREEN, MEASURED, PERFECT, PURPLE, SKY, new_figure, styled
+from casingfem.plot.style import AFTER, BEFORE, DIVERGING, PURPLE, SKY, new_figure, rpm_above, styled
+from casingfem.plot.ticks import label_decades
 
 PANELS = (
-    ("amplitude_m", "amplitude [m]"),
-    ("contact_fraction", "contact fraction [-]"),
-    ("growth_1_s", "growth [1/s]"),
-    ("dominant_n", "dominant n [-]"),
+    ("amplitude_m", "amplitude [mm]", 1e3),
+    ("peak_force_N", "largest force [N]", 1.0),
+    ("growth_1_s", "growth [1/s]", 1.0),
+    ("contact_fraction", "contact, part of the time [-]", 1.0),
+    ("dominant_n", "dominant n [-]", 1.0),
 )
+LATER = ("diverged_at_s", "diverged after [s]", 1.0)
 LOGARITHMIC = ("amplitude_m", "diverged_at_s")
+SPAN = 100.0  # times: amplitudes that differ by less are drawn on a linear scale
 ROBUST = 98.0  # per cent of the values span a colour scale: one run far out leaves the others their colours
-COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
-MARKS = {"fold": "s", "flip": "D", "Neimark-Sacker": "o", "branch point": "P", "grazing": "|"}
-LABELS = {
-    "speed_hz": "speed [turns/s]",
-    "freq_hz": "frequency [Hz]",
-    "amplitude": "force [N]",
-    "clearance": "clearance [m]",
-    "friction": "coefficient of friction [-]",
-}
+UNSAFE = ("grows",)
+SPEED = "speed [Hz]"
 Mask = NDArray[np.bool_]
-Marks = Mapping[str, tuple[str, Mask]]
+Rows = Sequence[Mapping[str, Any]]
+
+
+class Mark(NamedTuple):
+    """A name of some runs and how they are marked, at the lower edge where they have no value of their own."""
+
+    name: str
+    marker: str
+    colour: str
+    which: Mask
 
 
 @styled
-def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Sequence[Mapping[str, Any]]) -> Figure:
-    """Amplitude, contact fraction, growth and dominant nodal diameter of all runs.
+def figure_sweep(keys: Sequence[str], values: FloatArray, rows: Rows) -> Figure:
+    """Amplitude, force, growth, contact and dominant nodal diameter of all runs, with what became of them.
 
     `keys` names the varied numbers with their units, one or two of them; `values` (runs, keys). Runs that diverged are
-    triangles, with the time they took to where that is drawn; refused or broken ones are crosses.
+    triangles, refused or broken ones crosses, those with warnings hollow squares. Growth has its interval of 95 %.
+    Over one key, values between which motions grow or runs diverge are shaded.
     """
+    keys = [named(key) for key in keys]
     status = np.array([row["status"] for row in rows])
-    done, lost = status == "done", status == "diverged"
-    last = ("diverged_at_s", "diverged after [s]") if lost.any() else PANELS[3]
-    chosen = [panel for panel in (*PANELS[:3], last) if any(row[panel[0]] is not None for row in rows)]
-    figure = new_figure(8.2, 6.4 if len(chosen) > 2 else 3.4)
-    marks = {
-        "diverged": ("^", lost),
-        "refused or failed": ("x", np.isin(status, ("refused", "failed"))),
-    }
-    for k, (name, label) in enumerate(chosen):
-        axes = figure.add_subplot(-(-len(chosen) // 2), 2, k + 1)
-        measured = np.array([np.nan if row[name] is None else float(row[name]) for row in rows])
-        shown = lost if name == "diverged_at_s" else done | lost & (name == "growth_1_s")
+    lost = status == "diverged"
+    panels = (*PANELS[:4], LATER) if lost.any() else PANELS
+    chosen = [panel for panel in panels if any(row.get(panel[0]) is not None for row in rows)]
+    count = max(len(chosen), 1)
+    figure = new_figure(8.2, 1.0 + 2.5 * -(-count // 2))
+    flagged = np.array([bool(row.get("flags")) for row in rows]) & ~lost
+    marks = [
+        Mark("diverged", "^", SKY, lost), Mark("refused or failed", "x", AFTER, np.isin(status, ("refused", "failed"))),
+        Mark("with warnings", "s", PURPLE, flagged),
+    ]  # fmt: skip
+    first: Any = None
+    for k, (name, label, scale) in enumerate(chosen):
+        axes: Any = figure.add_subplot(-(-count // 2), min(count, 2), k + 1, sharex=first)
+        first = first or axes
+        measured = scale * column(rows, name)
+        shown = (lost if name == LATER[0] else (status == "done") | lost & (name == "growth_1_s")) & np.isfinite(
+            measured
+        )
         if len(keys) == 1:
             _curve(axes, values[:, 0], measured, shown, marks)
+            if name == "growth_1_s":
+                _interval(axes, values[:, 0], rows, shown)
+            _shade(axes, values[:, 0], unsafe(rows))
             axes.set(xlabel=keys[0], ylabel=label)
+            if k < 2 and keys[0] == SPEED:
+                rpm_above(axes)
+            known = measured[shown & (measured > 0.0)]
+            if name in LOGARITHMIC and known.size and known.max() > SPAN * known.min():
+                axes.set_yscale("log")
+                label_decades(axes.yaxis)
         else:
             _map(figure, axes, values, measured, shown, label, marks)
             axes.set(xlabel=keys[0], ylabel=keys[1])
-        if name in LOGARITHMIC and len(keys) == 1 and np.any(measured[shown] > 0.0):
-            axes.set_yscale("log")
+    present = [mark for mark in marks if mark.which.any() and first is not None]
+    if present:
+        handles = [first.plot([], [], **_look(mark))[0] for mark in present]
+        figure.legend(handles, [mark.name for mark in present], loc="outside upper left", ncols=3, fontsize=8)
     return figure
 
 
-def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: Marks) -> None:
+def named(label: str) -> str:
+    """The name of a varied key on an axis or in a table: a speed in Hz, beside which stands rpm.
+
+    >>> named("speed.hz [turns/s]"), named("rod[1].velocity [m/s]")
+    ('speed [Hz]', 'rod[1].velocity [m/s]')
+    """
+    return SPEED if label.partition(" ")[0] == "speed.hz" else label
+
+
+def column(rows: Rows, name: str) -> FloatArray:
+    """Values of a column, nan where a run has none."""
+    return np.array([np.nan if row.get(name) is None else float(row[name]) for row in rows])
+
+
+def unsafe(rows: Rows) -> Mask:
+    """Runs whose motion grows, or that diverged.
+
+    >>> unsafe([{"status": "done", "motion": "grows"}, {"status": "diverged"}, {"status": "done"}]).tolist()
+    [True, True, False]
+    """
+    return np.array([row["status"] == "diverged" or row.get("motion") in UNSAFE for row in rows], dtype=bool)
+
+
+def stretches(x: FloatArray, chosen: Mask) -> list[tuple[float, float]]:
+    """First and last value of each series of neighbouring values at which a run is chosen.
+
+    >>> stretches(np.array([3.0, 1.0, 2.0, 4.0]), np.array([True, False, True, False]))
+    [(2.0, 3.0)]
+    """
+    at = np.unique(x)
+    inside = np.array([chosen[x == value].any() for value in at])
+    steps = np.diff(np.concatenate([[0], inside.astype(int), [0]]))
+    first, last = np.flatnonzero(steps > 0), np.flatnonzero(steps < 0) - 1
+    return [(float(at[a]), float(at[b])) for a, b in zip(first, last, strict=True)]
+
+
+def _shade(axes: Any, x: FloatArray, chosen: Mask) -> None:
+    """Shade up to the middle between a chosen run and the next one."""
+    at = np.unique(x)
+    edges = np.concatenate([at[:1], 0.5 * (at[1:] + at[:-1]), at[-1:]])
+    for low, high in stretches(x, chosen):
+        start, stop = np.searchsorted(at, [low, high])
+        axes.axvspan(edges[start], edges[stop + 1], color=AFTER, alpha=0.12, linewidth=0.0, zorder=0)
+
+
+def _look(mark: Mark) -> dict[str, Any]:
+    hollow = {"markerfacecolor": "none"} if mark.marker == "s" else {}
+    size = 6.0 if mark.marker == "s" else 4.5
+    return {"marker": mark.marker, "color": mark.colour, "linestyle": "", "markersize": size, **hollow}
+
+
+def _curve(axes: Any, x: FloatArray, measured: FloatArray, shown: Mask, marks: Sequence[Mark]) -> None:
     order = np.argsort(x[shown], kind="stable")
     axes.plot(x[shown][order], measured[shown][order], ".-", color=BEFORE, markersize=3.5, linewidth=0.8)
-    for label, (mark, which) in marks.items():
-        if which.any():
-            colour = SKY if mark == "^" else AFTER
-            axes.plot(
-                x[which], np.zeros(which.sum()), mark, color=colour, markersize=4.0, label=label, clip_on=False,
-                transform=axes.get_xaxis_transform(),
-            )  # fmt: skip
-            axes.legend(fontsize=8)
+    for mark in marks:
+        beside = mark.which & ~shown
+        own = mark.which & shown & (mark.marker == "s")
+        if own.any():
+            axes.plot(x[own], measured[own], **_look(mark))
+        if beside.any() and mark.marker != "s":
+            low = axes.get_xaxis_transform()
+            axes.plot(x[beside], np.zeros(beside.sum()), **_look(mark), label=mark.name, clip_on=False, transform=low)
+
+
+def _interval(axes: Any, x: FloatArray, rows: Rows, shown: Mask) -> None:
+    """The interval of 95 % of each growth."""
+    low, high = column(rows, "growth_low_1_s"), column(rows, "growth_high_1_s")
+    known = shown & np.isfinite(low) & np.isfinite(high)
+    axes.vlines(x[known], low[known], high[known], color=BEFORE, linewidth=1.2, alpha=0.45)
+    axes.axhline(0.0, color="#777777", linewidth=0.8, zorder=1)
 
 
 def _map(
-    figure: Figure, axes: Any, values: FloatArray, measured: FloatArray, shown: Mask, label: str, marks: Marks
-) -> None:
+    figure: Figure, axes: Any, values: FloatArray, measured: FloatArray, shown: Mask, label: str,
+    marks: Sequence[Mark],
+) -> None:  # fmt: skip
     colours: dict[str, Any] = {}
-    known = measured[shown & np.isfinite(measured)]
+    known = measured[shown]
     if label.startswith("growth"):
         most = float(np.percentile(np.abs(known), ROBUST)) if known.size else 0.0
         colours = {"cmap": DIVERGING, "vmin": -(most or 1.0), "vmax": most or 1.0}
     elif label.startswith(("amplitude", "diverged")) and np.any(known > 0.0):
         low, high = np.percentile(known[known > 0.0], [100.0 - ROBUST, ROBUST])
-        colours = {"norm": LogNorm(low, max(high, 1.01 * low))}
+        colours = {"norm": LogNorm(low, high)} if high > SPAN * low else {"vmin": low, "vmax": high}
     x, y = np.unique(values[:, 0]), np.unique(values[:, 1])
-    column, row = np.searchsorted(x, values[:, 0]), np.searchsorted(y, values[:, 1])
-    if x.size * y.size == len(np.unique(column * y.size + row)) and min(x.size, y.size) > 1:
+    place, row = np.searchsorted(x, values[:, 0]), np.searchsorted(y, values[:, 1])
+    if x.size * y.size == len(np.unique(place * y.size + row)) and min(x.size, y.size) > 1:
         cells = np.full((y.size, x.size), np.nan)
-        cells[row, column] = np.where(shown, measured, np.nan)
+        cells[row, place] = np.where(shown, measured, np.nan)
         drawn = axes.pcolormesh(x, y, cells, shading="nearest", rasterized=True, **colours)
     else:
         drawn = axes.scatter(values[shown, 0], values[shown, 1], c=measured[shown], s=9.0, **colours)
-    for mark, which in marks.values():
-        if not (mark == "^" and shown[which].all()):
-            axes.plot(values[which, 0], values[which, 1], mark, color=SKY if mark == "^" else AFTER, markersize=4.0)
+    for mark in marks:
+        if mark.which.any() and not (mark.marker == "^" and shown[mark.which].all()):
+            axes.plot(values[mark.which, 0], values[mark.which, 1], **_look(mark))
     axes.grid(visible=False)
-    figure.colorbar(drawn, ax=axes, label=label, extend="both" if colours else "neither")
-
-
-@styled
-def figure_cycles(
-    rows: Sequence[Mapping[str, Any]], marks: Sequence[Mapping[str, Any]], reached: Sequence[Mapping[str, Any]] = ()
-) -> Figure:
-    """Amplitude of each channel over the parameter, one panel a channel.
-
-    `rows` are those of `Cycles.records`; `marks` its special points: kind, branch, the parameter, amplitudes; `reached`
-    the motions of `Basins.records` with the parameter, drawn with the part of random starts that end on them.
-    """
-    names = [key for key in rows[0] if key.startswith("amplitude_")]
-    parameter = list(rows[0])[1]
-    figure = new_figure(7.6, 1.2 + 2.9 * len(names))
-    panels: Any = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, name in zip(panels, names, strict=True):
-        for number, part in groupby(rows, key=lambda row: row["branch"]):
-            _branch(axes, list(part), parameter, name, COLOURS[(int(number) - 1) % len(COLOURS)])
-        for kind, shape in MARKS.items():
-            shown = [mark for mark in marks if mark["kind"] == kind]
-            x, y = [mark[parameter] for mark in shown], [mark[name] for mark in shown]
-            if shown:
-                colour = PERFECT if kind == "grazing" else MEASURED
-                axes.plot(x, y, shape, color=colour, markersize=6, mfc="white", label=kind, zorder=4)
-        for one in reached:
-            x, y = one[parameter], one[f"{name}_m"]
-            axes.plot(x, y, "o", color=AFTER, markersize=4.0 + 14.0 * one["share"] ** 0.5, alpha=0.5, zorder=5)
-            axes.annotate(f"{one['share']:.0%}", (x, y), xytext=(9, 0), textcoords="offset points", va="center")
-        axes.set_ylabel(f"max |{name.removeprefix('amplitude_')}| [m]")
-    panels[-1].set_xlabel(LABELS.get(parameter, parameter))
-    for kept, style in (("stable", "-"), ("unstable", "--")):
-        panels[0].plot([], [], color=BEFORE, linestyle=style, label=kept)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=4)
-    return figure
-
-
-def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str, colour: str) -> None:
-    """One branch; a stretch reaches to the first point of the next, so that nothing is left out."""
-    start = 0
-    for kept, part in groupby(rows, key=lambda row: row["stable"]):
-        stop = start + len(list(part))
-        shown = rows[start : stop + 1]
-        x, y = [row[parameter] for row in shown], [row[name] for row in shown]
-        axes.plot(x, y, color=colour, linestyle="-" if kept else "--")
-        start = stop
+    bar = figure.colorbar(drawn, ax=axes, label=label, extend="both" if colours else "neither")
+    if "norm" in colours:
+        label_decades(bar.ax.yaxis)

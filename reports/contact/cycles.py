@@ -19,8 +19,8 @@ from scipy.linalg import eigh
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
+from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.style import png
-from casingfem.plot.sweep import figure_cycles
 from contact.growth.cycles import Branch, Cycles, DrivenBody, Orbit
 from contact.growth.cycles.driven import Family
 from contact.growth.cycles.shooting import map_of

@@ -15,8 +15,8 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
+from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.style import png
-from casingfem.plot.sweep import figure_cycles
 from contact.growth.cycles import Cycles, Orbit, RimFamily, Special, as_worn
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.rub import rub_of

@@ -1,1 +1,1 @@
-"""Pages, one module for each kind: a study, an update, an identification, contact (a scene, a sweep, cycles)."""
+"""Pages, one module for each kind: a study, an update, an identification, a scene, a sweep, periodic motions."""

@@ -4,6 +4,7 @@ from .follow import follow
 from .result import Branch, Cycles, Special
 from .rubbing import RimFamily, as_worn
 from .shooting import Orbit, orbit
+from .traced import Trace, traced
 
 __all__ = [
     "Attractor",
@@ -14,8 +15,10 @@ __all__ = [
     "Orbit",
     "RimFamily",
     "Special",
+    "Trace",
     "as_worn",
     "basins",
     "follow",
     "orbit",
+    "traced",
 ]

@@ -8,6 +8,13 @@ from contact.growth.cycles.shooting import Orbit
 from contact.io.columns import Column, Columns, mark
 
 Numbered = tuple[int, Orbit]  # branch, from 1, and one of its points
+PARAMETERS = {
+    "speed_hz": ("speed", "Hz"),
+    "freq_hz": ("frequency", "Hz"),
+    "amplitude": ("force", "N"),
+    "clearance": ("clearance", "m"),
+    "friction": ("coefficient of friction", "-"),
+}
 POINTS = (
     Column("branch", "Number of the branch, from 1.", lambda points: [number for number, _ in points], format="d"),
     Column("periods", "Periods of the forcing after which the motion repeats.",
@@ -21,7 +28,7 @@ POINTS = (
     Column("closings", "Number of closings in all its periods.",
            lambda points: [sum(point.closings) for _, point in points], format="d"),
     Column("gap", "Smallest gap.", lambda points: [float(point.gap.min(initial=np.inf)) for _, point in points],
-           unit="m", format=".4g"),
+           head="least gap", unit="m", format=".4g"),
     Column("force", "Largest contact force.",
            lambda points: [float(point.force.max(initial=0.0)) for _, point in points], unit="N", format=".5g"),
 )  # fmt: skip
@@ -29,8 +36,9 @@ POINTS = (
 
 def point_columns(parameter: str, channels: tuple[str, ...]) -> Columns:
     """The columns of a branch over a parameter, whose amplitudes are those of these channels."""
+    head, unit = PARAMETERS.get(parameter, (parameter, ""))
     values = Column(parameter, "Parameter of the branch.", lambda points: [point.value for _, point in points],
-                    format=".8g")  # fmt: skip
+                    head=head, unit=unit, format=".8g")  # fmt: skip
     branch, periods, *others = POINTS
     return [branch, values, periods, *map(amplitude, channels), *others]
 
@@ -39,4 +47,4 @@ def amplitude(channel: str) -> Column:
     """The column of the amplitude of a channel."""
     text = "Largest displacement of the channel over all periods."
     return Column(f"amplitude_{channel}", text, lambda points: [point.amplitude[channel] for _, point in points],
-                  unit="m", format=".6g")  # fmt: skip
+                  head=f"largest {channel}", unit="m", format=".6g")  # fmt: skip

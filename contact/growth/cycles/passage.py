@@ -45,7 +45,7 @@ After = tuple[Array, Array | None, Closed, Event]  # state, derivative and close
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Passage:
-    """Where a period ends: state, derivative (n, n) if asked for, events, contacts closed at `first`.
+    """Where a period ends: state, derivative (n, n) if asked for, events, contacts closed at `first` and at the end.
 
     Over the period: least gap and largest force of each contact (k,), `amplitude` max |u| of what is shown (o,).
     """
@@ -58,6 +58,7 @@ class Passage:
     force: Array
     amplitude: Array
     first: Closed
+    last: Closed
 
 
 class Extremes(NamedTuple):
@@ -183,7 +184,7 @@ def passage(
     shown = slice(0, len(plant.D) - plant.hidden)
     return Passage(
         start=start, x=x, M=M, events=tuple(events), gap=reached.gap, force=reached.force,
-        amplitude=np.maximum(reached.most, -reached.least)[shown], first=first,
+        amplitude=np.maximum(reached.most, -reached.least)[shown], first=first, last=closed,
     )  # fmt: skip
 
 

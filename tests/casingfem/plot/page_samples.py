@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from casingfem.plot.pages.scene import Ran
+from contact.growth.cycles import Branch, Cycles, Orbit, Special, Trace
 from contact.record.growth import RunGrowth
 
 CONTACT = {
@@ -40,3 +41,49 @@ def ran_sample(**given: Any) -> Ran:
         "speed_hz": 5.0, "tracks": (), "scheme": "exact modal", "seconds": 0.4,
     }  # fmt: skip
     return Ran(**numbers | given)
+
+
+def run_rows(status: str = "done", motion: str = "bounded", count: int = 4) -> list[dict[str, Any]]:
+    """Rows of a sweep over the speed, the last of which has this status and motion; the second has a warning."""
+    rows: list[dict[str, Any]] = [
+        {"speed.hz": float(k), "status": "done", "amplitude_m": 1e-6 * k, "peak_force_N": 10.0 * k,
+         "contact_fraction": 0.1, "motion": "bounded", "growth_1_s": 0.1 * k, "growth_low_1_s": 0.1 * k - 0.5,
+         "growth_high_1_s": 0.1 * k + 0.5, "half_wall_at_s": None, "body": "casing", "n": 3, "source": "",
+         "dominant_n": 3, "diverged_at_s": None, "unaccounted_rel": 1e-13, "flags": "", "why": ""}
+        for k in range(1, count + 1)
+    ]  # fmt: skip
+    rows[1]["flags"] = "step-coarse"
+    rows[-1] |= {"status": status, "motion": motion}
+    if status == "diverged":
+        rows[-1] |= {"diverged_at_s": 0.2}
+    if status in ("refused", "failed"):
+        measured = [name for name in rows[-1] if name not in ("speed.hz", "status")]
+        rows[-1] |= dict.fromkeys(measured) | {"flags": "", "why": "speed.hz: found 4, expected less than 3"}
+    return rows
+
+
+def orbit_sample(value: float, multiplier: complex) -> Orbit:
+    """An orbit of one channel x whose amplitude grows with the value."""
+    return Orbit(
+        name="freq_hz", value=value, period=1.0 / value, periods=1, start=0.0, x=np.zeros(2),
+        multipliers=np.array([multiplier, np.conj(multiplier)]), amplitude={"x": 1e-5 * value}, gap=np.array([1e-6]),
+        force=np.array([2.0 * value]), closings=(1,), rests=(0,), touching=(), M=np.eye(2), iterations=3,
+    )  # fmt: skip
+
+
+def cycles_sample() -> Cycles:
+    """A branch from 10 to 16 Hz that folds at 13 Hz, where it loses its stability."""
+    points = [orbit_sample(10.0 + k, (0.4 + 0.2 * k) * np.exp(0.3j)) for k in range(7)]
+    fold = Special(kind="fold", orbit=points[3], before=points[2])
+    graze = Special(kind="grazing", orbit=points[1], before=points[0])
+    return Cycles(name="freq_hz", branches=(Branch(points=tuple(points), specials=(graze, fold)),), seconds=1.0)
+
+
+def trace_samples() -> list[Trace]:
+    """A stable and an unstable orbit over their period."""
+    time = np.linspace(0.0, 1.0, 241)
+    return [
+        Trace(orbit=orbit_sample(value, size), time=time / value,
+              displacement={"x": 1e-5 * value * np.cos(2.0 * np.pi * time)})
+        for value, size in ((12.0, 0.8), (14.0, 1.2))
+    ]  # fmt: skip

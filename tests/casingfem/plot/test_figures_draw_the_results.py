@@ -9,13 +9,14 @@ import pytest
 import casingfem as cf
 import contact as ct
 from casingfem.plot.contact import figure_contact, figure_wear
+from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.experiment import figure_responses as figure_frfs
 from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 from casingfem.plot.interaction import figure_interactions, figure_speeds, figure_stability
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
 from casingfem.plot.records import figure_peaks
-from casingfem.plot.sweep import figure_cycles, figure_sweep
+from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.update import Paired, figure_errors
 from contact.model.bodies.patch import Patch
 from contact.model.gaps.permanent import HandPair, ModalPair
@@ -130,7 +131,7 @@ def test_a_sweep_is_drawn_over_its_key_and_the_key_has_its_unit(tmp_path):
     require_units(figure)
     order = np.argsort(values[:, 0])
     amplitude = np.array([row["amplitude_m"] for row in found.rows])
-    assert same(figure.axes[0].lines[0], values[order, 0], amplitude[order])
+    assert same(figure.axes[0].lines[0], values[order, 0], 1e3 * amplitude[order])  # mm
 
 
 def test_the_wear_of_a_coating_is_drawn_over_its_angle():

@@ -1,6 +1,7 @@
 """The picture gate: no data cut off, no legend over data, no names that overlap, no missing unit; no cut page."""
 
 import re
+from functools import partial
 from itertools import combinations
 from types import SimpleNamespace
 
@@ -8,15 +9,16 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from casingfem.plot.cycles import figure_cycles, figure_multipliers, figure_orbits
 from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map, figure_speeds
 from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
 from casingfem.plot.page import Picture, Section, Verdict, render_page
 from casingfem.plot.pages.scene import CAPTIONS, scene_page
-from casingfem.plot.sweep import figure_cycles, figure_sweep
+from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves
 from tests.casingfem.plot.browser import browser, found_browser
-from tests.casingfem.plot.page_samples import ran_sample, rim_sample
+from tests.casingfem.plot.page_samples import cycles_sample, ran_sample, rim_sample, run_rows, trace_samples
 
 COUNTED = ("nodal diameters n", "mode")
 A4 = 794  # pixels across, 96 an inch
@@ -59,18 +61,21 @@ def faults_of(figure: Figure) -> list[str]:
 
 TIME = np.linspace(0.0, 1.0, 8001)
 WAVE = np.sin(2.0 * np.pi * 300.0 * TIME) * np.exp(-TIME)
-ROWS = [
-    {"speed.hz": float(k), "status": "done", "amplitude_m": 1e-6 * k, "contact_fraction": 0.1, "growth_1_s": 3.0 - k,
-     "dominant_n": 3, "diverged_at_s": None}
-    for k in range(1, 5)
-]  # fmt: skip
-ORBITS = [{"branch": 1, "freq_hz": 10.0 + k, "amplitude_x": 1e-4 * k, "stable": k < 3} for k in range(1, 5)]
 FORCE = SimpleNamespace(time=np.array([0.0, 0.2, 0.4]), angle_deg=np.array([0.0, 180.0, 360.0]), force=np.eye(2))
 CROWD = [Mark(300.0 + 3.0 * k, str(k), "f_c") for k in range(30)] + [Mark(310.0, "f_b", "f_b")]
 TIP = SimpleNamespace(time=TIME, tip=1e-5 * np.stack([WAVE, np.cos(900.0 * TIME)], axis=1),
                       rim=1e-8 * np.stack([1e3 * WAVE, WAVE**2], axis=1))  # fmt: skip
 CAMPBELL = SimpleNamespace(speed_hz=np.linspace(0.0, 50.0, 6), crossings=lambda order: [],
                            freq=np.array([[90.0 + k, 91.0 + k, 180.0 - k] for k in range(6)]))  # fmt: skip
+PLACES = np.array([[x, y] for x in (1.0, 2.0) for y in (1.0, 2.0, 3.0, 4.0)])
+
+
+def swept(status: str, motion: str) -> Figure:
+    """A sweep over the speed."""
+    rows = run_rows(status, motion)
+    return figure_sweep(["speed.hz [turns/s]"], np.array([[row["speed.hz"]] for row in rows]), rows)
+
+
 FIGURES = {
     "run": lambda: figure_history(
         [Panel(label="gap [mm]", time=TIME, curves=[("tip", WAVE, "k"), ("rim", -WAVE, "b")], level=(1.0, "top"))] * 3,
@@ -84,8 +89,12 @@ FIGURES = {
     "map": lambda: figure_map([(2, 900.0), (3, 300.0), (4, 310.0)], [150.0], 150.0),
     "energy": lambda: figure_energy({"contact": 2e-5, "friction": -1e-5}, TIME, {"casing": WAVE**2}),
     "speeds": lambda: figure_speeds(CAMPBELL),
-    "sweep": lambda: figure_sweep(["speed.hz [Hz]"], np.arange(1.0, 5.0)[:, None], ROWS),
-    "cycles": lambda: figure_cycles(ORBITS, [{"kind": "fold", "branch": 1, "freq_hz": 12.0, "amplitude_x": 2e-4}]),
+    **{f"sweep, {status}, {motion}": partial(swept, status, motion)
+       for status, motion in (("done", "grows"), ("diverged", "grows"), ("refused", ""))},
+    "sweep of two keys": lambda: figure_sweep(["a [m]", "b [s]"], PLACES, [*run_rows(), *run_rows("diverged")]),
+    "cycles": lambda: figure_cycles(cycles_sample().records(), cycles_sample().marks()),
+    "multipliers": lambda: figure_multipliers(cycles_sample()),
+    "orbits": lambda: figure_orbits(trace_samples()),
 }  # fmt: skip
 
 
@@ -115,7 +124,7 @@ def test_a_page_is_whole_on_paper_and_on_a_phone_and_has_no_repr(tmp_path):
     figures = {name: draw() for name, draw in FIGURES.items() if name in CAPTIONS}
     html = scene_page("rub", "[scene]", ran_sample(), figures, source={"scene": "rub.toml", "sha256": "01" * 32})
     (tmp_path / "scene.html").write_text(html, encoding="utf-8")
-    wide = Picture.of(FIGURES["sweep"](), "A sweep.")
+    wide = Picture.of(swept("diverged", "grows"), "A sweep.")
     verdict = Verdict(found="Four runs.", sure="Sure.", further="None.")
     (tmp_path / "sweep.html").write_text(render_page("S", [Section("A", figures=(wide,))], verdict=verdict))
     with browser(tmp_path / "user") as tab:

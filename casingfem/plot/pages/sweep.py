@@ -1,0 +1,215 @@
+"""The page on a sweep: which values are safe, how hard the contact hits, how sure that is; every run."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
+from casingfem.plot.pages.speeds import listed, with_rpm
+from casingfem.plot.style import Drawn
+from casingfem.plot.sweep import column, named, stretches, unsafe
+from contact.io.columns import Columns
+
+Rows = Sequence[Mapping[str, Any]]
+CAPTION = (
+    "Results of the runs over the varied keys. Bars: 95 % interval of the growth. Shaded: values at which the motion "
+    "grows or the run diverged. Colours of a map span all but the outermost values."
+)
+FOLDED = 20  # runs from which their table is folded
+NAMED = 4  # ranges or codes in a sentence
+UNDECIDED = "undecided"
+
+
+def sweep_page(
+    name: str, labels: Sequence[str], keys: Sequence[str], rows: Rows, source: Mapping[str, Any],
+    drawn: Drawn | None, columns: Columns,
+) -> str:  # fmt: skip
+    """HTML of the page on a sweep over these keys; `drawn` is its picture, where keys are numbers.
+
+    `rows` hold the varied values by key and what was measured, in `columns`; `labels` are the keys with their units.
+    """
+    figures = () if drawn is None else (Picture.of(drawn, CAPTION),)
+    sections = [
+        Section("Results over the varied keys", figures=figures),
+        Section("Runs", tables=(runs_table(labels, keys, rows, columns),)),
+    ]
+    return render_page(f"Sweep of {name}", sections, verdict=sweep_verdict(keys, rows), source=origin(source))
+
+
+def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
+    """Which runs are unsafe; largest force and amplitude, safe and unsafe values, warnings; what to do next."""
+    state, sentence = outcome(rows)
+    facts = [
+        ("Force", largest_words(keys, rows, "peak_force_N", "N")),
+        ("Amplitude", largest_words(keys, rows, "amplitude_m", "mm", 1e3)),
+        ("Growth", growth_words(keys, rows)),
+        *range_facts(keys, rows),
+        ("Warnings", warning_words(rows)),
+        ("Not run", lost_words(rows)),
+    ]
+    return Verdict(
+        found=sentence, sure=sure_words(rows), further=further_words(rows), state=state,
+        facts=tuple(fact for fact in facts if fact[1]),
+    )  # fmt: skip
+
+
+def outcome(rows: Rows) -> tuple[str, str]:
+    """The state, good, bad or open, and the sentence that comes first."""
+    count = Counter(str(row["status"]) for row in rows)
+    bad, broken = int(unsafe(rows).sum()), count["refused"] + count["failed"]
+    undecided = sum(row.get("motion") == UNDECIDED for row in rows)
+    if broken == len(rows):
+        return "bad", f"No result: all {len(rows)} runs were refused or failed."
+    if bad:
+        return "bad", f"Unsafe: the motion grows or diverges in {bad} of {counted(len(rows), 'run')}."
+    if undecided:
+        return "open", f"Not decided: {undecided} of {counted(len(rows), 'run')} are too short to show growth."
+    if any(row.get("motion") for row in rows):
+        return "good", f"Bounded: the motion grows in none of {counted(len(rows), 'run')}."
+    return "", f"{count['done']} of {counted(len(rows), 'run')} done over {' and '.join(keys_of(rows))}."
+
+
+def keys_of(rows: Rows) -> list[str]:
+    """The varied keys: those before the outcome."""
+    names = list(rows[0])
+    return names[: names.index("status")]
+
+
+def counted(number: int, name: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "run"), counted(27, "run")
+    ('1 run', '27 runs')
+    """
+    return f"{number:,} {name}{'s' * (number != 1)}"
+
+
+def at_words(keys: Sequence[str], row: Mapping[str, Any]) -> str:
+    """The varied values of a run."""
+    return ", ".join(with_rpm(row[key]) if key == "speed.hz" else f"{key} = {written(short(row[key]))}" for key in keys)
+
+
+def largest_words(keys: Sequence[str], rows: Rows, name: str, unit: str, scale: float = 1.0) -> str:
+    """From which to which value a result goes, and where it is largest; empty where no run has it."""
+    values = scale * column(rows, name)
+    if not np.isfinite(values).any():
+        return ""
+    low, high, k = np.nanmin(values), np.nanmax(values), int(np.nanargmax(values))
+    return (
+        f"From {written(float(low), 4)} to {written(float(high), 4)} {unit}, the largest at {at_words(keys, rows[k])}."
+    )
+
+
+def growth_words(keys: Sequence[str], rows: Rows) -> str:
+    """The fastest growth with its interval, its wave and its source; empty where no motion grows."""
+    growing = [row for row in rows if row.get("motion") == "grows"]
+    if not growing:
+        return ""
+    row = max(growing, key=lambda one: float(one["growth_1_s"]))
+    words = f"At most {float(row['growth_1_s']):.4g} 1/s"
+    if row.get("growth_low_1_s") is not None:
+        words += f" (95 %: {row['growth_low_1_s']:.3g} to {row['growth_high_1_s']:.3g})"
+    words += f", at {at_words(keys, row)}"
+    if row.get("body"):
+        words += f": {'the ' if row.get('n') is None else 'n = {n} of the '.format(n=row['n'])}{row['body']}"
+        words += f", with energy from {row['source']}" if row.get("source") else ""
+    wall = row.get("half_wall_at_s")
+    return words + (f". The rim reaches half of its wall after {wall:.3g} s." if wall is not None else ".")
+
+
+def range_facts(keys: Sequence[str], rows: Rows) -> list[tuple[str, str]]:
+    """Unsafe and safe values of one varied number, of a speed in rpm and Hz; of several keys none."""
+    if len(keys) != 1 or not any(row.get("motion") for row in rows):
+        return []
+    values = [row[keys[0]] for row in rows]
+    if not all(isinstance(value, int | float) for value in values):
+        return []
+    x, bad = np.array(values, dtype=float), unsafe(rows)
+    decided = np.array([row["status"] == "done" and row.get("motion") != UNDECIDED for row in rows])
+    words = []
+    for name, chosen in (("Unsafe", bad), ("Safe", decided & ~bad)):
+        ranges = stretches(x, chosen)
+        if ranges:
+            text = listed(ranges) if keys[0] == "speed.hz" else plain_ranges(ranges)
+            words.append(
+                (name, f"The runs at {text}." if keys[0] == "speed.hz" else f"The runs at {keys[0]} = {text}.")
+            )
+    return words
+
+
+def plain_ranges(ranges: Sequence[tuple[float, float]]) -> str:
+    """Ranges of a number, and how many more.
+
+    >>> plain_ranges([(0.1, 0.2), (0.5, 0.5)])
+    '0.1 to 0.2; 0.5'
+    """
+    words = "; ".join(f"{low:.4g} to {high:.4g}" if high > low else f"{low:.4g}" for low, high in ranges[:NAMED])
+    return words + (f"; and {len(ranges) - NAMED} more" if len(ranges) > NAMED else "")
+
+
+def warning_words(rows: Rows) -> str:
+    """Codes of warnings with the number of runs that have each."""
+    count = Counter(code for row in rows for code in str(row.get("flags") or "").split("; ") if code)
+    if not count:
+        return ""
+    words = ", ".join(f"{code} in {counted(number, 'run')}" for code, number in count.most_common(NAMED))
+    return f"{words}. `casingfem explain CODE` gives the cause and the remedy."
+
+
+def lost_words(rows: Rows) -> str:
+    """How many runs were refused or failed, and the reason of the first."""
+    parts = []
+    for status in ("refused", "failed"):
+        reasons = [str(row.get("why") or "") for row in rows if row["status"] == status]
+        parts += [f"{counted(len(reasons), 'run')} {status}, the first: {reasons[0].rstrip('.')}."] if reasons else []
+    return " ".join(parts)
+
+
+def sure_words(rows: Rows) -> str:
+    """What the runs' own checks say, and what they leave out."""
+    left = [abs(float(row["unaccounted_rel"])) for row in rows if row.get("unaccounted_rel") is not None]
+    if not left:
+        return "No run has results."
+    words = f"At most {written(100.0 * max(left), 1)} % of the energy of a run is unaccounted for."
+    return f"{words} The time step and the number of modes are not checked, unless the sweep varies them."
+
+
+def further_words(rows: Rows) -> str:
+    """What to do next."""
+    if any(row["status"] in ("refused", "failed") for row in rows):
+        return "Correct the runs that were refused or failed: the last column of the table gives the reason."
+    if any(row.get("motion") == "grows" for row in rows):
+        return (
+            "Leave the unsafe values, or add damping or reduce friction. `casingfem interactions` lists the dangerous "
+            "speeds between these runs."
+        )
+    if any(row["status"] == "diverged" for row in rows):
+        return (
+            "Run one scene that diverged: `casingfem rub` repeats its last stretch at half the step and says whether "
+            "the growth is converged."
+        )
+    if any(row.get("motion") == UNDECIDED for row in rows):
+        return "Lengthen t_end, then sweep again."
+    return "Vary more finely around the largest values, and vary scheme.dt to see what the step changes."
+
+
+def runs_table(labels: Sequence[str], keys: Sequence[str], rows: Rows, columns: Columns) -> Table:
+    """Every run: the varied values, then its results; columns without values are left out."""
+    used = [one for one in columns if any(row.get(one.name) not in (None, "") for row in rows)]
+    measured = Table.of(f"The {len(rows)} runs; sweep.csv has more columns.", used, rows, folded=len(rows) > FOLDED)
+    cells = tuple(
+        (*(short(row[key]) for key in keys), *(cell or None for cell in found))
+        for row, found in zip(rows, measured.rows, strict=True)
+    )
+    varied = tuple("Value of a varied key of the scene." for _ in keys)
+    return replace(
+        measured, columns=(*map(named, labels), *measured.columns), rows=cells, meanings=(*varied, *measured.meanings)
+    )
+
+
+def short(value: Any) -> Cell:
+    """A varied value: a number as it is, the name of a file, else its words."""
+    return value if isinstance(value, int | float) else str(value)
