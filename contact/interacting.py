@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from contact.base.errors import InputError
 from contact.growth.peaks import Peak, Peaks, growth_at, peaks
-from contact.io.columns import Column, table_lines
+from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
@@ -30,7 +30,6 @@ from contact.speed_runs import SpeedRun, Verdict, speed_runs
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
-LINE = 100  # characters of a printed line
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,7 +151,7 @@ class Interactions(Reported):
         return " ".join(filter(None, [*words, pairs]))
 
     def __repr__(self) -> str:
-        table = table_lines(COLUMNS, self.records(), width=LINE) if self.rows else []
+        table = table_lines(COLUMNS, self.records(), width=WIDE) if self.rows else []
         return "\n".join([*table, self.words])
 
     def to_dict(self) -> dict[str, object]:

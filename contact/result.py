@@ -8,12 +8,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from contact.base.arrays import Array, read_npz, readonly
 from contact.base.errors import InputError
+from contact.io.columns import WIDE, Column, table_lines
 from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
@@ -37,6 +38,25 @@ TIPS = "tips"  # block of a stepper's coordinates that holds forces on tips: `Re
 Intervals = tuple[tuple[float, float], ...]
 
 
+CONTACTS = (
+    Column("contact", "Number of the contact, from 1.", lambda run: range(1, run.impulse.size + 1), format="d"),
+    Column("closings", "How often the contact closed.", lambda run: [len(closed) for closed in run.intervals],
+           format="d"),
+    Column("closed_s", "Time for which the contact was closed.", lambda run: run.contact_steps * run.dt,
+           head="closed", unit="s", format=".4g"),
+    Column("impulse_N_s", "Impulse of the contact.", lambda run: run.impulse, head="impulse", unit="N s",
+           format=".6g"),
+    Column("peak_force_N", "Largest force of a step, which depends on the step.", lambda run: run.peak_force,
+           head="peak", unit="N", format=".4g"),
+    Column("windowed_force_N", "Largest force averaged over the period of the highest mode.",
+           lambda run: run.windowed_force().max(axis=0, initial=0.0), head="averaged", unit="N", format=".4g"),
+    Column("max_penetration_m", "Deepest penetration.", lambda run: run.max_penetration, head="depth", unit="m",
+           format=".3g"),
+    Column("residual_m", "Largest violation of the contact law.", lambda run: run.residual, head="residual",
+           unit="m", format=".3g"),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Result(Reported):
     """One run: n samples, K contacts. Forces are compressive >= 0 [N]; `lam` = -force is the public sign.
@@ -55,6 +75,8 @@ class Result(Reported):
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """
+
+    COLUMNS: ClassVar = CONTACTS
 
     time: Array
     force: Array
@@ -154,15 +176,8 @@ class Result(Reported):
         span = self.steps * self.dt
         lines = [
             f"{self.steps} steps of {self.dt:.4g} s to {span:.6g} s in {self.seconds:.3g} s: {self.scheme}",
-            "contact  closings  time closed [s]  impulse [N s]  peak [N]  windowed [N]  penetration [m]  residual [m]",
+            *table_lines(self.COLUMNS, self.records(), width=WIDE),
         ]
-        windowed = self.windowed_force().max(axis=0, initial=0.0)
-        for k in range(self.impulse.size):
-            lines.append(
-                f"{k + 1:7d}  {len(self.intervals[k]):8d}  {self.contact_steps[k] * self.dt:15.6g}  "
-                f"{self.impulse[k]:13.6g}  {self.peak_force[k]:8.4g}  {windowed[k]:12.4g}  "
-                f"{self.max_penetration[k]:15.3g}  {self.residual[k]:12.3g}"
-            )
         if len(self.gap) and not any(self.intervals):
             row, k = divmod(int(self.gap.argmin()), self.gap.shape[1])
             lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
@@ -191,19 +206,6 @@ class Result(Reported):
                 "; sums, intervals, impulse and energy are over every step"
             )
         return "\n".join(lines)
-
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a contact: sums over the run."""
-        windowed, closed = self.windowed_force().max(axis=0, initial=0.0), self.contact_steps * self.dt
-        return [
-            {
-                "contact": k + 1, "closings": len(self.intervals[k]), "closed_s": float(closed[k]),
-                "impulse_N_s": float(self.impulse[k]), "peak_force_N": float(self.peak_force[k]),
-                "windowed_force_N": float(windowed[k]), "max_penetration_m": float(self.max_penetration[k]),
-                "residual_m": float(self.residual[k]),
-            }
-            for k in range(self.impulse.size)
-        ]  # fmt: skip
 
     def columns(self) -> dict[str, Array]:
         """One row a sample: time, and of each contact force, force averaged over the window, gap, impulse so far."""

@@ -14,7 +14,7 @@ DOCS = ROOT / "docs"
 GALLERY = sorted(DOCS.glob("gallery/*/*.py"))
 TUTORIAL = sorted(DOCS.glob("tutorial/*.py"))
 TOCTREE = re.compile(r"^```\{toctree\}\n((?:.*\n)*?)```", re.MULTILINE)
-COLUMNS = re.compile(r"^([A-Z_]+)(?:: \w+)? = \(\n    Column\(", re.MULTILINE)
+COLUMNS = re.compile(r"^([A-Z_]+)(?:: \w+)? = (?:columns_of)?\(\n    Column\(", re.MULTILINE)
 MADE = {"built/tutorial/index", "built/gallery/index", "built/api/index"}
 
 

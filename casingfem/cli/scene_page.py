@@ -69,7 +69,7 @@ def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "R
     least = result.least_gap
     return Ran(
         rubs=rubs, steps=result.steps, dt=result.dt, span=result.steps * result.dt, window=result.window,
-        contacts=result.records(), force=float(windowed.max(initial=0.0)),
+        contacts=list(result.records()), contact_columns=result.described(), force=float(windowed.max(initial=0.0)),
         impulse=float(result.impulse.sum()), closed=float(result.contact_steps.max(initial=0)) * result.dt,
         closings=sum(map(len, result.intervals)), least_gap=float(least.min()) if least.size else math.nan,
         residual=float(result.residual.max(initial=0.0)),

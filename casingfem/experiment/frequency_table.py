@@ -217,8 +217,8 @@ class FrequencyTable(Reported):
         return int(self.mode.size)
 
     def columns(self) -> dict[str, Any]:
-        """One row a mode, the file's further columns too; n is -1 and numbers are nan where the test does not say."""
-        return {name: getattr(self, name) for name in COLUMNS} | dict(self.extra)
+        """One row a mode, the file's further columns too; n is None and numbers are nan where the test has none."""
+        return {column.name: column.values(self) for column in TABLE_COLUMNS} | dict(self.extra)
 
     def __repr__(self) -> str:
         doublets = sum(len(group.rows) == 2 for group in self.groups())

@@ -1,12 +1,15 @@
 """What a search for loose bolts or added masses found: places with uncertainty, and what else it may be."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from casingfem.experiment.correlation.matches import unpaired_words
 from casingfem.io.arrays import FloatArray
 from casingfem.locate.misfit import Misfit
+from contact.io.columns import Column, Columns, records_of, table_lines
 from contact.io.reported import Reported
 
 NOISE = 5.0  # times the stated sigma: noise may well be understated three times, hardly more
@@ -38,6 +41,46 @@ class Explanation:
     def places(self) -> frozenset[int]:
         """The numbers of the places."""
         return frozenset(one.place for one in self.found)
+
+
+def places_of(found: "Localisation") -> list[tuple[int, Explanation, Found]]:
+    """Number of each explanation, the explanation, and each of its places; the best one is 1."""
+    numbered = enumerate((found.best, *found.others), 1)
+    return [(k, explanation, place) for k, explanation in numbered for place in explanation.found]
+
+
+def of_each(name: str) -> Callable[["Localisation"], list[Any]]:
+    """One value of each place."""
+    return lambda found: [getattr(place, name) for _, _, place in places_of(found)]
+
+
+def columns_of(value: Column, sigma: Column, angle: Literal["everywhere", "files"]) -> Columns:
+    """The columns of bolts or of masses; `angle` says which tables show the uncertainty of the angle."""
+    return (
+        Column("explanation", "Number of the explanation; 1 has the least chi^2.",
+               lambda found: [k for k, _, _ in places_of(found)], head="no.", format="d"),
+        Column("chi2_behind", "chi^2 of the explanation over that of the best one.",
+               lambda found: [one.behind for _, one, _ in places_of(found)], head="chi^2 above", format=".2g"),
+        Column("place", "Number of the bolt, or of the nearest candidate, from 1.", of_each("place"), format="d"),
+        Column("angle_deg", "Angle of the place.", of_each("angle_deg"), head="angle", unit="deg", format=".2f"),
+        value,
+        sigma,
+        Column("angle_sigma_deg", "Standard deviation of the angle; 0 for a bolt.", of_each("angle_sigma_deg"),
+               head="sigma of angle", unit="deg", format=".2g", where=angle),
+    )  # fmt: skip
+
+
+BOLTS = columns_of(
+    Column("value", "Part of the bolt's stiffness that is left.", of_each("value"), head="stiffness left", unit="%",
+           format=".0f", scale=100.0),
+    Column("sigma", "Standard deviation of this part.", of_each("sigma"), unit="%", format=".1f", scale=100.0),
+    "files",
+)  # fmt: skip
+MASSES = columns_of(
+    Column("value", "Added mass, in kg.", of_each("value"), head="mass", unit="g", format=".4g", scale=1e3),
+    Column("sigma", "Standard deviation of the mass, in kg.", of_each("sigma"), unit="g", format=".2g", scale=1e3),
+    "everywhere",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -93,10 +136,9 @@ class Localisation(Reported):
         """The places of the best explanation."""
         return self.best.found
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a place of each explanation, the best one (1) first."""
-        numbered = enumerate((self.best, *self.others), 1)
-        return [{"explanation": k, "chi2_behind": e.behind, **asdict(f)} for k, e in numbered for f in e.found]
+    def described(self) -> Columns:
+        """The columns of bolts or of masses."""
+        return BOLTS if self.among == "bolts" else MASSES
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
@@ -122,7 +164,8 @@ class Localisation(Reported):
         one, many = {"bolts": ("loose bolt", "loose bolts"), "mass": ("added mass", "added masses")}[self.among]
         what = one if len(self.found) == 1 else many
         lines = [f"{len(self.found) or 'no'} {what} found ({'with' if self.calibrated else 'without'} a baseline)"]
-        lines += [f"  {described(self.among, place)}" for place in self.found]
+        if rows := records_of(self.described(), self):
+            lines += table_lines(self.described(), rows)
         lines.append(
             f"chi^2 {self.chi2_start:.4g} -> {self.chi2:.4g} over {self.rows} residuals; "
             f"they are {self.scale:.3g} times their stated sigma"
@@ -134,9 +177,6 @@ class Localisation(Reported):
                 "sigma_hz; the model's own error goes into model_error"
             )
         lines += unpaired_words(self.unpaired) + unpaired_words(self.baseline_unpaired, "baseline")
-        for other in self.others:
-            places = ", ".join(described(self.among, place) for place in other.found)
-            lines.append(f"as likely (chi^2 {other.behind:+.2g}): {places}")
         explained = (self.best, *self.others)
         axes = [tuple(sorted(round(f.angle_deg % 180.0, 3) for f in e.found)) for e in explained]  # but for half turns
         if self.among == "bolts" and len(set(axes)) > 1:
@@ -163,10 +203,3 @@ class Localisation(Reported):
         line = f"a single change is seen from {seen.min():.2g} to {seen.max():.2g} {unit}"
         places = ", ".join(str(k + 1) for k in np.flatnonzero(blind))
         return f"{line}, at places {places} not at all" if places else line
-
-
-def described(among: str, one: Found) -> str:
-    """A place in words."""
-    if among == "bolts":
-        return f"bolt {one.place} at {one.angle_deg:.1f} deg: {one.value:.0%} +- {one.sigma:.1%} of its stiffness"
-    return f"{1e3 * one.value:.4g} +- {1e3 * one.sigma:.2g} g at {one.angle_deg:.2f} +- {one.angle_sigma_deg:.2g} deg"

@@ -18,7 +18,34 @@ from casingfem.structure.shell.assembly import assemble, spin
 from casingfem.structure.shell.prestress import Spin
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
+from contact.io.columns import Column, Columns, records_of, table_lines
 from contact.io.reported import Reported
+
+
+def met_words(met: list[tuple[int, float]]) -> str:
+    """Engine orders and the speeds [Hz] at which they meet a mode."""
+    return ", ".join(f"{order} at {at:.4g} Hz" for order, at in met) or "-"
+
+
+MODES = (
+    Column("mode", "Number of the mode at the first speed, from 1.", lambda found: range(1, found.freq.shape[1] + 1),
+           format="d"),
+    Column("first_hz", "Frequency at the first speed.", lambda found: found.freq[0], head="at first speed", unit="Hz",
+           format=".3f"),
+    Column("last_hz", "Frequency at the last speed.", lambda found: found.freq[-1], head="at last speed", unit="Hz",
+           format=".3f"),
+    Column("southwell", "Slope of the squared frequency over the squared speed, at the first speed.",
+           lambda found: found.southwell, head="Southwell", format=".4f"),
+    Column("engine_orders", "Engine orders that meet the mode, each with its speed.", lambda found: found.met(),
+           head="engine orders met", format=met_words),
+)  # fmt: skip
+
+
+def of_mode(k: int) -> Column:
+    """Frequency of one mode over the speeds."""
+    return Column(f"mode{k + 1}_hz", f"Frequency of mode {k + 1}.", lambda found: found.freq[:, k],
+                  head=f"mode {k + 1}", unit="Hz", format=".3f")  # fmt: skip
+
 
 SPARE = 6  # modes computed beyond those followed, so that one may leave the range and another come in
 
@@ -61,27 +88,36 @@ class Campbell(Reported):
         return zero_crossings(self.speed_hz, self.freq - order * self.speed_hz[:, None])
 
     def columns(self) -> dict[str, FloatArray]:
-        """One row a speed, one column a mode.
+        """One row a speed, one column a mode, as arrays.
 
         >>> data = Campbell(omega=np.array([0.0, 2 * np.pi * 50]), freq=np.array([[100.0], [110.0]]),
         ...                 southwell=np.zeros(1), overlap=np.ones((2, 1)))
         >>> list(data.columns()), data.plot(orders=4).axes[0].get_xlabel()
         (['speed_hz', 'mode1_hz'], 'speed [Hz]')
         """
-        return {"speed_hz": self.speed_hz} | {f"mode{k + 1}_hz": freq for k, freq in enumerate(self.freq.T)}
+        return {column.name: np.asarray(column.values(self)) for column in self.described()}
 
     def __repr__(self) -> str:
         return self.table()
 
+    def described(self) -> Columns:
+        """The speed, and the frequency of each mode: one row a speed."""
+        speed = Column("speed_hz", "Speed of rotation.", lambda found: found.speed_hz, head="speed", unit="Hz",
+                       format=".5g")  # fmt: skip
+        return (speed, *map(of_mode, range(self.freq.shape[1])))
+
+    def met(self, orders: int = 8) -> list[list[tuple[int, float]]]:
+        """Of each mode, the engine orders that meet it with the speeds [Hz]."""
+        found = self._met(orders)
+        return [[(order, at) for order, k, at in found if k == mode] for mode in range(self.freq.shape[1])]
+
     def table(self, orders: int = 8) -> str:
-        """Frequencies at the first, middle and last speed, Southwell's coefficient, and engine orders that are met."""
-        shown = sorted({0, len(self.omega) // 2, len(self.omega) - 1})
-        lines = ["mode  " + "  ".join(f"{self.speed_hz[k]:8.4g} Hz" for k in shown) + "  Southwell  engine orders met"]
-        for mode in range(self.freq.shape[1]):
-            met = [f"{order} at {at:.4g} Hz" for order, k, at in self._met(orders) if k == mode]
-            cells = "  ".join(f"{self.freq[k, mode]:11.3f}" for k in shown)
-            lines.append(f"{mode + 1:4d}  {cells}  {self.southwell[mode]:9.4f}  {', '.join(met) or '-'}")
-        return "\n".join(lines)
+        """One row a mode: frequencies at the first and last speed, Southwell's coefficient, engine orders met."""
+        rows = [
+            row | {"engine_orders": met} for row, met in zip(records_of(MODES, self), self.met(orders), strict=True)
+        ]
+        first, last = self.speed_hz[0], self.speed_hz[-1]
+        return "\n".join([f"speeds {first:.4g} to {last:.4g} Hz", *table_lines(MODES, rows)])
 
     def _met(self, orders: int) -> list[tuple[int, int, float]]:
         return [(order, k, at) for order in range(1, orders + 1) for k, at in self.crossings(order)]

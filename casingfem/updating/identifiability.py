@@ -10,11 +10,13 @@ Directions with s < 1 are the prior's or the bounds', not the data's.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.parameters import Parameter
+from contact.io.columns import Column, table_lines, word
 from contact.io.reported import Reported
 
 SEEN = 1.0  # singular value above which the data say more than was known
@@ -28,7 +30,17 @@ def widths(vary: Sequence[Parameter]) -> FloatArray:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+COLUMNS = (
+    Column("singular", "Singular value: width of the direction before the test over that by the data alone.",
+           lambda found: found.singular, head="singular value", format=".4g"),
+    Column("left_rel", "Width of the direction after the test over that before.",
+           lambda found: 1.0 / np.hypot(1.0, found.singular), head="left", format=".3f"),
+    Column("direction", "Main parameters of the direction with their shares, in widths before the test.",
+           lambda found: [found.words(k) for k in range(len(found.singular))], format=word),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Identifiability(Reported):
     """Singular values and directions of a Jacobian.
 
@@ -43,6 +55,8 @@ class Identifiability(Reported):
     left
         Standard deviation of each parameter after the test over that before, data and width together, (parameters,).
     """
+
+    COLUMNS: ClassVar = COLUMNS
 
     names: tuple[str, ...]
     singular: FloatArray
@@ -66,10 +80,6 @@ class Identifiability(Reported):
         shown = [i for i in np.argsort(-np.abs(column)) if abs(column[i]) > NAMED]
         return " ".join(f"{column[i]:+.2f} {self.names[i]}" for i in shown)
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a direction."""
-        return [{"singular": float(s), "direction": self.words(k)} for k, s in enumerate(self.singular)]
-
     def to_json(self) -> dict[str, object]:
         """Plain data."""
         return {
@@ -82,9 +92,7 @@ class Identifiability(Reported):
 
     def __repr__(self) -> str:
         """A row for each direction, and what the table cannot see."""
-        lines = [f"{'singular value':>14} {'left':>6}  direction, in widths of the parameters before the test"]
-        for k, s in enumerate(self.singular):
-            lines.append(f"{s:>14.4g} {1.0 / np.hypot(1.0, s):>6.3f}  {self.words(k)}")
+        lines = table_lines(self.COLUMNS, self.records())
         lines.append(f"the data determine {self.rank} of {len(self.names)} directions")
         if self.unseen:
             lines.append(f"the table does not see {', '.join(self.unseen)}")

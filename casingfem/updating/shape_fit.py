@@ -1,8 +1,7 @@
 """How the shapes of an update compare before and after: MAC of each, of planes where the model has pairs, by sensor."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shapes import SensorShapes
+from contact.io.columns import WIDE, Column, known, present, table_lines
 from contact.io.reported import Reported
 
 WORST = 6  # sensors named
@@ -58,9 +58,41 @@ class ShapeComparison:
         return float(np.mean(planes)) if planes else float("nan")
 
 
+def matched(side: str) -> tuple[Column, ...]:
+    """The columns of the models before or after the fit."""
+    when = "before the fit" if side == "before" else "after it"
+
+    def found(fit: "ShapeFit") -> tuple[ShapeMatch, ...]:
+        comparison: ShapeComparison = getattr(fit, side)
+        return comparison.found
+
+    return (
+        Column(f"computed_{side}", f"Number of the mode that the shape pairs with {when}.",
+               lambda fit: [None if one.mode is None else one.mode + 1 for one in found(fit)], head=f"mode {side}",
+               format="d"),
+        Column(f"mac_{side}", f"MAC of the shape and this mode {when}.",
+               lambda fit: present(one.mac for one in found(fit)), head=f"MAC {side}", format=".3f"),
+        Column(f"plane_{side}", f"MAC of the planes of the pair {when}; its members may be turned in their plane.",
+               lambda fit: present(one.plane for one in found(fit)), head=f"plane {side}", format=".3f"),
+    )  # fmt: skip
+
+
+COLUMNS = (
+    Column("mode", "Mode number of the measured table.", lambda fit: fit.fit.table.mode[fit.after.rows], format="d"),
+    Column("n", "Nodal diameters of the row, where the table has them.",
+           lambda fit: known(fit.fit.table.n[fit.after.rows]), format="d"),
+    Column("measured_hz", "Measured frequency.", lambda fit: fit.fit.table.freq_hz[fit.after.rows], head="measured",
+           unit="Hz", format=".3f"),
+    *matched("before"),
+    *matched("after"),
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class ShapeFit(Reported):
     """The measured shapes against the models before and after an update."""
+
+    COLUMNS: ClassVar = COLUMNS
 
     fit: UpdateResult
     shapes: SensorShapes
@@ -72,18 +104,6 @@ class ShapeFit(Reported):
         order = np.argsort(self.after.comac, kind="stable")[:count]
         columns = (self.shapes.labels, self.before.comac, self.after.comac)
         return [(int(k), float(a), float(b)) for k, a, b in zip(*(c[order] for c in columns), strict=True)]
-
-    def records(self) -> Iterator[dict[str, object]]:
-        """One plain dictionary a row with a shape; mode numbers from 1."""
-        table = self.fit.table
-        for row, old, new in zip(self.after.rows.tolist(), self.before.found, self.after.found, strict=True):
-            yield {
-                "mode": int(table.mode[row]),
-                "n": int(table.n[row]) if table.n[row] >= 0 else None,
-                "measured_hz": float(table.freq_hz[row]),
-                **{f"{name}_before": value for name, value in numbered(old).items()},
-                **{f"{name}_after": value for name, value in numbered(new).items()},
-            }
 
     def to_json(self) -> dict[str, object]:
         """Plain lists and numbers."""
@@ -106,14 +126,10 @@ class ShapeFit(Reported):
         if paired:
             plane, row = min(paired)
             lines[0] += f", least {plane:.3f} (mode {self.fit.table.mode[row]})"
+        lines += table_lines(self.COLUMNS, self.records(), width=WIDE)
         if self.shapes.unused_hz:
             lines.append(f"shapes of no row: {', '.join(f'{f:.2f}' for f in self.shapes.unused_hz)} Hz")
         return "\n".join(lines)
-
-
-def numbered(match: ShapeMatch) -> dict[str, object]:
-    """A match as plain data, modes from 1."""
-    return {"computed": None if match.mode is None else match.mode + 1, "mac": match.mac, "plane": match.plane}
 
 
 def shape_fit(fit: UpdateResult) -> ShapeFit | None:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 WIDTH = 80  # characters of a printed line; a wider table goes on below
+WIDE = 100  # the same of tables that are read in one piece
 NONE = "-"  # an absent value in a printed table
 
 

@@ -58,7 +58,7 @@ class Reported:
         """A pandas table of the result; `.to_csv`, `.to_parquet` (with pyarrow) write it."""
         import pandas as pd
 
-        return pd.DataFrame(dict(self.columns()))
+        return pd.DataFrame({name: whole(values) for name, values in self.columns().items()})
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the result: a matplotlib Figure; in the place of `ax`, an Axes of a figure of yours, if given.
@@ -141,6 +141,14 @@ def painters() -> tuple[Any, ...]:
     from importlib.metadata import entry_points
 
     return tuple(entry.load() for entry in entry_points(group=PICTURES))
+
+
+def whole(values: Any) -> Any:
+    """Whole numbers of which some are missing as pandas' `Int64`, so that they stay whole; other values as they are."""
+    import pandas as pd
+
+    kinds = {type(value) for value in values} if isinstance(values, list | tuple) else set()
+    return pd.array(list(values), dtype="Int64") if kinds == {int, type(None)} else values
 
 
 def names_in(rows: Iterable[Mapping[str, Any]]) -> list[str]:

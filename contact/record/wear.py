@@ -4,14 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from contact.base.arrays import Array, readonly
+from contact.io.columns import Column
 from contact.io.reported import Reported
 
 WEAR_ARRAYS = ("angle", "made", "cut", "worn", "map_time", "map")
 WEAR_NUMBERS = ("volume", "stated", "dissipated", "bare")
+
+
+COLUMNS = (
+    Column("angle_rad", "Angle of the bar in the casing's frame.", lambda wear: wear.angle, head="angle", unit="deg",
+           format=".2f", scale=180.0 / np.pi),
+    Column("made_m", "Deviation of the rim's radius as made.", lambda wear: wear.made, head="as made", unit="um",
+           format=".3g", scale=1e6),
+    Column("cut_m", "Depth machined before the run.", lambda wear: wear.cut, head="machined", unit="um", format=".3g",
+           scale=1e6),
+    Column("worn_m", "Depth worn by the run.", lambda wear: wear.worn, head="worn", unit="um", format=".3g",
+           scale=1e6),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -23,6 +37,8 @@ class Wear(Reported):
     `volume` worn [m^3]; `dissipated` energy summed over the steps [J], `stated` what the law says a coating worn like
     this has taken; their difference is round-off. `bare`: how many bars are worn to the casing; `tips` wear this track.
     """
+
+    COLUMNS: ClassVar = COLUMNS
 
     angle: Array
     made: Array
@@ -56,8 +72,8 @@ class Wear(Reported):
         return self.dissipated / self.stated - 1.0 if self.stated else self.dissipated
 
     def columns(self) -> dict[str, Array]:
-        """One row a bar."""
-        return {"angle_rad": self.angle, "made_m": self.made, "cut_m": self.cut, "worn_m": self.worn}
+        """One row a bar, as arrays."""
+        return {column.name: np.asarray(column.values(self)) for column in self.COLUMNS}
 
     def to_dict(self) -> dict[str, object]:
         """JSON-ready: which contacts, counted from 1, and the sums."""

@@ -9,12 +9,12 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.correlation import mac_panel
-from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, written
+from casingfem.plot.page import Picture, Section, Table, Verdict, written
 from casingfem.plot.style import new_figure, styled
 from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors
 from casingfem.updating.columns import PAIRS
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.shape_fit import ShapeComparison, ShapeFit, ShapeMatch
+from casingfem.updating.shape_fit import ShapeComparison, ShapeFit
 
 
 def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
@@ -166,21 +166,8 @@ def shape_words(found: ShapeFit) -> list[str]:
 
 def shapes_table(found: ShapeFit) -> Table:
     """Every shape: the modes it pairs with, MAC and MAC of the plane, before and after."""
-    rows: list[tuple[Cell, ...]] = []
-    table = found.fit.table
-    for row, old, new in zip(found.after.rows.tolist(), found.before.found, found.after.found, strict=True):
-        n = int(table.n[row]) if table.n[row] >= 0 else None
-        rows.append((int(table.mode[row]), n, float(table.freq_hz[row]), *cells(old), *cells(new)))
-    columns = ("mode", "n", "measured [Hz]", "pairs with", "MAC", "plane", "updated: with", "MAC", "plane")
     caption = "Measured shapes and the computed modes that they pair with, before and after."
-    return Table(caption, columns, tuple(rows), folded=len(rows) > 12)
-
-
-def cells(match: ShapeMatch) -> tuple[Cell, Cell, Cell]:
-    """Mode, MAC and MAC of the plane."""
-    if match.mode is None:
-        return None, None, None
-    return match.mode + 1, f"{match.mac:.3f}", f"{match.plane:.3f}"
+    return Table.of(caption, found.COLUMNS, found.records(), folded=len(found.after.rows) > 12)
 
 
 def sensors_table(found: ShapeFit) -> Table:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
 from casingfem.plot.pages.speeds import speed_words, with_rpm
+from contact.io.columns import Columns
 
 SLIDES = 1.0  # per cent of the time: below it a contact only just touches
 CAPTIONS = {
@@ -47,6 +48,7 @@ class Ran:
     span: float
     window: float
     contacts: Sequence[Mapping[str, Any]]
+    contact_columns: Columns
     force: float
     impulse: float
     closed: float
@@ -195,19 +197,8 @@ def further_words(ran: Ran) -> str:
 
 def contacts_table(ran: Ran) -> Table:
     """One row a contact."""
-    rows: list[tuple[Cell, ...]] = [
-        (
-            int(one["contact"]), int(one["closings"]), float(f"{one['closed_s']:.4g}"),
-            float(f"{one['impulse_N_s']:.4g}"), float(f"{one['windowed_force_N']:.4g}"),
-            float(f"{one['peak_force_N']:.4g}"), float(f"{one['max_penetration_m']:.2g}"),
-        )
-        for one in ran.contacts
-    ]  # fmt: skip
-    columns = (
-        "contact", "closings", "time closed [s]", "impulse [N s]", "largest force, averaged [N]",
-        "largest force, raw [N]", "penetration [m]",
-    )  # fmt: skip
-    return Table("Contacts. The raw force depends on the time step.", columns, tuple(rows), folded=len(rows) > 12)
+    caption = "Contacts, summed over the run. The peak force depends on the time step."
+    return Table.of(caption, ran.contact_columns, ran.contacts, folded=len(ran.contacts) > 12)
 
 
 def numbers_table(ran: Ran) -> Table:

@@ -6,7 +6,9 @@ second order (`posterior.parabolas`); some of the samples are evaluated with mod
 leaves out.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,12 +17,31 @@ from casingfem.extras import remedy
 from casingfem.io.arrays import FloatArray
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.uncertainty.posterior import Parabolas, at_solution, evaluated, parabolas, varied_names
+from contact.io.columns import Column, mark, table_lines, word
 from contact.io.reported import Reported
 
 LEVELS = (0.025, 0.5, 0.975)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+def quantile(level: float) -> Callable[["PosteriorSamples"], FloatArray]:
+    """The value below which a part of the samples lies, of each parameter."""
+    return lambda found: np.asarray(np.quantile(found.samples, level, axis=0))
+
+
+COLUMNS = (
+    Column("name", "Address of the parameter.", lambda found: found.names, head="parameter", format=word),
+    Column("log", "Whether the parameter varies in log10; its numbers are decimal logarithms then.",
+           lambda found: found.log, head="values", format=mark("log10")),
+    *(Column(name, f"Value below which {100 * level:g} % of the samples lie.", quantile(level),
+             head=f"{100 * level:g} %", format=".5g")
+      for name, level in zip(("low", "median", "high"), LEVELS, strict=True)),
+    Column("sigma", "Standard deviation of the samples.", lambda found: found.sigma, format=".3g"),
+    Column("gauss_newton", "Standard deviation by Gauss and Newton's Hessian.", lambda found: found.gauss_newton,
+           head="by J^T J", format=".3g"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PosteriorSamples(Reported):
     """Samples of a posterior in the solver's variables (decades for log parameters).
 
@@ -38,6 +59,8 @@ class PosteriorSamples(Reported):
         Largest difference of a residual of the parabolas from that of modes of its own, over some samples, in sigma.
     """
 
+    COLUMNS: ClassVar = COLUMNS
+
     names: tuple[str, ...]
     log: tuple[bool, ...]
     samples: FloatArray
@@ -51,13 +74,6 @@ class PosteriorSamples(Reported):
         """Standard deviations, (parameters,)."""
         return np.asarray(self.samples.std(axis=0, ddof=1))
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a parameter; `quantiles` at LEVELS."""
-        quantiles = np.quantile(self.samples, LEVELS, axis=0).T.tolist()
-        numbers = (self.sigma.tolist(), self.gauss_newton.tolist(), quantiles)
-        names = ("name", "log", "sigma", "gauss_newton", "quantiles")
-        return [dict(zip(names, row, strict=True)) for row in zip(self.names, self.log, *numbers, strict=True)]
-
     def columns(self) -> dict[str, FloatArray]:
         """One row a sample, one column a parameter."""
         return dict(zip(varied_names(self.names, self.log), self.samples.T, strict=True))
@@ -66,7 +82,7 @@ class PosteriorSamples(Reported):
         """Plain data."""
         return {
             "kind": "emcee",
-            "parameters": self.records(),
+            "parameters": list(self.records()),
             "levels": list(LEVELS),
             "samples": len(self.samples),
             "acceptance": self.acceptance,
@@ -76,13 +92,7 @@ class PosteriorSamples(Reported):
 
     def __repr__(self) -> str:
         """Quantiles of each parameter, and how good the chains are."""
-        lines = [
-            f"{'posterior (emcee)':<34} {'2.5 %':>11} {'50 %':>11} {'97.5 %':>11} {'sigma':>10} {'over J^T J':>10}"
-        ]
-        quantiles = np.quantile(self.samples, LEVELS, axis=0)
-        for k, name in enumerate(varied_names(self.names, self.log)):
-            cells = " ".join(f"{value:>11.5g}" for value in quantiles[:, k])
-            lines.append(f"{name:<34} {cells} {self.sigma[k]:>10.3g} {self.sigma[k] / self.gauss_newton[k]:>10.3f}")
+        lines = ["posterior (emcee)", *table_lines(self.COLUMNS, self.records())]
         lines.append(
             f"{len(self.samples)} samples, {self.acceptance:.0%} of moves taken, forgotten after "
             f"{self.autocorrelation:.0f} steps; residuals of the parabolas right to {self.gap:.2g} sigma"

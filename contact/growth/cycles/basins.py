@@ -13,6 +13,7 @@ from contact.growth.cycles.driven import Family
 from contact.growth.cycles.passage import Motion, passage
 from contact.growth.cycles.shooting import require_state
 from contact.io.brief import brief
+from contact.io.columns import Column, Columns, table_lines
 from contact.io.reported import Reported
 
 SAME = 1e-4  # of the state: nearer motions are one
@@ -38,7 +39,22 @@ class Attractor:
         return len(self.states)
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+MOTIONS = (
+    Column("share", "Part of the starts that reach the motion.", lambda found: [one.share for one in found.attractors],
+           unit="%", format=".1f", scale=100.0),
+    Column("periods", "Periods of the forcing after which the motion closes.",
+           lambda found: [one.periods for one in found.attractors], format="d"),
+)  # fmt: skip
+
+
+def amplitude(channel: str) -> Column:
+    """Largest motion of a channel."""
+    return Column(f"amplitude_{channel}_m", f"Largest motion of the channel {channel}.",
+                  lambda found: [one.amplitude.get(channel) for one in found.attractors],
+                  head=f"amplitude {channel}", unit="m", format=".6g")  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class Basins(Reported):
     """Periodic motions reached from random starts, the most frequent first; `reached` (starts,) their number or -1.
 
@@ -51,20 +67,17 @@ class Basins(Reported):
     starts: Array
     reached: tuple[int, ...]
 
-    def records(self) -> list[dict[str, object]]:
-        """One plain dictionary a motion, the most frequent first."""
-        return [
-            {"share": one.share, "periods": one.periods, **{f"amplitude_{k}_m": a for k, a in one.amplitude.items()}}
-            for one in self.attractors
-        ]
+    def described(self) -> Columns:
+        """Share and periods of each motion, and its amplitude by channel."""
+        channels = dict.fromkeys(name for one in self.attractors for name in one.amplitude)
+        return (*MOTIONS, *map(amplitude, channels))
 
     def __repr__(self) -> str:
         lines = [f"{len(self.reached)} starts at {self.name} {self.value:.8g}"]
-        for one in self.attractors:
-            size = ", ".join(f"{name} {value:.6g} m" for name, value in one.amplitude.items())
-            lines.append(f"  {one.share:6.1%} period {one.periods}: {size}")
+        if self.attractors:
+            lines += table_lines(self.described(), self.records())
         lost = self.reached.count(-1)
-        return "\n".join([*lines, f"  {lost / len(self.reached):6.1%} not periodic"] if lost else lines)
+        return "\n".join([*lines, f"{lost / len(self.reached):.1%} of the starts: not periodic"] if lost else lines)
 
 
 def basins(

@@ -8,6 +8,7 @@ import numpy as np
 from casingfem.plot.pages.scene import Ran
 from contact.growth.cycles import Branch, Cycles, Orbit, Special, Trace
 from contact.record.growth import RunGrowth
+from contact.result import CONTACTS
 
 CONTACT = {
     "contact": 1, "closings": 4, "closed_s": 0.08, "impulse_N_s": 2.4, "peak_force_N": 46.0, "windowed_force_N": 45.5,
@@ -36,6 +37,7 @@ def ran_sample(**given: Any) -> Ran:
     """A rub at 300 rpm that stays bounded, but for what is given."""
     numbers: dict[str, Any] = {
         "rubs": True, "steps": 20_000, "dt": 2e-5, "span": 0.4, "window": 8.9e-5, "contacts": [CONTACT],
+        "contact_columns": CONTACTS,
         "force": 45.5, "impulse": 2.4, "closed": 0.08, "closings": 4, "least_gap": -1e-21, "residual": 1e-21,
         "unaccounted": 3e-13, "flags": (), "divergence": None, "growth": growth_sample(), "rim": rim_sample(),
         "speed_hz": 5.0, "tracks": (), "scheme": "exact modal", "seconds": 0.4,

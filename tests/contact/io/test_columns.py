@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+import casingfem as cf
 from contact.io.columns import WIDTH, Column, mark
 from contact.io.reported import Reported
 
@@ -66,3 +67,10 @@ def test_a_wide_table_goes_on_below_after_its_first_column_and_loses_no_cell():
     assert [line.split()[0] for line in lines[::3]] == ["column00"] * (len(lines) // 3)
     cells = [cell for k, line in enumerate(lines) for cell in line.split()[1:] if k % 3 == 1]
     assert list(map(float, cells)) == list(range(1, 30))
+
+
+def test_a_data_frame_keeps_whole_numbers_whole_where_some_are_missing():
+    table = cf.FrequencyTable.from_arrays(freq_hz=[367.9, 410.2], sigma_hz=0.2, n=[8, -1]).to_dataframe()
+    assert str(table["n"].dtype) == "Int64"
+    assert table["n"].isna().tolist() == [False, True]
+    assert table["n"][0] == 8

@@ -95,9 +95,10 @@ def test_samples_tell_their_spread_and_quantiles():
     np.testing.assert_allclose(drawn.sigma, spread, rtol=1e-12)
     first, second = drawn.records()
     assert first == {
-        "name": "a", "log": False, "sigma": pytest.approx(spread), "gauss_newton": 1.0, "quantiles": [5.0, 100.0, 195.0]
+        "name": "a", "log": False, "low": 5.0, "median": 100.0, "high": 195.0, "sigma": pytest.approx(spread),
+        "gauss_newton": 1.0,
     }  # fmt: skip
-    assert second["quantiles"] == [-190.0, -95.0, 0.0]
+    assert [second[name] for name in ("low", "median", "high")] == [-190.0, -95.0, 0.0]
     assert list(drawn.columns()) == ["a", "log10 b"]
     told = drawn.to_json()
     assert (told["samples"], told["levels"], told["kind"]) == (201, [0.025, 0.5, 0.975], "emcee")

@@ -210,8 +210,9 @@ def test_basins_of_a_point_of_two_points_and_of_nothing(family):
     assert two.share == pytest.approx(kept.count(0) / 12)
     assert repr(found).splitlines() == [
         "12 starts at v 0.5",
-        f"  {two.share:6.1%} period 2: x {two.amplitude['x']:.6g} m, y {two.amplitude['y']:.6g} m",
-        f"  {kept.count(-1) / 12:6.1%} not periodic",
+        "share [%]  periods  amplitude x [m]  amplitude y [m]",
+        f"{100.0 * two.share:9.1f}  {2:7d}  {two.amplitude['x']:15.6g}  {two.amplitude['y']:15.6g}",
+        f"{kept.count(-1) / 12:.1%} of the starts: not periodic",
     ]  # fmt: skip
     assert found.records()[0]["periods"] == 2
     short = ct.growth.cycles.basins(family, 0.5, np.array([0.1, 0.1]), starts=2, seed=3, settle=200, longest=1)
