@@ -1,8 +1,10 @@
 """The columns of an update: its parameters, and the rows of the table with the modes they are paired with."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from casingfem.io.arrays import FloatArray, IntArray
+from casingfem.updating.numbers import named_numbers, unit_of
 from contact.io.columns import Column, known, mark, present, word
 
 LARGE = 1.0  # a relative change above which the table gives a factor
@@ -32,8 +34,16 @@ def changed(change: float) -> str:
     return f"{100.0 * change:+.2f} %" if abs(change) < LARGE else f"{1.0 + change:.3g} times"
 
 
+def units(structure: Any, names: Sequence[str]) -> list[str]:
+    """Units of parameters; of a harmonic that the structure does not have, by its last word."""
+    known = named_numbers(structure)
+    return [known.get(name) or unit_of(name) for name in names]
+
+
 PARAMETERS = (
     Column("name", "Address of the parameter.", lambda fit: [p.name for p in fit.parameters], head="parameter",
+           format=word),
+    Column("unit", "Unit of the parameter.", lambda fit: units(fit.structure, [p.name for p in fit.parameters]),
            format=word),
     Column("start", "Value before the fit.", lambda fit: fit.start, format=".6g"),
     Column("value", "Value after the fit.", lambda fit: fit.value, format=".6g"),

@@ -27,6 +27,7 @@ UNITS = {
     "E": "Pa", "nu": "-", "rho": "kg/m^3", "k_r": "N/m^2", "k_theta": "N/m^2", "k_z": "N/m^2", "k_rot": "N/rad",
     "k_face": "N/m^3", "k": "N/m", "mass": "kg", "angle": "rad", "camber": "rad", "twist": "rad", "start": "rad",
     "end": "rad", "area": "m^2", "I_r": "m^4", "I_z": "m^4", "J": "m^4", "along": "-", "across": "-",
+    "cos": "-", "sin": "-",
 }  # by the last word of an address; all others are lengths  # fmt: skip
 NUMBERS = (int, float, complex, np.number, tuple)  # what may be varied; a law has one a station
 
@@ -154,8 +155,9 @@ def named_numbers(structure: ShellParts | MeshStructure) -> dict[str, str]:
 def unit_of(name: str) -> str:
     """The unit of an address by its last word.
 
-    >>> [unit_of(name) for name in ("material.E", "chart.height", "chart.twist.2", "support.base.k_face")]
-    ['Pa', 'm', 'rad', 'N/m^3']
+    >>> names = "material.E", "chart.height", "chart.twist.2", "support.base.k_face", "support.base.k_face.p8.cos"
+    >>> [unit_of(name) for name in names]
+    ['Pa', 'm', 'rad', 'N/m^3', '-']
     """
     return UNITS.get(next(word for word in reversed(name.split(".")) if not word.isdecimal()), "m")
 
