@@ -287,6 +287,9 @@ class Result(Reported):
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result; raises InputError naming file and key."""
         data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
+        if data["state"].ndim != 2:
+            found = data["state"].shape
+            raise InputError(f"{path}: key 'state': found shape {found}, expected (samples, coordinates): run it again")
         try:
             return cls._of(json.loads(str(data["document"])), data)
         except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:

@@ -4,9 +4,10 @@
 those of docs/keys.md. Each table is taken once for each command, from a small valid file (`schema_bases.py`). A case
 sets one key to a value of the wrong type, a negative, zero, huge, tiny or non-finite number, an empty text or list.
 The command of the file runs to its end in a fork of this process with 20 s of processor time and 4 GB. A case fails if
-it ends in a traceback, a stray warning, exit code 1, a number that is not finite, null where the answer of the file has
-a number (labels of modes aside), or not at all. "unnamed" counts refusals whose message does not name the key, its unit
-aside. `schema_accepted.csv` lists each accepted case with the rule by which it is right (`schema_accepted.py`);
+it ends in a traceback, a stray warning, exit code 1, a number that is not finite, or not at all; also in null where the
+answer of the file has a number, labels of modes and the growth of a motion at rest aside. "unnamed" counts refusals
+whose message does not name the key, its unit aside. `schema_accepted.csv` lists each accepted case with the rule by
+which it is right (`schema_accepted.py`);
 "unjudged" counts those without one. Needs fork (Linux, macOS).
 """
 
@@ -44,6 +45,7 @@ NUMBERS = {"negative": -1.0, "zero": 0.0, "huge": 1e30, "tiny": 1e-300, "nan": m
 WHOLE = NUMBERS | {"negative": -1, "zero": 0, "huge": 10**18}
 OUTCOMES = ("refused", "unnamed", "numerics", "accepted", "unjudged", "failed")
 LABELS = ("n", "n_purity", "m", "angle_deg", "doublet", "split_rel", "first_contact")  # null where a mode has none
+UNFITTED = ("'at rest'", "'undecided'")  # states of a motion whose growth is null
 UNITS = ("_deg", "_hz", "_db", "_n")
 Place = tuple[str | int, ...]
 
@@ -227,11 +229,13 @@ def judged(case: Case, ended: Ended | None, same: Mapping[str, object]) -> tuple
     if re.search(r"\b(NaN|-?Infinity)\b", ended.out):
         return "failed", "not finite: the answer"
     found = dict(leaves(json.loads(ended.out)))
+    unfitted = found.get(".growth.state") in UNFITTED
     gone = [
         name
         for name, value in same.items()
         if value != "None" and found.get(name) == "None" and name.rpartition(".")[2] not in LABELS
-    ]
+        and not (unfitted and name.startswith(".growth."))
+    ]  # fmt: skip
     if gone:
         return "failed", f"null where a number is expected: {', '.join(gone[:3])}"
     return "accepted", "equal" if all(found.get(name) == value for name, value in same.items()) else "unequal"

@@ -70,6 +70,12 @@ def test_a_result_is_saved_whole_and_read_back(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["rub.npz"]
     with pytest.raises(ct.InputError, match="format"):
         ct.ModalBody.load(tmp_path / "rub.npz")
+    with np.load(tmp_path / "rub.npz") as kept:
+        np.savez(tmp_path / "flat.npz", **{**kept, "state": kept["state"][:, 0]})
+    with pytest.raises(
+        ct.InputError, match=r"flat.npz: key 'state': found shape .*, expected \(samples, coordinates\)"
+    ):
+        ct.Result.load(tmp_path / "flat.npz")
 
 
 def test_the_printed_result_answers_the_first_questions():
