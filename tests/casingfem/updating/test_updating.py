@@ -96,7 +96,8 @@ def test_with_noise_every_parameter_is_within_3_sigma(frustum, measured, held):
     assert np.abs((found - true) / fit.sigma).max() < 3.0
     assert 0.3 < fit.misfit < 2.0
     held(
-        1e-4, value=fit.value, sigma=fit.sigma, stated=fit.stated_sigma, correlation=fit.correlation, values=fit.values,
+        1e-4, small=1.0, value=fit.value, sigma=fit.sigma, stated=fit.stated_sigma, correlation=fit.correlation,
+        values=fit.values,
         chi2=[fit.chi2, fit.inflation, fit.misfit, fit.free, fit.residuals, fit.model_floor],
         rms=[fit.rms_before, fit.rms_after],
         singular=fit.identifiability.singular, before=fit.before.freq[:12], after=fit.after.freq[:12],
