@@ -79,13 +79,13 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
         rig_blade.section(blade_fit),
         rig_page.casing_section(casing, fit, ideal),
         rig_page.reduction(files, tuning, plan),
-        rig_page.causes(rows, plan),
+        rig_page.causes(rows, rubs, plan),
         *(rig_page.rub_section(rub, plan) for rub in rubs),
         rig_page.provenance(casing, clock.seconds),
     ]
     page = render_page(
         "The rig, from test bench to rub", sections, notice=SYNTHETIC + rig_page.WHAT_IS_REAL,
-        verdict=rig_page.verdict(blade_fit, fit, rubs, plan), source=origin(casing.source),
+        verdict=rig_page.verdict(blade_fit, fit, rubs), source=origin(casing.source),
     )  # fmt: skip
     write_atomic(out / "report.html", page)
     left = rig_blade.rms(blade_fit.left_out)

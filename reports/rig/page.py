@@ -13,10 +13,13 @@ from casingfem.plot.contact import figure_contact, rub_film
 from casingfem.plot.modes import figure_rim, groups
 from casingfem.plot.page import Picture, Section, Table, Verdict
 from casingfem.plot.pages.fit import update_section
+from casingfem.plot.pages.scene import outcome
 from casingfem.plot.pages.sections import inputs_section, provenance_section
+from casingfem.plot.pages.speeds import speed_words, with_rpm
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from casingfem.plot.turning import turning_shapes
 from casingfem.study import Study
+from contact.model.gaps.limits import WALL
 from reports.rig.blade import BladeFit, rms
 from reports.rig.rub import Rub
 from reports.rig.tuning import RubPlan, Tuning
@@ -45,30 +48,54 @@ def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], pl
         ("measured blade, predicted by updates that left the mode out", f"{100 * rms(blade.left_out):.2f} %"),
         ("casing (SYNTHETIC), RMS frequency error before updating", f"{100 * fit.rms_before:.3f} %"),
         ("casing (SYNTHETIC), after updating", f"{100 * fit.rms_after:.3f} %"),
-        *(
-            (
-                f"rub {rub.name}: n = {plan.n} over the next nodal diameter",
-                f"{rub.excess_db(plan.n):+.1f} dB",
-            )
-            for rub in rubs
-        ),
+        *(row for rub in rubs for row in of_rub(rub, plan)),
     )
     return Section("In short", tables=(Table("From the test bench to the rub.", ("what", "value"), rows),))
 
 
-def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Verdict:
-    """What the chain says, how sure it is, what would make it surer."""
-    said = ", ".join(f"{rub.excess_db(plan.n):+.1f} dB {rub.name}" for rub in rubs)
-    flagged = sorted({flag for rub in rubs for flag in rub.result.flags})
-    return Verdict(
-        found=f"The measured blade's frequencies are met to {100 * blade.fit.rms_after:.2g} % RMS, the casing's "
-        f"(SYNTHETIC) to {100 * fit.rms_after:.2g} %. Level of n = {plan.n} over the next nodal diameter in the rub: "
-        f"{said}.",
-        sure=f"The misfit is {blade.fit.misfit:.2g} sigma for the blade, {fit.misfit:.2g} for the casing; "
-        f"a blade's frequency that its update has not seen is predicted to {100 * rms(blade.left_out):.2g} %."
-        + (f" Linear theory ends within a run: {len(flagged)} warnings, given below." if flagged else ""),
-        further="Measure the casing's shapes and the wall over the blade; run the rubs with half the step.",
+def of_rub(rub: Rub, plan: RubPlan) -> tuple[tuple[str, str], ...]:
+    """What an engineer asks first of a rub: force, deflection, which nodal diameter leads."""
+    return (
+        (f"rub {rub.name}, largest force, averaged", f"{rub.ran.force:.0f} N"),
+        (f"rub {rub.name}, largest deflection of the rim", deflection(rub)),
+        (f"rub {rub.name}, n = {plan.n} over the next nodal diameter", f"{rub.excess_db(plan.n):+.1f} dB"),
     )
+
+
+def deflection(rub: Rub) -> str:
+    """Largest deflection of the rim, and its part of the wall."""
+    rim = rub.ran.rim
+    return f"{1e3 * rim.largest:.3g} mm, {100.0 * rim.largest / rim.wall:.3g} % of the wall"
+
+
+def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub]) -> Verdict:
+    """What became of each rub, how hard it hits, at which speeds; how sure that is; what would make it surer."""
+    states = [outcome(rub.ran) for rub in rubs]
+    facts = tuple(
+        (
+            capital(rub.name),
+            f"{sentence} The largest force is {rub.ran.force:.0f} N, the largest deflection of the rim "
+            f"{deflection(rub)}. {' '.join(speed_words(rub.speeds))}",
+        )
+        for rub, (_, sentence) in zip(rubs, states, strict=True)
+    )
+    return Verdict(
+        found=f"The rim deflects by {' and '.join(f'{deflection(rub)} ({rub.name})' for rub in rubs)}. The linear "
+        f"model is valid up to {100.0 * WALL:g} % of the wall.",
+        facts=facts,
+        sure=f"The casing's frequencies (SYNTHETIC) are met to {100 * fit.rms_after:.2g} % RMS, with a misfit of "
+        f"{fit.misfit:.2g} sigma. The measured blade's are met to {100 * blade.fit.rms_after:.2g} %, with a misfit of "
+        f"{blade.fit.misfit:.2g} sigma; an update predicts a frequency that it has not seen to "
+        f"{100 * rms(blade.left_out):.2g} %.",
+        further="Measure the casing's mode shapes and the wall of the blade. Add an abradable coating to the model: "
+        "without wear the forces are too high.",
+        state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],
+    )
+
+
+def capital(text: str) -> str:
+    """A text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
 
 
 def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes) -> Section:
@@ -80,8 +107,8 @@ def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes)
         *base.figures,
         Picture.of(
             figure_rim(fit.after, which),
-            "Radial motion of the rim in the lowest modes of the updated casing; the members of a doublet stand a "
-            "quarter wave apart, where the imperfections hold them.",
+            "Radial motion of the rim in the lowest modes of the updated casing. The imperfections fix the angle of "
+            "each pair; its two members are a quarter wave apart.",
         ),
         turning_shapes(
             fit.after,
@@ -130,47 +157,49 @@ def reduction(files: tuple[Path, Path], tuning: Tuning, plan: RubPlan) -> Sectio
     return Section("Reduction", words, tables=(Table("Reduced bodies.", columns, rows),))
 
 
-def causes(rows: Sequence[Row], plan: RubPlan) -> Section:
+def causes(rows: Sequence[Row], rubs: Sequence[Rub], plan: RubPlan) -> Section:
     """Levels of n with the defect and without, and with a cause of the growth taken away."""
     columns = tuple(rows[0])
     table = Table(
         f"Level of n = {plan.n} over the next nodal diameter, last quarter of the run.", columns,
         tuple(tuple(text(row[name]) if name == "blade" else f"{row[name]:+.1f}" for name in columns) for row in rows),
     )  # fmt: skip
+    closed = " and ".join(f"{100.0 * rub.ran.closed / rub.ran.span:.0f} % of the time ({rub.name})" for rub in rubs)
     words = (
-        "The growth needs a contact that stays closed and a friction above tan(lean). As built, the rim is closed for "
-        "a small part of each turn; with the defect machined away the contact is permanent.",
+        "Friction feeds the motion while the contact is closed, and only if it is above tan(lean). "
+        f"The contact is closed {closed}.",
+        "A growing motion opens the contact. Impacts then bound it.",
     )
     return Section("What the rub needs to grow", words, tables=(table,))
 
 
 def rub_section(rub: Rub, plan: RubPlan) -> Section:
-    """One run in words, force and gap over time, and the rim's motion by nodal diameters."""
-    result = rub.result
-    intervals = result.intervals[0]
-    closed = sum(end - start for start, end in intervals) / (result.steps * result.dt)
+    """One run in words, force and gap over time, the rim's motion by nodal diameters, the speeds around this one."""
+    result, ran = rub.result, rub.ran
     energy = result.energy
     words = (
-        f"The casing turns at {plan.speed_hz:g} Hz in front of the blade, advanced {1e6 * plan.advance:.0f} µm past "
-        f"its first touch; friction {plan.friction:g}, lean {plan.lean_deg:g} deg against the motion (friction above "
-        f"tan(lean): the blade digs in). Contact is closed {100 * closed:.0f} % of {plan.t_end:g} s, in "
-        f"{len(intervals)} intervals, one for each closing.",
+        outcome(ran)[1],
+        f"The casing turns at {with_rpm(plan.speed_hz)} before the blade, which is advanced "
+        f"{1e6 * plan.advance:.0f} µm past its first touch. Friction is {plan.friction:g}. The blade leans by "
+        f"{plan.lean_deg:g} deg against the motion; friction is above tan(lean), so the blade digs in.",
         f"In the last quarter of the run n = {plan.n} is {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. "
-        "With n f below every casing frequency f_c + f_b = n f cannot be met here. The coincidence is f_b = f_c - n f.",
-        "Motions of a millimetre are the model's, not a machine's: without an abradable coating nothing wears.",
-        *(f"Flag: {flag}." for flag in result.flags),
+        "n f is below every frequency of the casing, so f_c + f_b = n f cannot be met. The coincidence is "
+        "f_b = f_c - n f.",
+        "No coating wears in this model: a motion of a millimetre is not to be expected in a machine.",
+        *(f"Warning: {flag}." for flag in result.flags),
+        *speed_words(rub.speeds),
     )
     numbers = (
         ("impulse [N s]", float(result.impulse[0])),
-        ("largest windowed force [N]", float(result.windowed_force()[:, 0].max())),
-        ("largest raw force [N] (does not converge with the step)", float(result.peak_force[0])),
-        ("complementarity residual [m]", float(result.residual[0])),
+        ("largest force, averaged [N]", ran.force),
+        ("largest force, raw [N] (depends on the time step)", float(result.peak_force[0])),
+        ("violation of the contact law [m]", float(result.residual[0])),
         ("steps in which the tip slipped against the rim's motion", int(result.reversals[0])),
-        ("energy brought in by the rotation [J]", float(energy.rotation)),
-        ("energy brought in by friction [J]", float(energy.friction)),
-        ("energy unaccounted, relative", float(abs(energy.unaccounted) / max(energy.scale, 1e-300))),
+        ("energy from the rotation [J]", float(energy.rotation)),
+        ("energy from friction [J]", float(energy.friction)),
+        ("energy unaccounted for, part of the largest", ran.unaccounted),
         ("steps", result.steps),
-        ("run time [s]", float(result.seconds)),
+        ("time of the run [s]", float(result.seconds)),
     )
     figures = (
         Picture.of(
@@ -184,7 +213,10 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
             f"Radial motion of the rim by nodal diameters in the last quarter of the run; n = {plan.n} is marked.",
         ),
     )
-    return Section(f"Rub, {rub.name}", words, figures, (Table("The run in numbers.", ("what", "value"), numbers),))
+    found = rub.speeds.records()
+    speeds = (Table.of("Speeds around this one, the worst first.", rub.speeds.COLUMNS, found),) if found else ()
+    tables = (Table("The run in numbers.", ("what", "value"), numbers), *speeds)
+    return Section(f"Rub, {rub.name}", words, figures, tables)
 
 
 @styled

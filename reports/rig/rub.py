@@ -7,14 +7,18 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
+from casingfem.cli.scene_page import run_numbers
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.interaction import wave_hz
 from casingfem.modal.modes import Modes
+from casingfem.plot.pages.scene import Ran
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
 from contact.growth.split_casing import perfect_mean
 from contact.histories import RubFilm, rub_film
+from contact.interacting import Interactions
 from contact.io.outfiles import write_atomic
+from contact.rim_motion import rim_motion
 from reports.rig.tuning import RubPlan, Tuning, band_of_n, leading, tuned
 from reports.rub.rim_levels import excess_db, rim_levels
 from reports.tables import Row
@@ -22,11 +26,16 @@ from reports.tables import Row
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rub:
-    """One run: the result, the rim's radial motion by nodal diameters late in it, RMS [m], (n_max + 1,), the film."""
+    """One run: the rim's radial motion by nodal diameters late in it, RMS [m], (n_max + 1,); the speeds around its own.
+
+    `ran` has the numbers that a page on a scene says of its run, `speeds` the table of dangerous speeds.
+    """
 
     name: str
     result: ct.Result
     levels: FloatArray
+    ran: Ran
+    speeds: Interactions
     film: RubFilm | None = None
 
     def excess_db(self, n: int) -> float:
@@ -96,24 +105,31 @@ def scene_of(files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, floa
 
 def run(name: str, files: tuple[Path, Path], plan: RubPlan, terms: list[dict[str, float]]) -> Rub:
     """One rub, and its scene as a file for `casingfem rub`."""
-    scene = scene_of(files, plan, terms)
-    write_atomic(files[0].with_name(f"rub_{name.replace(' ', '_')}.toml"), scene_toml(scene, files, plan))
-    result = run_for(scene, plan, every=5)
+    rim = scene_of(files, plan, terms)
+    write_atomic(files[0].with_name(f"rub_{name.replace(' ', '_')}.toml"), scene_toml(rim, files, plan))
+    scene = planned(rim, plan)
+    result = ct.run(scene, record=ct.Record(every=5, state_every=20))
     print(f"\n{name}\n{result}")
-    return Rub(name=name, result=result, levels=rim_levels(scene.casing, result), film=rub_film(scene, result))
+    speeds = speeds_around(scene, plan)
+    print(speeds)
+    return Rub(
+        name=name, result=result, levels=rim_levels(rim.casing, result), film=rub_film(rim, result), speeds=speeds,
+        ran=run_numbers(scene, result, rim_motion(rim, result)),
+    )  # fmt: skip
 
 
-def run_for(scene: ct.RotatingRim, plan: RubPlan, every: int = 20) -> ct.Result:
+def planned(rim: ct.RotatingRim, plan: RubPlan) -> ct.Scene:
     """A rub over the time of the plan; beyond the limits of linear theory it is flagged and goes on."""
-    return ct.run(
-        scene,
-        law=ct.Coulomb(mu=plan.friction),
-        scheme=ct.ExactModal(),
-        t_end=plan.t_end,
-        dt=plan.dt,
-        record=ct.Record(every=every, state_every=20),
+    return ct.Scene(
+        what=rim, law=ct.Coulomb(mu=plan.friction), scheme=ct.ExactModal(), t_end=plan.t_end, dt=plan.dt,
         on_limit="flag",  # its levels are wanted, also where the rim passes half its wall: the page says so
-    )
+    )  # fmt: skip
+
+
+def speeds_around(scene: ct.Scene, plan: RubPlan) -> Interactions:
+    """The dangerous speeds up to twice the plan's, by runs at every tenth of that range."""
+    highest = 2.0 * plan.speed_hz
+    return ct.interactions(scene, np.linspace(0.1 * highest, highest, 91), runs=10)
 
 
 def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[str, float]]]) -> list[Row]:
@@ -128,8 +144,9 @@ def controls(files: tuple[Path, Path], plan: RubPlan, rims: dict[str, list[dict[
     for words, changed in without.items():
         row: Row = {"blade": words}
         for name, terms in rims.items():
-            scene = scene_of(files, changed, terms)
-            row[name] = excess_db(rim_levels(scene.casing, run_for(scene, changed)), plan.n)
+            scene = planned(scene_of(files, changed, terms), changed)
+            result = ct.run(scene, record=ct.Record(every=20, state_every=20))
+            row[name] = excess_db(rim_levels(scene.what.casing, result), plan.n)
         rows.append(row)
     return rows
 
