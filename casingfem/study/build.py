@@ -1,5 +1,6 @@
 """From the tables of a study file to a shell: each part is tried, and what fails is collected with its key."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -28,7 +29,10 @@ from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.tasks import StudyFile
 from contact.io.tables import value_of
 
-CHARTS = {"frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate}
+CHARTS: dict[str, Callable[..., Chart]] = {
+    "frustum": Frustum, "cylinder": Cylinder, "panel": Panel, "plate": Plate, "twisted-plate": TwistedPlate,
+    "blade": Blade,
+}  # fmt: skip
 FLAT = ("plate", "twisted-plate", "blade")  # kinds without a radius
 
 
@@ -94,20 +98,13 @@ def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
 
 def build_chart(table: shapes.ChartTable) -> Chart:
     """The chart of a [chart] table."""
-    if isinstance(table, shapes.TwistedPlateTable):
-        return TwistedPlate(length=table.length, width=table.width, twist=float(np.radians(table.twist_deg)))
     if isinstance(table, shapes.MeridianTable):
         pieces = tuple(Piece(to=(p.to[0], p.to[1]), radius=p.radius, fillet=p.fillet) for p in table.piece)
         start = (table.start[0], table.start[1])
         return Revolved(profile=PiecewiseMeridian(start=start, pieces=pieces, fillet=table.fillet))
     if isinstance(table, shapes.DomeTable):
-        ends = np.radians([table.start_deg, table.end_deg]).tolist()
-        return Revolved(profile=Arc(radius=table.radius, start=ends[0], end=ends[1], r0=table.r0))
-    if isinstance(table, shapes.BladeTable):
-        laws = table.model_dump(exclude={"kind"})
-        angles = {name: np.radians(laws.pop(name)).tolist() for name in list(laws) if name.endswith("_deg")}
-        return Blade(**laws, **{name.removesuffix("_deg"): value for name, value in angles.items()})
-    chart: Chart = CHARTS[table.kind](**table.model_dump(exclude={"kind"}))
+        return Revolved(profile=value_of(table, Arc))
+    chart: Chart = value_of(table, CHARTS[table.kind])
     return chart
 
 
@@ -117,7 +114,7 @@ def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> t
     for k, table in enumerate(study.strip):
         with problems.at(f"strip[{k + 1}]"):
             material = None if table.material is None else value_of(table.material, Material)
-            strips.append(Strip(start=table.start, end=table.end, thickness=table.thickness, material=material))
+            strips.append(value_of(table, Strip, material=material))
     if chart is not None and len(strips) == len(study.strip):
         strips += piece_strips(study, chart)
         with problems.at("strip"):
@@ -156,15 +153,8 @@ def build_mesh(table: shapes.MeshTable, default: ShellMesh) -> ShellMesh:
 
 def build_plies(table: shapes.ShellTable) -> tuple[Ply, ...]:
     """The layers of a wall."""
-    laminae = {name: Lamina(**lamina.model_dump()) for name, lamina in table.lamina.items()}
-    return tuple(
-        Ply(
-            thickness=ply.thickness,
-            angle_deg=ply.angle_deg,
-            lamina=None if ply.lamina is None else laminae[ply.lamina],
-        )
-        for ply in table.plies
-    )
+    laminae = {name: value_of(lamina, Lamina) for name, lamina in table.lamina.items()}
+    return tuple(value_of(ply, Ply, lamina=None if ply.lamina is None else laminae[ply.lamina]) for ply in table.plies)
 
 
 def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems: Problems) -> Field | None:

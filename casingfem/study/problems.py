@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from casingfem.errors import InputError, code_of, with_code
 from casingfem.study.tables.tasks import StudyFile
 from contact.io.plausible import question
-from contact.io.tables import keys, kinds, models_at, resolved, unknown
+from contact.io.tables import keys, kinds, models_at, resolved, unknown, value_of
 from contact.io.toml import written
 
 T = TypeVar("T")
@@ -65,7 +65,7 @@ class Problems(list[str]):
         """What a table describes, None without it, or with the reason collected."""
         if table is not None:
             with self.at(key):
-                return kind(**table.model_dump())
+                return value_of(table, kind)
         return None
 
     def add_invalid(self, error: ValidationError, data: Mapping[str, Any]) -> set[str]:

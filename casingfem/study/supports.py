@@ -43,7 +43,7 @@ def build_support(table: kinds.SupportTable, edge: str, chart: Chart | None) -> 
     if isinstance(table, kinds.RingTable):
         return build_ring(table, edge, chart)
     if isinstance(table, kinds.ElasticTable):
-        return ElasticEdge(**table.model_dump(exclude={"kind", "around"}), around=build_around(table))
+        return value_of(table, ElasticEdge, around=build_around(table))
     if isinstance(table, kinds.FixedTable):
         raise ValueError("kind: found 'fixed', which is for imported meshes, expected a kind for a chart's edge")
     if isinstance(table, kinds.SymmetryTable):
@@ -54,22 +54,15 @@ def build_support(table: kinds.SupportTable, edge: str, chart: Chart | None) -> 
 def build_bolts(table: kinds.BoltsTable, edge: str, chart: Chart | None) -> Bolts:
     """Bolts of the file: degrees become radians, a width in metres an angle on the edge's mean radius."""
     require_angle(chart, edge, "bolts")
-    width = None if table.width_deg is None else float(np.radians(table.width_deg))
+    width = {}
     if table.width_m is not None:
         if chart is None or not chart.periodic:
             raise ValueError("width_m: found an open edge, expected a closed casing; give width_deg")
         z = np.array([chart.bounds[0][chart.edges[edge][1]]])
-        width = table.width_m / float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
+        width["width"] = table.width_m / float(np.linalg.norm(chart.surface(z, np.zeros(1), None).x[:2]))
     parts = tuple(k or 0.0 for k in (table.k_r, table.k_theta, table.k_z))
-    return Bolts(
-        count=table.count,
-        k=parts if table.k is None else table.k,  # type: ignore[arg-type]
-        k_rot=table.k_rot,
-        first_angle=float(np.radians(table.first_angle_deg)),
-        width=width,
-        spacing=None if table.spacing_deg is None else float(np.radians(table.spacing_deg)),
-        loose={entry.bolt: entry.factor for entry in table.loose},
-    )
+    loose = {entry.bolt: entry.factor for entry in table.loose}
+    return value_of(table, Bolts, k=parts if table.k is None else table.k, loose=loose, **width)
 
 
 def build_ring(table: kinds.RingTable, edge: str, chart: Chart | None) -> Ring:
@@ -118,8 +111,7 @@ def build_masses(tables: list[MassTable], chart: Chart | None, problems: Problem
             continue
         with problems.at(f"mass[{k + 1}]"):
             require_angle(chart, table.edge, "angle_deg")
-            place = EdgeMass(angle=float(np.radians(table.angle_deg)), mass=table.mass)
-            masses.setdefault(table.edge, []).append(place)
+            masses.setdefault(table.edge, []).append(value_of(table, EdgeMass))
     return masses
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.updating.addresses import address_of, with_value
 from casingfem.updating.numbers import Address, SpringHarmonic, named_numbers
+from contact.io.keys import Key
 from contact.io.reported import Reported
 
 
@@ -33,11 +34,13 @@ class Parameter:
     150000000000.0
     """
 
-    name: str
-    lower: float
-    upper: float
-    sigma: float | None = None
-    log: bool = False
+    name: Annotated[str, Key("path of a number, such as material.E")]
+    lower: Annotated[float, Key("lower bound [unit of the parameter]")]
+    upper: Annotated[float, Key("upper bound [unit of the parameter]")]
+    sigma: Annotated[
+        float | None, Key("prior standard deviation [unit of the parameter; decades if log]", "positive")
+    ] = None
+    log: Annotated[bool, Key("vary the decimal logarithm")] = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.lower) and np.isfinite(self.upper) and self.lower < self.upper):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
-Range = Literal["any", "positive", "not negative", "turn", "below a turn", "ratio", "length", "poisson"]
+Range = Literal[
+    "any", "positive", "not negative", "turn", "below a turn", "lean", "ratio", "length", "place", "poisson"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,15 +23,29 @@ class Key:
     text
         Meaning, with the unit in brackets.
     range
-        Of a number; what a file may state is `RANGES` of `contact.io.tables`. A "length" of a structure is at most a
-        kilometre in a file, an angle of "turn" lies from -360 to 360 degrees, one "below a turn" between 0 and 2 pi.
+        Of a number; what a file may state is `RANGES` of `contact.io.tables`. In a file a "length" and a "place" of a
+        structure are at most a kilometre, a "turn" lies from -360 to 360 degrees, a "lean" between -90 and 90 degrees,
+        an angle "below a turn" between 0 and 2 pi.
     check
         Name of the check of plausibility that a file's number must pass (`contact.io.plausible`); none if empty.
+    least, most
+        Bounds of a number, the ends included; of a text or a list of stations nothing.
+    degrees
+        Whether the value is an angle in radians that a file states in degrees, under the name that ends in `_deg`.
+    stations
+        How many values a file may state in a list in place of one number; 0 for one number alone.
+    alias
+        Name in a file where it differs, such as `from`, which Python reserves; the field's name if empty.
     """
 
     text: str
     range: Range = "any"
     check: str = ""
+    least: float | None = None
+    most: float | None = None
+    degrees: bool = False
+    stations: int = 0
+    alias: str = ""
 
 
 class Keyed(NamedTuple):
@@ -39,6 +56,17 @@ class Keyed(NamedTuple):
     type: Any
     optional: bool
     default: Any
+
+    @property
+    def file(self) -> str:
+        """Name of the key in a file."""
+        return f"{self.name}_deg" if self.key.degrees else self.name
+
+    def of_file(self, stated: Any) -> Any:
+        """The value that a file states: degrees become radians, a list of stations a tuple."""
+        if isinstance(stated, list):
+            return tuple(map(self.of_file, stated))
+        return math.radians(stated) if self.key.degrees and stated is not None else stated
 
 
 @cache

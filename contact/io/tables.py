@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -11,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from contact.io.keys import Keyed, keyed, required
 from contact.io.names import hint
-from contact.io.plausible import CHECKS, REACH
+from contact.io.plausible import CHECKS, FROM_ZERO, REACH
 from contact.io.toml import entries
 
 Model = type[BaseModel]
@@ -42,11 +43,13 @@ RANGES: dict[str, Any] = {
     "not negative": NotNegative,
     "turn": Angle,
     "below a turn": Annotated[Positive, Field(lt=6.283185307179586)],
+    "lean": Annotated[FiniteFloat, Field(gt=-90, lt=90)],
     "ratio": Annotated[FiniteFloat, Field(ge=0, lt=1)],
     "length": Length,
+    "place": Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)],
     "poisson": Annotated[FiniteFloat, Field(gt=-1, lt=0.5)],
 }
-PLAUSIBLE = {**CHECKS, "reach": REACH}
+PLAUSIBLE = {**CHECKS, "reach": REACH, **{f"{name} or 0": check for name, check in FROM_ZERO.items()}}
 Value = TypeVar("Value")
 Derived = TypeVar("Derived", bound=BaseModel)
 
@@ -65,29 +68,56 @@ def table_of(kind: Any, *names: str) -> Callable[[type[Derived]], type[Derived]]
     [('x', 'where it stands [m]', 'number')]
     """
     chosen = [one for one in keyed(kind) if not names or one.name in names]
-    found: Any = {one.name: (_annotation(one), _info(one)) for one in chosen}
+    found: Any = {one.file: (_annotation(one), _info(one)) for one in chosen}
 
     def derived(table: type[Derived]) -> type[Derived]:
-        return create_model(table.__name__, __base__=table, __module__=table.__module__, __doc__=table.__doc__, **found)
+        made = create_model(table.__name__, __base__=table, __module__=table.__module__, __doc__=table.__doc__, **found)
+        order = dict.fromkeys(["kind"] * ("kind" in made.model_fields) + [*found, *made.model_fields])
+        made.__pydantic_fields__ = {name: made.model_fields[name] for name in order}  # those of the value first
+        made.model_rebuild(force=True)
+        return made
 
     return derived
 
 
 def _annotation(one: Keyed) -> Any:
     """The type of a field as a file states it."""
-    found = {float: RANGES[one.key.range], int: Annotated[int, Field(ge=1)]}.get(one.type, one.type)
-    found = Annotated[found, PLAUSIBLE[one.key.check]] if one.key.check else found
+    key, found = one.key, _bare(one)
+    if key.stations:
+        found = found | Annotated[list.__class_getitem__(found), Field(min_length=1, max_length=key.stations)]
+    found = Annotated[found, PLAUSIBLE[key.check]] if key.check else found
     return found | None if one.optional else found
 
 
+def _bare(one: Keyed) -> Any:
+    """The type of one number, whole number or text of a field, with its bounds."""
+    key = one.key
+    bounds: dict[str, Any] = {name: end for name, end in (("ge", key.least), ("le", key.most)) if end is not None}
+    if one.type is float:
+        return (
+            Annotated[FiniteFloat if key.range == "any" else RANGES[key.range], Field(**bounds)]
+            if bounds
+            else (RANGES[key.range])
+        )
+    if one.type is int:
+        return Annotated[int, Field(**({"ge": 1} | bounds))]
+    return Annotated[str, Field(min_length=1)] if one.type is str else one.type
+
+
 def _info(one: Keyed) -> Any:
-    """Meaning and default of a field."""
-    return Field(description=one.key.text) if required(one) else Field(default=one.default, description=one.key.text)
+    """Meaning, name in the file and default of a field."""
+    given: dict[str, Any] = {"description": one.key.text, "alias": one.key.alias or None}
+    if required(one):
+        return Field(**given)
+    return Field(
+        default=math.degrees(one.default) if one.key.degrees and one.default is not None else one.default, **given
+    )
 
 
-def value_of(table: BaseModel, kind: Callable[..., Value]) -> Value:
-    """The value that a table states."""
-    return kind(**table.model_dump())
+def value_of(table: BaseModel, kind: Callable[..., Value], **more: Any) -> Value:
+    """The value that a table states, of the fields with a key that it has; `more` gives further fields."""
+    stated = [one for one in keyed(kind) if one.file in type(table).model_fields and one.name not in more]
+    return kind(**{one.name: one.of_file(getattr(table, one.file)) for one in stated}, **more)
 
 
 def keys(model: Model) -> dict[str, FieldInfo]:

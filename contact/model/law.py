@@ -10,10 +10,11 @@ compressive and >= 0: force = -lam.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, TypeVar
+from typing import Annotated, ClassVar, Protocol, TypeVar
 
 from contact.base.arrays import Array, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.io.keys import Key
 from contact.model.laws.force_law import Response, spring
 
 Depth = TypeVar("Depth", float, Array)
@@ -162,14 +163,16 @@ class Abradable:
     (10000000.0, 750)
     """
 
-    E: float
-    yield_stress: float
-    hardening: float
-    thickness: float
-    width: float
-    tip: float
-    bars: int = 6
-    machined: float = 0.0
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
+    yield_stress: Annotated[float, Key("stress at which it is worn [Pa]", "positive", "stress")]
+    hardening: Annotated[float, Key("slope of the stress beyond that [Pa]", "not negative", "stress")]
+    thickness: Annotated[float, Key("thickness [m]", "positive", "thickness")]
+    width: Annotated[float, Key("width of the strip along the axis [m]", "positive", "reach")]
+    tip: Annotated[float, Key("length of a tip's land around the rim [m]", "positive", "reach")]
+    bars: Annotated[int, Key("bars under a tip's land", most=MOST_BARS)] = 6
+    machined: Annotated[
+        float, Key("cut before the run, from the rim's highest point to a circle [m]", "not negative", "clearance")
+    ] = 0.0
     mu: float = 0.0
     words: ClassVar[str] = "abradable coating"
     stiffness: ClassVar[float] = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from contact.base.arrays import Array, Indices, readonly, require_count
 from contact.base.errors import InputError
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 MOST_SAMPLES = 1_000_000  # what a run stores when nobody says how often
 STATES = 2048  # what a run of modes stores when nobody says how often, and no more numbers than STATE_NUMBERS
@@ -38,8 +39,8 @@ class Record:
     [1, 3]
     """
 
-    every: int = 1
-    state_every: int = 0
+    every: Annotated[int, Key("one of so many steps is stored as a sample")] = 1
+    state_every: Annotated[int, Key("one of so many steps stores the state; 0 for none", least=0)] = 0
     at: ArrayLike | None = None
     channels: ArrayLike | None = None
 

@@ -4,29 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
 from contact.growth.on_springs import slope_of
-from contact.io.plausible import CHECKS, REACH
-from contact.io.tables import NotNegative, Positive
+from contact.io.tables import NotNegative, Positive, table_of, value_of
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import ForceLaw, ForceTable, Hertz, Response, spring
-from contact.scene.scheme import Modulus, Table, Thickness
+from contact.scene.scheme import Table
 
 
+@table_of(Abradable)
 class CoatingTable(Table):
     """[coating] of a rim: the fields of `Abradable`, whose friction is that of [contact]."""
 
-    E: Modulus = Field(description="Young's modulus [Pa]")
-    yield_stress: Annotated[Positive, CHECKS["stress"]] = Field(description="stress at which it is worn [Pa]")
-    hardening: Annotated[NotNegative, CHECKS["stress"]] = Field(description="slope of the stress beyond that [Pa]")
-    thickness: Thickness = Field(description="thickness [m]")
-    width: Annotated[Positive, REACH] = Field(description="width of the strip along the axis [m]")
-    tip: Annotated[Positive, REACH] = Field(description="length of a tip's land around the rim [m]")
-    bars: Annotated[int, Field(ge=1, le=10_000)] = Field(default=6, description="bars under a tip's land")
-    machined: Annotated[NotNegative, CHECKS["clearance"]] = Field(
-        default=0.0, description="cut before the run, from the rim's highest point to a circle [m]"
-    )
+    tip: float
+    machined: float
 
 
 class SpringLaw(Table):
@@ -46,22 +38,18 @@ class SpringLaw(Table):
         return self.stiffness
 
 
+@table_of(Hertz)
 class HertzLaw(Table):
     """[law] of kind "hertz": force = k depth^exponent (1 + dissipation rate)."""
 
     kind: Literal["hertz"] = Field(description="two round bodies")
-    k: Positive = Field(description="4/3 E* sqrt(R) for a sphere, p the exponent [N/m^p]")
-    exponent: Annotated[FiniteFloat, Field(ge=1, le=10)] = Field(
-        default=1.5, description="3/2 for an elastic point contact [-]"
-    )
-    dissipation: NotNegative = Field(default=0.0, description="of Hunt and Crossley [s/m]")
     closed_depth: Positive | None = Field(
         default=None, description="mean depth at which stability and interactions take its slope [m]"
     )
 
     def law(self, mu: float) -> Law:
         """The law with friction `mu`."""
-        return Hertz(k=self.k, exponent=self.exponent, dissipation=self.dissipation, mu=mu)
+        return value_of(self, Hertz, mu=mu)
 
     def closed_slope(self) -> float:
         """Slope of a closed contact [N/m]; raises InputError."""
@@ -100,7 +88,7 @@ LawTable = Annotated[AnyLaw, Field(discriminator="kind")]
 def contact_law(mu: float, law: AnyLaw | None, coating: CoatingTable | None = None) -> Law:
     """Coated, with a force-depth law, sliding, or rigid without friction; raises InputError."""
     if coating is not None:
-        return Abradable(mu=mu, **coating.model_dump())
+        return value_of(coating, Abradable, mu=mu)
     if law is not None:
         return law.law(mu)
     return Coulomb(mu=mu) if mu > 0.0 else Unilateral()

@@ -6,15 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from contact.io.tables import table_of
+from contact.model.gaps.permanent import ModalPair
 from contact.scene.parts import Lean
 from contact.scene.scheme import (
     WAVES,
     CheckedFile,
     Compliance,
-    Frequency,
     Friction,
-    Mass,
-    Ratio,
     ScanTable,
     Stiffness,
     Table,
@@ -27,12 +26,9 @@ class PairHead(Table):
     kind: Literal["pair"] = Field(description="which kind of scene this is")
 
 
+@table_of(ModalPair, "freq_hz", "modal_mass", "zeta")
 class BladeModeTable(Table):
     """[blade] of a pair: one mode, its mass [kg] for unit motion along the contact's normal."""
-
-    freq_hz: Frequency = Field(description="frequency [Hz]")
-    modal_mass: Mass = Field(description="for unit motion along the contact's normal [kg]")
-    zeta: Ratio = Field(default=0.0, description="damping ratio [-]")
 
 
 class CasingPairTable(BladeModeTable):

@@ -13,13 +13,12 @@ from pydantic import Field, FiniteFloat, model_validator
 from contact.base.errors import InputError
 from contact.io.infiles import read_text
 from contact.io.plausible import CHECKS
-from contact.io.tables import Number
+from contact.io.tables import Number, table_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.rub import Rub
 from contact.record.record import Record
 from contact.scene.laws import AnyLaw, CoatingTable, contact_law
 from contact.scene.problems import Problems
-from contact.scene.roundness import Whole
 from contact.scene.scheme import Built, Instant, ModalScheme, Name, Table
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.modal.wear_track import track_tips
@@ -27,11 +26,12 @@ from contact.scheme.modal.wear_track import track_tips
 Lean = Annotated[FiniteFloat, Field(gt=-90, lt=90), CHECKS["lean"]]
 
 
+@table_of(Record)
 class RecordTable(Table):
     """[record]: the fields of `Record`, channels as rows or as a CSV file of them; left out, 1,000,000 samples."""
 
-    every: Annotated[int, Field(ge=1)] = Field(default=1, description="one of so many steps is stored as a sample")
-    state_every: Whole = Field(default=0, description="one of so many steps stores the state; 0 for none")
+    every: int
+    state_every: int
     at: Annotated[list[Instant], Field(min_length=1)] | None = Field(
         default=None, description="instants at which sample and state are stored [s], instead of every"
     )

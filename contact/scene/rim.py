@@ -11,7 +11,7 @@ from pydantic import Field, FiniteFloat, model_validator
 
 from contact.base.arrays import readonly
 from contact.io.plausible import FROM_ZERO
-from contact.io.tables import Angle, NotNegative
+from contact.io.tables import Angle, NotNegative, table_of, value_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -27,10 +27,8 @@ from contact.scene.scheme import (
     Built,
     Detuning,
     Frequency,
-    Mass,
     ModalScheme,
     Name,
-    Ratio,
     RunHead,
     SceneFile,
     Size,
@@ -169,19 +167,13 @@ class DiskCasingTable(Table):
         return pair_rim(pair, radius=self.pair.radius)
 
 
+@table_of(BladedDisk)
 class DiskTable(Table):
     """[disk]: the fields of `BladedDisk`."""
 
-    blades: Annotated[int, Field(ge=2, le=1000)] = Field(description="number of blades")
-    freq_hz: Frequency = Field(description="frequency of one blade alone [Hz]")
-    modal_mass: Mass = Field(description="of one blade for unit motion along the normal [kg]")
-    coupling: Coupling = Field(default=0.0, description="of neighbours, over a blade's stiffness [-]")
     mistuning: list[Detuning] | None = Field(
         default=None, description="relative deviation of each blade's frequency [-]"
     )
-    zeta: Ratio = Field(default=0.0, description="damping ratio of all modes [-]")
-    compliance: Soft = Field(default=0.0, description="residual compliance of a tip [m/N]")
-    lean_deg: Lean = Field(default=0.0, description="lean from the radius, into the motion [degrees]")
 
 
 class DiskFile(SceneFile):
@@ -217,7 +209,9 @@ class DiskFile(SceneFile):
 
     def rub(self, folder: Path) -> Rub:
         """The scene; a basis file is found in `folder`. Raises InputError."""
-        casing, disk = self.casing.modes(folder), BladedDisk(**self.disk.model_dump())
+        mistuning = self.disk.mistuning
+        casing = self.casing.modes(folder)
+        disk = value_of(self.disk, BladedDisk, mistuning=None if mistuning is None else np.array(mistuning))
         kick = np.zeros(casing.omega.size)
         kick[0] = 0.0 if self.casing.pair is None else self.casing.pair.kick
         return Rub(

@@ -16,7 +16,7 @@ from contact.base.errors import InputError
 from contact.io.infiles import TextError, read_text
 from contact.io.names import hint
 from contact.io.plausible import CHECKS
-from contact.io.tables import Angle, NotNegative, Number
+from contact.io.tables import Angle, NotNegative, Number, table_of, value_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
@@ -25,7 +25,7 @@ from contact.model.gaps.rub_system import settled
 from contact.scene.laws import CoatingTable, LawTable, require_one
 from contact.scene.parts import Lean, RecordTable, radius_of, read_basis, rub_built
 from contact.scene.problems import Problems
-from contact.scene.roundness import GapTable, Whole
+from contact.scene.roundness import GapTable
 from contact.scene.scheme import (
     Built,
     Gap,
@@ -62,6 +62,7 @@ class RubCasing(Table):
     )
 
 
+@table_of(ContactPoint)
 class RubNode(Table):
     """[[blade.node]]: channels of one place, its angle from the blade's, its rim line, clearance [m] of its own.
 
@@ -69,13 +70,12 @@ class RubNode(Table):
     wears the k-th.
     """
 
+    line: int
+    axial: str | None
+    angle_deg: float
+    track: int | None
     span: Name = Field(description="channel of the blade along its span")
     flap: Name = Field(description="channel along its flap")
-    axial: Name | None = Field(default=None, description="channel along the axis, for sliding there")
-    angle_deg: Angle = Field(default=0.0, description="from the blade's angle [degrees]")
-    line: Whole = Field(default=0, description="number of the rim line it meets, from 0")
-    clearance: Gap = Field(default=0.0, description="of its own, added to that of the contact [m]")
-    track: Whole | None = Field(default=None, description="number of the strip of a coating that it wears, from 0")
 
 
 class RubBlade(Table):
@@ -102,7 +102,8 @@ class RubBlade(Table):
         names = [name.removeprefix(head) for name in body.channels if name.startswith(head)]
         chord = [name.removesuffix(".span") + "." for name in names if name.endswith(".span")] or [""]
         axial = "chord" if self.axial else None
-        found = [RubNode(span=f"{at}span", flap=f"{at}flap", axial=axial and f"{at}{axial}") for at in chord]
+        names_of = ({"span": f"{at}span", "flap": f"{at}flap", "axial": axial and f"{at}{axial}"} for at in chord)
+        found = list(map(RubNode.model_validate, names_of))
         own = self.node or found
         return [node for j in range(body.sectors) for node in turned(own, j, body.sectors)] or own
 
@@ -195,22 +196,18 @@ class RubClosing(Table):
         return Closing.exponential(float(np.ravel(self.by)[0]), self.time_constant or 1.0)
 
 
+@table_of(Whirl)
 class RubWhirl(Table):
     """[[whirl]]: the fields of `Whirl`; `shakes` the side that runs on this circle with its acceleration r w^2."""
 
-    amplitude: Annotated[NotNegative, CHECKS["clearance"]] = Field(
-        description="radius of the circle that a centre runs on [m]"
-    )
-    per_rev: Orders = Field(default=0.0, description="its rate in turns per turn of the casing [-]")
     hz: Whirling = Field(default=0.0, description="its rate besides [turns/s]")
-    phase_deg: Angle = Field(default=0.0, description="where it is at t = 0 [degrees]")
     shakes: Literal["casing", "blades"] | None = Field(
         default=None, description="which side runs on it with its mass; neither if left out"
     )
 
     def law(self) -> Whirl:
         """What the gap sees."""
-        return Whirl(**self.model_dump(exclude={"shakes"}))
+        return value_of(self, Whirl, hz=self.hz)
 
 
 class RubGravity(Table):

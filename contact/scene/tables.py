@@ -30,7 +30,6 @@ from contact.scene.scheme import (
     Name,
     SceneFile,
     SchemeTable,
-    Size,
     Springs,
     Table,
     Thickness,
@@ -50,11 +49,12 @@ class BeamTable(Table):
     """[beam]: the fields of `HingedBeam`."""
 
 
+@table_of(BeamInCircle)
 class CircleTable(Table):
     """[circle]: radius and offset of its centre from the hinge [m]."""
 
-    radius: Size = Field(description="radius [m]")
-    offset: Distance = Field(default=0.0, description="of its centre from the hinge [m]")
+    radius: float
+    offset: float
 
 
 class RingTable(Table):

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.rig.rig import DERIVATIVES, Quantity, Rig
 from casingfem.io.arrays import Array, FloatArray, IntArray, freeze
+from contact.io.keys import Key
 
 AVERAGES = 5  # hits of an average, for the coherence
 HANN = np.arange(-3.75, 3.8, 0.25)  # lines over which a Hann window leaks
@@ -56,22 +57,22 @@ class Troubles:
     """
 
     snr_db: float = 40.0
-    colour: float = 0.0
-    coherent: float = 0.0
-    setups: int = 1
-    shift: float = 0.0
-    half_rim: bool = False
-    dead: int = 0
-    noisy: int = 0
-    swapped: int = 0
-    flipped: int = 0
-    double_hit: float = 0.0
-    exponential: float = 0.0
-    cut_off: bool = False
-    pre_trigger: float = 0.0
-    leakage: bool = False
-    fixture: int = 0
-    phase_deg: float = 0.0
+    colour: Annotated[float, Key("exponent [-]: the noise's amplitude falls as f^-colour", least=-2.0, most=4.0)] = 0.0
+    coherent: Annotated[float, Key("share of the noise's power common to all channels [-]", least=0.0, most=1.0)] = 0.0
+    setups: Annotated[int, Key("groups of sensors, measured one after the other", most=1000)] = 1
+    shift: Annotated[float, Key("largest relative shift of a mode between set-ups [-]", least=0.0, most=0.05)] = 0.0
+    half_rim: Annotated[bool, Key("only the first half of the sensors")] = False
+    dead: Annotated[int, Key("channels without signal", least=0)] = 0
+    noisy: Annotated[int, Key("channels with ten times the noise", least=0)] = 0
+    swapped: Annotated[int, Key("pairs of channels exchanged", least=0)] = 0
+    flipped: Annotated[int, Key("channels of the wrong sign", least=0)] = 0
+    double_hit: Annotated[float, Key("second hit of the hammer over the first [-]", least=0.0, most=0.99)] = 0.0
+    exponential: Annotated[float, Key("time constant of an exponential window [s]", "not negative")] = 0.0
+    cut_off: Annotated[bool, Key("records end 1/resolution_hz after they begin, while it rings")] = False
+    pre_trigger: Annotated[float, Key("time before the hit in records that are cut off [s]", "not negative")] = 0.0
+    leakage: Annotated[bool, Key("that of a Hann window")] = False
+    fixture: Annotated[int, Key("local modes of a fixture", least=0, most=100)] = 0
+    phase_deg: Annotated[float, Key("rms phase in the shapes of complex modes [degrees]", least=0.0, most=90.0)] = 0.0
 
     def __post_init__(self) -> None:
         ranges = {"coherent": (0.0, 1.0), "shift": (0.0, 0.05), "double_hit": (0.0, 0.99), "phase_deg": (0.0, 90.0)}

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from casingfem.io.arrays import Array, read_only
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
 from casingfem.structure.mesh.element import gauss
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 TURN = 2.0 * np.pi
 PATCH = 1.0 / 3.0  # a bolt's patch as part of the spacing, where no width is given
@@ -53,12 +54,16 @@ class Bolts:
     [1.0, 1.0, 0.3, 1.0]
     """
 
-    count: int
+    count: Annotated[int, Key("number of bolts", most=1000)]
     k: float | tuple[float, float, float]
-    k_rot: float = 0.0
-    first_angle: float = 0.0
-    width: float | None = None
-    spacing: float | None = None
+    k_rot: Annotated[float, Key("rotational stiffness of one bolt [N m/rad]", "not negative")] = 0.0
+    first_angle: Annotated[float, Key("angle of bolt 1 [degrees]", "turn", degrees=True)] = 0.0
+    width: Annotated[
+        float | None, Key("width of the patch of a bolt [degrees]", degrees=True, least=1e-3, most=360.0)
+    ] = None
+    spacing: Annotated[
+        float | None, Key("angle between bolts [degrees]; else all around", degrees=True, least=1e-3, most=360.0)
+    ] = None
     loose: Mapping[int, float] = field(default_factory=dict)
 
     held: ClassVar[tuple[int, ...]] = ()

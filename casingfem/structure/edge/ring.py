@@ -5,7 +5,7 @@ A ring is an eccentric curved beam along an edge, with a support of its own.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from casingfem.structure.geometry.strip import ON_LINE
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.edge_form import Numbered, Sprung
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,8 +224,8 @@ class EdgeMass:
     0.012
     """
 
-    angle: float
-    mass: float
+    angle: Annotated[float, Key("where it stands [degrees]", "turn", degrees=True)]
+    mass: Annotated[float, Key("mass [kg]", "not negative")]
 
     def __post_init__(self) -> None:
         mass = np.real(self.mass)

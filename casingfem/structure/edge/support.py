@@ -6,7 +6,7 @@ Springs act on the five dofs of a node: three displacements and two rotations.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from casingfem.structure.edge.ring import Ring
 from casingfem.structure.field.field import Field, relative
 from casingfem.structure.mesh.edge_form import EdgeLine, PointSprings, along_springs
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,11 +85,11 @@ class ElasticEdge:
     (1.2, None)
     """
 
-    k_r: float = 0.0
-    k_theta: float = 0.0
-    k_z: float = 0.0
-    k_rot: float = 0.0
-    k_face: float = 0.0
+    k_r: Annotated[float, Key("radial springs [N/m per m]", "not negative")] = 0.0
+    k_theta: Annotated[float, Key("tangential springs [N/m per m]", "not negative")] = 0.0
+    k_z: Annotated[float, Key("axial springs [N/m per m]", "not negative")] = 0.0
+    k_rot: Annotated[float, Key("rotational springs [N m/rad per m]", "not negative")] = 0.0
+    k_face: Annotated[float, Key("foundation modulus of the end face [N/m^3]", "not negative")] = 0.0
     around: Field | Mapping[str, Field] | None = None
 
     held: ClassVar[tuple[int, ...]] = ()

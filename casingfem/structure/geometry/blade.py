@@ -1,7 +1,7 @@
 """Blades: pretwisted plates, the simplest whose flap and torsion couple, and cambered sections of any chord."""
 
 from dataclasses import dataclass
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,8 @@ from casingfem.io.arrays import Array
 from casingfem.structure.field.field import Field, FieldValues
 from casingfem.structure.geometry.chart import Bounds, Open, Surface, require_positive
 from casingfem.structure.geometry.jet import Jet, cos, jets, reciprocal, sin, sinc, surface
-from casingfem.structure.geometry.stations import Law, along, lowest, stations
+from casingfem.structure.geometry.stations import MOST, Law, along, lowest, stations
+from contact.io.keys import Key
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,9 +33,9 @@ class TwistedPlate(Open):
     [0.3, 0.0, 0.05]
     """
 
-    length: float
-    width: float
-    twist: float
+    length: Annotated[float, Key("length from root to tip [m]", "length", "reach")]
+    width: Annotated[float, Key("width [m]", "length", "reach")]
+    twist: Annotated[float, Key("twist of the tip against the root [degrees]", "turn", degrees=True)]
 
     def __post_init__(self) -> None:
         require_positive("chart", length=self.length, width=self.width)
@@ -139,12 +140,18 @@ class Blade(Open):
     [10.0, 0.5, 0.0]
     """
 
-    length: float
-    chord: Law
-    camber: Law = 0.0
-    twist: Law = 0.0
-    sweep: Law = 0.0
-    lean: Law = 0.0
+    length: Annotated[float, Key("span from root to tip [m]", "length", "reach")]
+    chord: Annotated[
+        Law, Key("chord [m], one number or [root, tip] or more stations", "length", "reach", stations=MOST)
+    ]
+    camber: Annotated[Law, Key("opening angle of the section's arc [degrees]", "turn", degrees=True, stations=MOST)] = (
+        0.0
+    )
+    twist: Annotated[Law, Key("angle of the section about the span [degrees]", "turn", degrees=True, stations=MOST)] = (
+        0.0
+    )
+    sweep: Annotated[Law, Key("shift of the section along y [m]", check="reach", stations=MOST)] = 0.0
+    lean: Annotated[Law, Key("shift of the section along z [m]", check="reach", stations=MOST)] = 0.0
 
     def __post_init__(self) -> None:
         require_positive("chart", length=self.length)

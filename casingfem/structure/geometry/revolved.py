@@ -5,7 +5,7 @@ their first coordinate, and a relative radius defect scales r as on every chart 
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from casingfem.structure.geometry.chart import (
     require_positive,
     revolve,
 )
+from contact.io.keys import Key
 
 
 class MeridianPoints(NamedTuple):
@@ -61,10 +62,10 @@ class Arc:
     (12.5664, 10.0)
     """
 
-    radius: float
-    start: float
-    end: float
-    r0: float = 0.0
+    radius: Annotated[float, Key("radius of the meridian [m]", "length", "reach")]
+    start: Annotated[float, Key("phi at the base [degrees], 0 at the equator", "turn", degrees=True)]
+    end: Annotated[float, Key("phi at the top [degrees]", "turn", degrees=True)]
+    r0: Annotated[float, Key("distance of the meridian's centre from the axis [m]", "place", "reach")] = 0.0
     z0: float = 0.0
 
     def __post_init__(self) -> None:

@@ -4,7 +4,7 @@ A taper is how a wall is meant to change its thickness by such laws, along the f
 """
 
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
+from typing import Annotated, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array
 from casingfem.structure.geometry.chart import Bounds
 from casingfem.structure.geometry.jet import Jet
+from contact.io.keys import Key
 
 Law: TypeAlias = float | tuple[float, ...]
 Number = TypeVar("Number", Array, Jet)
@@ -88,8 +89,10 @@ class Taper:
     [0.5]
     """
 
-    along: Law = 1.0
-    across: Law = 1.0
+    along: Annotated[Law, Key("factors from root to tip, or base to top [-]", least=1e-3, most=1e3, stations=MOST)] = (
+        1.0
+    )
+    across: Annotated[Law, Key("factors from left to right [-]", least=1e-3, most=1e3, stations=MOST)] = 1.0
 
     def __post_init__(self) -> None:
         for name in ("along", "across"):

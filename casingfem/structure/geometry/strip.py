@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.geometry.chart import require_positive
 from casingfem.structure.material import Material
+from contact.io.keys import Key
 
 ON_LINE = 1e-9  # a mesh line this part of the shell's length away is the end of a strip
 
@@ -33,9 +35,9 @@ class Strip:
     [False, True]
     """
 
-    start: float
-    end: float
-    thickness: float
+    start: Annotated[float, Key("where it begins along the axis or span [m]", "place", "reach", alias="from")]
+    end: Annotated[float, Key("where it ends [m]", "place", "reach", alias="to")]
+    thickness: Annotated[float, Key("its wall thickness [m]", "length", "thickness")]
     material: Material | None = None
 
     def __post_init__(self) -> None:

@@ -9,12 +9,14 @@ Laminated Composite Plates and Shells, 2004, ch. 3). Plies fill the wall in prop
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.material import Material, plane_stress
+from contact.io.keys import Key
 
 MIRROR = 1e-12  # coupling of stretch and shear over stiffness below which a wall is its own mirror image
 
@@ -35,13 +37,13 @@ class Lamina:
     [[140.91, 3.02, 0.0], [3.02, 10.06, 0.0], [0.0, 0.0, 5.0]]
     """
 
-    E1: float
-    E2: float
-    nu12: float
-    G12: float
-    G13: float
-    G23: float
-    rho: float
+    E1: Annotated[float, Key("modulus along the fibres [Pa]", "positive", "E")]
+    E2: Annotated[float, Key("modulus across them [Pa]", "positive", "E")]
+    nu12: Annotated[float, Key("contraction across by stretch along the fibres [-]")]
+    G12: Annotated[float, Key("shear modulus in the layer [Pa]", "positive", "E")]
+    G13: Annotated[float, Key("shear modulus along the fibres, through the wall [Pa]", "positive", "E")]
+    G23: Annotated[float, Key("shear modulus across the fibres, through the wall [Pa]", "positive", "E")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12", "G13", "G23", "rho"):
@@ -81,8 +83,8 @@ class Ply:
     True
     """
 
-    thickness: float
-    angle_deg: float = 0.0
+    thickness: Annotated[float, Key("its thickness [m]; all add up to that of the shell", "length", "thickness")]
+    angle_deg: Annotated[float, Key("of its fibres, from axis or span to around or chord [deg]", "turn")] = 0.0
     lamina: Lamina | None = None
 
     def __post_init__(self) -> None:

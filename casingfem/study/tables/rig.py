@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from casingfem.experiment.rig.rig import LEAST_ZETA
+from casingfem.experiment.rig.troubles import Troubles
 from casingfem.study.tables.table import Angle, Pair, Table
 from contact.io.plausible import CHECKS, REACH
-from contact.io.tables import NotNegative, Positive
+from contact.io.tables import NotNegative, Positive, table_of
 
 Band = Annotated[list[Positive], Field(min_length=2, max_length=2)]
 Direction = Literal["radial", "hoop", "axial", "x", "y", "z", "normal"]
@@ -41,29 +42,9 @@ class SensorTable(PlaceTable):
     count: int = Field(default=1, ge=1, le=1000, description="evenly spaced around a casing, from angle_deg on")
 
 
+@table_of(Troubles)
 class TroublesTable(Table):
     """[rig.test.troubles]: what a hammer test in a hall has; what is left out is none."""
-
-    colour: float = Field(
-        default=0.0, ge=-2, le=4, description="exponent [-]: the noise's amplitude falls as f^-colour"
-    )
-    coherent: float = Field(
-        default=0.0, ge=0, le=1, description="share of the noise's power common to all channels [-]"
-    )
-    setups: int = Field(default=1, ge=1, le=1000, description="groups of sensors, measured one after the other")
-    shift: float = Field(default=0.0, ge=0, le=0.05, description="largest relative shift of a mode between set-ups [-]")
-    half_rim: bool = Field(default=False, description="only the first half of the sensors")
-    dead: int = Field(default=0, ge=0, description="channels without signal")
-    noisy: int = Field(default=0, ge=0, description="channels with ten times the noise")
-    swapped: int = Field(default=0, ge=0, description="pairs of channels exchanged")
-    flipped: int = Field(default=0, ge=0, description="channels of the wrong sign")
-    double_hit: float = Field(default=0.0, ge=0, le=0.99, description="second hit of the hammer over the first [-]")
-    exponential: NotNegative = Field(default=0.0, description="time constant of an exponential window [s]")
-    cut_off: bool = Field(default=False, description="records end 1/resolution_hz after they begin, while it rings")
-    pre_trigger: NotNegative = Field(default=0.0, description="time before the hit in records that are cut off [s]")
-    leakage: bool = Field(default=False, description="that of a Hann window")
-    fixture: int = Field(default=0, ge=0, le=100, description="local modes of a fixture")
-    phase_deg: float = Field(default=0.0, ge=0, le=90, description="rms phase in the shapes of complex modes [degrees]")
 
 
 class ResponsesTable(Table):

@@ -4,16 +4,19 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from casingfem.structure.edge.ring import EdgeMass
+from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
+from casingfem.structure.geometry.revolved import Arc
+from casingfem.structure.geometry.stations import Taper
+from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.material import Material
+from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.study.tables.table import (
     Angle,
     Axis,
-    Density,
     Edge,
-    Modulus,
     Pair,
-    Place,
     Size,
     Table,
     Thickness,
@@ -56,19 +59,17 @@ class PlateTable(Table):
     kind: Literal["plate"] = Field(description="which surface it is")
 
 
+@table_of(Arc)
 class DomeTable(Table):
     """[chart] of kind "dome": a circular meridian, r = r0 + radius cos phi, z = radius sin phi, turned about z."""
 
     kind: Literal["dome"] = Field(description="which surface it is")
-    radius: Size = Field(description="radius of the meridian [m]")
-    start_deg: float = Field(ge=-360, le=360, description="phi at the base [degrees], 0 at the equator")
-    end_deg: float = Field(ge=-360, le=360, description="phi at the top [degrees]")
-    r0: Place = Field(default=0.0, description="distance of the meridian's centre from the axis [m]")
 
     @model_validator(mode="after")
     def _arc(self) -> Self:
-        if not abs(self.end_deg - self.start_deg) > 1e-4:
-            found = f"start_deg = {self.start_deg:g} and end_deg = {self.end_deg:g}"
+        start, end = (float(getattr(self, name)) for name in ("start_deg", "end_deg"))
+        if not abs(end - start) > 1e-4:
+            found = f"start_deg = {start:g} and end_deg = {end:g}"
             raise ValueError(f"found {found}, expected two different angles")
         return self
 
@@ -94,13 +95,11 @@ class MeridianTable(Table):
     piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
 
 
+@table_of(TwistedPlate)
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
 
     kind: Literal["twisted-plate"] = Field(description="which surface it is")
-    length: Size = Field(description="length from root to tip [m]")
-    width: Size = Field(description="width [m]")
-    twist_deg: float = Field(ge=-360, le=360, description="twist of the tip against the root [degrees]")
 
 
 Stations = float | Annotated[list[float], Field(min_length=1, max_length=8)]
@@ -110,16 +109,11 @@ Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
 Factors = Factor | Annotated[list[Factor], Field(min_length=1, max_length=8)]
 
 
+@table_of(Blade)
 class BladeTable(Table):
     """[chart] of kind "blade"; a list holds values at equally spaced stations, the root's first."""
 
     kind: Literal["blade"] = Field(description="which surface it is")
-    length: Size = Field(description="span from root to tip [m]")
-    chord: Annotated[Lengths, REACH] = Field(description="chord [m], one number or [root, tip] or more stations")
-    camber_deg: Angles = Field(default=0.0, description="opening angle of the section's arc [degrees]")
-    twist_deg: Angles = Field(default=0.0, description="angle of the section about the span [degrees]")
-    sweep: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along y [m]")
-    lean: Annotated[Stations, REACH] = Field(default=0.0, description="shift of the section along z [m]")
 
 
 ChartTable = Annotated[
@@ -128,11 +122,9 @@ ChartTable = Annotated[
 ]
 
 
+@table_of(Taper)
 class TaperTable(Table):
     """[taper]: factors of the thickness at equally spaced stations."""
-
-    along: Factors = Field(default=1.0, description="factors from root to tip, or base to top [-]")
-    across: Factors = Field(default=1.0, description="factors from left to right [-]")
 
 
 class TieTable(Table):
@@ -160,23 +152,16 @@ class SolidTable(ImportTable):
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
 
 
+@table_of(Lamina)
 class LaminaTable(Table):
     """[shell.lamina.<name>]: the fields of `Lamina`."""
 
-    E1: Modulus = Field(description="modulus along the fibres [Pa]")
-    E2: Modulus = Field(description="modulus across them [Pa]")
-    nu12: float = Field(description="contraction across by stretch along the fibres [-]")
-    G12: Modulus = Field(description="shear modulus in the layer [Pa]")
-    G13: Modulus = Field(description="shear modulus along the fibres, through the wall [Pa]")
-    G23: Modulus = Field(description="shear modulus across the fibres, through the wall [Pa]")
-    rho: Density = Field(description="density [kg/m^3]")
 
-
+@table_of(Ply)
 class PlyTable(Table):
     """[[shell.plies]]: a layer, from the inside out; on a mesh along its cells' normals."""
 
-    thickness: Thickness = Field(description="its thickness [m]; all add up to that of the shell")
-    angle_deg: Angle = Field(default=0.0, description="of its fibres, from axis or span to around or chord [deg]")
+    thickness: float
     lamina: str | None = Field(default=None, description="name of its [shell.lamina.<name>]; [material] if left out")
 
 
@@ -215,12 +200,12 @@ class ShellTable(ImportTable):
         return self
 
 
+@table_of(Strip)
 class StripTable(Table):
     """[[strip]]: a band along the axis or span with a wall of its own."""
 
-    start: Place = Field(alias="from", description="where it begins along the axis or span [m]")
-    end: Place = Field(alias="to", description="where it ends [m]")
-    thickness: Thickness = Field(description="its wall thickness [m]")
+    start: float
+    end: float
     material: MaterialTable | None = Field(default=None, description="E, nu, rho; the wall's own if left out")
 
     @model_validator(mode="after")
@@ -230,12 +215,11 @@ class StripTable(Table):
         return self
 
 
+@table_of(EdgeMass)
 class MassTable(Table):
     """[[mass]]: a point mass on an edge, on the centre line of its ring if it has one."""
 
     edge: Edge = Field(min_length=1, description="an edge of the chart")
-    angle_deg: float = Field(ge=-360, le=360, description="where it stands [degrees]")
-    mass: NotNegative = Field(description="mass [kg]")
 
 
 class MeshTable(Table):

@@ -5,11 +5,13 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from casingfem.structure.edge.bolts import Bolts
+from casingfem.structure.edge.support import ElasticEdge
 from casingfem.study.tables.fields import Harmonic
 from casingfem.study.tables.shapes import MaterialTable
 from casingfem.study.tables.table import Pair, Place, Size, Table
 from contact.io.plausible import REACH
-from contact.io.tables import NotNegative
+from contact.io.tables import NotNegative, table_of
 
 
 class SpringsAround(Table):
@@ -53,15 +55,12 @@ class SymmetryTable(Table):
     kind: Literal["symmetry"] = Field(description="how the edge is held")
 
 
+@table_of(ElasticEdge)
 class ElasticTable(Table):
     """[support.EDGE] of kind "elastic"; `around` multiplies all springs, or each by its own, by 1 + harmonics."""
 
+    k_face: float
     kind: Literal["elastic"] = Field(description="how the edge is held")
-    k_r: NotNegative = Field(default=0.0, description="radial springs [N/m per m]")
-    k_theta: NotNegative = Field(default=0.0, description="tangential springs [N/m per m]")
-    k_z: NotNegative = Field(default=0.0, description="axial springs [N/m per m]")
-    k_rot: NotNegative = Field(default=0.0, description="rotational springs [N m/rad per m]")
-    k_face: NotNegative = Field(default=0.0, description="foundation modulus of the end face [N/m^3]")
     around: Around = Field(default=[], description="[{p, cos, sin}], relative; or such a list for each spring's name")
 
 
@@ -72,22 +71,17 @@ class LooseTable(Table):
     factor: float = Field(ge=0, le=1e6, description="factor of its stiffness [-], 0 for a missing bolt")
 
 
+@table_of(Bolts)
 class BoltsTable(Table):
     """[support.EDGE] of kind "bolts"."""
 
+    width_deg: float | None
     kind: Literal["bolts"] = Field(description="how the edge is held")
-    count: int = Field(ge=1, le=1000, description="number of bolts")
     k: NotNegative | None = Field(default=None, description="stiffness of one bolt in all three directions [N/m]")
     k_r: NotNegative | None = Field(default=None, description="radial stiffness of one bolt [N/m]")
     k_theta: NotNegative | None = Field(default=None, description="tangential stiffness of one bolt [N/m]")
     k_z: NotNegative | None = Field(default=None, description="axial stiffness of one bolt [N/m]")
-    k_rot: NotNegative = Field(default=0.0, description="rotational stiffness of one bolt [N m/rad]")
-    first_angle_deg: float = Field(default=0.0, ge=-360, le=360, description="angle of bolt 1 [degrees]")
-    width_deg: float | None = Field(default=None, ge=1e-3, le=360, description="width of the patch of a bolt [degrees]")
     width_m: Size | None = Field(default=None, description="the same as a length on a closed casing's edge [m]")
-    spacing_deg: float | None = Field(
-        default=None, ge=1e-3, le=360, description="angle between bolts [degrees]; else all around"
-    )
     loose: list[LooseTable] = Field(default=[], description="[{bolt, factor}]")
 
     @model_validator(mode="after")

@@ -15,8 +15,9 @@ from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import RigTable
 from casingfem.study.tables.supports import StiffenerTable, SupportTable
 from casingfem.study.tables.table import Axis, Edge, Pair, Table, Vector
+from casingfem.updating.parameters import Parameter
 from contact.io.plausible import CHECKS, REACH, CheckName
-from contact.io.tables import NotNegative, Positive
+from contact.io.tables import NotNegative, Positive, table_of
 
 REQUIRED = ("material", "chart", "shell")
 
@@ -51,16 +52,13 @@ class ModesTable(Table):
         return {"count": self.count} if self.band_hz is None else {"band": (self.band_hz[0], self.band_hz[1])}
 
 
+@table_of(Parameter)
 class ParameterTable(Table):
     """[[update.parameter]]."""
 
-    name: str = Field(min_length=1, description="path of a number, such as material.E")
-    lower: float = Field(description="lower bound [unit of the parameter]")
-    upper: float = Field(description="upper bound [unit of the parameter]")
-    sigma: Positive | None = Field(
-        default=None, description="prior standard deviation [unit of the parameter; decades if log]"
-    )
-    log: bool = Field(default=False, description="vary the decimal logarithm")
+    name: str
+    lower: float
+    upper: float
     start: float | None = Field(
         default=None, description="start value [unit of the parameter]; the study's own if left out"
     )

@@ -107,8 +107,8 @@ class BeamInCircle:
 
     beam: HingedBeam
     _: KW_ONLY
-    radius: float
-    offset: float = 0.0
+    radius: Annotated[float, Key("radius [m]", "positive", "size")]
+    offset: Annotated[float, Key("of its centre from the hinge [m]", "not negative", "reach")] = 0.0
     ring: ModalBody | None = None
 
     __repr__ = brief

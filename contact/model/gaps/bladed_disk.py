@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from contact.base.arrays import (
 )
 from contact.base.errors import InputError
 from contact.io.brief import brief
+from contact.io.keys import Key
 from contact.model.bodies.modal_body import ModalBody, rim_channels
 from contact.model.gaps.permanent import ModalPair, require_waves
 from contact.model.gaps.rub import ContactPoint, Rub, Start
@@ -46,14 +48,14 @@ class BladedDisk:
     [100.0, 118.322]
     """
 
-    blades: int
-    freq_hz: float
-    modal_mass: float
-    coupling: float = 0.0
+    blades: Annotated[int, Key("number of blades", least=FEWEST, most=1000)]
+    freq_hz: Annotated[float, Key("frequency of one blade alone [Hz]", "positive", "frequency")]
+    modal_mass: Annotated[float, Key("of one blade for unit motion along the normal [kg]", "positive", "mass")]
+    coupling: Annotated[float, Key("of neighbours, over a blade's stiffness [-]", least=0.0, most=100.0)] = 0.0
     mistuning: Array | None = None
-    zeta: float = 0.0
-    compliance: float = 0.0
-    lean_deg: float = 0.0
+    zeta: Annotated[float, Key("damping ratio of all modes [-]", "ratio", "zeta")] = 0.0
+    compliance: Annotated[float, Key("residual compliance of a tip [m/N]", "not negative", "compliance or 0")] = 0.0
+    lean_deg: Annotated[float, Key("lean from the radius, into the motion [degrees]", "lean", "lean")] = 0.0
 
     __repr__ = brief
 

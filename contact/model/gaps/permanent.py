@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from contact.base.arrays import (
     require_shape,
 )
 from contact.base.errors import InputError
+from contact.io.keys import Key
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import RubSystem, matrices_of, rub_system
@@ -116,10 +117,10 @@ class ModalPair:
     1884.9555921538758
     """
 
-    freq_hz: float
-    modal_mass: float
+    freq_hz: Annotated[float, Key("frequency [Hz]", "positive", "frequency")]
+    modal_mass: Annotated[float, Key("for unit motion along the contact's normal [kg]", "positive", "mass")]
     n: int = 0
-    zeta: float = 0.0
+    zeta: Annotated[float, Key("damping ratio [-]", "ratio", "zeta")] = 0.0
 
     def __post_init__(self) -> None:
         require_positive(freq_hz=self.freq_hz, modal_mass=self.modal_mass)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from contact.base.arrays import Array, is_whole, keep_readonly, require_count, require_finite, require_shape
 from contact.base.errors import InputError
 from contact.io.brief import brief
+from contact.io.keys import Key
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.gap import RotatingRim
@@ -35,14 +36,14 @@ class ContactPoint:
     """
 
     blade: int = 0
-    line: int = 0
+    line: Annotated[int, Key("number of the rim line it meets, from 0", least=0)] = 0
     span: str = "span"
     flap: str = "flap"
-    axial: str | None = None
-    angle_deg: float = 0.0
+    axial: Annotated[str | None, Key("channel along the axis, for sliding there")] = None
+    angle_deg: Annotated[float, Key("from the blade's angle [degrees]", "turn")] = 0.0
     lean_deg: float = 0.0
-    clearance: float = 0.0
-    track: int | None = None
+    clearance: Annotated[float, Key("of its own, added to that of the contact [m]", check="clearance")] = 0.0
+    track: Annotated[int | None, Key("number of the strip of a coating that it wears, from 0", least=0)] = None
 
     def __post_init__(self) -> None:
         if self.track is not None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from contact.base.arrays import Array, keep_readonly, readonly, require_finite, require_not_negative
 from contact.base.errors import InputError
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -124,10 +126,10 @@ class Whirl:
     0.0
     """
 
-    amplitude: float
-    per_rev: float = 0.0
+    amplitude: Annotated[float, Key("radius of the circle that a centre runs on [m]", "not negative", "clearance")]
+    per_rev: Annotated[float, Key("its rate in turns per turn of the casing [-]", least=-1000.0, most=1000.0)] = 0.0
     hz: float = 0.0
-    phase_deg: float = 0.0
+    phase_deg: Annotated[float, Key("where it is at t = 0 [degrees]", "turn")] = 0.0
 
     def __post_init__(self) -> None:
         require_not_negative(amplitude=self.amplitude)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, InitVar, dataclass, field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.base.arrays import Array, keep_readonly, readonly, require_not_negative, require_positive
 from contact.base.errors import InputError
+from contact.io.keys import Key
 
 Function = Callable[[float, float, Array], tuple[float, float]]
 AT, WEIGHT = np.polynomial.legendre.leggauss(32)  # points of the integral over a depth, from -1 to 1
@@ -126,9 +127,9 @@ class Hertz(_GivesWay):
     [10000, 150000000]
     """
 
-    k: float
-    exponent: float = 1.5
-    dissipation: float = 0.0
+    k: Annotated[float, Key("4/3 E* sqrt(R) for a sphere, p the exponent [N/m^p]", "positive")]
+    exponent: Annotated[float, Key("3/2 for an elastic point contact [-]", least=1.0, most=10.0)] = 1.5
+    dissipation: Annotated[float, Key("of Hunt and Crossley [s/m]", "not negative")] = 0.0
     mu: float = 0.0
 
     def __post_init__(self) -> None:

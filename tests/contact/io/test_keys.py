@@ -1,5 +1,6 @@
 """Fields with their keys: a value refuses what they do not allow, and the table of a file has the same keys."""
 
+import math
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -94,3 +95,37 @@ def test_a_value_takes_every_number_that_its_table_takes(kind):
             except ValidationError:
                 continue
             assert getattr(value_of(table, kind), one.name) == number
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hook:
+    """A value in radians, with stations, under other names in a file."""
+
+    opening: Annotated[float, Key("opening [degrees]", "turn", degrees=True)] = 0.0
+    width: Annotated[float | tuple[float, ...], Key("width [m]", "length", stations=3)]
+    start: Annotated[float, Key("where it begins [m]", "place", alias="from")]
+    turns: Annotated[int, Key("number of turns", least=0, most=9)] = 2
+
+
+@table_of(Hook)
+class HookTable(BaseModel):
+    """[hook]"""
+
+    note: str = "none"
+
+
+def test_a_file_states_degrees_lists_of_stations_and_other_names():
+    found = {name: type_words(info) for name, info in keys(HookTable).items()}
+    assert found == {
+        "opening_deg": "number >= -360 <= 360", "width": "number > 0 <= 1000 or list of number > 0 <= 1000 (1 to 3)",
+        "from": "number >= -1000 <= 1000", "turns": "whole number >= 0 <= 9", "note": "text",
+    }  # fmt: skip
+    table = HookTable.model_validate({"opening_deg": 90.0, "width": [0.1, 0.2], "from": -1.5})
+    assert value_of(table, Hook) == Hook(opening=math.pi / 2.0, width=(0.1, 0.2), start=-1.5)
+    assert value_of(table, Hook, turns=7).turns == 7
+
+
+@pytest.mark.parametrize("wrong", [{"width": []}, {"width": [1.0] * 4}, {"turns": 10}, {"turns": -1}, {"from": 2e3}])
+def test_a_file_refuses_what_the_bounds_of_a_key_do_not_allow(wrong):
+    with pytest.raises(ValidationError):
+        HookTable.model_validate({"width": 0.1, "from": 0.0} | wrong)
