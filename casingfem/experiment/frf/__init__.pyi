@@ -1,3 +1,4 @@
+from .files import read_coherence, read_frfs, read_picks, read_places
 from .frf_set import FrfSet
 from .records.estimate import estimate
 from .records.estimated import Estimate
@@ -9,6 +10,10 @@ __all__ = [
     "FrfSet",
     "Take",
     "estimate",
+    "read_coherence",
+    "read_frfs",
+    "read_picks",
+    "read_places",
     "read_records",
     "read_responses",
 ]

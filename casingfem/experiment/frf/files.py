@@ -42,8 +42,17 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
 
     Raises
     ------
-    InputError, InputError
+    InputError
         An unknown ending; what the readers refuse.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> one = cf.frf.FrfSet.from_arrays(kind="frf", x=[10.0, 20.0], responses=[1.0, 2.0j], unit="m/N")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     cf.frf.read_frfs(one.to_csv(f"{folder}/one.csv"))
+    FrfSet(frf, 1 channel, 2 lines, 10 to 20 Hz, m/N)
     """
     ending = Path(file_and_sheet(os.fspath(path))[0]).suffix.lower()
     if ending in HDF5:
@@ -82,6 +91,15 @@ def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
     ------
     InputError
         An unknown ending; what the readers refuse.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> one = cf.frf.FrfSet.from_arrays(kind="spectrum", x=[10.0, 20.0], responses=[0.9, 1.0], unit="")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     cf.frf.read_coherence(one.save(f"{folder}/coherence.npz")).responses.real.tolist()
+    [[0.9, 1.0]]
     """
     ending = Path(path).suffix.lower()
     if ending in LOOSE:
@@ -113,12 +131,22 @@ def file_places(path: str | os.PathLike[str]) -> dict[int, FloatArray] | None:
 
 
 def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[int, FloatArray] | None]:
-    """Angles [deg] and positions [m] by point, from a csv: point, angle_deg and, for positions, radius_m and z_m.
+    r"""Angles [deg] and positions [m] by point, from a csv: point, angle_deg and, for positions, radius_m and z_m.
 
     Raises
     ------
     InputError
         Other columns, a point twice, a radius below zero, cells that are no numbers.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     text = "point,angle_deg\n4,90\n7,30\n"
+    ...     _ = Path(folder, "angles.csv").write_text(text)
+    ...     cf.frf.read_places(f"{folder}/angles.csv")
+    ({4: 90.0, 7: 30.0}, None)
     """
     csv = named(read(path), PLACE)
     if set(csv.header) not in ({"point", "angle_deg"}, {"point", "angle_deg", "radius_m", "z_m"}):
@@ -141,12 +169,21 @@ def read_places(path: str | os.PathLike[str]) -> tuple[dict[int, float], dict[in
 
 
 def read_picks(path: str | os.PathLike[str]) -> FloatArray:
-    """Frequencies [Hz] picked by hand: the column freq_hz of a csv; other columns are of no matter.
+    r"""Frequencies [Hz] picked by hand: the column freq_hz of a csv; other columns are of no matter.
 
     Raises
     ------
     InputError
         No such column, cells that are no numbers.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(folder, "picks.csv").write_text("mode,freq_hz\n1,90.5\n2,91\n")
+    ...     cf.frf.read_picks(f"{folder}/picks.csv").tolist()
+    [90.5, 91.0]
     """
     csv = named(read(path), (FREQUENCY,))
     if "freq_hz" not in csv.header:

@@ -101,10 +101,10 @@ def read_uff(path: str | os.PathLike[str], *, strict: bool = False) -> Universal
     Examples
     --------
     >>> import tempfile
-    >>> from casingfem.experiment.uff.write import write_uff
-    >>> nodes = Nodes(labels=np.array([1, 2]), points=np.eye(3)[:2], systems=np.zeros(2), motions=np.zeros(2))
+    >>> import casingfem as cf
+    >>> nodes = cf.uff.Nodes(labels=np.array([1, 2]), points=np.eye(3)[:2], systems=np.zeros(2), motions=np.zeros(2))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     read_uff(write_uff(f"{folder}/two.uff", nodes=nodes)).nodes
+    ...     cf.uff.read_uff(cf.uff.write_uff(f"{folder}/two.uff", nodes=nodes)).nodes
     Nodes(2, 1 to 2)
     """
     return parse_uff(read_bytes(path), str(path), strict=strict)

@@ -43,6 +43,15 @@ def write_uff(
     ------
     ValueError
         What the format has no room for: numbers of more than ten digits, an even step of more digits than it holds.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> line = cf.uff.TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 2, 0, 3]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     cf.uff.read_uff(cf.uff.write_uff(f"{folder}/rim.uff", lines=[line])).lines[0].nodes
+    array([1, 2, 0, 3])
     """
     parts: list[bytes] = []
     if header:

@@ -6,6 +6,7 @@ from .grid import grid_mesh, revolved
 from .loads import FacetPressure, MeshDeflection, NodeLoad
 from .matrix.matrix_set import MatrixSet
 from .matrix.read import read_matrices
+from .matrix.write import write_matrices
 from .mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
 from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
@@ -42,4 +43,5 @@ __all__ = [
     "read_mesh",
     "revolved",
     "tied",
+    "write_matrices",
 ]

@@ -2,18 +2,55 @@
 
 from collections.abc import Callable, Mapping
 from io import BytesIO, StringIO
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csc_array, tril
 
+from casingfem.errors import ModelError
 from casingfem.structure.imported.matrix.arrays import to_columns
 from casingfem.structure.imported.matrix.matrix_set import MatrixSet
 from contact.io.npz import save_npz
+from contact.io.outfiles import write_files
 
 ROUND_OFF = 1e-13  # of the largest entry
 NAMES = ("q", "x", "y", "z", "rx", "ry", "rz")
+
+
+def write_matrices(path: str | Path, matrices: MatrixSet) -> list[Path]:
+    """Write matrices in the format that the ending of the path names; returns the files.
+
+    Parameters
+    ----------
+    path
+        Ends in .pch (DMIG cards), .op4, .npz or .mat; .mtx gives one Matrix Market file a matrix, `part_K.mtx` and so
+        on. OP4 and Matrix Market have tables of dofs and nodes beside them, which `read_matrices` takes.
+    matrices
+        As from `read_matrices`, `cf.modal.structure_matrices` or `cf.modal.basis_matrices`; in their own units.
+
+    Raises
+    ------
+    ModelError
+        `matrix-format` for another ending.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> two = cf.imported.MatrixSet(K=csc_array(np.eye(2)), M=csc_array(np.eye(2)), dofs=np.array([[7, 1], [7, 2]]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [file.name for file in cf.imported.write_matrices(f"{folder}/part.mtx", two)]
+    ['part_K.mtx', 'part_M.mtx', 'part_dofs.csv', 'part_nodes.csv']
+    """
+    file = Path(path)
+    form = file.suffix.lower().removeprefix(".")
+    if form not in FORMS:
+        raise ModelError("matrix-format", f"found {file.name}, expected a path that ends in .{', .'.join(FORMS)}")
+    files = matrix_files(matrices, file.stem, form)
+    write_files(file.parent, files)
+    return [file.parent / name for name in sorted(files)]
 
 
 def matrix_files(matrices: MatrixSet, stem: str, form: str) -> dict[str, str | bytes]:

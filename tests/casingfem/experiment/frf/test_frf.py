@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf.files import file_coherence, read_coherence, read_places
-from casingfem.experiment.uff.nodes import Nodes
-from casingfem.experiment.uff.write import write_uff
 
 
 @pytest.fixture
@@ -36,7 +33,7 @@ def same(left: cf.frf.FrfSet, right: cf.frf.FrfSet) -> bool:
 def test_three_formats_hold_every_bit(three, tmp_path):
     assert same(cf.frf.FrfSet.from_csv(three.to_csv(tmp_path / "f.csv")), three)
     assert same(cf.frf.FrfSet.load(three.save(tmp_path / "f.npz")), three)
-    path = write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
+    path = cf.uff.write_uff(tmp_path / "f.uff", functions=three.functions(), binary=True)
     assert same(cf.frf.FrfSet.from_uff(path), three)
     assert cf.frf.FrfSet.load(tmp_path / "f.npz").card == three.card
     assert not three.responses.flags.writeable
@@ -46,7 +43,7 @@ def test_missing_numbers_go_through_every_format(three, tmp_path):
     holes = three.responses.copy()
     holes[1, [0, 7, 8]] = np.nan
     given = replace(three, responses=holes)
-    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    path = cf.uff.write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     for read in (
         cf.frf.FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")),
         cf.frf.FrfSet.load(given.save(tmp_path / "f.npz")),
@@ -58,14 +55,13 @@ def test_missing_numbers_go_through_every_format(three, tmp_path):
 def test_coherence_stands_beside_the_responses_of_a_universal_file(three, tmp_path):
     gamma2 = replace(three, kind="spectrum", responses=np.full((3, 33), 0.9), unit="")
     functions = [replace(each, kind=6, values=each.values.real) for each in gamma2.functions()]
-    path = write_uff(tmp_path / "f.uff", functions=[*three.functions(), *functions], binary=True)
+    path = cf.uff.write_uff(tmp_path / "f.uff", functions=[*three.functions(), *functions], binary=True)
     assert same(cf.frf.FrfSet.from_uff(path), three)
-    assert same(file_coherence(path), gamma2)
-    assert same(read_coherence(gamma2.save(tmp_path / "c.npz")), gamma2)
-    assert read_coherence(write_uff(tmp_path / "g.uff", functions=three.functions())) is None
-    assert file_coherence(tmp_path / "c.npz") is None
+    assert same(cf.frf.read_coherence(path), gamma2)
+    assert same(cf.frf.read_coherence(gamma2.save(tmp_path / "c.npz")), gamma2)
+    assert cf.frf.read_coherence(cf.uff.write_uff(tmp_path / "g.uff", functions=three.functions())) is None
     with pytest.raises(cf.errors.InputError, match=r"ending '\.csv'"):
-        read_coherence(tmp_path / "f.csv")
+        cf.frf.read_coherence(tmp_path / "f.csv")
 
 
 @pytest.mark.parametrize("kind", ["time", "spectrum"])
@@ -73,21 +69,23 @@ def test_time_records_and_spectra_too(kind, three, tmp_path):
     values = three.responses.real if kind == "time" else three.responses
     given = replace(three, kind=kind, responses=values, unit="Pa")
     assert same(cf.frf.FrfSet.from_csv(given.to_csv(tmp_path / "f.csv")), given)
-    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    path = cf.uff.write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     assert same(cf.frf.FrfSet.from_uff(path, kind), given)
     assert ("time_s" in (tmp_path / "f.csv").read_text()) == (kind == "time")
     with pytest.raises(cf.errors.InputError, match="expected functions of kind 'frf': divide the cross spectrum"):
         cf.frf.FrfSet.from_uff(path)
-    nodes = Nodes(labels=np.array([1, 2]), points=np.eye(2, 3), systems=np.zeros(2, int), motions=np.zeros(2, int))
+    nodes = cf.uff.Nodes(
+        labels=np.array([1, 2]), points=np.eye(2, 3), systems=np.zeros(2, int), motions=np.zeros(2, int)
+    )
     with pytest.raises(
         cf.errors.InputError, match=r"found no functions, but 2 nodes; expected functions of kind '\w+'$"
     ):
-        cf.frf.FrfSet.from_uff(write_uff(tmp_path / "g.uff", nodes=nodes), kind)
+        cf.frf.FrfSet.from_uff(cf.uff.write_uff(tmp_path / "g.uff", nodes=nodes), kind)
 
 
 def test_uneven_abscissas_keep_their_bits(three, tmp_path):
     given = replace(three, x=np.sort(np.random.default_rng(5).uniform(1.0, 2.0, 33)))
-    path = write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
+    path = cf.uff.write_uff(tmp_path / "f.uff", functions=given.functions(), binary=True)
     assert same(cf.frf.FrfSet.from_uff(path), given)
 
 
@@ -112,14 +110,14 @@ CSV = (
 def test_places_have_their_radius_and_none_below_0(tmp_path):
     file = tmp_path / "angles.csv"
     file.write_text("point,angle_deg,radius_m,z_m\n4,90,0.5,0.1\n7,30,0,0.2\n")
-    angles, places = read_places(file)
+    angles, places = cf.frf.read_places(file)
     assert angles == {4: 90.0, 7: 30.0}
     np.testing.assert_allclose([places[4], places[7]], [[0.0, 0.5, 0.1], [0.0, 0.0, 0.2]], atol=1e-16)
     file.write_text("point,angle_deg,radius_m,z_m\n4,90,0.5,0.1\n7,30,-1e-9,0.2\n")
     with pytest.raises(
         cf.errors.InputError, match=r"angles\.csv, line 3, column 'radius_m': found -1e-09; expected 0 or more"
     ):
-        read_places(file)
+        cf.frf.read_places(file)
 
 
 def test_a_table_written_by_hand(tmp_path):

@@ -7,8 +7,19 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.frf.files import ARRAYS, read_frfs, read_hdf5, write_hdf5
-from casingfem.extras import remedy
+
+ARRAYS = ("x", "responses", "response_point", "response_direction", "reference_point", "reference_direction")
+
+
+def write_hdf5(frfs, path):
+    """Data sets named as the fields of `FrfSet`, the rest as attributes."""
+    with h5py.File(path, "w") as file:
+        for name in ARRAYS:
+            file[name] = getattr(frfs, name)
+        for name in ("kind", "unit"):
+            file.attrs[name] = getattr(frfs, name)
+        file.attrs["card"] = list(frfs.card)
+    return path
 
 
 @pytest.fixture
@@ -27,7 +38,7 @@ def two() -> cf.frf.FrfSet:
 
 @pytest.mark.slow
 def test_every_bit_comes_back(two, tmp_path):
-    back = read_frfs(write_hdf5(two, tmp_path / "f.h5"))
+    back = cf.frf.read_frfs(write_hdf5(two, tmp_path / "f.h5"))
     assert all(np.array_equal(getattr(back, name), getattr(two, name)) for name in ARRAYS)
     assert (back.kind, back.unit, back.card) == (two.kind, two.unit, two.card)
 
@@ -60,23 +71,23 @@ def test_what_does_not_fit_is_refused(edit, said, two, tmp_path):
     path = write_hdf5(two, tmp_path / "f.hdf5")
     change(path, edit)
     with pytest.raises(cf.errors.InputError, match=said):
-        read_hdf5(path)
+        cf.frf.read_frfs(path)
 
 
 def test_without_h5py_it_is_named(two, tmp_path, monkeypatch):
     path = write_hdf5(two, tmp_path / "f.h5")
     monkeypatch.setitem(sys.modules, "h5py", None)
-    for call in (lambda: read_hdf5(path), lambda: write_hdf5(two, path)):
-        with pytest.raises(cf.errors.InputError) as caught:
-            call()
-        assert f"{path}: found an HDF5 file; expected the package h5py: {remedy('test-data')}" in str(caught.value)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.frf.read_frfs(path)
+    assert f"{path}: found an HDF5 file; expected the package h5py: " in str(caught.value)
+    assert "test-data" in str(caught.value)
 
 
 @pytest.mark.slow
 def test_places_may_be_missing(two, tmp_path):
     path = write_hdf5(two, tmp_path / "f.h5")
     change(path, lambda file: file.pop("reference_point"))
-    assert read_hdf5(path).reference_point.tolist() == [0, 0]
+    assert cf.frf.read_frfs(path).reference_point.tolist() == [0, 0]
 
 
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
@@ -84,10 +95,10 @@ def test_places_may_be_missing(two, tmp_path):
 def test_other_bytes_and_no_file(ending, tmp_path):
     path = tmp_path / f"f{ending}"
     with pytest.raises(cf.errors.InputError, match="no readable"):
-        read_frfs(path)
+        cf.frf.read_frfs(path)
     path.write_bytes(b"freq_hz,real,imag\n")
     with pytest.raises(cf.errors.InputError, match="no readable"):
-        read_frfs(path)
+        cf.frf.read_frfs(path)
     path.write_bytes(b"PK\x03\x04")
     with pytest.raises(cf.errors.InputError, match="no readable"):
-        read_frfs(path)
+        cf.frf.read_frfs(path)

@@ -9,7 +9,6 @@ from scipy.io import savemat
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.frf.files import file_coherence, read_frfs
 
 pytestmark = pytest.mark.slow  # a MATLAB file is read by a process of its own
 
@@ -34,7 +33,7 @@ def written(folder, kind, **arrays):
 @pytest.mark.parametrize("first", [True, False])
 def test_lines_stand_first_or_last_and_names_are_common_ones(kind, names, first, tmp_path):
     values = np.moveaxis(H, -1, 0) if first else H
-    found = read_frfs(written(tmp_path, kind, **{names[0]: FREQ, names[1]: values}, **EXTRA))
+    found = cf.frf.read_frfs(written(tmp_path, kind, **{names[0]: FREQ, names[1]: values}, **EXTRA))
     np.testing.assert_array_equal(found.x, FREQ)
     np.testing.assert_array_equal(found.responses, H.reshape(6, -1))
     assert found.response_point.tolist() == [4, 4, 5, 5, 9, 9]
@@ -46,17 +45,17 @@ def test_lines_stand_first_or_last_and_names_are_common_ones(kind, names, first,
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_channels_count_from_one_and_coherence_stands_beside(kind, tmp_path):
     path = written(tmp_path, kind, omega=W, frf=H[:, 0], coherence=0.9 * np.ones(H[:, 0].shape))
-    found, coherence = read_frfs(path), file_coherence(path)
+    found, coherence = cf.frf.read_frfs(path), cf.frf.read_coherence(path)
     np.testing.assert_allclose(found.x, FREQ, rtol=1e-15)
     assert (found.response_point.tolist(), found.reference_point.tolist()) == ([1, 2, 3], [1, 1, 1])
     assert np.all(coherence.responses == 0.9)
-    assert file_coherence(written(tmp_path, kind, f=FREQ, H=H)) is None
+    assert cf.frf.read_coherence(written(tmp_path, kind, f=FREQ, H=H)) is None
 
 
 def test_arrays_of_a_struct_and_of_version_7_3_are_read(tmp_path):
     h5py = pytest.importorskip("h5py")
     savemat(tmp_path / "struct.mat", {"test": {"f": FREQ, "H": H[:, 0], "unit": "(m/s^2)/N"}})
-    found = read_frfs(tmp_path / "struct.mat")
+    found = cf.frf.read_frfs(tmp_path / "struct.mat")
     assert found.unit == "(m/s^2)/N"
     with h5py.File(tmp_path / "new.mat", "w", userblock_size=512) as file:
         file["f"] = FREQ[:, None]
@@ -67,7 +66,7 @@ def test_arrays_of_a_struct_and_of_version_7_3_are_read(tmp_path):
         text.attrs["MATLAB_class"] = np.bytes_("char")
     with (tmp_path / "new.mat").open("r+b") as stream:
         stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
-    new = read_frfs(tmp_path / "new.mat")
+    new = cf.frf.read_frfs(tmp_path / "new.mat")
     np.testing.assert_array_equal(new.responses, found.responses)
     assert new.unit == "m/N"
 
@@ -95,13 +94,13 @@ def test_modes_of_plain_arrays_by_the_command(kind, tmp_path):
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_arrays_that_do_not_fit_are_refused_with_their_names(kind, arrays, words, tmp_path):
     with pytest.raises(cf.errors.InputError, match=re.escape(words)):
-        read_frfs(written(tmp_path, kind, **arrays))
+        cf.frf.read_frfs(written(tmp_path, kind, **arrays))
 
 
 def test_objects_and_damaged_files_are_refused(tmp_path):
     np.savez(tmp_path / "objects.npz", f=FREQ, H=np.array([None, {}], dtype=object))
     (tmp_path / "cut.mat").write_bytes(written(tmp_path, "mat", f=FREQ, H=H).read_bytes()[:900])
     with pytest.raises(cf.errors.InputError, match="no readable npz"):
-        read_frfs(tmp_path / "objects.npz")
+        cf.frf.read_frfs(tmp_path / "objects.npz")
     with pytest.raises(cf.errors.InputError, match="no readable MATLAB file"):
-        read_frfs(tmp_path / "cut.mat")
+        cf.frf.read_frfs(tmp_path / "cut.mat")

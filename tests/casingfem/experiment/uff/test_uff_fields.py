@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.uff.nodes import TraceLine, Units
-from casingfem.experiment.uff.write import write_uff
 from reports.robustness.uff_samples import elements, function, nodes, shape
 
 PARTS = {
-    "164": {"units": Units(1, "SI", 1.0, 1.0, 1.0, 0.0)},
+    "164": {"units": cf.uff.Units(1, "SI", 1.0, 1.0, 1.0, 0.0)},
     "2411": {"nodes": nodes()},
-    "82": {"lines": [TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 2, 0, 3]))]},
+    "82": {"lines": [cf.uff.TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 2, 0, 3]))]},
     "2412": {"elements": elements()},
     "55": {"shapes": [shape(1)]},
     "58": {"functions": [function(even=True, is_complex=True, double=False)]},
@@ -47,7 +45,7 @@ CASES = {  # set, its line from 0, first column, width, what stands there then, 
 
 def lines_of(kind, path):
     """The lines of a file with one set; its own begin after the first two."""
-    write_uff(path, **PARTS[kind])
+    cf.uff.write_uff(path, **PARTS[kind])
     return path.read_text().splitlines()
 
 
@@ -71,6 +69,6 @@ def test_a_field_out_of_its_range_is_refused_with_its_line(name, tmp_path):
 
 @pytest.mark.parametrize("count", [1, 8, 9])
 def test_a_trace_line_of_one_node_or_more_comes_back(count, tmp_path):
-    line = TraceLine(number=1, name="rim", color=3, nodes=np.arange(1, count + 1))
-    (found,) = cf.uff.read_uff(write_uff(tmp_path / "line.uff", lines=[line])).lines
+    line = cf.uff.TraceLine(number=1, name="rim", color=3, nodes=np.arange(1, count + 1))
+    (found,) = cf.uff.read_uff(cf.uff.write_uff(tmp_path / "line.uff", lines=[line])).lines
     assert found.nodes.tolist() == list(range(1, count + 1))

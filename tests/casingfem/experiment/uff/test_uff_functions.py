@@ -1,14 +1,33 @@
 """Set 58 line by line: where a function was measured, over what, and how its numbers stand."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from casingfem.experiment.uff.set_58 import read_function, read_function_header
-from casingfem.experiment.uff.split import BinaryHeader
-from tests.casingfem.experiment.uff.test_uff_sets import raw, refused, whole
+import casingfem as cf
+from tests.casingfem.experiment.uff.test_uff_sets import raw, read, refused, whole
 
 NOTHING = f"{whole(0)}{whole(0, 0, 0, width=5)}"  # said of an axis
 VALUES = "  1.00000E+00  2.00000E+00  3.00000E+00"
+
+
+def read_function(given):
+    return read(given).functions[0]
+
+
+def read_function_header(given):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "f.uff"
+        path.write_bytes(given if isinstance(given, bytes) else given.encode())
+        return cf.uff.read_headers(path)[0]
+
+
+def of_bytes(lines, payload):
+    """A file of one binary function, least byte first."""
+    head = f"    58b{1:6d}{2:6d}{11:12d}{len(payload):12d}{0:6d}{0:6d}{0:12d}{0:12d}"
+    return "\n".join(["    -1", head, *lines, ""]).encode() + payload + b"\n    -1\n"
 
 
 def function(kind=4, points=3, spacing=1, step=0.5, form=2, axis="", values=VALUES):
@@ -37,7 +56,7 @@ def test_a_header_says_what_stands_below_it_and_where():
     values = np.ones(3, "<f4")
     lines = function(values="", spacing=1)
     for size, whole_ in ((12, True), (8, False)):
-        given = raw("58b", lines, binary=BinaryHeader("<", size), payload=values.tobytes()[:size])
+        given = of_bytes(lines, values.tobytes()[:size])
         found = read_function_header(given)
         assert (found.points, found.binary, not found.fault) == (3, True, whole_)
 
@@ -89,9 +108,9 @@ def test_bytes_that_are_no_number_are_named_by_their_point(form, kind, bad, poin
     """Of three reals the second, of complex numbers the first; nan stands for a complex number that is missing."""
     values = np.array([1.0, bad, 3.0, 4.0, 5.0, 6.0][: 6 if form == 5 else 3], kind)
     lines = function(form=form, values="")
-    given = raw("58b", lines, binary=BinaryHeader("<", values.nbytes), payload=values.tobytes())
+    given = of_bytes(lines, values.tobytes())
     refused(read_function, given, f"found nan or infinity at point {point}; expected finite")
     if form == 5:
         values[1] = np.nan
-        given = raw("58b", lines, binary=BinaryHeader("<", values.nbytes), payload=values.tobytes())
+        given = of_bytes(lines, values.tobytes())
         assert np.isnan(read_function(given).values).tolist() == [True, False, False]

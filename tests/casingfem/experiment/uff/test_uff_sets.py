@@ -1,21 +1,38 @@
 """Sets of universal files line by line: how many nodes, values, numbers each may have, and where they stand."""
 
 import re
+import tempfile
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.uff.nodes import read_elements, read_nodes, read_trace_line, read_units
-from casingfem.experiment.uff.numbers import Columns, integers, reals, series
-from casingfem.experiment.uff.read import few_gaps
-from casingfem.experiment.uff.set_55 import read_shape
-from casingfem.experiment.uff.split import RawSet
 
 
-def raw(number, lines, **more):
-    """A set whose first line is line 3 of its file."""
-    return RawSet(path="f.uff", number=number, lines=tuple(lines), first=3, **more)
+def raw(number, lines):
+    """A file of one set, whose first line is line 3."""
+    return "\n".join(["    -1", f"{number:>6}", *lines, "    -1", ""])
+
+
+def read(given):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "f.uff"
+        path.write_bytes(given if isinstance(given, bytes) else given.encode())
+        return cf.uff.read_uff(path)
+
+
+def read_elements(given):
+    return read(given).elements
+
+
+def read_trace_line(given):
+    return read(given).lines[0]
+
+
+def read_shape(given):
+    return read(given).shapes[0]
 
 
 def whole(*values, width=10):
@@ -65,7 +82,6 @@ def test_elements_have_nodes_from_1_and_end_where_they_say():
     zero = [*lines[:3], whole(11, 12, 0, 14)]
     refused(read_elements, raw("2412", zero), "line 6, set 2412 (elements): found node 0; expected nodes from 1")
     refused(read_elements, raw("2412", [*lines[:2], lines[0], lines[3]]), "line 5, set 2412 (elements): found label 6")
-    refused(read_elements, raw("2412", ["", " "]), "line 3, set 2412 (elements): found an empty set")
     assert read_elements(raw("2412", [*lines, "", " "])).labels.tolist() == [6, 7]
 
 
@@ -75,17 +91,14 @@ def test_nodes_of_both_sets_have_labels_systems_and_points():
     single = [head + "".join(f"{v:13.5E}" for v in point) for head, point in zip(heads, points, strict=True)]
     double = [line for head, point in zip(heads, points, strict=True)
               for line in (head, "".join(f"{v:25.16E}" for v in point))]  # fmt: skip
-    units = read_units(raw("164", [whole(5) + f"{'mm':20}" + whole(2), "".join(f"{v:25.16E}" for v in (2.0, 3.0, 4.0)),
-                                   f"{273.0:25.16E}"]))  # fmt: skip
-    assert units == (5, "mm", 2.0, 3.0, 4.0, 273.0)
-    for found in (read_nodes(raw("15", single), units), read_nodes(raw("2411", [*double, ""]), units)):
+    units = raw("164", [whole(5) + f"{'mm':20}" + whole(2), "".join(f"{v:25.16E}" for v in (2.0, 3.0, 4.0)),
+                        f"{273.0:25.16E}"])  # fmt: skip
+    assert read(units).units == (5, "mm", 2.0, 3.0, 4.0, 273.0)
+    for found in (read(units + raw("15", single)).nodes, read(units + raw("2411", [*double, ""])).nodes):
         assert found.points.tolist() == (points / 2.0).tolist()
         assert (found.labels.tolist(), found.systems.tolist(), found.motions.tolist()) == ([4, 9], [1, 0], [2, 3])
-    refused(lambda given: read_nodes(given, units), raw("2411", double[:3]), "line 6, set 2411 (nodes, double precision"
-            "): found a node without coordinates")  # fmt: skip
-    refused(
-        lambda given: read_nodes(given, units), raw("15", single[:1] * 2), "line 4, set 15 (nodes): found label 4 a"
-    )
+    refused(read, raw("2411", double[:3]), "line 6, set 2411 (nodes, double precision): found a node without coordin")
+    refused(read, raw("15", single[:1] * 2), "line 4, set 15 (nodes): found label 4 a")
 
 
 @pytest.mark.parametrize("k", range(3))
@@ -93,7 +106,7 @@ def test_each_factor_of_the_units_is_above_0(k):
     factors = [1.0, 2.0, 3.0]
     factors[k] = 0.0
     lines = [whole(1) + "SI", "".join(f"{v:25.16E}" for v in factors), f"{0.0:25.16E}"]
-    refused(read_units, raw("164", lines), "line 4, set 164 (units): found the factors")
+    refused(read, raw("164", lines), "line 4, set 164 (units): found the factors")
 
 
 @pytest.mark.parametrize("count", [7, 8, 9, 17])
@@ -119,13 +132,17 @@ def shape(
     lines += [whole(len(whole_numbers), len(numbers), *whole_numbers), *(rows(numbers, 6, "13.5E") or [""])]
     for k, node in enumerate(nodes):
         lines += [whole(node), *rows(np.arange(each) + 100.0 * k, 6, "13.5E")]
-    return raw("55", lines)
+    return lines
+
+
+def of_shape(*args, **options):
+    return raw("55", shape(*args, **options))
 
 
 @pytest.mark.parametrize(("characteristic", "count"), [(1, 1), (2, 3), (3, 6), (4, 6), (5, 9), (0, 7), (6, 2)])
 @pytest.mark.parametrize("form", [2, 5])
 def test_a_shape_has_as_many_values_a_node_as_its_characteristic(characteristic, count, form):
-    found = read_shape(shape(characteristic=characteristic, count=count, form=form))
+    found = read_shape(of_shape(characteristic=characteristic, count=count, form=form))
     plain = np.arange(count * (2 if form == 5 else 1))[None] + np.array([[0.0], [100.0]])
     exact = plain[:, ::2] + 1j * plain[:, 1::2] if form == 5 else plain
     np.testing.assert_array_equal(found.values, exact)
@@ -134,96 +151,48 @@ def test_a_shape_has_as_many_values_a_node_as_its_characteristic(characteristic,
     assert (found.text, found.integers, found.reals) == (("a", "b", "", "d", "e"), (1, 4), (9.5, 1.0, 0.5, 0.25))
     if characteristic in range(1, 6):
         wrong = shape(characteristic=characteristic, count=count + 1, form=form)
-        refused(read_shape, wrong, f"found {count + 1} values a node; expected {count}, by data characteristic")
+        refused(
+            read_shape, raw("55", wrong), f"found {count + 1} values a node; expected {count}, by data characteristic"
+        )
 
 
 @pytest.mark.parametrize(("analysis", "least"), [(2, (2, 4)), (3, (2, 6)), (5, (2, 1)), (7, (2, 6)), (1, (0, 0))])
 def test_an_analysis_has_its_numbers_at_least(analysis, least):
     many, count = least
-    found = read_shape(shape(analysis, whole_numbers=range(many), numbers=np.arange(count)))
+    found = read_shape(of_shape(analysis, whole_numbers=range(many), numbers=np.arange(count)))
     assert (found.integers, found.reals) == (tuple(range(many)), tuple(range(count)))
     words = (
         f"line 9, set 55 (shapes at nodes): found {{}} integers and {{}} reals; expected at least {many} and {count} f"
     )
     if many:
         wrong = shape(analysis, whole_numbers=range(many - 1), numbers=np.arange(count))
-        refused(read_shape, wrong, words.format(many - 1, count))
+        refused(read_shape, raw("55", wrong), words.format(many - 1, count))
     if count:
         wrong = shape(analysis, whole_numbers=range(many), numbers=np.arange(count - 1))
-        refused(read_shape, wrong, words.format(many, count - 1))
+        refused(read_shape, raw("55", wrong), words.format(many, count - 1))
 
 
 def test_a_shape_may_have_six_integers_and_twelve_reals():
-    found = read_shape(shape(whole_numbers=range(6), numbers=np.arange(12.0)))
+    found = read_shape(of_shape(whole_numbers=range(6), numbers=np.arange(12.0)))
     assert (found.integers, found.reals) == (tuple(range(6)), tuple(range(12)))
     assert found.values.shape == (2, 6)
 
 
 def test_nodes_of_a_shape_stand_once_and_whole():
     refused(
-        read_shape, shape(nodes=(3, 8, 3)), "line 15, set 55 (shapes at nodes): found node 3; expected nodes from 1, e"
+        read_shape,
+        of_shape(nodes=(3, 8, 3)),
+        "line 15, set 55 (shapes at nodes): found node 3; expected nodes from 1, e",
     )
     refused(
-        read_shape, shape(nodes=(3, 0)), "line 13, set 55 (shapes at nodes): found node 0; expected nodes from 1, each"
+        read_shape,
+        of_shape(nodes=(3, 0)),
+        "line 13, set 55 (shapes at nodes): found node 0; expected nodes from 1, each",
     )
-    refused(read_shape, shape(nodes=()), "line 11, set 55 (shapes at nodes): found no values")
+    refused(read_shape, of_shape(nodes=()), "line 11, set 55 (shapes at nodes): found no values")
     cut = shape()
-    refused(
-        read_shape, raw("55", cut.lines[:-1]), "line 13, set 55 (shapes at nodes): found 3 lines of values; expected 2"
-    )
-    assert read_shape(raw("55", [*cut.lines, "  "])).nodes.tolist() == [3, 8]
-
-
-def test_whole_numbers_stand_flush_right_in_their_columns():
-    columns = Columns(2, 4, 3)
-    assert integers(raw("82", ["ab  12  +3  -4"]), [0], columns).tolist() == [[12, 3, -4]]
-    assert integers(raw("82", ["ab  12  +3  -4 "]), [0], columns).tolist() == [[12, 3, -4]]
-    assert integers(raw("82", ["ab  12   3   4x"]), [0], columns, last=False).tolist() == [[12, 3, 4]]
-    for line, words in (
-        ("ab  12 3   -4", "line 3, set 82 (trace lines): found '3' in columns 7 to 10; expected a whole number, flush"),
-        ("ab  12 1.5  -4", "found '1.5' in columns 7 to 10"), ("ab  12", "found nothing in columns 7 to 10"),
-        ("ab  12   3   4 x", "found ' x'; expected nothing beyond column 14".replace("' x'", "'x'")),
-    ):  # fmt: skip
-        refused(lambda given: integers(given, [0], columns), raw("82", [line]), words)
-    long = Columns(0, 25, 1)
-    assert integers(raw("82", [f"{2**63 - 1:25d}"]), [0], long).tolist() == [[2**63 - 1]]
-    refused(lambda given: integers(given, [0], long), raw("82", [f"{2**63:25d}"]), "found a number that is too large")
-
-
-@pytest.mark.parametrize("count", [4, 5, 7, 8])
-def test_a_series_takes_as_many_numbers_as_are_asked_for_and_no_others(count):
-    columns, values = Columns(0, 10, 4), np.arange(5, 5 + count)
-    lines = ["above", *rows(values, 4)]
-    assert series(raw("82", lines), 1, count, columns, integers, "nodes").tolist() == values.tolist()
-    refused(
-        lambda given: series(given, 1, count + 4, columns, integers, "nodes"),
-        raw("82", lines),
-        f"line {3 + len(lines)}, set 82 (trace lines): found {len(lines) - 1} lines of nodes; expected {len(lines)} l",
-    )
-    if count % 4:
-        more = [*lines[:-1], lines[-1] + whole(99)]
-        words = "found '99'; expected " + (
-            f"{count % 4} numbers on the last line of nodes" if count > 4 else "nothing be"
-        )
-        refused(lambda given: series(given, 1, count, columns, integers, "nodes"), raw("82", more), words)
-
-
-def test_a_single_short_line_is_a_series_too():
-    assert series(raw("82", [whole(7, 9)]), 0, 2, Columns(0, 10, 8), integers, "nodes").tolist() == [7, 9]
-    refused(lambda given: series(given, 0, 2, Columns(0, 10, 8), integers, "nodes"), raw("82", [whole(7, 9, 1)]),
-            "found '1'; expected nothing beyond column 20")  # fmt: skip
-
-
-def test_reals_are_finite_and_end_in_one_column():
-    columns = Columns(0, 13, 2)
-    assert reals(raw("55", ["  1.50000E+00 -2.50000D-01"]), [0], columns).tolist() == [[1.5, -0.25]]
-    for line, words in (
-        ("  1.50000E+00  9.9E+99999", "expected a finite number"),
-        ("  1.50000E+00", "found nothing in columns 14 to 26"),
-        ("  1.50000E+00 -2.50000E-0 ", "numbers that end in one column of their fields, with as many digits each"),
-        ("  1.50000E+00          NaN", "found 'NaN' in columns 14 to 26"),
-    ):  # fmt: skip
-        refused(lambda given: reals(given, [0], columns), raw("55", [line]), words)
+    refused(read_shape, raw("55", cut[:-1]), "line 13, set 55 (shapes at nodes): found 3 lines of values; expected 2")
+    assert read_shape(raw("55", [*cut, "  "])).nodes.tolist() == [3, 8]
 
 
 @pytest.mark.parametrize(
@@ -234,4 +203,23 @@ def test_reals_are_finite_and_end_in_one_column():
     ],
 )  # fmt: skip
 def test_numbers_are_left_out_where_they_are_fewer_than_a_quarter_of_those_there(labels, gaps):
-    assert few_gaps(np.array(labels)).tolist() == gaps
+    nodes = [whole(label, 0, 0, 8) + "".join(f"{label + v:13.5E}" for v in (0.5, 0.25, 0.0)) for label in labels]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert read(raw("15", nodes)).nodes.labels.tolist() == labels
+    found = [str(w.message) for w in caught]
+    assert len(found) == (len(gaps) > 0)
+    assert all(f"nodes {', '.join(map(str, gaps))} left out" in words for words in found)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (f"{1:10d} 3         {3:9d}", "line 3, set 82 (trace lines): found '3' in columns 11 to 20; expected a whole"),
+        (f"{1:10d}{1.5:10}{3:10d}", "found '1.5' in columns 11 to 20"),
+        (f"{1:10d}{3:10d}", "found nothing in columns 21 to 30"),
+        (f"{1:10d}{3:10d}{3:10d} x", "found 'x'; expected nothing beyond column 30"),
+    ],
+)
+def test_whole_numbers_stand_flush_right_in_their_columns(line, words):
+    refused(read, raw("82", [line, "rim", whole(1, 2, 3)]), words)

@@ -1,18 +1,14 @@
 """Where sets of universal files begin and end, what two sets of one kind make together, what is written."""
 
 import re
+import tempfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.uff.nodes import Elements, Nodes, TraceLine, Units
-from casingfem.experiment.uff.read import parse_uff
-from casingfem.experiment.uff.set_55 import Shape
-from casingfem.experiment.uff.set_58 import Axes, Axis, Channel, Function
-from casingfem.experiment.uff.split import is_mark, split
-from casingfem.experiment.uff.write import write_uff
 
 MARK = "    -1"
 
@@ -21,18 +17,20 @@ def text(*lines):
     return "\n".join([*lines, ""]).encode()
 
 
-@pytest.mark.parametrize(
-    ("line", "mark"), [("    -1", True), ("-1", True), ("    -1  ", True), ("     -1", False), ("   -1 2", False)]
-)
-def test_a_mark_stands_in_the_first_six_columns(line, mark):
-    assert is_mark(line) == mark
+def parse_uff(data, name="f.uff", **options):
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / name).write_bytes(data)
+        return cf.uff.read_uff(Path(folder) / name, **options)
 
 
-def test_sets_have_their_lines_and_the_number_of_the_first():
-    sets = split(text("", MARK, "   151", "a", " b ", MARK, "", MARK, "    18", "c", MARK) + b"\n", "f.uff")
-    assert [(raw.number, raw.lines, raw.first) for raw in sets] == [("151", ("a", " b "), 4), ("18", ("c",), 10)]
-    assert split(text(MARK, "    18", "c", MARK).removesuffix(b"\n"), "f.uff")[0].lines == ("c",)
-    assert split(text(MARK, "    18", "c", MARK).replace(b"\n", b"\r\n"), "f.uff")[0].lines == ("c",)
+@pytest.mark.parametrize("mark", ["    -1", "-1", "    -1  "])
+@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
+def test_sets_end_at_a_mark_in_the_first_six_columns(mark, end):
+    header = ["a", " b ", *"cdefg"]
+    given = text("", mark, "   151", *header, mark, "", mark, "    18", "     -1", "   -1 2", mark) + b"\n"
+    for data in (given.replace(b"\n", end), given.replace(b"\n", end).rstrip()):
+        found = parse_uff(data)
+        assert (found.header, [one.line for one in found.skipped]) == (("a", " b", *"cdefg"), [14])
 
 
 @pytest.mark.parametrize(
@@ -61,12 +59,11 @@ def test_sets_have_their_lines_and_the_number_of_the_first():
 )
 def test_a_file_that_is_no_series_of_sets_is_refused_with_its_line(lines, words):
     with pytest.raises(cf.errors.InputError, match=re.escape(words)):
-        split(text(*lines), "f.uff")
+        parse_uff(text(*lines))
 
 
 def test_a_mark_among_the_seven_lines_of_a_header_is_text():
-    (raw,) = split(text(MARK, "   151", *"abcdef", MARK, "x", MARK), "f.uff")
-    assert raw.lines == (*"abcdef", MARK, "x")
+    assert parse_uff(text(MARK, "   151", *"abcde", MARK, "x", MARK)).header == (*"abcde", MARK, "x")
 
 
 def binary(order=1, form=2, lines=11, size=4, payload=b"abcd", behind=b"\n    -1\n", header=11):
@@ -75,11 +72,21 @@ def binary(order=1, form=2, lines=11, size=4, payload=b"abcd", behind=b"\n    -1
 
 
 @pytest.mark.parametrize("behind", [b"\n    -1\n", b"\r\n    -1\r\n", b"    -1\n", b"    -1"])
-def test_bytes_end_at_their_mark_with_or_without_an_end_of_line(behind):
-    for order, word in ((1, "<"), (2, ">")):
-        (raw,) = split(binary(order, behind=behind), "f.uff")
-        assert (raw.number, raw.binary, raw.payload) == ("58b", (word, 4), b"abcd")
-        assert (raw.lines, raw.first) == (("x",) * 11, 3)
+def test_bytes_end_at_their_mark_with_or_without_an_end_of_line(behind, tmp_path):
+    values = np.array([1.0, -2.0, 3.5])
+    data = cf.uff.write_uff(tmp_path / "f.uff", functions=[of_three(values)], binary=True).read_bytes()
+    assert data.endswith(values.tobytes() + b"    -1\n")
+    (found,) = parse_uff(data.removesuffix(b"    -1\n") + behind).functions
+    assert found.values.tolist() == values.tolist()
+    swapped = data.replace(values.tobytes(), values.byteswap().tobytes()).replace(b"    58b     1", b"    58b     2")
+    (found,) = parse_uff(swapped.removesuffix(b"    -1\n") + behind).functions
+    assert found.values.tolist() == values.tolist()
+
+
+def of_three(values):
+    axes = cf.uff.Axes(cf.uff.Axis(17), cf.uff.Axis())
+    points = {"kind": 1, "text": (), "x": np.arange(3.0), "step": 1.0, "values": values, "double": True, "axes": axes}
+    return cf.uff.Function(response=cf.uff.Channel("", 1, 1), reference=cf.uff.Channel("", 0, 0), **points)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +106,7 @@ def test_bytes_end_at_their_mark_with_or_without_an_end_of_line(behind):
 )
 def test_a_binary_function_is_as_its_first_line_says(given, words):
     with pytest.raises(cf.errors.InputError, match=re.escape(words)) as caught:
-        split(binary(**given), "f.uff")
+        parse_uff(binary(**given))
     assert caught.value.where == "set 58b (functions, binary)"
     assert caught.value.line == (2 if {"order", "form", "lines"} & set(given) else 13 if "header" in given else 14)
 
@@ -107,11 +114,11 @@ def test_a_binary_function_is_as_its_first_line_says(given, words):
 def some(labels, shift=0.0):
     labels = np.asarray(labels)
     points = np.column_stack([labels + shift, 0.5 * labels, 0.0 * labels])
-    return Nodes(labels=labels, points=points, systems=0 * labels, motions=labels + 10)
+    return cf.uff.Nodes(labels=labels, points=points, systems=0 * labels, motions=labels + 10)
 
 
 def parsed(tmp_path, *parts, **more):
-    data = b"".join(write_uff(tmp_path / "part.uff", **part).read_bytes() for part in parts)
+    data = b"".join(cf.uff.write_uff(tmp_path / "part.uff", **part).read_bytes() for part in parts)
     return parse_uff(data, "f.uff", **more)
 
 
@@ -136,8 +143,8 @@ def test_a_node_of_two_sets_may_lie_apart_by_a_hundred_thousandth_of_the_size(sh
 
 
 def element(label, nodes=(1, 2, 3)):
-    return {"elements": Elements(labels=np.array([label]), kinds=np.array([91]), properties=np.array([[1, 2, 7]]),
-                                 beams=np.zeros((1, 3)), nodes=(np.array(nodes),))}  # fmt: skip
+    more = {"kinds": np.array([91]), "properties": np.array([[1, 2, 7]]), "beams": np.zeros((1, 3))}
+    return {"elements": cf.uff.Elements(labels=np.array([label]), nodes=(np.array(nodes),), **more)}
 
 
 def test_elements_of_several_sets_are_all_there_and_none_twice(tmp_path):
@@ -151,7 +158,7 @@ def test_elements_of_several_sets_are_all_there_and_none_twice(tmp_path):
 
 
 def test_a_user_of_nodes_that_are_not_there_is_named(tmp_path):
-    line = {"lines": [TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 0, 9]))]}
+    line = {"lines": [cf.uff.TraceLine(number=1, name="rim", color=3, nodes=np.array([1, 0, 9]))]}
     assert parsed(tmp_path, line).lines[0].nodes.tolist() == [1, 0, 9]
     with pytest.raises(
         cf.errors.InputError, match=r"set 82 \(trace lines\): found node 9, not among the nodes of the file"
@@ -164,7 +171,7 @@ def test_a_user_of_nodes_that_are_not_there_is_named(tmp_path):
 
 
 def shape(nodes):
-    return Shape(text=("a",), model=1, analysis=2, characteristic=2, quantity=8, integers=(1, 1),
+    return cf.uff.Shape(text=("a",), model=1, analysis=2, characteristic=2, quantity=8, integers=(1, 1),
                  reals=(9.0, 1.0, 0.0, 0.0), nodes=np.array(nodes), values=np.ones((len(nodes), 3)))  # fmt: skip
 
 
@@ -189,15 +196,17 @@ def test_a_file_tells_what_it_holds(tmp_path):
 
 
 def test_text_is_filled_up_with_none_and_a_header_with_blank_lines(tmp_path):
-    lines = write_uff(tmp_path / "f.uff", shapes=[shape([1])]).read_text().splitlines()
+    lines = cf.uff.write_uff(tmp_path / "f.uff", shapes=[shape([1])]).read_text().splitlines()
     assert lines[2:7] == ["a", "NONE", "NONE", "NONE", "NONE"]
     assert lines[7:9] == [f"{1:10d}{2:10d}{2:10d}{8:10d}{2:10d}{3:10d}", f"{2:10d}{4:10d}{1:10d}{1:10d}"]
-    lines = write_uff(tmp_path / "f.uff", header=["x", "y"]).read_text().splitlines()
+    lines = cf.uff.write_uff(tmp_path / "f.uff", header=["x", "y"]).read_text().splitlines()
     assert lines == [MARK, "   151", "x", "y", "", "", "", "", "", MARK]
     with pytest.raises(ValueError, match="nothing to write"):
-        write_uff(tmp_path / "f.uff")
+        cf.uff.write_uff(tmp_path / "f.uff")
     lines = (
-        write_uff(tmp_path / "f.uff", nodes=some([7]), nodes_set="15", units=Units(length=2.0)).read_text().splitlines()
+        cf.uff.write_uff(tmp_path / "f.uff", nodes=some([7]), nodes_set="15", units=cf.uff.Units(length=2.0))
+        .read_text()
+        .splitlines()
     )
     assert lines[8] == f"{7:10d}{0:10d}{17:10d}{8:10d}  1.40000E+01  7.00000E+00  0.00000E+00"
 
@@ -205,21 +214,22 @@ def test_text_is_filled_up_with_none_and_a_header_with_blank_lines(tmp_path):
 @pytest.mark.parametrize(("line", "fits"), [("x" * 80, True), ("x" * 81, False), ("a\tb", False)])
 def test_lines_of_text_have_80_printable_characters(line, fits, tmp_path):
     if fits:
-        assert parse_uff(write_uff(tmp_path / "f.uff", header=[line]).read_bytes(), "f").header[0] == line
+        assert parse_uff(cf.uff.write_uff(tmp_path / "f.uff", header=[line]).read_bytes(), "f").header[0] == line
         return
     with pytest.raises(ValueError, match="does not fit into 80 columns of a universal file"):
-        write_uff(tmp_path / "f.uff", header=[line])
+        cf.uff.write_uff(tmp_path / "f.uff", header=[line])
 
 
 @pytest.mark.parametrize(("points", "fits"), [(90_000, True), (110_000, False)])
 def test_a_step_may_put_the_last_point_off_by_a_hundredth_of_itself(points, fits, tmp_path):
     """1/3 with seven digits is 1e-7 of itself off: a hundredth after 1e5 steps."""
-    given = Function(
-        kind=1, text=(), response=Channel("", 1, 1), reference=Channel("", 0, 0), x=np.arange(points) / 3.0,
-        step=1.0 / 3.0, values=np.ones(points), double=False, axes=Axes(Axis(17), Axis()),
+    given = cf.uff.Function(
+        kind=1, text=(), response=cf.uff.Channel("", 1, 1), reference=cf.uff.Channel("", 0, 0),
+        x=np.arange(points) / 3.0,
+        step=1.0 / 3.0, values=np.ones(points), double=False, axes=cf.uff.Axes(cf.uff.Axis(17), cf.uff.Axis()),
     )  # fmt: skip
     if fits:
-        assert write_uff(tmp_path / "f.uff", functions=[given], binary=True).stat().st_size > 4 * points
+        assert cf.uff.write_uff(tmp_path / "f.uff", functions=[given], binary=True).stat().st_size > 4 * points
         return
     with pytest.raises(ValueError, match=r"its last point would be off by 0\.011 steps"):
-        write_uff(tmp_path / "f.uff", functions=[given], binary=True)
+        cf.uff.write_uff(tmp_path / "f.uff", functions=[given], binary=True)

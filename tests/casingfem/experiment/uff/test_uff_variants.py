@@ -10,10 +10,8 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.uff.read import parse_uff
-from casingfem.experiment.uff.set_58 import Axis
-from casingfem.experiment.uff.write import write_uff
 from reports.robustness.uff_samples import function
+from tests.casingfem.experiment.uff.test_uff_split import parse_uff
 
 pyuff = pytest.importorskip("pyuff")
 
@@ -97,7 +95,9 @@ def test_a_wrong_number_of_bytes_is_named_beside_the_right_one(tmp_path):
 
 def test_a_set_that_is_empty_is_named_and_the_others_are_read(tmp_path):
     """As pyuff leaves it where a binary function is written in its mode "overwrite"."""
-    data = write_uff(tmp_path / "f.uff", functions=[function(even=True, is_complex=True, double=True)]).read_bytes()
+    data = cf.uff.write_uff(
+        tmp_path / "f.uff", functions=[function(even=True, is_complex=True, double=True)]
+    ).read_bytes()
     for given, words in (
         (b"    -1\n" + data, "line 1, before the first set: found -1 and no set below it"),
         (data + b"    -1\n", r"line \d+, after set 58 \(functions\): found -1 and no set"),
@@ -110,7 +110,7 @@ def test_a_set_that_is_empty_is_named_and_the_others_are_read(tmp_path):
 def test_a_function_without_a_last_mark_is_whole_or_refused(binary, tmp_path):
     """Wherever the file is cut: its numbers are all there, or it is refused."""
     given = function(even=True, is_complex=True, double=True)
-    whole = write_uff(tmp_path / "f.uff", functions=[given, given], binary=binary).read_bytes()
+    whole = cf.uff.write_uff(tmp_path / "f.uff", functions=[given, given], binary=binary).read_bytes()
     read, end = 0, len(whole.rstrip()) - 2
     for cut in range(end - 60, end):
         with warnings.catch_warnings(record=True) as caught:
@@ -135,7 +135,7 @@ def test_a_function_without_a_last_mark_is_whole_or_refused(binary, tmp_path):
 )  # fmt: skip
 def test_codes_state_the_form_and_files_keep_it(codes, unit, form, tmp_path):
     given = function(even=True, is_complex=True, double=True)
-    axes = given.axes._replace(ordinate=Axis(codes[0], unit=unit), denominator=Axis(codes[1]))
+    axes = given.axes._replace(ordinate=cf.uff.Axis(codes[0], unit=unit), denominator=cf.uff.Axis(codes[1]))
     frfs = cf.frf.FrfSet.from_functions([replace(given, kind=4, axes=axes)], "frf")
     assert frfs.form == form
     assert cf.frf.FrfSet.load(frfs.save(tmp_path / "f.npz")).form == form
@@ -160,7 +160,9 @@ def test_codes_of_other_quantities_and_codes_against_the_unit_need_a_form(codes,
 
 def several(codes, unit):
     given = function(even=True, is_complex=True, double=True)
-    axes = given.axes._replace(abscissa=Axis(18), ordinate=Axis(codes[0], unit=unit), denominator=Axis(codes[1]))
+    axes = given.axes._replace(
+        abscissa=cf.uff.Axis(18), ordinate=cf.uff.Axis(codes[0], unit=unit), denominator=cf.uff.Axis(codes[1])
+    )
     one = replace(given, kind=4, axes=axes, x=LINES, step=0.5, values=receptance((60.0, 1.0)))
     return cf.frf.FrfSet.from_functions([one], "frf")
 

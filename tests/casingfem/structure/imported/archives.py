@@ -1,6 +1,6 @@
 """Small Ansys archives, in the fixed columns of their blocks."""
 
-from casingfem.structure.imported.readers.cdb import read_cdb
+import casingfem as cf
 
 PLACES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
 
@@ -26,4 +26,4 @@ PART = ["/PREP7", "ET,7,185", *nodes_block(), *elements_block(BRICK)]
 
 def read(folder, lines):
     (folder / "a.cdb").write_text("\n".join(lines) + "\n")
-    return read_cdb(folder / "a.cdb")
+    return cf.read_mesh(folder / "a.cdb")

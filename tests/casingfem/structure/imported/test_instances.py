@@ -68,6 +68,13 @@ def test_two_instances_of_one_part_make_one_bar_when_joined(tmp_path):
         ("*INSTANCE, NAME=I, PART=Q\n*END INSTANCE\n", r"\*INSTANCE of part 'Q', which is not given"),
         ("*INSTANCE, NAME=I, PART=P\n1., 2.\n*END INSTANCE\n", "expected a line dx, dy, dz"),
         ("*INSTANCE, NAME=I, PART=P\n1., 2., x\n*END INSTANCE\n", "found '1., 2., x', expected numbers"),
+        ("*INSTANCE, NAME=I, PART=P\n1., 2., 3., 4.\n*END INSTANCE\n", "expected a line dx, dy, dz, then one"),
+        ("*INSTANCE, NAME=I, PART=P\n1,2,3\n1,1,1,2,2,2\n*END INSTANCE\n", "expected a line dx, dy, dz, then one"),
+        ("*INSTANCE, NAME=I, PART=P\n1,2,3\n1,1,1,2,2,2,90\n1,2,3\n*END INSTANCE\n", "expected a line dx, dy, dz"),
+        ("*INSTANCE, NAME=I, PART=P\n1,2,3\n1,1,1,2,2,x,90\n*END INSTANCE\n", "found '1,1,1,2,2,x,90', expected"),
+        ("*INSTANCE, NAME=I, PART=P\n1., 2., 1e15\n*END INSTANCE\n", r"found '1\., 2\., 1e15', expected numbers below"),
+        ("*INSTANCE, PART=P\n*END INSTANCE\n", r"\*INSTANCE: found the name '', expected each instance's own"),
+        ("*INSTANCE, NAME=a, PART=P\n*END INSTANCE\n*INSTANCE, NAME=A, PART=P\n*END INSTANCE\n", "the name 'A'"),
         (
             "*INSTANCE, NAME=I, PART=P\n0,0,0\n1,1,1,1,1,1,90.\n*END INSTANCE\n",
             "an axis between two points at one place",
@@ -80,3 +87,21 @@ def test_assemblies_that_cannot_be_laid_out_name_the_line(assembly, message, tmp
     text = part(tmp_path) + (part(tmp_path, "P2") if not assembly else "") + assembly
     with pytest.raises(cf.errors.ModelError, match=f"part.inp: line \\d+: .*{message}"):
         read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("rows", "moved"),
+    [
+        ("5., 6., 7.", (5.5, 6.25, 9.0)),
+        ("1., 2., 3.\n1., 2., 3., 1., 2., 7., 90.,", (0.75, 2.5, 5.0)),  # about the axis from (1, 2, 3) along z
+        ("0., 0., 0.\n0,0,1,2,2,1,180", (0.25, 0.5, 0.0)),  # about one along (1, 1, 0) at z = 1
+        ("0,0,0\n0,0,0,0,2,0,-90", (-2.0, 0.25, 0.5)),  # about y
+        ("1., 2., 9.99e14", (1.5, 2.25, 9.99e14)),
+    ],
+)
+def test_an_instance_is_shifted_and_then_turned_about_its_axis(rows, moved, tmp_path):
+    """The point (0.5, 0.25, 2)."""
+    body = "*PART, NAME=P\n*NODE\n1, .5, .25, 2.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n"
+    body += "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n*END PART\n"
+    found = read(tmp_path, f"{body}*INSTANCE, NAME=I, PART=P\n{rows}\n*END INSTANCE\n")
+    np.testing.assert_allclose(found.points[0], moved, rtol=1e-13, atol=1e-13)

@@ -14,13 +14,9 @@ from scipy.sparse import csc_array, tril
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.structure.imported.matrix.matrix_set import roles_of
-from casingfem.structure.imported.matrix.op4 import read_op4
-from casingfem.structure.imported.matrix.tables import read_dofs
-from casingfem.structure.imported.matrix.text import read_market
-from casingfem.structure.imported.matrix.write import NAMES, matrix_files
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+NAMES = ("q", "x", "y", "z", "rx", "ry", "rz")
 MARKET = "%%MatrixMarket matrix coordinate real symmetric\n"
 MESH = cf.imported.grid_mesh(
     "hexahedron20", (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 5.4e-3],
@@ -54,9 +50,7 @@ def same(found, digits=1e-9):
 
 
 def written(folder, form, matrices=SET, stem="part"):
-    for name, content in matrix_files(matrices, stem, form).items():
-        path = folder / name
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    cf.imported.write_matrices(folder / f"{stem}.{form}", matrices)
     tables = {"nodes": folder / f"{stem}_nodes.csv", "dofs": folder / f"{stem}_dofs.csv"}
     given = {"mtx": tables, "op4": tables}.get(form, {})
     files = [folder / f"{stem}_{k}.mtx" for k in "KM"] if form == "mtx" else [folder / f"{stem}.{form}"]
@@ -214,26 +208,11 @@ def binary_op4(name, A, kind="<f8", long=True, dense=False):
 def test_binary_op4(kind, layout, tmp_path):
     path = tmp_path / "part.op4"
     path.write_bytes(binary_op4("KGG", SET.K, kind, **layout) + binary_op4("MGG", SET.M, kind, **layout))
-    found = read_op4(path)
-    assert list(found) == ["KGG", "MGG"]
-    for name, A in (("KGG", SET.K), ("MGG", SET.M)):
-        np.testing.assert_array_equal(found[name].toarray(), A.toarray().astype(kind))
-
-
-def test_text_op4_with_short_rows_and_dense_columns(tmp_path):
-    """The two other layouts of text files, written by hand."""
-    text = "       1       4       2       2K       1P,3E23.16\n       1       2       3\n"
-    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
-    text += "       2       1       1\n 1.0000000000000000E+00\n"
-    text += f"       1      -4       2       2L       1P,3E23.16\n       1       0       {2 + 6}\n       7       2\n"
-    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
-    text += "       2       1       1\n 1.0000000000000000E+00\n"
-    text += f"       1       4       2       2S       1P,3E23.16\n       1       0       {1 + 6}\n{2 + 65536 * 7}\n"
-    text += " 1.0000000000000000E+00 2.0000000000000000E+00 3.0000000000000000E+00\n"
-    text += "       2       1       1\n 1.0000000000000000E+00\n"
-    (tmp_path / "a.op4").write_text(text)
-    for A in read_op4(tmp_path / "a.op4").values():
-        np.testing.assert_array_equal(A.toarray().ravel(), [0.0, 1.0, 2.0, 3.0])
+    dofs = tmp_path / "dofs.csv"
+    dofs.write_text("node,direction\n" + "".join(f"{node},{NAMES[to]}\n" for node, to in SET.dofs.tolist()))
+    found = cf.imported.read_matrices(path, dofs=dofs)
+    for read, A in ((found.K, SET.K), (found.M, SET.M)):
+        np.testing.assert_array_equal(read.toarray(), A.toarray().astype(kind))
 
 
 @pytest.mark.parametrize("row", [0, 3])
@@ -246,39 +225,48 @@ def test_op4_entries_outside_of_their_matrix_are_refused(row, tmp_path):
     with pytest.raises(
         cf.errors.ModelError, match=f"L: found rows {row} to {row + 2} of column 1 in a matrix of 4 x 1"
     ):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
-OP4 = """       1       2       2       2K       1P,3E23.16
+OP4 = """       2       2       2       2K       1P,3E23.16
        1       1       4
  1.0000000000000000E+00 2.0000000000000000E+00
-       2       1       1
+       3       1       1
  1.0000000000000000E+00
 """
 STRINGS = OP4.replace("       1       1       4\n", "       1       0       5\n  196609\n")  # one, from row 1
 
 
+def column_of(folder, content):
+    """The first column of K in an OP4 file that has M too."""
+    content = content.encode() if isinstance(content, str) else content
+    (folder / "a.op4").write_bytes(content)
+    (folder / "dofs.csv").write_text("node,direction\n1,x\n2,x\n")
+    found = cf.imported.read_matrices(folder / "a.op4", dofs=folder / "dofs.csv").K.toarray()
+    assert not found[:, 1:].any()
+    return found[:, 0].tolist()
+
+
 def test_the_two_values_of_a_small_op4_file(tmp_path):
     for text in (OP4, STRINGS, "\n" + OP4 + "\n"):
-        (tmp_path / "a.op4").write_text(text)
-        assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
+        assert column_of(tmp_path, text + OP4.replace("K ", "M ")) == [1.0, 2.0]
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
         *(
-            (f"{'2K':>8}", f"{kind:>7}K", f"K: found type {kind}, 2 rows, 1 columns, expected a real matrix")
+            (f"{'2K':>8}", f"{kind:>7}K", f"K: found type {kind}, 2 rows, 2 columns, expected a real matrix")
             for kind in (-1, 0, 5)
         ),
-        ("2K  ", "3KAA", "KAA: found type 3, 2 rows, 1 columns, expected a real matrix"),
-        ("2K  ", "4KAA", "KAA: found type 4, 2 rows, 1 columns, expected a real matrix"),
-        ("       1       2  ", "       0       2  ", "K: found 2 rows, 0 columns, expected 1 to 2147483647 of"),
-        ("       1       2  ", "       1       0  ", "K: found 0 rows, 1 columns, expected 1 to 2147483647 of"),
-        ("       1       2  ", "1     2147483648  ", "K: found 2147483648 rows, 1 columns, expected 1 to 2147483647"),
+        ("2K  ", "3KAA", "KAA: found type 3, 2 rows, 2 columns, expected a real matrix"),
+        ("2K  ", "4KAA", "KAA: found type 4, 2 rows, 2 columns, expected a real matrix"),
+        ("       2       2  ", "       0       2  ", "K: found 2 rows, 0 columns, expected 1 to 2147483647 of"),
+        ("       2       2  ", "       2       0  ", "K: found 0 rows, 2 columns, expected 1 to 2147483647 of"),
+        ("       2       2  ", "2     2147483648  ", "K: found 2147483648 rows, 2 columns, expected 1 to 2147483647"),
         ("3E23.16", "3F23.16", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
         ("2       2K", "        2K", "line 1: found ' .*2K .*', expected columns, rows, form, type, name"),
-        ("       1       2  ", "       1       x  ", "line 1: found '       1       x .*', expected whole numbers"),
+        ("       2       2  ", "       2       x  ", "line 1: found '       2       x .*', expected whole numbers"),
         ("       1       4", "       1       x", "line 2: found '       1       1       x', expected whole numbers"),
         (
             "       1       1       4",
@@ -288,24 +276,24 @@ def test_the_two_values_of_a_small_op4_file(tmp_path):
         ("       1       1       4", "  196609", "line 2: found '  196609', expected column, row, words"),
         ("       4\n", "       4\n  196609\n", "line 3: found '  196609', expected column, row, words"),
         ("2.0000", "2.000x", "line 3: found ' 1.00.*', expected numbers of 23 characters"),
-        ("       2       1       1\n 1.0000000000000000E+00\n", "", "K: the file ends in column 1 of 1: cut short"),
-        (OP4.partition("\n")[2], "", "K: the file ends in column 0 of 1: cut short"),
+        ("       3       1       1\n 1.0000000000000000E+00\n", "", "K: the file ends in column 1 of 2: cut short"),
+        (OP4.partition("\n")[2], "", "K: the file ends in column 0 of 2: cut short"),
     ],
 )
 def test_text_op4_that_is_damaged_is_named_with_its_line(old, new, message, tmp_path):
     assert OP4.count(old) == 1
     (tmp_path / "a.op4").write_text(OP4.replace(old, new))
     with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {message}.*matrix-file"):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
 def test_strings_of_long_rows_have_two_numbers(tmp_path):
-    (tmp_path / "a.op4").write_text(STRINGS.replace("       1       2  ", "       1      -2  "))
+    (tmp_path / "a.op4").write_text(STRINGS.replace("       2       2  ", "       2      -2  "))
     with pytest.raises(cf.errors.ModelError, match=r"a\.op4: line 3: found '  196609', expected column, row, words"):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
     (tmp_path / "a.op4").write_text(STRINGS.replace("  196609", "       5       1"))
     with pytest.raises(cf.errors.ModelError, match=r"line 3: found '       5       1', expected column, row, words"):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
 @pytest.mark.parametrize(
@@ -316,13 +304,13 @@ def test_columns_of_op4_with_fewer_or_more_words_than_values_are_refused(kind, t
     """Two values of a word or two each, and up to four words of their string, which programs count or do not."""
     for words in (*taken, *refused):
         told = text.replace(f"{'2K':>8}", f"{kind:>7}K").replace("       4\n", f"{words:8d}\n")
-        (tmp_path / "a.op4").write_text(told.replace("       5\n", f"{words:8d}\n"))
+        told = told.replace("       5\n", f"{words:8d}\n")
         if words in taken:
-            assert read_op4(tmp_path / "a.op4")["K"].toarray().tolist() == [[1.0], [2.0]]
+            assert column_of(tmp_path, told + OP4.replace("K ", "M ")) == [1.0, 2.0]
             continue
         said = f"K: found 2 values in column 1, announced {words} words{': cut short.: ' if words > 2 else ': write'}"
         with pytest.raises(cf.errors.ModelError, match=said):
-            read_op4(tmp_path / "a.op4")
+            column_of(tmp_path, told)
 
 
 def record(*numbers, more=b""):
@@ -330,20 +318,20 @@ def record(*numbers, more=b""):
     return np.int32(len(data)).tobytes() + data + np.int32(len(data)).tobytes()
 
 
-HEAD, TWO = record(1, 2, 2, 2, more=b"K       "), np.array([1.0, 2.0]).tobytes()
-COLUMN, LAST = record(1, 1, 4, more=TWO), record(2, 1, 2, more=TWO[:8])
+HEAD, TWO = record(2, 2, 2, 2, more=b"K       "), np.array([1.0, 2.0]).tobytes()
+COLUMN, LAST = record(1, 1, 4, more=TWO), record(3, 1, 2, more=TWO[:8])
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (HEAD + COLUMN + record(2, 1, 0), ""),
+        (HEAD + COLUMN + record(3, 1, 0) + HEAD.replace(b"K", b"M") + COLUMN + LAST, ""),
         (HEAD + COLUMN + LAST + HEAD.replace(b"K", b"M") + COLUMN + LAST, ""),
         (HEAD + COLUMN + LAST[:-1], "byte 68: found no whole record: cut short"),
         (HEAD + COLUMN + LAST + b"\0\0\0", "byte 96: found no whole record: cut short"),
         (HEAD + COLUMN + LAST[:-1] + b"\1", "byte 68: found no whole record: cut short"),  # its lengths differ
         (HEAD + COLUMN, "byte 68: found no whole record: cut short"),
-        (HEAD + COLUMN + record(2, 1, more=b"\0\0\0"), "byte 68: found a column of 11 bytes, expected 12 or"),
+        (HEAD + COLUMN + record(3, 1, more=b"\0\0\0"), "byte 68: found a column of 11 bytes, expected 12 or"),
         (
             HEAD + COLUMN + LAST + record(1, 2, 2, 2, 0, more=b"\0\0\0"),
             "byte 96: found a header of 23 bytes, expect",
@@ -354,16 +342,15 @@ COLUMN, LAST = record(1, 1, 4, more=TWO), record(2, 1, 2, more=TWO[:8])
         ),
         (HEAD + record(1, 1, 3, more=TWO) + LAST, "byte 32: found 16 bytes of values, expected 12"),
         (HEAD + record(1, 1, 5, more=TWO) + LAST, "byte 32: found 16 bytes of values, expected 20"),
-        (record(1, 2, 2, 5, more=b"K       ") + COLUMN + LAST, "K: found type 5, 2 rows, 1 columns, expected a real"),
+        (record(2, 2, 2, 5, more=b"K       ") + COLUMN + LAST, "K: found type 5, 2 rows, 2 columns, expected a real"),
     ],
 )
 def test_binary_op4_is_read_whole_or_refused_in_words(content, message, tmp_path):
-    (tmp_path / "a.op4").write_bytes(content)
     if not message:
-        assert all(A.toarray().tolist() == [[1.0], [2.0]] for A in read_op4(tmp_path / "a.op4").values())
+        assert column_of(tmp_path, content) == [1.0, 2.0]
         return
     with pytest.raises(cf.errors.ModelError, match=rf"a\.op4: {message}.*matrix-file"):
-        read_op4(tmp_path / "a.op4")
+        column_of(tmp_path, content)
 
 
 @pytest.mark.parametrize("long", [False, True])
@@ -378,7 +365,7 @@ def test_strings_of_other_lengths_than_their_column_holds_are_refused(length, lo
     with pytest.raises(
         cf.errors.ModelError, match=rf"a\.op4: found a record that does not fit its matrix \({told}\).*matrix-f"
     ):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
 def test_op4_entries_that_are_given_again_are_refused(tmp_path):
@@ -388,14 +375,14 @@ def test_op4_entries_that_are_given_again_are_refused(tmp_path):
     with pytest.raises(
         cf.errors.ModelError, match=r"a\.op4: K: found row 1 of column 1 again, expected it once.*matrix-file"
     ):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
     strings = [np.array([1 + row + 65536 * 5], "<i4").tobytes() + TWO for row in (0, 1)]
     begun = record(1, 3, 2, 2, more=b"K       ")
     (tmp_path / "a.op4").write_bytes(begun + record(1, 0, 10, more=b"".join(strings)) + LAST)
     with pytest.raises(
         cf.errors.ModelError, match=r"a\.op4: K: found row 2 of column 1 again, expected it once.*matrix-file"
     ):
-        read_op4(tmp_path / "a.op4")
+        cf.imported.read_matrices(tmp_path / "a.op4")
 
 
 def test_a_second_matrix_of_one_name_in_an_op4_file_is_refused(tmp_path):
@@ -405,9 +392,8 @@ def test_a_second_matrix_of_one_name_in_an_op4_file_is_refused(tmp_path):
         with pytest.raises(
             cf.errors.ModelError, match=r"a\.op4: found the matrix K again, expected it once.*matrix-file"
         ):
-            read_op4(tmp_path / "a.op4")
-    (tmp_path / "a.op4").write_text(OP4.replace("2K ", "2PG") * 2)
-    assert list(read_op4(tmp_path / "a.op4")) == ["PG"]
+            cf.imported.read_matrices(tmp_path / "a.op4")
+    assert column_of(tmp_path, OP4.replace("2K ", "2PG") * 2 + OP4 + OP4.replace("K ", "M ")) == [1.0, 2.0]
 
 
 def test_what_stands_beside_the_matrices_of_a_superelement_is_passed_over(tmp_path):
@@ -434,7 +420,8 @@ def test_directions_of_a_table_of_dofs_by_letter_and_by_number(tmp_path):
     file = tmp_path / "dofs.csv"
     words = ("q", "x", "y", "z", "rx", "ry", "rz", *"0123456", "RZ")
     file.write_text("node,direction\n" + "".join(f"{k + 1},{word}\n" for k, word in enumerate(words)))
-    found = read_dofs(file)
+    np.savez(tmp_path / "a.npz", K=np.eye(15), M=np.eye(15))
+    found = cf.imported.read_matrices(tmp_path / "a.npz", dofs=file).dofs
     assert found[:, 0].tolist() == list(range(1, 16))
     assert found[:, 1].tolist() == [*range(7), *range(7), 6]
 
@@ -797,18 +784,19 @@ def test_an_op4_file_cut_anywhere_is_refused_or_whole(tmp_path):
     small = cf.imported.MatrixSet(
         K=csc_array(np.diag([2.0, 3.0])), M=csc_array(np.eye(2)), dofs=np.array([[1, 1], [2, 1]])
     )
-    text = matrix_files(small, "a", "op4")["a.op4"].encode()
+    cf.imported.write_matrices(tmp_path / "a.op4", small)
+    text = (tmp_path / "a.op4").read_bytes()
     binary = binary_op4("K", small.K) + binary_op4("M", small.M)
     path = tmp_path / "a.op4"
     for content in (text, binary):
         for end in range(5, len(content) - 1):
             path.write_bytes(content[:end])
             try:
-                found = read_op4(path)
+                found = cf.imported.read_matrices(path, dofs=tmp_path / "a_dofs.csv")
             except cf.errors.ModelError:
                 continue
-            for name, A in found.items():
-                np.testing.assert_allclose(A.toarray(), {"K": small.K, "M": small.M}[name].toarray(), rtol=1e-5)
+            for read, A in ((found.K, small.K), (found.M, small.M)):
+                np.testing.assert_allclose(read.toarray(), A.toarray(), rtol=1e-5)
 
 
 @pytest.mark.slow
@@ -844,6 +832,11 @@ def test_bad_files_are_named(files, message, tmp_path):
         )
 
 
+def matrix_market(path, A):
+    mmwrite(path, A)
+    return path
+
+
 @pytest.mark.filterwarnings("ignore:The default value for `spmatrix`")
 @pytest.mark.parametrize("dense", [False, True])
 @pytest.mark.parametrize("symmetry", ["general", "symmetric"])
@@ -853,7 +846,9 @@ def test_matrix_market_is_read_as_scipy_reads_it(tmp_path, dense, symmetry):
     path = tmp_path / "K.mtx"
     mmwrite(path, A if dense else csc_array(np.where(np.abs(A) > 0.5, A, 0.0)), symmetry=symmetry, comment="a line")
     found = mmread(path)
-    np.testing.assert_array_equal(read_market(path).toarray(), found if dense else found.toarray())
+    np.savetxt(tmp_path / "K.dof", [f"{node}.1" for node in range(1, 5)], fmt="%s")
+    read = cf.imported.read_matrices([path, matrix_market(tmp_path / "M.mtx", np.eye(4))]).K
+    np.testing.assert_array_equal(read.toarray(), found if dense else found.toarray())
 
 
 @pytest.mark.parametrize("exponent", ["D", "d"])
@@ -861,7 +856,9 @@ def test_matrix_market_with_fortrans_exponents(exponent, tmp_path):
     coordinates = MARKET + "2 2 2\n1 1 3.0E1\n2 2 4.0E0\n"
     for text in (coordinates, f"{DENSE}2 2\n3.0E1\n0\n0\n4.0E+0\n"):
         (tmp_path / "K.mtx").write_text(re.sub(r"(?<=\.0)E", exponent, text))
-        assert read_market(tmp_path / "K.mtx").toarray().tolist() == [[30.0, 0.0], [0.0, 4.0]]
+        (tmp_path / "K.dof").write_text("1.1\n2.1\n")
+        found = cf.imported.read_matrices([tmp_path / "K.mtx", matrix_market(tmp_path / "M.mtx", np.eye(2))])
+        assert found.K.toarray().tolist() == [[30.0, 0.0], [0.0, 4.0]]
 
 
 def test_formats_without_dofs_ask_for_them(tmp_path):
@@ -893,9 +890,3 @@ def test_dofs_of_another_shape_are_refused(dofs, shape, tmp_path):
     np.savez(tmp_path / "a.npz", K=np.eye(2), M=np.eye(2), dofs=np.array(dofs))
     with pytest.raises(cf.errors.ModelError, match=rf"a.npz: dofs have shape {shape}, expected \(n, 2\)"):
         cf.imported.read_matrices([tmp_path / "a.npz"])
-
-
-def test_names_of_matrices():
-    assert roles_of(["K2GG", "M2GG", "B2GG", "K42GG"], "a") == {"K": "K2GG", "M": "M2GG", "C": "B2GG", "K4": "K42GG"}
-    assert roles_of(["kit_M", "kit_K"], "a") == {"K": "kit_K", "M": "kit_M"}
-    assert roles_of(["job_STIF1", "job_MASS1", "job_DMPV1"], "a")["K"] == "job_STIF1"

@@ -7,8 +7,6 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import casingfem as cf
-from casingfem.experiment.uff.set_58 import Axis
-from casingfem.experiment.uff.write import write_uff
 
 FS, BLOCK = 1024.0, 1024
 RIG = cf.rig.Rig.of(
@@ -37,7 +35,7 @@ def functions(take, hits=None):
             x = part.x[: None if hits is None else BLOCK]
             own = replace(part, x=x, responses=part.responses[:, start:stop])
             for f in own.functions():
-                found.append(replace(f, axes=f.axes._replace(ordinate=Axis(unit=part.unit))))
+                found.append(replace(f, axes=f.axes._replace(ordinate=cf.uff.Axis(unit=part.unit))))
     return found
 
 
@@ -52,7 +50,7 @@ def written(kind, take, folder):
     path, table = folder / f"records.{kind}", None
     force, response = take.force.responses, take.response.responses
     if kind == "uff":
-        write_uff(path, functions=functions(take), binary=True)
+        cf.uff.write_uff(path, functions=functions(take), binary=True)
     elif kind == "csv":
         path.write_text(csv_of(take))
     elif kind in ("npz", "mat"):
@@ -93,7 +91,7 @@ def test_hits_in_records_of_their_own_are_put_together_in_either_order(take, tmp
     by_channel = [by_hit[3 * hit + channel] for channel in range(3) for hit in range(3)]
     found = []
     for name, order in (("hits", by_hit), ("channels", by_channel)):
-        path = write_uff(tmp_path / f"{name}.uff", functions=order, binary=True)
+        path = cf.uff.write_uff(tmp_path / f"{name}.uff", functions=order, binary=True)
         found.append(cf.frf.estimate(cf.frf.read_records(path)))
     assert [len(each.hits) for each in found] == [3, 3]
     np.testing.assert_array_equal(found[0].frfs.responses, found[1].frfs.responses)
@@ -109,20 +107,28 @@ def test_hits_in_records_of_their_own_are_put_together_in_either_order(take, tmp
             "function 2 at 512 samples a second, function 1 at 1024",
         ),
         (lambda f: [f[0], replace(f[1], x=f[1].x[:900], values=f[1].values[:900])], "900 samples from 0 s"),
-        (lambda f: [replace(f[0], axes=f[0].axes._replace(ordinate=Axis())), *f[1:]], "state them with --channels"),
-        (lambda f: [*f[:2], replace(f[2], axes=f[2].axes._replace(ordinate=Axis(unit="m/s")))], "expected one unit"),
+        (
+            lambda f: [replace(f[0], axes=f[0].axes._replace(ordinate=cf.uff.Axis())), *f[1:]],
+            "state them with --channels",
+        ),
+        (
+            lambda f: [*f[:2], replace(f[2], axes=f[2].axes._replace(ordinate=cf.uff.Axis(unit="m/s")))],
+            "expected one unit",
+        ),
         (lambda f: [replace(each, kind=4, values=each.values + 0j) for each in f], "expected time records"),
     ],
 )
 def test_universal_files_that_state_too_little_are_refused(change, words, take, tmp_path):
-    path = write_uff(tmp_path / "records.uff", functions=change(functions(take)), binary=True)
+    path = cf.uff.write_uff(tmp_path / "records.uff", functions=change(functions(take)), binary=True)
     with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(path)
 
 
 def test_responses_without_a_unit_give_responses_without_one(take, tmp_path):
-    bare = [f if k == 0 else replace(f, axes=f.axes._replace(ordinate=Axis())) for k, f in enumerate(functions(take))]
-    path = write_uff(tmp_path / "records.uff", functions=bare, binary=True)
+    bare = [
+        f if k == 0 else replace(f, axes=f.axes._replace(ordinate=cf.uff.Axis())) for k, f in enumerate(functions(take))
+    ]
+    path = cf.uff.write_uff(tmp_path / "records.uff", functions=bare, binary=True)
     found = cf.frf.estimate(cf.frf.read_records(path))
     assert found.frfs.unit == ""
     assert any("no unit" in note for note in found.notes)

@@ -1,9 +1,9 @@
 """Which reader takes a file by its ending, and the tables of nodes and dofs beside it."""
 
+import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.matrix.tables import read_dofs, read_nodes
 
 SPARSE = "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 {}\n"
 DMIG = "GRID,7,,1.,2.,3.\nDMIG,K,0,6,2,0\nDMIG,K,7,1,,7,1,2.\nDMIG,M,0,6,2,0\nDMIG,M,7,1,,7,1,3.\n"
@@ -11,6 +11,16 @@ OP4 = "".join(
     f"{n:8d}{m:8d}{2:8d}{2:8d}{name:8}1P,3E23.16\n{1:8d}{1:8d}{2:8d}\n{x:23.16E}\n{n + 1:8d}{1:8d}{0:8d}\n"
     for name, m, n, x in (("K", 1, 1, 2.0), ("M", 1, 1, 3.0), ("MUG", 2, 1, 9.0))
 )
+
+
+def read_nodes(path):
+    np.savez(path.with_name("one.npz"), K=np.eye(1), M=np.eye(1), dofs=np.array([[7, 1]]))
+    return cf.imported.read_matrices(path.with_name("one.npz"), nodes=path).points
+
+
+def read_dofs(path, size=3):
+    np.savez(path.with_name("many.npz"), K=np.eye(size), M=np.eye(size))
+    return cf.imported.read_matrices(path.with_name("many.npz"), dofs=path).dofs
 
 
 def put(folder, **texts):

@@ -5,7 +5,6 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.structure.imported.matrix.matrix_set import from_triples, role_of, roles_of
 
 ONE = csc_array(np.eye(1))
 
@@ -19,8 +18,17 @@ ONE = csc_array(np.eye(1))
         ("kdmpv", "C"), ("PAX", ""), ("Stiffness", "K"), ("x", ""), ("K_MASS", "M"), ("x_K4AA", "K4"),
     ],
 )  # fmt: skip
-def test_what_a_name_says(name, role):
-    assert role_of(name) == role
+def test_what_a_name_says(name, role, tmp_path):
+    """Beside a stiffness and a mass, unless the name is one itself."""
+    others = {"MGGX": np.full((1, 1), 3.0), "KGGX": np.full((1, 1), 4.0)}
+    others.pop({"K": "KGGX", "M": "MGGX"}.get(role, ""), None)
+    found = read(tmp_path, others | {name: np.full((1, 1), 2.0)})
+    assert {own: A[0, 0] for own, A in found.named.items() if A[0, 0] == 2.0} == ({role: 2.0} if role else {})
+
+
+def read(folder, matrices):
+    np.savez(folder / "a.npz", dofs=np.array([[1, 1]]), **matrices)
+    return cf.imported.read_matrices(folder / "a.npz")
 
 
 @pytest.mark.parametrize(
@@ -30,50 +38,39 @@ def test_what_a_name_says(name, role):
         (["MAA", "BAA", "KAA", "P"], {"K": "KAA", "M": "MAA", "C": "BAA"}),
         (["KASMX", "KGGX", "MGGX", "MASMX"], {"K": "KGGX", "M": "MGGX"}),
         (["Kab", "m"], {"K": "Kab", "M": "m"}),  # alone, it need be no set of Nastran's
+        (["K2GG", "M2GG", "B2GG", "K42GG"], {"K": "K2GG", "M": "M2GG", "C": "B2GG", "K4": "K42GG"}),
+        (["job_STIF1", "job_MASS1", "job_DMPV1"], {"K": "job_STIF1", "M": "job_MASS1", "C": "job_DMPV1"}),
     ],
 )
-def test_which_matrix_is_which(names, roles):
-    assert roles_of(names, "a") == roles
+def test_which_matrix_is_which(names, roles, tmp_path):
+    found = read(tmp_path, {name: np.full((1, 1), 1.0 + k) for k, name in enumerate(names)})
+    assert {role: names[int(A[0, 0]) - 1] for role, A in found.named.items()} == roles
 
 
 @pytest.mark.parametrize(
     ("names", "told"),
     [
-        ([], "a: found the matrices none, 0 of them for K"),
-        (["M"], "a: found the matrices M, 0 of them for K"),
-        (["K"], "a: found the matrices K, 0 of them for M"),
-        (["KAA", "KGG", "M"], "a: found the matrices KAA, KGG, M, 2 of them for K"),
-        (["K", "Kab", "M"], "a: found the matrices K, Kab, M, 2 of them for K"),
-        (["K", "M", "C", "Ba"], "a: found the matrices K, M, C, Ba, 2 of them for C"),
+        ([], "found the matrices none, 0 of them for K"),
+        (["M"], "found the matrices M, 0 of them for K"),
+        (["K"], "found the matrices K, 0 of them for M"),
+        (["KAA", "KGG", "M"], "found the matrices KAA, KGG, M, 2 of them for K"),
+        (["K", "Kab", "M"], "found the matrices K, Kab, M, 2 of them for K"),
+        (["K", "M", "C", "Ba"], "found the matrices K, M, C, Ba, 2 of them for C"),
     ],
 )
-def test_none_or_several_of_a_kind_are_refused(names, told):
-    with pytest.raises(cf.errors.ModelError, match=f"{told}.*matrix-names"):
-        roles_of(names, "a")
+def test_none_or_several_of_a_kind_are_refused(names, told, tmp_path):
+    with pytest.raises(cf.errors.ModelError, match=rf"a\.npz: {told}.*matrix-names"):
+        read(tmp_path, dict.fromkeys(names, np.eye(1)))
 
 
-def triples(*entries, **options):
-    rows, columns, values = (np.array(part) for part in zip(*entries, strict=True))
-    return from_triples(rows, columns, values.astype(float), 3, **options).toarray()
-
-
-def test_entries_of_one_side_are_those_of_the_other():
-    """In whatever order of rows: (0, 1) above the diagonal and (2, 0) below it."""
-    wanted = [[5.0, 1.5, -2.0], [1.5, 4.0, 0.0], [-2.0, 0.0, 0.0]]
-    np.testing.assert_array_equal(triples((0, 0, 5), (0, 1, 1.5), (2, 0, -2), (1, 1, 4)), wanted)
-
-
-def test_entries_on_both_sides_are_each_their_own_unless_told_to_be_symmetric():
-    entries = ((0, 0, 5), (0, 1, 1.5), (1, 0, 2.5), (2, 0, -2))
-    np.testing.assert_array_equal(triples(*entries), [[5, 1.5, 0], [2.5, 0, 0], [-2, 0, 0]])
-    entries = ((0, 0, 5), (0, 1, 1.5), (1, 0, 1.5), (2, 0, -2))
-    np.testing.assert_array_equal(triples(*entries, symmetric=True), [[5, 1.5, -2], [1.5, 0, 0], [-2, 0, 0]])
-
-
-def test_an_entry_of_zero_on_the_other_side_is_one_and_is_not_kept():
-    found = from_triples(np.array([0, 1, 2]), np.array([1, 0, 2]), np.array([3.0, 0.0, 1.0]), 3)
-    np.testing.assert_array_equal(found.toarray(), [[0, 3, 0], [0, 0, 0], [0, 0, 1]])
-    assert found.nnz == 2
+def test_entries_of_one_side_are_those_of_the_other_unless_both_are_given(tmp_path):
+    """Files of CalculiX: in whatever order of rows, (0, 1) above the diagonal and (2, 0) below it."""
+    (tmp_path / "a.dof").write_text("1.1\n2.1\n3.1\n")
+    (tmp_path / "a.mas").write_text("1 1 5.\n1 2 1.5\n2 1 1.5\n3 1 -2.\n")
+    (tmp_path / "a.sti").write_text("1 1 5.\n1 2 1.5\n3 1 -2.\n2 2 4.\n")
+    found = cf.imported.read_matrices(tmp_path / "a.sti")
+    np.testing.assert_array_equal(found.K.toarray(), [[5.0, 1.5, -2.0], [1.5, 4.0, 0.0], [-2.0, 0.0, 0.0]])
+    np.testing.assert_array_equal(found.M.toarray(), [[5.0, 1.5, 0.0], [1.5, 0.0, 0.0], [-2.0, 0.0, 0.0]])
 
 
 def test_a_set_has_a_dof_for_each_row():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.readers.inp import read_inp
 
 PART = """*NODE
 11, 0., 0., 0.
@@ -26,7 +25,7 @@ NODES = "*SURFACE, NAME=N, TYPE=NODE\n14\nTwo\n"
 
 def attached(folder, text):
     (folder / "a.inp").write_text(PART + text)
-    return read_inp(folder / "a.inp").attachments
+    return cf.read_mesh(folder / "a.inp").attachments
 
 
 def points(kind, *elements, name="p"):
@@ -253,7 +252,7 @@ def test_all_nodes_of_the_faces_of_quadratic_cells_are_coupled(tmp_path):
         (tmp_path / "a.inp").write_text(
             f"{solid}*SURFACE, NAME=F\nE, {face}\n*COUPLING, REF NODE=11, SURFACE=F\n*KINEMATIC\n"
         )
-        assert read_inp(tmp_path / "a.inp").attachments.rigids[0].nodes.tolist() == [n - 1 for n in nodes]
+        assert cf.read_mesh(tmp_path / "a.inp").attachments.rigids[0].nodes.tolist() == [n - 1 for n in nodes]
     wedge = grid + "*ELEMENT, TYPE=C3D6, ELSET=E\n1, 1, 2, 3, 4, 9, 10\n2, 1, 2, 3, 5, 6, 7\n"
     (tmp_path / "a.inp").write_text(f"{wedge}*SURFACE, NAME=F\n1, S2\n*COUPLING, REF NODE=11, SURFACE=F\n*KINEMATIC\n")
-    assert read_inp(tmp_path / "a.inp").attachments.rigids[0].nodes.tolist() == [3, 8, 9]
+    assert cf.read_mesh(tmp_path / "a.inp").attachments.rigids[0].nodes.tolist() == [3, 8, 9]

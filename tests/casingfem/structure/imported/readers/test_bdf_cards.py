@@ -1,99 +1,78 @@
 """Fields of Nastran's cards in three widths, continuations, and the bounds of their numbers."""
 
+import re
+
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.readers.bdf_cards import Card, Numbers, cards, split_line
 
-CARD = Card("7", "GRID", [])
-
-
-def numbered(text):
-    return [(str(k), line) for k, line in enumerate(text.splitlines(), 1)]
+BODY = "GRID,91,,0.,0.,0.\nGRID,92,,1.,0.,0.\nGRID,93,,0.,1.,0.\nGRID,94,,0.,0.,1.\nCTETRA,1,1,91,92,93,94\n"
 
 
-def taken(text):
-    return [(card.line, card.name, card.fields, card.room) for card in cards(numbered(text))]
+def read(folder, text):
+    (folder / "a.bdf").write_text(text)
+    return cf.read_mesh(folder / "a.bdf")
 
 
 @pytest.mark.parametrize(
-    ("line", "head", "fields"),
+    "lines",
     [
-        ("AB,1,2,3,4,5,6,7,8,9", "AB", list("12345678")),
-        ("AB*, 1,2 ,3,4,5", "AB*", list("1234")),
-        ("*,1,2,3,4,5", "*", list("1234")),
-        ("ABCDEFGH1       2       3       4       5       6       7       8       9", "ABCDEFGH", list("12345678")),
-        ("AB*     1               2               3               4               5", "AB*", list("1234")),
-        ("AB      1      *2", "AB", ["1      *", "2"]),  # no large fields: the star is no part of the name
-        ("AB\t1\t\t3", "AB", ["1", "", "3"]),
-        ("AB      1", "AB", ["1"]),
-        ("AB", "AB", []),
-        ("AB,,,", "AB", ["", "", ""]),
-        ("        12345678ABCDEFGH", "", ["12345678", "ABCDEFGH"]),
-        ("        1234567890ABCDEFX", "", ["12345678", "90ABCDEF", "X"]),
-        ("*       1234567890ABCDEFX", "*", ["1234567890ABCDEF", "X"]),
+        "GRID,7,,1.5,2.5,3.5",
+        "grid, 7 ,, 1.5 ,2.5,3.5",
+        "GRID    7               1.5     2.5     3.5",
+        "GRID           7             1.5     2.5     3.5",
+        "GRID\t7\t\t1.5\t2.5\t3.5",
+        "GRID*   7                               1.5             2.5\n*       3.5",
+        "GRID*,7,,1.5,2.5\n*,3.5",
+        "GRID*,7,,1.5,2.5\n+A,3.5",
+        "GRID,7,,1.5,2.5,3.5$,9.",
+        "$GRID,7,,9.,9.,9.\n\n   $\nGRID,7,,1.5,2.5,3.5",
     ],
 )
-def test_fields_of_a_line(line, head, fields):
-    found, data = split_line(line)
-    assert (found, data) == (head, [field.strip() for field in fields])
+def test_a_grid_is_read_in_every_width(lines, tmp_path):
+    mesh = read(tmp_path, f"BEGIN BULK\n{lines}\n{BODY}ENDDATA\n")
+    assert (mesh.node_numbers[0], mesh.points[0].tolist()) == (7, [1.5, 2.5, 3.5])
 
 
-def test_cards_go_on_in_fields_of_their_lines():
-    """Fields that a line leaves blank at its end stand between those before and those after."""
-    text = "AB      1       2\n+       9\nCD*     1\n*       5               6\nEF,1\n,2\n+A,3\n*B,4"
-    assert taken(text) == [
-        ("1", "AB", ["1", "2", *[""] * 6, "9"], 16),
-        ("3", "CD", ["1", "", "", "", "5", "6"], 8),
-        ("5", "EF", ["1", *[""] * 7, "2", *[""] * 7, "3", *[""] * 7, "4"], 28),
-    ]
+def test_fields_that_a_line_leaves_blank_at_its_end_count(tmp_path):
+    """The continuation of a short line begins with the ninth field: nodes 6 and on of a brick."""
+    corners = "".join(f"GRID,{k},,{x}.,{y}.,{z}.\n" for k, (x, y, z) in enumerate(
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], 1))  # fmt: skip
+    whole = "CHEXA   5       4       1       2       3       4       5       6\n+       7       8\n"
+    assert read(tmp_path, corners + whole).cells.tolist() == [list(range(8))]
+    with pytest.raises(cf.errors.ModelError, match="CHEXA: element 5 has 7 nodes, expected 8 corners"):
+        read(tmp_path, corners + whole.replace("       6\n", "\n"))
 
 
-def test_bulk_data_stand_between_their_words_and_comments_are_none():
-    text = "ZZ,1\n begin  bulk\n$AB,7\nAB,1$,2\n\n   $\n ab,3\nEnddata x\nAB,9"
-    assert taken(text) == [("4", "AB", ["1"], 8), ("7", "AB", ["3"], 8)]
+def test_bulk_data_are_between_their_words(tmp_path):
+    text = f"GRID,5,,9.,9.,9.\n begin  bulk\n{BODY}Enddata x\nGRID,6,,9.,9.,9.\n"
+    assert read(tmp_path, text).node_numbers.tolist() == [91, 92, 93, 94]
+    assert len(read(tmp_path, "GRID,5,,9.,9.,9.\n" + BODY).points) == 5
+    for nothing in ("BEGIN BULK\n", "ENDDATA\n" + BODY):
+        with pytest.raises(cf.errors.ModelError, match="found 0 grids and no elements"):
+            read(tmp_path, nothing)
 
 
-def test_without_a_word_all_lines_are_bulk_data_and_none_may_be_there():
-    assert taken("AB,1\nAB,2") == [("1", "AB", ["1"], 8), ("2", "AB", ["2"], 8)]
-    assert taken("") == taken("BEGIN BULK") == taken("ENDDATA\nAB,1") == []
+REALS = {
+    "": 0.0, "1.5": 1.5, "1.5-3": 1.5e-3, "1.5+3": 1500.0, "-1.5-3": -1.5e-3, "1.5D-3": 1.5e-3, "1.5d-3": 1.5e-3,
+    "1.5e2": 150.0, "1.5E2": 150.0, "2": 2.0, ".5+1": 5.0, "9.9e99": 9.9e99, "-9.9+99": -9.9e99,
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("", 0.0), ("1.5", 1.5), ("1.5-3", 1.5e-3), ("1.5+3", 1500.0), ("-1.5-3", -1.5e-3), ("1.5D-3", 1.5e-3),
-        ("1.5d-3", 1.5e-3), ("1.5e2", 150.0), ("1.5E2", 150.0), ("2", 2.0), (".5+1", 5.0), ("9.9e99", 9.9e99),
-        ("-9.9+99", -9.9e99),
-    ],
-)  # fmt: skip
-def test_real_numbers_in_nastrans_ways(text, value):
-    assert Numbers("a.bdf").real(CARD, text) == value
+def test_real_numbers_in_nastrans_ways(tmp_path):
+    grids = "".join(f"GRID,{k},,1.,{text},2.\n" for k, text in enumerate(REALS, 1))
+    assert read(tmp_path, grids + BODY).points[: len(REALS), 1].tolist() == list(REALS.values())
 
 
 @pytest.mark.parametrize("text", ["x", "1e100", "-1e100", "nan", "inf", "1.5-3-3", "1.+", "--1"])
-def test_what_is_no_real_number_is_refused(text):
-    with pytest.raises(
-        cf.errors.ModelError, match=rf"a.bdf: line 7: GRID: found '{text}', expected a real number".replace("+", r"\+")
-    ):
-        Numbers("a.bdf").real(CARD, text)
+def test_what_is_no_real_number_is_refused(text, tmp_path):
+    found = re.escape(f"a.bdf: line 6: GRID: found '{text}', expected a real number")
+    with pytest.raises(cf.errors.ModelError, match=found):
+        read(tmp_path, f"{BODY}GRID,7,,1.,{text},2.\n")
 
 
-def test_whole_numbers_have_eight_digits():
-    numbers = Numbers("a.bdf")
-    assert [numbers.integer(CARD, text) for text in ("99999999", "-99999999", " 7 ")] == [99999999, -99999999, 7]
-    for text in ("100000000", "-100000000"):
-        with pytest.raises(
-            cf.errors.ModelError, match=f"line 7: GRID: found '{text}', expected a number of at most eight digits"
-        ):
-            numbers.integer(CARD, text)
-    for text in ("", "1.", "x"):
-        with pytest.raises(cf.errors.ModelError, match=f"line 7: GRID: found '{text}', expected a whole number"):
-            numbers.integer(CARD, text)
-
-
-def test_what_is_left_out_is_kept_with_its_lines():
-    numbers = Numbers("a.bdf")
-    for line, what in (("3", "CGAP"), ("5", "MPC"), ("9", "CGAP")):
-        numbers.leave_out(Card(line, what, []), what)
-    assert numbers.left_out == {"CGAP": ["3", "9"], "MPC": ["5"]}
+def test_whole_numbers_have_eight_digits(tmp_path):
+    assert read(tmp_path, f"{BODY}GRID,99999999,,1.\n").node_numbers[-1] == 99999999
+    for text, expected in (("100000000", "at most eight digits"), ("1.", "a whole number"), ("x", "a whole number")):
+        with pytest.raises(cf.errors.ModelError, match=f"line 6: GRID: found '{text}', expected .*{expected}"):
+            read(tmp_path, f"{BODY}GRID,{text},,1.\n")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.readers.bdf import read_bdf
 
 A, B = np.array([1.0, 1.0, 1.0]), np.array([1.5, 1.2, 0.9])
 FILE = """GRID,5,,1.,1.,1.
@@ -25,7 +24,7 @@ ALL = "PBUSH,3,K,1.,2.,3.,4.,5.,6."
 
 def springs(folder, cards):
     (folder / "a.bdf").write_text(FILE.format(cards=cards))
-    return read_bdf(folder / "a.bdf").attachments.springs
+    return cf.read_mesh(folder / "a.bdf").attachments.springs
 
 
 def across(x, v):

@@ -1,4 +1,4 @@
-"""Drafts of Gmsh's and VTK's files, written out: groups of each kind, numbers, what is cut short."""
+"""Gmsh's and VTK's files, written out: groups of each kind, numbers, what is cut short."""
 
 import re
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.read import read_gmsh, read_vtu
 
 CORNERS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
 MSH_41 = f"""$MeshFormat
@@ -81,39 +80,43 @@ VTU = """<?xml version="1.0"?>
 """
 
 
-def drafted(read, text, path):
+def read(text, path):
     path.write_text(text)
-    return read(path)
+    return cf.read_mesh(path)
 
 
-def told(draft):
-    """Blocks by kind, nodes and numbers; sets by name."""
-    blocks = [(b.kind, b.cells.tolist(), b.numbers.tolist()) for b in draft.blocks]
-    return blocks, {name: [(k, rows.tolist()) for k, rows in parts] for name, parts in draft.cell_sets.items()}
+def told(mesh):
+    """Cells, facets by their nodes, and nodes of each group."""
+    return {
+        name: (
+            group.cells.tolist(),
+            [] if group.facets is None else [sorted(mesh.facets[tuple(f)].tolist()) for f in group.facets],
+            group.nodes.tolist(),
+        )
+        for name, group in mesh.groups.items()
+    }
 
 
 def test_an_entity_of_format_41_is_in_each_of_its_groups(tmp_path):
-    draft = drafted(read_gmsh, MSH_41, tmp_path / "a.msh")
-    blocks, sets = told(draft)
-    assert blocks == [("triangle", [[0, 1, 2]], [1]), ("tetra", [[0, 1, 2, 3]], [2])]
-    assert sets == {"floor": [(0, [0])], "body": [(1, [0])], "hot": [(1, [0])]}
-    assert draft.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
-    assert draft.node_numbers.tolist() == [1, 2, 3, 4]
-    assert not draft.node_sets
+    mesh = read(MSH_41, tmp_path / "a.msh")
+    assert (mesh.kind, mesh.cells.tolist(), mesh.cell_numbers.tolist()) == ("tetra", [[0, 1, 2, 3]], [2])
+    assert told(mesh) == {
+        "floor": ([], [[0, 1, 2]], [0, 1, 2]), "body": ([0], [], [0, 1, 2, 3]), "hot": ([0], [], [0, 1, 2, 3]),
+    }  # fmt: skip
+    assert mesh.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    assert mesh.node_numbers.tolist() == [1, 2, 3, 4]
 
 
 def test_groups_without_a_name_are_called_by_what_they_are_made_of(tmp_path):
     """Format 2.2: number 0 is no group, a negative one is a cell turned round."""
-    draft = drafted(read_gmsh, MSH_22, tmp_path / "a.msh")
-    blocks, sets = told(draft)
-    assert [block[0] for block in blocks] == ["vertex", "line", "triangle", "tetra"]
-    assert [block[2] for block in blocks] == [[1], [2], [3, 4], [5, 6, 7]]
-    assert blocks[3][1] == [[0, 1, 2, 3], [1, 2, 3, 4], [0, 1, 2, 4]]
-    assert sets == {
-        "point 3": [(0, [0])], "curve 4": [(1, [0])], "surface 6": [(2, [0])], "body": [(3, [0])],
-        "volume 9": [(3, [1, 2])],
+    mesh = read(MSH_22, tmp_path / "a.msh")
+    assert (mesh.kind, mesh.cell_numbers.tolist()) == ("tetra", [5, 6, 7])
+    assert mesh.cells.tolist() == [[0, 1, 2, 3], [1, 2, 3, 4], [0, 1, 2, 4]]
+    assert told(mesh) == {
+        "point 3": ([], [], [1]), "curve 4": ([], [], [0, 1]), "surface 6": ([], [[0, 1, 2]], [0, 1, 2]),
+        "body": ([0], [], [0, 1, 2, 3]), "volume 9": ([1, 2], [], [0, 1, 2, 3, 4]),
     }  # fmt: skip
-    assert draft.points[4].tolist() == [2.0, 2.0, 2.5]
+    assert mesh.points[4].tolist() == [2.0, 2.0, 2.5]
 
 
 @pytest.mark.parametrize(("mark", "section"), [
@@ -123,19 +126,17 @@ def test_sections_are_there_and_closed(mark, section, tmp_path):
     with pytest.raises(
         cf.errors.ModelError, match=rf"a\.msh: \${section} is missing or not closed: cut short\?.*mesh-file"
     ):
-        drafted(read_gmsh, MSH_22.replace(mark, "$Other"), tmp_path / "a.msh")
+        read(MSH_22.replace(mark, "$Other"), tmp_path / "a.msh")
 
 
 def test_arrays_of_0_and_1_are_groups_of_a_grid_and_it_counts_from_0(tmp_path):
-    draft = drafted(read_vtu, VTU, tmp_path / "a.vtu")
-    blocks, sets = told(draft)
-    assert blocks == [("tetra", [[0, 1, 2, 3], [1, 2, 3, 4]], [0, 1]), ("triangle", [[0, 1, 2]], [2])]
-    assert sets == {"hot": [(0, [1]), (1, [0])]}
-    assert {name: nodes.tolist() for name, nodes in draft.node_sets.items()} == {"pin": [1, 4]}
-    assert draft.node_numbers.tolist() == [0, 1, 2, 3, 4]
-    np.testing.assert_array_equal(draft.points, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 2, 2.5]])
+    mesh = read(VTU, tmp_path / "a.vtu")
+    assert (mesh.cells.tolist(), mesh.cell_numbers.tolist()) == ([[0, 1, 2, 3], [1, 2, 3, 4]], [0, 1])
+    assert told(mesh) == {"hot": ([1], [[0, 1, 2]], [0, 1, 2, 3, 4]), "pin": ([], [], [1, 4])}
+    assert mesh.node_numbers.tolist() == [0, 1, 2, 3, 4]
+    np.testing.assert_array_equal(mesh.points, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 2, 2.5]])
     with pytest.raises(cf.errors.ModelError, match=r"a\.vtu: cannot be read"):
-        drafted(read_vtu, VTU.replace('NumberOfPoints="5"', 'NumberOfPoints="6"'), tmp_path / "a.vtu")
+        read(VTU.replace('NumberOfPoints="5"', 'NumberOfPoints="6"'), tmp_path / "a.vtu")
 
 
 @pytest.mark.parametrize(("given", "size", "nodes"), [

@@ -1,12 +1,12 @@
 """Abaqus input files: sets, surfaces, elements and ties by their words; each refusal with its line."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.readers.inp import FAMILIES, read_inp, stacked
 
 PLACES = ["0, 0, 0", "1, 0, 0", "1, 1, 0", "0, 1, 0", "0, 0, 1", "1, 0, 1", "1, 1, 1", "0, 1, 1", "2, 0, 0", "2, 1, 0"]
 NODE = "*NODE\n" + "".join(f"{10 + k}, {place}\n" for k, place in enumerate(PLACES))
@@ -16,39 +16,61 @@ BRICK = f"{NODE}*ELEMENT, TYPE=C3D8, ELSET=All\n31, 10, 11, 12, 13, 14, 15, 16, 
 
 def read(folder, text):
     (folder / "a.inp").write_text(text)
-    return read_inp(folder / "a.inp")
+    return cf.read_mesh(folder / "a.inp")
 
 
-def sets(draft):
-    return {name: draft.node_numbers[nodes].tolist() for name, nodes in draft.node_sets.items()}
+def sets(mesh):
+    """Node numbers of the groups without cells."""
+    groups = {name: group for name, group in mesh.groups.items() if not len(group.cells) and group.facets is None}
+    return {name: mesh.node_numbers[group.nodes].tolist() for name, group in groups.items()}
 
 
-def cell_sets(draft):
-    return {
-        name: [(draft.blocks[k].numbers[rows]).tolist() for k, rows in parts] for name, parts in draft.cell_sets.items()
-    }
+def cell_sets(mesh):
+    return {name: mesh.cell_numbers[group.cells].tolist() for name, group in mesh.groups.items() if len(group.cells)}
 
 
-def facets(draft, name):
-    return draft.node_numbers[draft.facet_sets[name]].tolist()
+def facets(mesh, name):
+    return [sorted(mesh.node_numbers[mesh.facets[tuple(facet)]].tolist()) for facet in mesh.groups[name].facets]
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+SOLIDS = {"C3D4": "tetra", "C3D10": "tetra10", "C3D8": "hexahedron", "C3D20": "hexahedron20", "C3D6": "hexahedron",
+          "C3D15": "hexahedron20"}  # fmt: skip
+SURFACES = {
+    **dict.fromkeys(["S4", "S3", "CPS3", "CPS4", "CPE3", "CPE4", "M3D3", "M3D4", "SFM3D3", "SFM3D4"], "quad"),
+    **dict.fromkeys(
+        ["S8", "S6", "STRI65", "CPS6", "CPS8", "CPE6", "CPE8", "M3D6", "M3D8", "SFM3D6", "SFM3D8"], "quad8"
+    ),
+    **dict.fromkeys(["S9", "M3D9"], "quad9"),
+}
+LINES = {"T3D2": 2, "T3D3": 3, "B31": 2, "B32": 3}
+
+
+def one_element(family, count):
+    """Over two lines, so that the count tells where an element ends."""
+    row = [str(1 + k) for k in range(count)]
+    nodes = "".join(f"{node}, {np.cos(k)}, {np.sin(2 * k)}, {0.1 * k}\n" for k, node in enumerate(row))
+    return f"*NODE\n{nodes}*ELEMENT, TYPE={family}\n31, {row[0]},\n{', '.join(row[1:])}\n"
+
+
+@pytest.mark.parametrize("family", [*SOLIDS, *SURFACES])
 @pytest.mark.parametrize("ending", ["", "R", "E"])
 def test_types_of_elements_take_as_many_nodes_as_they_have(family, ending, tmp_path):
-    """Written over two lines, so that the count tells where an element ends."""
-    kind = FAMILIES[family]
-    count = {"STRI65": 6, "B31": 2, "B32": 3}.get(family) or int(re.search(r"\d+$", family)[0])
-    row = [str(10 + k % 10) for k in range(count)]
-    text = f"{NODE}*ELEMENT, TYPE={family.lower()}{ending}\n31, {row[0]},\n{', '.join(row[1:])}\n"
-    if family.startswith("B3"):
-        with pytest.warns(cf.errors.ModelWarning, match=rf"a.inp: \*ELEMENT of type {family}{ending} \(line 12\)"):
-            draft = read(tmp_path, text)
-    else:
-        draft = read(tmp_path, text)
-    (block,) = draft.blocks
-    assert (block.kind, block.numbers.tolist()) == (kind, [31])
-    assert draft.node_numbers[block.cells].tolist() == [[int(node) for node in row]]
+    count = {"STRI65": 6}.get(family) or int(re.search(r"\d+$", family)[0])
+    mesh = read(tmp_path, one_element(family.lower() + ending, count))
+    assert (mesh.kind, mesh.cell_numbers.tolist()) == ((SOLIDS | SURFACES)[family], [31])
+    assert set(mesh.cells[0].tolist()) == set(range(count))
+    with pytest.raises(cf.errors.ModelError, match=f"found {count + 2} numbers, expected {count + 1} an element"):
+        read(tmp_path, one_element(family + ending, count + 1))
+
+
+@pytest.mark.parametrize("family", LINES)
+def test_lines_alone_are_no_mesh_and_beams_are_left_out(family, tmp_path):
+    found = "1 line" + "3" * (LINES[family] == 3)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        with pytest.raises(cf.errors.ModelError, match=f"found {found}: .*mesh-no-cells"):
+            read(tmp_path, one_element(family, LINES[family]))
+    assert [f"*ELEMENT of type {family}" in str(w.message) for w in caught] == [True] * family.startswith("B")
 
 
 @pytest.mark.parametrize("name", ["C3D", "C3D80", "S40", "XS4", ""])
@@ -74,8 +96,9 @@ def test_elements_of_other_than_their_nodes_are_refused(rows, told, tmp_path):
 
 def test_numbers_go_up_to_fifteen_digits(tmp_path):
     most = 10**15 - 1
-    draft = read(tmp_path, f"*NODE, NSET=n\n{most}, 1., -9e14, 3.\n*ELEMENT, TYPE=T3D2\n{most}, {most}, {most}\n")
-    assert (draft.node_numbers.tolist(), draft.points.tolist()) == ([most], [[1.0, -9e14, 3.0]])
+    mesh = read(tmp_path, NODE + f"{most}, 1., -9e14, 3.\n*ELEMENT, TYPE=S3\n{most}, 10, 11, {most}\n")
+    assert (mesh.node_numbers[-1], mesh.points[-1].tolist()) == (most, [1.0, -9e14, 3.0])
+    assert mesh.cell_numbers.tolist() == [most]
     for text in (f"*NODE\n{10**15}, 1., 2., 3.\n", "*NODE\n1, 1., 2., -1e15\n", "*NODE\n1, 1., nan, 1.\n"):
         with pytest.raises(cf.errors.ModelError, match=r"line 2: found '.*', expected numbers below 1e\+15"):
             read(tmp_path, text)
@@ -97,9 +120,9 @@ all
 *NODE, NSET=one
 99, 0., 0., 9.
 """
-    draft = read(tmp_path, text)
-    assert sets(draft) == {"one": [10, 12, 11, 14, 17, 13, 14, 19, 99], "Two": [11, 14, 17, 13, 14], "none": []}
-    assert cell_sets(draft) == {"All": [[31, 32]], "both": [[32, 31, 32]]}
+    mesh = read(tmp_path, text)
+    assert sets(mesh) == {"one": [10, 11, 12, 13, 14, 17, 19, 99], "Two": [11, 13, 14, 17], "none": []}
+    assert cell_sets(mesh) == {"All": [31, 32], "both": [31, 32]}
 
 
 @pytest.mark.parametrize(
@@ -156,49 +179,52 @@ def test_a_range_has_no_more_numbers_than_the_text_has_characters(tmp_path):
 def test_surfaces_of_bricks_and_shells(tmp_path):
     text = f"{BRICK}*SURFACE, NAME=Six\nALL, s2\n31, S4\n*SURFACE, NAME=six, TYPE=ELEMENT\n31, S6\n"
     text += "*SURFACE, NAME=o, TYPE=CUTTING\nx\n"
-    draft = read(tmp_path, text)
-    assert [sorted(face) for face in facets(draft, "Six")] == [[14, 15, 16, 17], [11, 12, 15, 16], [10, 13, 14, 17]]
-    draft = read(tmp_path, f"{SHELLS}*SURFACE, NAME=s\nall, SPOS\n32, E2\n31, SNEG\n*SURFACE, NAME=e\n31, S3\n")
-    assert cell_sets(draft) == {"All": [[31, 32]], "s": [[31, 32], [31]]}
-    assert facets(draft, "s") == [[18, 19]]
-    assert facets(draft, "e") == [[10, 11]]
+    mesh = read(tmp_path, text)
+    assert facets(mesh, "Six") == [[14, 15, 16, 17], [11, 12, 15, 16], [10, 13, 14, 17]]
+    mesh = read(tmp_path, f"{SHELLS}*SURFACE, NAME=s\nall, SPOS\n32, E2\n31, SNEG\n*SURFACE, NAME=e\n31, S3\n")
+    assert cell_sets(mesh) == {"All": [31, 32], "s": [31, 32]}
+    assert facets(mesh, "s") == [[18, 19]]
+    assert facets(mesh, "e") == [[10, 11]]
 
 
 def test_a_surface_may_be_called_as_a_set_of_elements(tmp_path):
-    draft = read(tmp_path, f"{SHELLS}*SURFACE, NAME=all\n32, SPOS\n")
-    assert cell_sets(draft) == {"All": [[31, 32], [32]]}
+    mesh = read(tmp_path, f"{SHELLS}*SURFACE, NAME=all\n32, SPOS\n")
+    assert cell_sets(mesh) == {"All": [31, 32]}
 
 
 def test_numbered_faces_of_elements_in_a_plane_are_edges_and_of_others_sides(tmp_path):
     text = SHELLS.replace("S4", "CPS4") + "*ELEMENT, TYPE=S4, ELSET=Skin\n33, 10, 11, 15, 14\n"
-    draft = read(tmp_path, f"{text}*SURFACE, NAME=p\nall, S1\n*SURFACE, NAME=s\nskin, S1\n")
-    assert facets(draft, "p") == [[10, 11], [11, 18]]
-    assert cell_sets(draft)["s"] == [[33]]
-    assert "s" not in draft.facet_sets
-
-
-def test_triangles_beside_squares_have_their_last_corner_twice():
-    found = stacked([np.array([[1, 2, 3]]), np.array([[4, 5, 6, 7]]), np.array([[8, 9, 10]])])
-    assert found.tolist() == [[1, 2, 3, 3], [4, 5, 6, 7], [8, 9, 10, 10]]
-    assert stacked([np.array([[1, 2, 3]])]).tolist() == [[1, 2, 3]]
+    mesh = read(tmp_path, f"{text}*SURFACE, NAME=p\nall, S1\n*SURFACE, NAME=s\nskin, S1\n")
+    assert facets(mesh, "p") == [[10, 11], [11, 18]]
+    assert cell_sets(mesh)["s"] == [33]
+    assert mesh.groups["s"].facets is None
 
 
 def test_ties_name_their_surfaces_as_they_are_written(tmp_path):
-    text = f"""{SHELLS}*SURFACE, NAME=Master
+    """Nodes 40 and 41 lie in the first square, 41 a little above it."""
+    text = f"""{SHELLS}*NODE
+40, .25, .5, 0.
+41, .5, .125, 2.e-3
+*SURFACE, NAME=Master
 31, SPOS
+*NSET, NSET=All2
+41
 *SURFACE, NAME=Nodes, TYPE=NODE
-12, x
+40, x
 All2
-*TIE, NAME=t
+*TIE, NAME=t, POSITION TOLERANCE={{tolerance}}
 nodes, MASTER,
-*TIE, NAME=u, POSITION TOLERANCE=2.5e-3
-master, Master
-""".replace("*SURFACE, NAME=Nodes", "*NSET, NSET=All2\n18, 19\n*SURFACE, NAME=Nodes")
-    draft = read(tmp_path, text)
-    assert [(g.follower, g.master, g.tolerance, g.where) for g in draft.gluings] == [
-        ("Nodes", "Master", None, "*TIE (line 23)"), ("Master", "Master", 2.5e-3, "*TIE (line 25)")
-    ]  # fmt: skip
-    assert sets(draft) == {"All2": [18, 19], "Nodes": [12, 18, 19]}
+"""
+    mesh = read(tmp_path, text.format(tolerance="2.5e-3"))
+    (tie,) = mesh.attachments.glued
+    assert mesh.node_numbers[tie.nodes].tolist() == [40, 41]
+    followed = np.einsum("nk,nkx->nx", tie.weights, mesh.points[tie.others])
+    np.testing.assert_allclose(followed, [[0.25, 0.5, 0.0], [0.5, 0.125, 0.0]], atol=1e-9)
+    assert sets(mesh) == {"All2": [41], "Nodes": [40, 41]}
+    with pytest.warns(
+        cf.errors.ModelWarning, match=r"a\.inp: \*TIE \(line 26\): 1 node \(41\) of 'Nodes' off 'Master'"
+    ):
+        read(tmp_path, text.format(tolerance="1.5e-3"))
 
 
 @pytest.mark.parametrize(
@@ -217,8 +243,8 @@ def test_what_is_left_out_is_said_with_its_line(card, told, tmp_path):
 
 
 def test_sections_without_offset_and_materials_are_passed_over(tmp_path):
-    draft = read(tmp_path, f"{SHELLS}*SHELL SECTION, ELSET=all\n1.\n*MATERIAL, NAME=m\n*ELASTIC\n1., .3\n*STEP\n")
-    assert cell_sets(draft) == {"All": [[31, 32]]}
+    mesh = read(tmp_path, f"{SHELLS}*SHELL SECTION, ELSET=all\n1.\n*MATERIAL, NAME=m\n*ELASTIC\n1., .3\n*STEP\n")
+    assert cell_sets(mesh) == {"All": [31, 32]}
 
 
 @pytest.mark.parametrize(
@@ -237,5 +263,5 @@ def test_a_number_is_that_of_one_element(tmp_path):
     more = "*ELEMENT, TYPE=S3, ELSET=t\n31, 10, 11, 12\n"
     with pytest.raises(cf.errors.ModelError, match="element 31 is given twice"):
         read(tmp_path, SHELLS + more)
-    draft = read(tmp_path, SHELLS + more.replace("31,", "33,") + "*ELSET, ELSET=mixed\n33, 32\n")
-    assert cell_sets(draft) == {"All": [[31, 32]], "t": [[33]], "mixed": [[32], [33]]}
+    mesh = read(tmp_path, SHELLS + more.replace("31,", "33,") + "*ELSET, ELSET=mixed\n33, 32\n")
+    assert cell_sets(mesh) == {"All": [31, 32], "t": [33], "mixed": [32, 33]}

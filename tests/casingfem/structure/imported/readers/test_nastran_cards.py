@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.readers.bdf import read_bdf
 
 FILE = """GRID,11,,1.,2.,3.
 GRID,12,,2.,0.,0.
@@ -25,7 +24,7 @@ AXES = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])  # of syst
 
 def attached(folder, cards):
     (folder / "a.bdf").write_text(FILE.format(cards=cards))
-    return read_bdf(folder / "a.bdf").attachments
+    return cf.read_mesh(folder / "a.bdf").attachments
 
 
 def test_a_mass_has_its_inertia_in_the_order_of_the_guide(tmp_path):
