@@ -137,14 +137,14 @@ class Sticking(NamedTuple):
 
 @jit
 def note_sticking(past: Sticking, sums: Tally, out: Samples, i: int, time: float, h: float, mu: float, W: Array,
-                  lam: Array, b: Array) -> None:  # fmt: skip
+                  lam: Array, slip: Array) -> None:  # fmt: skip
     """Note where contact i changes between stick and slip in the step of `time`, and keep what the next one needs.
 
     Slips u_n of the step after t_n are velocities at t_n + h/2, forces act at t_n. Sticking begins where the slip
     velocity of the last two steps, continued, is zero. It ends where the force that would hold the slip as it is,
     force_T - W_TT^-1 (u_n - u_{n-1}) with the other contacts' forces as they are, crosses the cone mu force_N.
 
-    W (d k, d k), forces lam and free slips b of this step; slide is in b.
+    W (d k, d k), forces lam and slips of this step, which count from the ground's own.
     """
     dim = lam.size // past.hold.size
     row = i * dim
@@ -154,10 +154,7 @@ def note_sticking(past: Sticking, sums: Tally, out: Samples, i: int, time: float
         pull += lam[j] * lam[j]
         speed += last[j] * last[j]
         older += before[j] * last[j]
-        total = b[j]
-        for m in range(lam.size):
-            total += W[j, m] * lam[m]
-        before[j] = total  # the slip of this step, from here
+        before[j] = slip[j]  # the slip of this step, from here
     stuck = 1 if lam[row] > 0.0 and math.sqrt(pull) < radius * (1.0 - INSIDE) else 0
     hold = holding(W, row, dim, lam, before, last) / radius if lam[row] > 0.0 else math.inf
     when = time

@@ -42,7 +42,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: 
         n, across, along, t, slid_by = couplings(s, normal, ahead, tangent, rows.width)
         nn, nt, tn = nn + share * n, share * (across + rows.fixed[R, R + 1]), along + rows.fixed[R + 1, R]
         tt = t + rows.fixed[R + 1, R + 1]
-        slip = slid_by + blade_dot(rows, rows.apart, R + 1, j, s.d) - s.strain[R + 1] + rows.radius[j] * slid
+        slip = slid_by + blade_dot(rows, rows.apart, R + 1, j, s.d) - s.strain[R + 1] + rows.glide[R + 1] * slid
     else:
         nn += share * weighted(ahead, s.c, normal)
     if blocks is not None:
@@ -73,7 +73,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: 
             across, along = push_now(s, normal, tangent, press, drag, rubs)
             add_work(s, rows, w, across, along, S_nn * press + S_nt * drag, S_nt * press + S_tt * drag, share, sums)
             if rubs:
-                s.drive[0] -= drag * rows.radius[0] * slid
+                s.drive[0] -= drag * rows.glide[1] * slid
             return DONE
     w.slots[0], w.slot[p], w.column[0] = 1, 0, 0
     if rubs:

@@ -12,6 +12,7 @@ from contact.jit.vector import WIDTH, entry, load, put, same, total
 from contact.loop.modal.rows import fill_some
 from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
+from contact.solver.dense import dot
 
 
 @jit_inside
@@ -81,14 +82,13 @@ def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """S lam in every direction of every tip, and the part of it that turns."""
     few, R = rows.turns and rows.few, w.strain.size
     for k in range(R):
-        still, turning = 0.0, 0.0
-        for n in range(count):  # both parts are symmetric
-            j = w.chosen[n]
-            for i in range(dim):
-                still += rows.still[k, j * dim + i] * s.lam[j * dim + i]
-                if few:
+        turning = 0.0
+        if few:
+            for n in range(count):  # S is symmetric
+                j = w.chosen[n]
+                for i in range(dim):
                     turning += w.S[j, i * R + k] * s.lam[j * dim + i]
-        w.strain[k], w.turning[k] = still, turning
+        w.strain[k], w.turning[k] = dot(rows.still[k], s.lam, R) if count > 0 else 0.0, turning
     if count > 0 and rows.turns and not rows.few:
         for j in range(s.mu.size):
             if w.fresh[w.side[0], rows.place[j]] == 1:

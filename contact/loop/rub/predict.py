@@ -86,12 +86,13 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
     closing = straight(laws.closing, t + h)
     for line in range(w.bound.size):
         w.bound[line] = -1.0
-    for p in range(w.fresh.shape[1]):
-        w.fresh[side, p] = 0
+    if not rows.steady:
+        for p in range(w.fresh.shape[1]):
+            w.fresh[side, p] = 0
     for j in range(s.mu.size):
         R, line, p = j * dim, rows.line[j], rows.place[j]
         pressed = s.lam[R] > 0.0 or (s.known[j] == 1 and min(s.now[j], s.last[j]) < 0.0)
-        if not pressed and not every and (now_too or s.known[j] == 0):
+        if not (pressed or every or rows.steady) and (now_too or s.known[j] == 0):
             if w.bound[line] < 0.0:
                 w.bound[line] = bound(rows.reach[line], s.q, s.d)
             low = least_gap(laws, rows, j, closing) - w.bound[line]
@@ -107,6 +108,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
             w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p]) - closing
             w.fresh[side, p] = 1
             fill_block(rows, line * rows.directions, w.waves[side, p], w.normal[side, p])
+            w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
+        elif rows.steady:
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         free = rows.clearance[j] + w.rigid[p] + w.moved[p] + blade_dot_of_sum(rows, rows.apart, R, j, s.q, s.d)
         test = free if share == 1.0 else 0.25 * (free + 2.0 * s.now[j] + s.last[j])

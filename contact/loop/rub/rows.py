@@ -64,7 +64,7 @@ class RubRows(NamedTuple):
     directions: int
     line: Indices  # (K,)
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows
-    radius: Array  # (K,)
+    glide: Array  # (K d,) what slides along each direction for each unit turned: the radius, or a ground's own
     angle: Array  # (K,)
     heading: Array  # (K, 2) its cosine and sine
     clearance: Array  # (K,)
@@ -74,6 +74,7 @@ class RubRows(NamedTuple):
     fixed: Array  # (K d, K d): what the blades' modes yield to a force within a step
     still: Array  # (K d, K d) residual compliance that does not turn
     turns: bool  # whether there is any that does
+    steady: bool  # whether no row depends on time: all contacts are near at every step, and have rows of their own
     few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
     harmonics: int  # waves that the rows, the profile and S take, in whole blocks

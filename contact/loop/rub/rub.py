@@ -1,7 +1,8 @@
 """Compiled step loop of a rub: exact-modal coefficients, K turning tips, stick and slip by semi-smooth Newton.
 
 Tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a surface with a force-depth
-law (`y`); with `blocks` None each mode moves by itself, else some are coupled. Each is a loop of its own.
+law (`y`); with `blocks` None each mode moves by itself, else some are coupled; the rows of `steady` contacts do not
+change. Each is a loop of its own.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
-from contact.loop.rub.solve import clear, gather, others_close, push, solve, update_gaps
+from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
 from contact.loop.rub.state import ModalBlocks, RubState, Work
+from contact.loop.rub.steady import Steady, frictionless, note_slips
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
 from contact.record.record import Samples, Tally
@@ -60,8 +62,7 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
             friction += 0.5 * force * along + soft
             work -= soft
             s.heat[j] -= force * s.motion[row]
-            if i == 1:
-                s.drive[j] -= force * rows.radius[j] * slid
+            s.drive[j] -= force * rows.glide[row] * slid
         sums.work[j] += work
         sums.rotation[j] += rotation
         sums.friction[j] += friction
@@ -90,8 +91,8 @@ def pace(s: RubState, y: Yielding, h: float) -> None:
 
 
 @jit
-def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, slid: float, sums: Tally, out: Samples,
-         h: float, time: float) -> None:  # fmt: skip
+def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, steady: Steady | None, dim: int, slid: float,
+         sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
     """Forces, gaps and events of this step; the gaps of q move on."""
     for j in range(s.mu.size):
         R = j * dim
@@ -101,7 +102,7 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, slid
             s.gap[j] = s.motion[R]
             before, predicted = s.now[j] + s.skin[j], s.test[j]
             s.last[j], s.now[j], s.known[j] = s.now[j], s.free[j], 1
-        if s.inside[j] == 2:
+        if s.inside[j] == 2 or rows.steady:
             if dim > 1:
                 s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, rows.own, R + 1, j, s.q)))
             tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
@@ -112,11 +113,14 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, dim: int, slid
             s.gap[j] -= depth
             note_yielding(sums, out, y, j, h, time, s.force[j], s.gap[j], depth, before, predicted)
             note_slope(y, j, depth)
-        if dim > 1:
+        if dim > 1 and not rows.steady:
             stuck = sticks(s, R, dim, j)
             note_stick(sums, out, j, int(stuck), time)
             if s.mu.size == 1 and not stuck and s.force[j] > 0.0 and s.lam[R + 1] * slid > 0.0:
                 sums.reversals[j] += 1
+    if steady is not None:
+        if dim > 1:
+            note_slips(s, rows, steady, dim, sums, out, time, h)
 
 
 @jit
@@ -129,23 +133,41 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit
-def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None, w: Work,
-          dim: int, share: float, slid: float, closing: int, solved: bool, step: int) -> int:  # fmt: skip
+def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
+          steady: Steady | None, w: Work, dim: int, share: float, slid: float, solved: bool,
+          step: int) -> int:  # fmt: skip
     """Forces of the tips marked and of those that they draw in; how many, -1 where none are found.
 
     `solved`: the first has its force already.
     """
     while True:
         count = 1
+        if steady is not None:
+            if not solved and steady.roots.size > 0:
+                return close_all(s, rows, blocks, steady, w, share)
         if not solved:
             count = gather(s, rows, blocks, w, dim, share)
             if rows.turns and rows.few:
                 fill_few(rows, w, count, step)
-            if not solve(s, rows, w, coats, y, count, dim, share, slid):
+            if not solve(s, rows, w, coats, y, steady, count, dim, share, slid):
                 return -1
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count
         solved = False
+
+
+@jit
+def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: Steady, w: Work,
+              share: float) -> int:  # fmt: skip
+    """Forces of all contacts at once, without friction; how many press, -1 where none are found."""
+    if not frictionless(s, steady):
+        return -1
+    count = gather(s, rows, blocks, w, 1, share)
+    for a in range(count):
+        w.lam[a], w.motion[a] = s.lam[w.row[a]], 0.0
+    hand_over(s, w, count, 1)
+    find_gaps(s, rows, blocks, w, count, 1, share)
+    return count
 
 
 @jit
@@ -165,8 +187,8 @@ def settle(s: RubState, rows: RubRows, coats: Coats | None, blocks: ModalBlocks 
 
 @jit_vectors
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
-                blocks: ModalBlocks | None, flight: FreeFlight, w: Work, dim: int, averaged: bool, sums: Tally,
-                out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+                blocks: ModalBlocks | None, steady: Steady | None, flight: FreeFlight, w: Work, dim: int,
+                averaged: bool, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
 
     Contact-free time is skipped to the next step that is stored; what a coating has lost only widens the gap.
@@ -196,6 +218,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         propagate(s, laws, t, angle, omega)
         if blocks is not None:
             fly_coupled(s, blocks, w)
+        slid = 1.0 if rows.steady else omega * h
         every = due(step, out.every, out.at, sums.filled[0])
         closing = find_near(s, laws, rows, w, dim, share, every, step % AGAIN == 0 or s.mu.size > 1, t, h)
         if coats is not None:
@@ -206,13 +229,13 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if coats is None:  # branches that are left out of loops of another kind, and not compiled there
             if y is None:
                 if closing == 1:
-                    done = alone(s, rows, blocks, w, dim, share, omega * h, step, sums)
+                    done = alone(s, rows, blocks, w, dim, share, slid, step, sums)
         if done != DONE:
             if closing > 0:
-                count = close(s, rows, coats, y, blocks, w, dim, share, omega * h, closing, done == SOLVED, step)
+                count = close(s, rows, coats, y, blocks, steady, w, dim, share, slid, done == SOLVED, step)
                 if count < 0:
                     return step
-                settle(s, rows, coats, blocks, w, count, dim, share, omega * h, sums)
+                settle(s, rows, coats, blocks, w, count, dim, share, slid, sums)
             elif pressed:
                 clear(s.contact, 0)
                 strains(s, rows, w, 0, dim)
@@ -222,15 +245,15 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             retry = max(retry, step + PAUSE)
         pressed = closing > 0
         if state_due(sums, out, step):
-            modes = s.seen.size - s.lam.size
+            modes = s.seen.size - (0 if rows.steady else s.lam.size)
             assign(s.seen, s.q, modes)
-            for i in range(s.lam.size):
+            for i in range(s.seen.size - modes):
                 s.seen[modes + i] = s.lam[i]
             store_state(sums, out, step, t, s.seen)
         if blocks is not None:
             works_of_coupling(s, blocks, w, sums)
         advance_modes(s, sums)
-        note(s, rows, w, y, dim, omega * h, sums, out, h, t)
+        note(s, rows, w, y, steady, dim, slid, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         angle, omega = ahead, omega_ahead
         for i in range(3):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
-from contact.loop.modal.patch import ROUGH
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
-from contact.loop.rub.state import TOGETHER, ModalBlocks, RubState, Work
+from contact.loop.rub.state import ROUGH, TOGETHER, ModalBlocks, RubState, Work
+from contact.loop.rub.steady import Steady, known
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
@@ -48,17 +48,19 @@ def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j
     w.slot[p], w.slots[0] = slot, slot + 1
     place_now(rows, w, j)
     for i in range(dim):
-        row, test = w.rows[slot * dim + i], w.tests[slot * dim + i]
+        row = w.rows[slot * dim + i]
         if i > 0:
             fill_block(rows, rows.line[j] * rows.directions + i, w.waves[now, p], row)
-            law(s.c, row, 1.0, test)
         else:
             copy(w.normal[now, p], row)
-            law(s.c, w.normal[1 - now, p], share, test)
+        w.along[slot * dim + i] = product(row, s.d)
+        if rows.steady:
+            continue
+        test = w.tests[slot * dim + i]
+        law(s.c, row if i > 0 else w.normal[1 - now, p], 1.0 if i > 0 else share, test)
         if blocks is not None:
             fill_some(blocks.turned, row if i > 0 else w.normal[1 - now, p], 0, w.spare)
             add_part(w.spare, 1.0 if i > 0 else share, test)
-        w.along[slot * dim + i] = product(row, s.d)
         for k in range(rows.width):
             w.row_columns[i * rows.width + k, slot] = row[k]
     if rows.turns and not rows.few:
@@ -97,14 +99,17 @@ def add_part(row: Array, share: float, out: Array) -> None:
 
 
 @jit
-def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, count: int, dim: int,
-          share: float, slid: float) -> bool:  # fmt: skip
+def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, steady: Steady | None,
+          count: int, dim: int, share: float, slid: float) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
-    assemble(s, rows, w, count, dim, share, slid)
+    if steady is None:
+        assemble(s, rows, w, count, dim, share, slid)
+    else:
+        known(s, rows, w, steady, count, dim, slid)
     if coats is None:
         if y is None:
-            solved = rigid(s, w, count, dim)
+            solved = rigid(s, w, count, dim, not rows.steady)
         else:
             solved = yielding_forces(
                 None, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
@@ -130,9 +135,9 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding 
 
 
 @jit
-def rigid(s: RubState, w: Work, count: int, dim: int) -> bool:
-    """Forces of the chosen tips on a rigid surface."""
-    if dim > 1 and count > 1:
+def rigid(s: RubState, w: Work, count: int, dim: int, fast: bool) -> bool:
+    """Forces of the chosen tips on a rigid surface; `fast`: the surface turns, and most tips slide."""
+    if fast and dim > 1 and count > 1:
         w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
     iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
     s.counts[0] = max(s.counts[0], float(iterations))
@@ -160,8 +165,7 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
                 w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
             else:
                 w.b[a] = w.along[w.column[a]] + blade_dot(rows, rows.apart, row, j, s.d) - s.strain[row]
-            if i == 1:
-                w.b[a] += rows.radius[j] * slid
+                w.b[a] += rows.glide[row] * slid
 
     if rows.turns and rows.few:
         for n in range(count):
@@ -227,6 +231,17 @@ def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work
                  share: float) -> bool:  # fmt: skip
     """Whether the forces close tips that were left out; these are marked, the gaps of the others noted."""
     grown = False
+    find_gaps(s, rows, blocks, w, count, dim, share)
+    for j in range(s.mu.size):
+        if s.inside[j] == 1 and s.motion[j * dim] < 0.0:
+            s.inside[j], grown = 2, True
+    return grown
+
+
+@jit
+def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, count: int, dim: int,
+              share: float) -> None:  # fmt: skip
+    """Gaps of the tips that were left out, under the forces of the chosen."""
     if blocks is not None:
         fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
     for j in range(s.mu.size):
@@ -236,20 +251,18 @@ def others_close(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work
         casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
         if blocks is not None:
             casing += product(w.normal[1 - w.side[0], rows.place[j]], w.normal_moves)
-        gap = s.test[j] + share * (casing + dot(rows.fixed[R], s.lam, s.lam.size))
-        for n in range(count):
-            first = w.chosen[n] * dim
-            for i in range(dim):
-                gap += rows.still[first + i, R] * s.lam[first + i]
-                if rows.turns and rows.few:
+        if not rows.steady:
+            casing += dot(rows.fixed[R], s.lam, s.lam.size)
+        gap = s.test[j] + share * casing + dot(rows.still[R], s.lam, s.lam.size)
+        if rows.turns and rows.few:
+            for n in range(count):
+                first = w.chosen[n] * dim
+                for i in range(dim):
                     gap += w.S[w.chosen[n], i * s.lam.size + R] * s.lam[first + i]
         if rows.turns and not rows.few:
             place_now(rows, w, j)
             gap += soft_at(rows, w, -1, j, 0, dim)
         s.motion[R] = gap
-        if gap < 0.0:
-            s.inside[j], grown = 2, True
-    return grown
 
 
 @jit

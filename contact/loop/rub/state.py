@@ -15,6 +15,7 @@ from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
 
 TOGETHER = 4  # rows that `solve.casing` takes at a time
+JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
 
 
 class ModalBlocks(NamedTuple):
@@ -128,11 +129,13 @@ class Work(NamedTuple):
     room: Room  # of the friction solver
 
 
-def work_space(s: RubState, rows: RubRows) -> Work:
-    """Buffers."""
+def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
+    """Buffers; `newton`: whether Newton's method on the forces solves for the tips."""
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K
     D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, staggered(-(-P // WIDTH) * WIDTH), len(rows.reach)
+    made = (0, 0, 0) if rows.steady else (D, d * width, slots)  # where the loop fills the matrix of the contacts
+    solved = (R, K) if newton else (0, 0)
     few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
     waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
 
@@ -142,13 +145,14 @@ def work_space(s: RubState, rows: RubRows) -> Work:
     return Work(
         side=whole(1), normal=aligned(2, P, width), waves=aligned(2, P, 2, n), fresh=whole(2, P),
         bound=aligned(lines), rigid=aligned(P), moved=aligned(P), spare=aligned(width), turn=aligned(2, n),
-        angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(D, width),
-        soft=aligned(D, waves), row_columns=aligned(d * width, slots), wave_columns=aligned(2 * n * lines, slots),
+        angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
+        soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
-        casing=aligned(D, d * slots), W=aligned(R, R), b=aligned(R), lam=aligned(R), motion=aligned(R), mu=aligned(K),
+        casing=aligned(made[0], d * made[2]), W=aligned(solved[0], solved[0]), b=aligned(R), lam=aligned(R),
+        motion=aligned(R), mu=aligned(K),
         depth=aligned(K), pushed=aligned(width), both=aligned(2 * s.q.size), moved_by=aligned(s.q.size),
         normal_moves=aligned(width), tangent_moves=aligned(width), strained=aligned(waves), spread=aligned(waves),
         pressed=aligned(spread, 2, n), S=aligned(few, wide), S_old=aligned(few, wide), S_at=whole(few) - 2,
         turning=aligned(R), before=aligned(R), strain=aligned(R), all_sliding=AllSliding(used=R > K > 1),
-        room=solver_room(K, d),
+        room=solver_room(solved[1], d),
     )  # fmt: skip

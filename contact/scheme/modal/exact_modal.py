@@ -113,15 +113,14 @@ class ExactModal:
             raise InputError(f"law: found {found}, expected channels along the ground")
         body, load = problem.body, np.asarray(problem.load)
         still = BodyMatrices.of_one(body)
-        parts = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant)).parts[
-            0
-        ]
+        speeds = at_speeds(still, body.omega, body.zeta, load, 0.0, 0.0, 0.0, lambda top: _step(top, dt, courant))
+        parts = speeds.parts[0]
         h = parts.h
         self._require_slow(parts.top, h)
         reached = f"dt omega_max = {h * parts.top:.3g} (limit {self.omega_h_limit:g})"
         averaged = gives_way and self.law != "forward"
         label = f"exact modal, {'averaged' if averaged else 'forward'} law in every contact, {reached}"
-        return patch_stepper(problem, parts, law, label, averaged=averaged)
+        return patch_stepper(problem, speeds, law, label, averaged=averaged)
 
     def rub(
         self, rub: Rub, law: Law, dt: float | None, courant: float | None, rim: RotatingRim | None = None

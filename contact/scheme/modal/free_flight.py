@@ -33,16 +33,23 @@ def free_flight(rub: Rub, system: RubSystem, parts: Propagator, *, skip: bool) -
 
     m = system.omega.size
     if not (skip and _is_free(rub, system, parts)):
-        none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
-        return FreeFlight(
-            powers=readonly(np.zeros((0, 4, m))), fade=parts.fade, cos=none, sin=none, start=whole, wave=whole,
-            row=none, floor=readonly(none), reach=none, taken=np.zeros(2, dtype=np.int64),
-        )  # fmt: skip
+        return no_flight(parts)
     rows = _normal(system.rim, system.blade_rows, system.own, system.line, system.directions, m)
     return FreeFlight(
         powers=powers(parts.al, parts.be), fade=parts.fade, cos=np.cos(parts.turn), sin=np.sin(parts.turn),
         start=rows.start, wave=rows.wave, row=rows.value, floor=_floor(rub, float(system.clearance[0])),
         reach=np.zeros(2 * (int(rows.wave.max(initial=0)) // 2 + 1)), taken=np.zeros(2, dtype=np.int64),
+    )  # fmt: skip
+
+
+def no_flight(parts: Propagator) -> FreeFlight:
+    """What a run takes that skips nothing."""
+    from contact.loop.rub.free_flight import FreeFlight
+
+    none, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return FreeFlight(
+        powers=readonly(np.zeros((0, 4, parts.omega.size))), fade=parts.fade, cos=none, sin=none, start=whole,
+        wave=whole, row=none, floor=readonly(none), reach=none, taken=np.zeros(2, dtype=np.int64),
     )  # fmt: skip
 
 

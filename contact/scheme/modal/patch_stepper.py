@@ -1,4 +1,4 @@
-"""Several contacts of a modal body, in progress: exact modal coefficients, forward law, stick and slip.
+"""Several contacts of a modal body, in progress: a rub whose rows do not change, with forward law, stick and slip.
 
 D* = al D - be q + c f;  gaps g0 + Q (q + D) + S lam and slips T D + S (lam - lam_old) - slide h of the step obey
 Signorini's and Coulomb's law together (`solver.coulomb`), or Signorini's alone (`solver.active_set`).
@@ -12,24 +12,32 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact.base.arrays import Array
+from contact.base.arrays import Array, aligned
 from contact.io.trust import Flag
 from contact.model.bodies.patch import Patch
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
+from contact.scheme.modal.at_speeds import AtSpeeds
+from contact.scheme.modal.blocks import OF_MODES, narrowed, row_blocks, rows_of_waves, whole, widened
+from contact.scheme.modal.free_flight import no_flight
 from contact.scheme.modal.gives_way import memory_of, stored_by, too_long, yielding_of
+from contact.scheme.modal.modal_blocks import modal_blocks
 from contact.scheme.modal.propagator import ExactRun, Propagator
 from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
-    from contact.loop.modal.patch import PatchBlocks, PatchState, PatchWork
+    from contact.loop.rub.free_flight import FreeFlight
+    from contact.loop.rub.rows import RubLaws, RubRows
+    from contact.loop.rub.state import ModalBlocks, RubState, Work
+    from contact.loop.rub.steady import Steady
     from contact.solver.yielding.yields import Yielding
 
-
+NAMES = (*OF_MODES, "contact")
 FAR_FETCHED = 1e6  # times what start and load could move a gap: a motion that feeds on itself
 STEPS = 1e6
+WAVES = 8  # of which a steady row has the first: a block
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -37,13 +45,17 @@ class PatchStepper(ExactRun):
     """State of a run with several contacts; `state.counts` tells the solver's iterations."""
 
     problem: Patch
-    state: PatchState
-    work: PatchWork
-    rough: bool
+    state: RubState  # views of `wide`
+    wide: RubState
+    laws: RubLaws
+    rows: RubRows
+    steady: Steady
+    flight: FreeFlight
+    work: Work
     law: Law
     averaged: bool
     y: Yielding | None
-    coupled: PatchBlocks | None
+    coupled: ModalBlocks | None
 
     @property
     def size(self) -> int:
@@ -57,11 +69,11 @@ class PatchStepper(ExactRun):
 
     def advance(self, out: Samples, first: int, steps: int) -> int:
         """Advance by whole steps; -1, or the step that failed."""
-        from contact.loop.modal.patch import advance_patch
+        from contact.loop.rub.rub import advance_rub
 
-        failed = advance_patch(
-            self.state, self.work, self.y, self.coupled, self.rough, self.averaged, self.sums, out, self.dt, first,
-            steps,
+        failed = advance_rub(
+            self.wide, self.laws, self.rows, None, self.y, self.coupled, self.steady, self.flight, self.work,
+            self.dimensions, self.averaged, self.sums, out, self.dt, first, steps,
         )  # fmt: skip
         self.work.room.otherwise.pass_on()
         return failed
@@ -69,7 +81,8 @@ class PatchStepper(ExactRun):
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
-        return self.state, self.work, self.sums, memory_of(self.y)
+        coupled = () if self.coupled is None else self.coupled
+        return self.wide, self.work, self.steady, self.sums, coupled, memory_of(self.y)
 
     @property
     def overlap(self) -> float:
@@ -86,77 +99,151 @@ class PatchStepper(ExactRun):
 
     def why(self) -> Flag:
         """Explain a failed step."""
-        from contact.loop.modal.patch import JAMMED, ROUGH, UNSETTLED
+        from contact.loop.rub.state import JAMMED, ROUGH, UNSETTLED
 
-        fault = self.state.counts[3]
-        if fault == JAMMED:
-            words = "no motion opens all gaps at once: contacts press against each other without compliance"
-            return Flag(words, "unconverged", failed=True)
-        if fault == UNSETTLED:
-            return Flag("the forces of the springs did not settle: reduce dt", "unconverged", failed=True)
-        if fault == ROUGH:
-            words = "no forces found that obey Coulomb's law in every contact: reduce dt or mu"
-            return Flag(words, "unconverged", failed=True)
-        return Flag("the motion is not a number", "motion-overflow", failed=True)
+        s = self.state
+        if not (np.isfinite(s.q).all() and np.isfinite(s.d).all()):
+            return Flag("the motion is not a number", "motion-overflow", failed=True)
+        words = {
+            JAMMED: "no motion opens all gaps at once: contacts press against each other without compliance",
+            UNSETTLED: "the forces of the springs did not settle: reduce dt",
+            ROUGH: "no forces found that obey Coulomb's law in every contact: reduce dt or mu",
+        }
+        return Flag(words[float(s.counts[3])], "unconverged", failed=True)
 
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
-        long = too_long(self.y, float(np.max(self.state.own)), self.dt)
+        long = too_long(self.y, self.stiffest, self.dt)
         return Notes(flags=(*inexact(float(self.work.room.left[0])), *long))
+
+    @property
+    def dimensions(self) -> int:
+        """Directions of each contact that take part."""
+        return self.state.lam.size // self.state.mu.size
+
+    @property
+    def stiffest(self) -> float:
+        """Largest gap that a unit force opens in one step at its own contact [m/N]."""
+        normal = slice(None, None, self.dimensions)
+        rows = self.steady.rows[normal, : self.size]
+        own = np.sum(self.parts.yields(rows) * rows, axis=1) + np.diag(self.rows.still)[normal]
+        return float(own.max())
 
     def stored(self) -> Stored:
         """Energy at t_n; what S and contacts that give way store counts as residual."""
         s = self.state
-        residual = 0.5 * float(s.lam @ s.S @ s.lam) if s.S.size else 0.0
+        residual = 0.5 * float(s.lam @ self.rows.still @ s.lam) if s.lam.any() else 0.0
         residual += stored_by(self.law, self.y)
-        return self.parts.stored(s.q, s.d, s.rows.T @ s.lam, residual, 0.0)
+        return self.parts.stored(s.q, s.d, s.contact, residual, 0.0)
 
     def motions(self) -> tuple[Motion, ...]:
         """A modal body among several rigid motions has no one mean velocity."""
         return (Motion(kind="body", number=0, mean_velocity=math.nan, momentum=math.nan),)
 
 
-def patch_stepper(problem: Patch, parts: Propagator, law: Law, label: str, *, averaged: bool) -> PatchStepper:
+def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, averaged: bool) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part. `averaged`: for laws with a response."""
-    from contact.loop.modal.patch import PatchState, patch_work
-    from contact.loop.tally import Sticking
-    from contact.solver.unilateral.springs import springs_of
+    from contact.loop.rub.state import work_space
 
-    mu, gives_way = law.mu, law.response is not None
+    parts, mu = speeds.parts[0], law.mu
     rough = mu > 0.0 and problem.dimensions > 1
     step = 1 if rough else problem.dimensions
-    rows = np.ascontiguousarray(problem.rows()[::step])
+    given, k = np.ascontiguousarray(problem.rows()[::step]), problem.contacts
     S = np.ascontiguousarray(problem.compliance()[::step, ::step])
-    k = problem.contacts
-    dim = len(rows) // k
-    own = np.sum(parts.yields(rows) * rows, axis=1)[::dim] + np.diag(S)[::dim]
-    none = np.zeros((0, 0))
-    if not S.any():
-        S = none
-    scaled = parts.roots(rows)
-    newton = rough or gives_way or scaled is None
-    springs, roots = np.zeros(0), none
-    if scaled is not None and not newton:
-        springs = springs_of(scaled, S)
-        roots = scaled if springs.size else _roots(scaled, S)
-    clearance, slide = problem.opening, np.zeros((k, dim))
+    slide = np.zeros((k, len(given) // k))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
+    rows = _rows(given, S, problem.opening, -slide.ravel())
+    wide = widened(_state(problem, parts, given, mu), rows.width, NAMES)
+    steady = _steady(given, S, parts, k, newton=rough or law.response is not None, averaged=averaged)
+    work = work_space(wide, rows, newton=bool(steady.W.size))
+    work.normal[:, :, : parts.omega.size] = given[:: len(given) // k]
+    work.waves[:, :, 0, 0], work.fresh[:] = 1.0, 1
+    coupled, _ = modal_blocks(speeds, parts.omega.size, parts.omega.size)
+    state = narrowed(wide, parts.omega.size, NAMES)
+    state.limits[1] = FAR_FETCHED * _reach(problem, given[:: len(given) // k], parts)
+    return PatchStepper(
+        problem=problem, parts=parts, state=state, wide=wide, laws=_laws(), rows=rows, steady=steady,
+        flight=no_flight(parts), work=work, sums=tally(k), averaged=averaged, law=law, label=label,
+        y=yielding_of(law, state.now, state.last), coupled=coupled,
+    )  # fmt: skip
+
+
+def _state(problem: Patch, parts: Propagator, rows: Array, mu: float) -> RubState:
+    """State at t = 0 of contacts with these rows."""
+    from contact.loop.rub.state import RubState
+
+    k, R, m = problem.contacts, len(rows), parts.omega.size
     q = np.array(problem.displacement, dtype=float)
     d = parts.backward(q, np.asarray(problem.velocity))
-    state = PatchState(
-        q=q, d=d, al=parts.al, be=parts.be, c=parts.c, kick=parts.push(parts.load), weight=parts.weight, rows=rows,
-        S=S, own=own, W=_delassus(rows, parts, S, dim if averaged else 0) if newton else none, roots=roots,
-        springs=springs,
-        mu=np.full(k, mu), slide=slide.ravel(), lam=np.zeros(len(rows)), moved=rows @ d,
-        place=clearance + rows[::dim] @ q, force=np.zeros(k), gap=np.zeros(k),
-        past=Sticking(np.zeros((2, len(rows))), np.zeros(k), np.zeros(k), np.zeros(k)), counts=np.zeros(4),
-        limits=np.array([math.inf, FAR_FETCHED * _reach(problem, rows[::dim], parts), 0.0, 0.0]),
+    now, moved = problem.opening + rows[:: R // k] @ q, rows[:: R // k] @ d
+
+    def none(size: int) -> Array:
+        return np.zeros(size)
+
+    return RubState(
+        q=q, d=d, old=none(m), al=parts.al, be=parts.be, c=parts.c, kick=parts.push(parts.load), weight=parts.weight,
+        stiff=np.zeros((0, 0)), stiff_at=np.zeros((0, 0)), push=none(m), contact=none(m), body=none(0),
+        mu=np.full(k, mu), lam=none(R), strain=none(R), motion=none(R), scale=none(k), now=now, last=now - moved,
+        known=np.ones(k, dtype=np.int64), inside=np.ones(k, dtype=np.int64), free=none(k), test=none(k), skin=none(k),
+        force=none(k), gap=none(k), seen=none(m), heat=none(k), drive=none(k), peaks=none(1),
+        limits=np.array([math.inf, math.inf, 0.0, 0.0]), counts=none(4),
     )  # fmt: skip
-    return PatchStepper(
-        problem=problem, parts=parts, state=state, sums=tally(k), rough=rough, averaged=averaged, law=law, label=label,
-        work=patch_work(state, newton, rough and gives_way and k > 1),
-        y=yielding_of(law, state.place, state.place - state.moved[::dim]), coupled=_blocks(parts),
+
+
+def _rows(rows: Array, S: Array, opening: Array, glide: Array) -> RubRows:
+    """Rows that do not change: each a sum of one wave, cos 0."""
+    from contact.loop.modal.rows import RowBlocks
+    from contact.loop.rub.rows import RubRows
+
+    (R, m), k = rows.shape, opening.size
+    none, first = np.zeros((1, 1, 1)), np.zeros(1, dtype=np.int64)
+    return RubRows(
+        casing=RowBlocks(*row_blocks(rows_of_waves(first, rows[:, None], 0.0 * rows[:, None], WAVES))),
+        width=whole(m), reach=aligned(0, whole(m)), directions=R // k, line=np.arange(k), place=np.arange(k),
+        glide=glide, angle=np.zeros(k), heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
+        blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
+        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, few=False,
+        S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
+    )  # fmt: skip
+
+
+def _laws() -> RubLaws:
+    """Ground at rest."""
+    from contact.loop.rub.rows import Pulls, RubLaws, Terms
+
+    none = np.zeros(0)
+    return RubLaws(
+        speed=np.zeros((1, 4)), closing=np.zeros((1, 2)), whirl=np.zeros((0, 4)),
+        terms=Terms(np.zeros(0, dtype=np.int64), none, none), table=np.zeros((0, 3)), lowest=0.0,
+        pulls=Pulls(laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0),
+    )  # fmt: skip
+
+
+def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool, averaged: bool) -> Steady:
+    """What is known of the contacts' matrix before the run, and how they are solved for."""
+    from contact.loop.rub.steady import Steady
+    from contact.loop.tally import Sticking
+    from contact.solver.unilateral.active_set import active_space
+    from contact.solver.unilateral.springs import spring_space, springs_of
+
+    R, scaled, none = len(rows), parts.roots(rows), np.zeros((0, 0))
+    springs, roots, W = np.zeros(0), none, none
+    if newton or scaled is None:
+        W = parts.yields(rows) @ rows.T
+        if averaged:
+            W[:: R // k] *= 0.25
+        W = np.ascontiguousarray(W + S)
+    else:
+        springs = springs_of(scaled, S)
+        roots = scaled if springs.size else _roots(scaled, S)
+    columns, soft = roots.shape[1], springs.size
+    full = aligned(R, whole(rows.shape[1]))
+    full[:, : rows.shape[1]] = rows
+    return Steady(
+        rows=full, W=W, roots=roots, springs=springs, active=active_space(k, 0 if soft else columns),
+        soft=spring_space(soft, columns if soft else 0),
+        past=Sticking(np.zeros((2, R)), np.zeros(k), np.zeros(k), np.zeros(k)), slip=np.zeros(R), strain=np.zeros(R),
     )  # fmt: skip
 
 
@@ -170,30 +257,11 @@ def _reach(problem: Patch, normal: Array, parts: Propagator) -> float:
     return float(reach.max()) or math.inf
 
 
-def _blocks(parts: Propagator) -> PatchBlocks | None:
-    """What the loop needs of coupled modes."""
-    from contact.loop.modal.patch import PatchBlocks
-
-    part = parts.coupled
-    if part is None:
-        return None
-    squares = (part.alpha, part.beta, part.c, part.lost, part.false, part.odd)
-    return PatchBlocks(part.modes, *squares, old=np.zeros(part.modes.size), now=np.zeros(part.modes.size))
-
-
-def _delassus(rows: Array, parts: Propagator, S: Array, mean: int = 0) -> Array:
-    """Rows c rows^T + S; a quarter of the first in every `mean`-th row, a normal, where the law is of three gaps."""
-    H = parts.yields(rows) @ rows.T
-    if mean:
-        H[::mean] *= 0.25
-    return np.ascontiguousarray(H + S if S.size else H)
-
-
 def _roots(scaled: Array, S: Array) -> Array:
     """Rows A with A A^T = scaled scaled^T + S, for the active set, of no more columns than contacts."""
     from contact.solver.unilateral.active_set import delassus_rows
 
-    if S.size:
+    if S.any():
         return np.ascontiguousarray(delassus_rows(scaled @ scaled.T + S))
     if scaled.shape[0] < scaled.shape[1]:
         scaled = np.asarray(np.linalg.qr(scaled.T, mode="r")).T

@@ -117,16 +117,18 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
         else:
             harmonic, S_cos, S_sin = _between_waves(system.S, count)
         count = max(count, whole(int(harmonic.max(initial=0)) + 1))
+    glide = np.zeros((system.contacts, len(system.still) // system.contacts))
+    glide[:, 1:2] = system.radius[:, None]
     apart = system.own if width == m else 0 * system.own
     apart.setflags(write=False)
     return RubRows(
         casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
         width=whole(width), reach=reach, directions=system.directions, line=system.line,
-        place=place.reshape(-1).astype(np.int64), radius=system.radius, angle=system.angle,
+        place=place.reshape(-1).astype(np.int64), glide=glide.ravel(), angle=system.angle,
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own,
         apart=apart, fixed=fixed_delassus(system, parts),
-        still=system.still, turns=system.turns, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
+        still=system.still, turns=system.turns, steady=False, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
         harmonics=count,
     )  # fmt: skip
 

@@ -106,7 +106,7 @@ class RubStepper(ExactRun):
                 self._turn(at // self.speeds.stretch)
                 count = min(count, self.speeds.stretch - at % self.speeds.stretch)
             failed = advance_rub(
-                state, laws, rows, coating, y, coupled, flight, work, self.dimensions, self.averaged, sums, out,
+                state, laws, rows, coating, y, coupled, None, flight, work, self.dimensions, self.averaged, sums, out,
                 self.dt, at, count,
             )  # fmt: skip
             at += max(count, 1)

@@ -171,7 +171,7 @@ def sticking(k, dim):
 def noted(past, sums, out, time, lam, slip, W):
     """One step of contact 2 of 2 with this slip; returns the last event, or None where there is no new one."""
     before = sums.filled[2]
-    STICK.note_sticking(past, sums, out, 1, time, H, 0.5, W, np.array(lam), np.array(slip) - W @ lam)
+    STICK.note_sticking(past, sums, out, 1, time, H, 0.5, W, np.array(lam), np.array(slip))
     return (
         (out.event_kind[before], out.event_time[before], out.event_contact[before]) if sums.filled[2] > before else None
     )

@@ -62,7 +62,7 @@ def test_a_gap_that_opens_further_than_it_may_ends_its_run():
     with plain() as module:
         record, limits = module("contact.record.record"), module("contact.model.gaps.limits")
         run = prepared(module, "patch")
-        run.limits[limits.TIP] = 0.01 + 5.5 * H
+        run.limits[limits.TIP] = 5.5 * H
         out = record.samples(record.Record(every=1), 20, 1, 1)
         assert run.advance(out, 0, 20) == 6
-    np.testing.assert_allclose(run.limits[limits.REACHED + limits.TIP], 0.01 + 6.0 * H, rtol=1e-12)
+    np.testing.assert_allclose(run.limits[limits.REACHED + limits.TIP], 6.0 * H, rtol=1e-12)

@@ -67,7 +67,8 @@ def rub_rows(angle=(0.5, 2.0), **parts):
     given = dict.fromkeys(N.RubRows._fields)
     given.update(
         angle=angle, heading=np.stack([np.cos(angle), np.sin(angle)], axis=1), clearance=np.array([0.01, 0.02]),
-        own=np.array([[2, 4], [4, 7]]), blade=np.arange(1.0, 13.0).reshape(4, 3) / 10.0, radius=np.array([1.1, 1.2]),
+        own=np.array([[2, 4], [4, 7]]), blade=np.arange(1.0, 13.0).reshape(4, 3) / 10.0,
+        glide=np.array([0.0, 1.1, 0.0, 1.2]),
     )  # fmt: skip
     return N.RubRows(**{**given, **parts})
 

@@ -24,8 +24,9 @@ def stepped(lam, before, last, *, stuck, hold=0.9, pressed=1.0, dim=3, since=SIN
     sums.stuck[1] = stuck
     forces = np.concatenate([[5.0, 1.0, -1.0][:dim], lam])
     compliance, b = W[: 2 * dim, : 2 * dim], np.arange(2.0 * dim)
-    N.note_sticking(past, sums, out, 1, TIME, H, MU, compliance, forces, b)
-    slip = (compliance @ forces + b)[dim + 1 :]
+    moved = compliance @ forces + b
+    N.note_sticking(past, sums, out, 1, TIME, H, MU, compliance, forces, moved)
+    slip = moved[dim + 1 :]
     held = forces[dim + 1 :] - np.linalg.solve(compliance[dim + 1 :, dim + 1 :], slip - last)
     np.testing.assert_allclose(past.slip[0, dim + 1 :], slip, rtol=1e-13)
     assert past.slip[1, dim + 1 :].tolist() == list(last)

@@ -29,30 +29,32 @@ def patch(*, S=0.0, friction=True, **more):
 def test_a_patch_starts_with_its_rows_compliance_and_motion(mu, S):
     problem = patch(S=S)
     run = ct.ExactModal().prepare(problem, ct.Coulomb(mu=mu) if mu else ct.Unilateral(), dt=H, courant=None)
-    s, rows = run.state, np.arange(1.0, 13.0).reshape(4, 3) - 6.5
+    s, steady, dim, rows = run.state, run.steady, 2 if mu else 1, np.arange(1.0, 13.0).reshape(4, 3) - 6.5
     C = S * (np.eye(4) + 0.25)
     p = propagator(np.array([5.0, 9.0, 0.0]), np.array([0.02, 0.01, 0.0]), np.array([2.0, 3.0, -4.0]), H)
     chosen = slice(None) if mu else slice(None, None, 2)
     W = (rows * p.c @ rows.T + C)[chosen, chosen]
-    assert s.rows.tolist() == rows[chosen].tolist()
-    assert s.S.tolist() == (C[chosen, chosen].tolist() if S else [])
-    assert S or s.S.shape == (0, 0)
-    np.testing.assert_allclose(s.own, (np.diag(rows * p.c @ rows.T) + np.diag(C))[::2], rtol=1e-13)
+    assert steady.rows[:, :3].tolist() == rows[chosen].tolist()
+    assert run.work.normal[0, :, :3].tolist() == rows[::2].tolist()
+    assert run.rows.still.tolist() == C[chosen, chosen].tolist()
+    assert run.stiffest == pytest.approx((np.diag(rows * p.c @ rows.T) + np.diag(C))[::2].max(), rel=1e-13)
     if mu:
-        np.testing.assert_allclose(s.W, W, rtol=1e-13)
-        assert s.roots.size == 0
+        np.testing.assert_allclose(steady.W, W, rtol=1e-13)
+        assert steady.roots.size == 0
     else:
-        np.testing.assert_allclose(s.roots @ s.roots.T, W, rtol=1e-11)
-        assert s.roots.shape[1] <= (2 if S else 3)
-        assert s.W.size == 0
+        np.testing.assert_allclose(steady.roots @ steady.roots.T, W, rtol=1e-11)
+        assert steady.roots.shape[1] <= (2 if S else 3)
+        assert steady.W.size == 0
     q, d = np.array([0.1, 0.2, -0.3]), p.backward(np.array([0.1, 0.2, -0.3]), np.array([0.4, -0.5, 0.6]))
     np.testing.assert_allclose(s.d, d, rtol=1e-13)
-    np.testing.assert_allclose(s.place, [2.5, 4.25] + rows[::2] @ q, rtol=1e-13)
-    np.testing.assert_allclose(s.moved, rows[chosen] @ d, rtol=1e-13)
-    np.testing.assert_allclose(s.slide, [0.0, 0.3 * H, 0.0, -0.2 * H] if mu else [0.0, 0.0], rtol=1e-13)
+    np.testing.assert_allclose(s.now, [2.5, 4.25] + rows[::2] @ q, rtol=1e-13)
+    np.testing.assert_allclose(s.last, [2.5, 4.25] + rows[::2] @ (q - d), rtol=1e-13)
+    np.testing.assert_allclose(run.rows.glide, [0.0, -0.3 * H, 0.0, 0.2 * H] if mu else [0.0, 0.0], rtol=1e-13)
     np.testing.assert_allclose(s.weight, (1.0 - p.al) / (2.0 * p.c), rtol=1e-12)
     np.testing.assert_allclose(s.kick, p.c * [2.0, 3.0, -4.0], rtol=1e-13)
     s.lam[:] = np.arange(2.0, 2.0 + s.lam.size)
+    s.contact[:] = rows[chosen].T @ s.lam
+    assert run.dimensions == dim
     found = run.stored()
     assert found.residual == pytest.approx(0.5 * s.lam @ C[chosen, chosen] @ s.lam, rel=1e-13)
     assert found.kinetic == pytest.approx(p.stored(q, d, rows[chosen].T @ s.lam, 0.0, 0.0).kinetic, rel=1e-12)

@@ -1,0 +1,86 @@
+"""Compiled: contacts whose rows do not change, as those of a patch: their matrix is known before the run.
+
+Without friction an active set or Newton's method on the motion finds the forces of all contacts at once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit
+from contact.jit.vector import entry
+from contact.loop.modal.rows import product
+from contact.loop.rub.rows import RubRows
+from contact.loop.rub.state import JAMMED, UNSETTLED, RubState, Work
+from contact.loop.tally import Sticking, note_sticking
+from contact.record.record import Samples, Tally
+from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, project
+from contact.solver.unilateral.springs import SpringSpace, spring_forces
+
+
+class Steady(NamedTuple):
+    """K contacts with d directions each, normal first."""
+
+    rows: Array  # (K d, width)
+    W: Array  # (K d, K d) matrix of the law, where Newton's method on forces solves for the contacts, else empty
+    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty where W is not
+    springs: Array  # (K,) diagonal of S where the contacts are solved as springs, else empty
+    active: ActiveSpace
+    soft: SpringSpace
+    past: Sticking
+    slip: Array  # (K d,) of the last step
+    strain: Array  # (K d,) S lam before this step
+
+
+@jit
+def known(s: RubState, rows: RubRows, w: Work, steady: Steady, count: int, dim: int, slid: float) -> None:
+    """Fill W, b, mu and the last forces of the chosen contacts."""
+    size, wide = count * dim, steady.W.shape[1]
+    for n in range(count):
+        j = w.chosen[n]
+        w.mu[n] = s.mu[j]
+        for i in range(dim):
+            a, row = n * dim + i, j * dim + i
+            for k in range(size):
+                w.W[a, k] = entry(steady.W, row * wide + entry(w.row, k))
+            w.lam[a] = s.lam[row]
+            if i == 0:
+                w.b[a], s.scale[j] = s.test[j], w.W[a, a]
+            else:
+                w.b[a] = w.along[w.column[a]] - s.strain[row] + rows.glide[row] * slid
+
+
+@jit
+def frictionless(s: RubState, steady: Steady) -> bool:
+    """Forces of all contacts, marked where they press; False where not all gaps can open."""
+    if steady.springs.size > 0:
+        solved, count = spring_forces(steady.roots, steady.springs, s.test, s.lam, steady.soft)
+        if not solved:
+            s.counts[3] = UNSETTLED
+    else:
+        status, count = project(steady.roots, s.test, s.mu.size, steady.roots.shape[1], s.lam, steady.active)
+        solved = status == SOLVED
+        if not solved:
+            s.counts[3] = JAMMED
+    s.counts[0] = max(s.counts[0], float(count))
+    s.counts[1] += float(count)
+    for j in range(s.mu.size):
+        s.inside[j] = 2 if s.lam[j] > 0.0 else 1
+        solved = solved and math.isfinite(s.test[j])
+    return solved
+
+
+@jit
+def note_slips(s: RubState, rows: RubRows, steady: Steady, dim: int, sums: Tally, out: Samples, time: float,
+               h: float) -> None:  # fmt: skip
+    """Slips of all contacts over this step, and where they begin and cease to stick."""
+    for j in range(s.mu.size):
+        for i in range(1, dim):
+            row = j * dim + i
+            moved = product(steady.rows[row], s.d)
+            steady.slip[row] = moved + s.strain[row] - steady.strain[row] + rows.glide[row]
+        note_sticking(steady.past, sums, out, j, time, h, s.mu[j], steady.W, s.lam, steady.slip)
+    for row in range(s.strain.size):
+        steady.strain[row] = s.strain[row]
