@@ -174,7 +174,10 @@ def closed_rub(what: RotatingRim | Rub | HandPair, speed_hz: float, mu: float) -
     """The same bodies as a rub at this speed whose contacts overlap and whose rim is round, and its friction."""
     if isinstance(what, HandPair):
         return _closed(_of_pair(what), speed_hz), what.friction
-    return _closed(rub_of(what), speed_hz), mu
+    rub = rub_of(what)
+    if rub is None:
+        raise InputError(f"what: found {type(what).__name__}, expected a RotatingRim, a Rub or a HandPair")
+    return _closed(rub, speed_hz), mu
 
 
 def _closed(what: Rub, speed_hz: float) -> Rub:

@@ -246,7 +246,7 @@ def test_result_tells_before_after_and_how(exact_fit):
     }  # fmt: skip
     assert data["iterations"] == len(fit.history)
     text = repr(fit).splitlines()
-    assert text[0].split() == ["parameter", "start", "value", "sigma", "sigma", "in"]
+    assert text[0].split() == ["parameter", "unit", "start", "value", "sigma", "sigma", "in"]
     assert len([line for line in text if line.lstrip()[:1].isdigit()]) == ROWS
     assert any("cannot tell" in line for line in text)  # E and thickness
     np.testing.assert_allclose(np.diag(fit.correlation), 1.0, rtol=1e-12)
