@@ -112,7 +112,9 @@ def show_all(out: Path, prefix: str, tables: Mapping[str, tuple[str, Sequence[Ro
     return [row for _, rows in tables.values() for row in rows]
 
 
-def command_line(description: str | None, main: Callable[..., object], **flags: str | tuple[int | Path, str]) -> None:
+def command_line(
+    description: str | None, main: Callable[..., object], **flags: str | tuple[int | str | Path, str]
+) -> None:
     """Run a report's `main(out, quick)` with --out, --quick and flags of its own, name -> help, or value and help.
 
     The exit code is 1 where rows that it returns say that something is wrong.

@@ -107,6 +107,7 @@ CAMPAIGNS = (
     Campaign("rub.bases", "what the basis of a casing costs", (*RUBS, "casingfem/modal")),
     Campaign("speed.start_up", "what starting costs, and what it loads", ("casingfem", "contact")),
     Campaign("speed.first_use", "first runs of every scene, with nothing compiled yet", ("contact",)),
+    Campaign("speed.waiting", "what a person waits for: each command, first and next", ("casingfem", "contact")),
     Campaign("mutants", "which of 120 small faults the tests see", ("casingfem", "contact", "tests"), DRAWN),
     Campaign("speed", "times of the main calls", ("casingfem", "contact")),
     Campaign("speed.sweeps", "times of sweeps", ("contact",)),
