@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.growth.envelope import envelope, slope_of
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, TIP
-from contact.model.gaps.rub import Rub, rub_of
+from contact.model.gaps.rub import Rub, Start, rub_of
 from contact.model.law import Law
 from contact.record.growth import RunGrowth
 from contact.record.record import Record, samples
@@ -23,6 +26,8 @@ from contact.scheme.protocol import Problem, Scheme, Stepper
 MARKS = 16  # of a run, from which a part of it can be repeated
 STATES = 400  # stored of what is repeated
 CHUNK = 5_000  # steps per compiled call
+SHORT = 0.5  # of its planned steps: a run that ended before is repeated from its start
+COPIES, CHANGED = 3, 1e-6  # runs of one step from changed starts, and the relative change of the motion
 LONG = 0.25  # of the run: a longer stretch is cut to it where FOLDS e-folds remain
 FOLDS = 1.5
 COARSE = 1.5  # omega h from which a mode's velocity is the difference over the step
@@ -42,9 +47,9 @@ def mark(stepper: RubStepper, taken: int) -> Mark:
     return Mark(taken=taken, q=readonly(stepper.state.q.copy()), d=readonly(stepper.state.d.copy()))
 
 
-def states(stepper: Stepper, first: int, count: int) -> tuple[Array, Array]:
-    """Instants and coordinates of about STATES states of `count` steps from step `first`."""
-    record = Record(every=(every := max(1, count // STATES)), state_every=every)
+def states(stepper: Stepper, first: int, count: int, share: float = 1.0) -> tuple[Array, Array]:
+    """Instants and coordinates of `count` steps from step `first`: about STATES states in a share of them."""
+    record = Record(every=(every := max(1, int(share * count) // STATES)), state_every=every)
     K, size = stepper.sums.closed.size, stepper.size
     parts, at, failed = [], first, -1
     while at < first + count and failed < 0:
@@ -60,42 +65,57 @@ def states(stepper: Stepper, first: int, count: int) -> tuple[Array, Array]:
 
 
 def with_half_step(
-    problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, marks: Sequence[Mark], growth: RunGrowth
-) -> RunGrowth:
-    """The growth of a run with that of its last stretch at half the step, begun at a mark of the run.
+    problem: Problem, law: Law, scheme: Scheme, dt: float, taken: int, marks: Sequence[Mark], growth: RunGrowth,
+    count: int,
+) -> RunGrowth:  # fmt: skip
+    """The growth of a run of `count` planned steps with that of its last stretch at half the step.
 
-    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that. Where
-    the growth differs the stretch is repeated at the same step too: its start differs from the run's by the round-off
-    of velocities read from a mark, after which an irregular motion takes another course.
+    The stretch is that of the fit, but no more than LONG of the run where the motion grows by e^FOLDS in that. A run
+    that ended early is repeated from its start, since the step may also change the motion that it comes to. Another
+    one is repeated from a mark before the stretch.
+
+    Where the growth differs the stretch is repeated at the same step too, up to COPIES times, after a change of the
+    motion by CHANGED of it: an irregular motion then takes another course.
     """
     end = taken * dt
     begin = max(growth.since, end - max(LONG * end, FOLDS / growth.rate))
     before = [one for one in marks if one.taken * dt <= begin]
-    at = before[-1] if before else None
+    at = before[-1] if before and taken > SHORT * count else None
+    again = partial(_again, law=law, scheme=scheme, taken=taken, begin=begin)
     share = 1.0 - (0 if at is None else at.taken) / taken
     try:
-        fine = _again(problem, law, scheme, dt, 2, at, taken, begin)
-        found = growth.checked(*fine, 2.0 * share)
-        if found.converged is not False or at is None:
+        found = growth.checked(*again(_starting_at(problem, at, dt), dt, 2), 2.0 * share)
+        if found.converged is not False or not before:
             return found
-        return replace(
-            found, same_step=_again(problem, law, scheme, dt, 1, at, taken, begin)[0], check_share=3.0 * share
-        )
+        for k in range(1, COPIES + 1):
+            start = _starting_at(problem, at, dt, moved=k * CHANGED * before[-1].q)
+            found = replace(found, same_step=again(start, dt, 1)[0], check_share=found.check_share + share)
+            if found.irregular:
+                break
+        return found
     except InputError:
         return growth
 
 
+class _Start(NamedTuple):
+    """A problem that begins after `first` steps of a run; its clock has passed `clock` of them."""
+
+    problem: Problem
+    first: int = 0
+    clock: int = 0
+
+
 def _again(
-    problem: Problem, law: Law, scheme: Scheme, dt: float, parts: int, at: Mark | None, taken: int, begin: float
-) -> tuple[float, float]:
+    start: _Start, dt: float, parts: int, *, law: Law, scheme: Scheme, taken: int, begin: float
+) -> tuple[float, float]:  # fmt: skip
     """Growth from `begin` [s] to the end of a run whose steps are divided into parts, and half its interval [1/s]."""
-    starting, clock = (problem, 0) if at is None else _starting_at(problem, at, dt)
-    first = 0 if at is None else at.taken
-    stepper = scheme.prepare(starting, law, dt=dt / parts, courant=None)
+    problem, first, clock = start
+    stepper = scheme.prepare(problem, law, dt=dt / parts, courant=None)
     if stepper.limits is not None:
         stepper.limits[RIM] = stepper.limits[TIP] = math.inf
     with np.errstate(all="ignore"):
-        time, state = states(stepper, parts * clock, parts * (taken - first))
+        share = (taken * dt - begin) / ((taken - first) * dt)
+        time, state = states(stepper, parts * clock, parts * (taken - first), share)
         return _growth(rub_of(problem), time + dt * (first - clock), state, begin, taken * dt)
 
 
@@ -112,28 +132,35 @@ def _growth(rub: Rub, time: Array, state: Array, begin: float, end: float) -> tu
     return rate, 0.5 * (high - low)
 
 
-def _starting_at(problem: Problem, at: Mark, dt: float) -> tuple[Problem, int]:
-    """The rub that starts in the motion of a mark, and the number of steps that its clock has passed."""
-    if isinstance(problem, RotatingRim):
-        return _rim_at(problem, at, dt), 0
+def _starting_at(problem: Problem, at: Mark | None, dt: float, moved: Array | None = None) -> _Start:
+    """The problem from a mark of its run, or from its start; `moved` (m,) is added to its modal coordinates."""
     rub: Rub = rub_of(problem)
     sizes = np.cumsum([body.omega.size for body in rub.bodies])[:-1]
-    velocity = _velocity(rub, at, dt)
+    if at is None:
+        q, v = (np.concatenate(part) for part in zip(*map(_motion, rub.starts, rub.bodies), strict=True))
+    else:
+        q, v = at.q, _velocity(rub, at, dt)
+    q = readonly(q if moved is None else q + moved)
+    first = 0 if at is None else at.taken
+    if isinstance(problem, RotatingRim):  # turns evenly: it begins at t = 0, at the angle that it has reached
+        m, turned = problem.casing.omega.size, math.remainder(problem.speed * first * dt, math.tau)
+        return _Start(replace(
+            problem, angle_deg=problem.angle_deg - math.degrees(turned), casing_displacement=q[:m],
+            blade_displacement=q[m:], casing_velocity=v[:m], blade_velocity=v[m:],
+        ), first)  # fmt: skip
     casing, *blades = (
-        replace(start, displacement=readonly(q), velocity=readonly(v))
-        for start, q, v in zip(rub.starts, np.split(at.q, sizes), np.split(velocity, sizes), strict=True)
+        replace(start, displacement=readonly(one), velocity=readonly(speed))
+        for start, one, speed in zip(rub.starts, np.split(q, sizes), np.split(v, sizes), strict=True)
     )
-    return replace(rub, casing_start=casing, blade_starts=tuple(blades)), at.taken
+    return _Start(replace(rub, casing_start=casing, blade_starts=tuple(blades)), first, first)
 
 
-def _rim_at(problem: RotatingRim, at: Mark, dt: float) -> RotatingRim:
-    """A rim that turns evenly begins at t = 0, at the angle that it has reached."""
-    m, velocity = problem.casing.omega.size, _velocity(rub_of(problem), at, dt)
-    return replace(
-        problem, angle_deg=problem.angle_deg - math.degrees(math.remainder(problem.speed * at.taken * dt, math.tau)),
-        casing_displacement=at.q[:m], blade_displacement=at.q[m:],
-        casing_velocity=velocity[:m], blade_velocity=velocity[m:],
-    )  # fmt: skip
+def _motion(start: Start, body: ModalBody) -> tuple[Array, Array]:
+    """Modal coordinates and velocities at t = 0."""
+    none = np.zeros(body.omega.size)
+    parts = (none if part is None else np.asarray(part) for part in (start.displacement, start.velocity))
+    q, v = parts
+    return q, v
 
 
 def _velocity(rub: Rub, at: Mark, dt: float) -> Array:

@@ -108,7 +108,8 @@ COLUMNS = (
     Column("check", "What half the step says of a growing run: converged, numerical, irregular, depends on the step.",
            lambda found: [row.at.check or None for row in found.rows], format=str, where="files"),
     Column("seconds", "Length of the run.", lambda found: _runs(found, "seconds"), where="files"),
-    Column("why", "Reason of a run that does not decide.", lambda found: _runs(found, "why"), where="files"),
+    Column("note", "Why the verdict differs from the growth of closed contact, or why there is none.",
+           lambda found: _runs(found, "note"), where="files"),
 )  # fmt: skip
 
 
@@ -146,13 +147,14 @@ class Interactions(Reported):
             words.append("Every speed is safe.")
         elif count["safe"]:
             words.append("Speeds that no row has are safe.")
-        open_ = [run for run in self.runs if run.why]
+        open_ = [run for run in self.runs if run.verdict == "not decided"]
         words += [f"The first run that does not decide, at {run.speed_hz:.4g} Hz: {run.why}." for run in open_[:1]]
         return " ".join(filter(None, [*words, pairs]))
 
     def __repr__(self) -> str:
         table = table_lines(COLUMNS, self.records(), width=WIDE) if self.rows else []
-        return "\n".join([*table, self.words])
+        notes = [f"{row.from_hz:.5g}-{row.to_hz:.5g} Hz: {row.at.note}" for row in self.rows if row.at.note]
+        return "\n".join([*table, *notes, self.words])
 
     def to_dict(self) -> dict[str, object]:
         """The document of `casingfem interactions --json`."""

@@ -350,7 +350,9 @@ def with_growth(
     if limit is not None and limit[0] == "wall":
         growth = replace(growth, time_to_half_wall=result.steps * result.dt)
     if growth.state == "grows" and ready.marked and marks is not None:
-        growth = with_half_step(ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth)
+        growth = with_half_step(
+            ready.problem, ready.law, ready.scheme, result.dt, result.steps, marks, growth, ready.count
+        )
     return replace(result, growth=growth)
 
 

@@ -20,18 +20,23 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
-from contact.record.growth import STANDS, Check, RunGrowth
+from contact.record.growth import STANDS, Check, Ending, RunGrowth
 from contact.record.record import STATES, Record, prime_stride
 from contact.run import Scene
 from contact.run_many import Outcome, run_many
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
+CLOSED = 0.99  # of the time: a contact that stays closed
 LONGER = 4.0  # times t_end, for runs that are too short to decide
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
 SHORT = "the run is too short for its growth: lengthen t_end"
-NUMERICAL = "the growth depends on the step: reduce dt"
+NUMERICAL = "the growth is numerical: reduce dt"
+OTHER_RATE = {
+    "irregular": "the motion is irregular: its growth differs from run to run",
+    "depends on the step": "it grows at half the step too, at another rate: reduce dt",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +47,9 @@ class SpeedRun:
     `amplitude_m` the largest deflection of the rim, `half_wall_s` the time at which it reaches half the wall; `n` None
     where nothing moves or blades have no nodal diameters. `seconds` is the length of the run, `why` the reason where it
     does not decide. `check` says what half the step gives: "converged", "numerical", "irregular", "depends on the
-    step", or "" of motions that do not grow.
+    step", or "" of motions that do not grow. `state` is the end state of the motion, `steady` by how much the largest
+    deflection of a window differs in the last stretch, relatively; `contact` the fraction of the time in which the
+    contact that touches most was closed.
     """
 
     speed_hz: float
@@ -59,6 +66,37 @@ class SpeedRun:
     seconds: float = 0.0
     why: str = ""
     check: Check = ""
+    state: Ending | None = None
+    steady: float = math.nan
+    contact: float = math.nan
+
+    @property
+    def note(self) -> str:
+        """Why the verdict differs from the growth of closed contact, or is none; empty where they agree.
+
+        >>> run = SpeedRun(speed_hz=20.0, verdict="safe", closed=3.0, growth=0.1, low=-0.2, high=0.4, amplitude_m=2e-5,
+        ...                half_wall_s=math.inf, n=4, wave="with", body="casing", state="bounded", steady=0.04,
+        ...                contact=0.3)
+        >>> run.note
+        'The contact opens (closed 30 % of the time). The motion is bounded at 0.02 mm, steady within 4 %.'
+        >>> replace(run, amplitude_m=0.0, contact=0.0).note
+        'Nothing touches.'
+        """
+        if self.why:
+            return f"{self.why[0].upper()}{self.why[1:]}."
+        if self.verdict not in ("safe", "resonance") or not (self.closed > 0.0 or self.growth > 0.0):
+            return ""
+        if not self.contact > 0.0:
+            return "Nothing touches."
+        opens = f"The contact opens (closed {100.0 * self.contact:.2g} % of the time)."
+        slow = (
+            f"The contact stays closed. Its growth, {self.closed:.2g} 1/s, is e^{self.closed * self.seconds:.2g} here."
+        )
+        closed = opens if self.contact < CLOSED else slow
+        size = f"{1e3 * self.amplitude_m:.2g} mm, steady within {100.0 * self.steady:.2g} %"
+        bounded = f"The motion is bounded at {size}."
+        ends = {"bounded": bounded, "decays": "The motion decays."}
+        return " ".join(filter(None, [closed if self.closed > 0.0 else "", ends.get(self.state or "", "")]))
 
 
 def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, ...]:
@@ -153,13 +191,15 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
     result = outcome.result if isinstance(outcome, NumericsError) else outcome
     if result is None:
         return replace(run, why=f"the numerics failed: {outcome}")
-    run = replace(run, seconds=result.steps * result.dt)
+    closed = float(np.max(result.contact_steps, initial=0)) / max(result.steps, 1)
+    run = replace(run, seconds=result.steps * result.dt, contact=closed)
     growth = result.growth
     if growth is not None:
         run = replace(
             run, growth=growth.rate, low=growth.low, high=growth.high, amplitude_m=growth.amplitude,
             half_wall_s=growth.time_to_half_wall, n=growth.nodal_diameters, body=growth.body,
             wave="" if growth.cause is None else _wave(growth.cause.travel), check=growth.check,
+            state=growth.state, steady=growth.steady,
         )  # fmt: skip
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
     if isinstance(outcome, NumericsError) and not passed:
@@ -178,10 +218,11 @@ def _wave(travel: float) -> str:
 
 def _of_growth(growth: RunGrowth | None, *, passed: bool) -> tuple[Verdict, str]:
     """Verdict of a run, and why it has none; `passed` whether the rim moved beyond half its wall."""
-    if growth is not None and growth.check in ("numerical", "depends on the step"):
+    check = "" if growth is None else growth.check
+    if check == "numerical":
         return "not decided", NUMERICAL
     if passed or (growth is not None and growth.state == "grows"):
-        return "unstable", ""
+        return "unstable", OTHER_RATE.get(check, "")
     if growth is None or growth.state == "undecided":
         return "not decided", SHORT
     return ("safe" if growth.state == "at rest" else "resonance"), ""

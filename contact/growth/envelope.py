@@ -13,6 +13,12 @@ the growth; its 95 % interval is t(0.975, k' - 2) sqrt(s^2/Sxx k/k'), with k' = 
 windows and r the first autocorrelation of what is left over (Bayley & Hammersley, J. R. Stat. Soc. Suppl. 8, 1946,
 184), plus (1 + 4 r)/k for its bias (Marriott & Pope, Biometrika 41, 1954, 390, have (1 + 3 r)/k without a slope), k' >=
 4. Of 400 draws of 32 windows the interval has the true growth in 95 %, in 83 % where r is 0.5.
+
+Modes whose frequencies are close beat over times that are longer than the piece, and a motion that settles bends its
+envelope. Both change the slope within the piece. With a parabola in place of the line, y = a + g x + c x^2 in a piece
+of length L, the slope at the end differs from g by b = c L. The larger of |b| and of the bend that scatter hides, twice
+the standard error of b, is added to the half interval w: sqrt(w^2 + b^2). Of 57 runs of a pair whose contact stays
+closed, 0.15 to 1.4 s long, with a pole of 3 to 4 1/s, w alone has the growth of the pole in 40 %, this in 81 %.
 """
 
 from __future__ import annotations
@@ -31,6 +37,7 @@ DENSE = 1.0  # omega times the step between states below which velocities are di
 LEAST = 6  # windows of a piece
 PIECE, NOISE = 6.0, 0.005  # what a piece more must lower, in log m; scatter of y that is none
 EMPTY = 1e-24  # of the largest energy: nothing has touched yet
+HIDDEN = 2.0  # standard errors of a bend that scatter hides
 AUTO, FREE = 0.7, 4.0  # autocorrelation at most; independent windows at least
 
 
@@ -43,11 +50,15 @@ class Envelope(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Growth [1/s] of the last piece with its interval, and the number of the window where the piece begins."""
+    """Growth [1/s] of the last piece with its interval, and the number of the window where the piece begins.
+
+    `scatter` is the half interval without the bend of the piece.
+    """
 
     rate: float
     low: float
     high: float
+    scatter: float
     first: int
 
 
@@ -136,7 +147,10 @@ def growth_of(time: Array, energy: Array) -> Fit | None:
     if t.size < LEAST:
         return None
     first = _even(t, y, _last_piece(t, y))
-    return Fit(*slope_of(t[first:], y[first:]), begin + first)
+    rate, low, high = slope_of(t[first:], y[first:])
+    scatter = 0.5 * (high - low)
+    wide = math.hypot(scatter, bend_of(t[first:], y[first:]))
+    return Fit(rate, rate - wide, rate + wide, scatter, begin + first)
 
 
 def _last_piece(t: Array, y: Array) -> int:
@@ -175,6 +189,22 @@ def _residuals(t: Array, y: Array) -> Array:
         sxx, sxy = stt - st * st / n, sty - st * sy / n
         left = syy - sy * sy / n - sxy * sxy / sxx
     return np.where(n >= LEAST, np.maximum(left, 0.0), math.inf)
+
+
+def bend_of(t: Array, y: Array) -> float:
+    """By how much the slope at the end may differ from the mean slope: that of a parabola, or what scatter hides.
+
+    >>> t = np.linspace(0.0, 1.0, 20)
+    >>> round(bend_of(t, t + 0.2 * t**2), 3)
+    0.2
+    """
+    x = (t - t.mean()) / float(np.ptp(t))
+    parabola = np.stack([np.ones_like(x), x, x**2], axis=1)
+    own = np.linalg.inv(parabola.T @ parabola)
+    fitted = own @ (parabola.T @ y)
+    left = y - parabola @ fitted
+    square = (float(left @ left) / (t.size - 3) + NOISE**2) * float(own[2, 2])
+    return max(abs(float(fitted[2])), HIDDEN * math.sqrt(square)) / float(np.ptp(t))
 
 
 def slope_of(t: Array, y: Array) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ from contact.model.gaps.rub import ContactPoint, Rub
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 
-SLIGHT = 0.3  # e-folds over the last stretch that are none
+SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that the whole interval must have
 VAGUE = 1.0  # e-folds over the last stretch by which an interval that tells nothing is wide
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
@@ -173,11 +173,11 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 def _state(fit: Fit, span: float) -> Ending:
     """What the last stretch of `span` seconds does."""
-    if fit.low > 0.0 and fit.rate * span > SLIGHT:
+    if fit.rate * span > SLIGHT and fit.low * span > SURE:
         return "grows"
-    if fit.high < 0.0 and -fit.rate * span > SLIGHT:
+    if -fit.rate * span > SLIGHT and -fit.high * span > SURE:
         return "decays"
-    return "bounded" if 0.5 * (fit.high - fit.low) * span < VAGUE else "undecided"
+    return "bounded" if fit.scatter * span < VAGUE else "undecided"
 
 
 def _stopped(result: Ran) -> float:

@@ -58,8 +58,8 @@ class RunGrowth:
     """Growth of the motion of a run.
 
     `rate` [1/s] of the amplitude, as the real part of a pole; that of the energy is twice as much. `low` and `high`:
-    its interval of 95 %, from the scatter and the autocorrelation of the windows that it was fitted to. `state`:
-    "grows", "bounded", "decays", "at rest", or "undecided" where the interval does not tell. `amplitude` [m] is the
+    its interval of 95 %, from scatter, autocorrelation and bend of the windows that it was fitted to. `state`: "grows",
+    "bounded", "decays", "at rest", or "undecided" where the interval does not tell. `amplitude` [m] is the
     rim's largest deflection in the last stretch, `steady` by how much that of its windows differs from it, relatively;
     `since` [s] where that stretch begins. `time_to_half_wall` [s] from the start of the run, infinite where the motion
     does not grow or the wall is not known. `half_step` is the growth [1/s] of the last stretch at half the step,

@@ -65,6 +65,7 @@ def test_where_nothing_touches_every_speed_is_safe():
     assert row.at.closed > 3.0
     assert all(run.verdict == "safe" and run.amplitude_m == 0.0 for run in found.runs)
     assert "Every speed is safe." in found.words
+    assert repr(found).splitlines()[2] == "52.677-53.01 Hz: Nothing touches."
 
 
 def test_a_bounded_motion_beyond_half_the_wall_is_not_safe():
@@ -145,6 +146,17 @@ def test_runs_that_grow_without_a_peak_of_closed_contact_have_a_row():
     ]  # fmt: skip
     assert rows[0].at.growth == 5.0
     assert rows[0].peak is None
+
+
+def test_a_motion_that_opens_the_contact_and_is_bounded_says_so_below_the_table():
+    """Two tenths of a micrometre of overlap: the pole grows until the contact opens."""
+    found = ct.interactions(pair_scene(clearance=-2e-7, t_end=4.0, casing_velocity=[1e-3, 0.0]), SPEEDS, runs=2)
+    (row,) = found.rows
+    assert row.at.closed > 3.0
+    assert row.at.state == "bounded"
+    assert row.at.note.startswith("The contact opens (closed ")
+    assert f"bounded at {1e3 * row.at.amplitude_m:.2g} mm" in repr(found)
+    assert found.to_dict()["interactions"][0]["note"] == row.at.note
 
 
 def test_a_scene_that_is_refused_at_a_speed_is_not_decided_there():
