@@ -25,8 +25,8 @@ FORMAT = "casingfem-modal-basis-1"
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 ARRAYS = (
     "omega", "zeta", "rows", "S", "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines",
-    "line_thickness", "output_rows", "output_S", "gyroscopic", "stiffness_by_speed", "damping", "stiffness",
-    "participation", "out_of_roundness",
+    "line_thickness", "output_rows", "output_S", "gyroscopic", "stiffness_by_speed", "gyroscopic_higher",
+    "stiffness_higher", "damping", "stiffness", "participation", "out_of_roundness",
 )  # fmt: skip
 
 
@@ -64,7 +64,8 @@ class ModalBasis(Reported):
         [rad/s] at which the modes were computed. Omega is positive from x to y about the axis of a casing, and in the
         direction of the study's rotation of any other part.
     damping, stiffness
-        Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes); empty for a reduced structure.
+        Damping [1/s] and stiffness [1/s^2] that couple the modes, (modes, modes). A reduced structure has no `damping`,
+        and `stiffness` only with modes at a speed: what Coriolis forces of that speed do through motions left out.
     participation
         Modal force per acceleration of the whole body, Phi^T M e [sqrt(kg)], along x, y and the axis of a casing, along
         span, flap and chord of a blade, (3, modes); empty where it is not known.
@@ -97,6 +98,8 @@ class ModalBasis(Reported):
     output_S: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     gyroscopic: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     stiffness_by_speed: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    gyroscopic_higher: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    stiffness_higher: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
     damping: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     stiffness: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     participation: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))

@@ -9,7 +9,7 @@ the matrices of rotation between its modes (`turning.py`).
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -31,6 +31,7 @@ from casingfem.modal.interface.view import load_columns, view
 from casingfem.modal.mesh_modes import thick
 from casingfem.modal.modes import modes as lowest_modes
 from casingfem.modal.turning import modal_turning
+from casingfem.modal.turning_series import Kept
 from casingfem.structure.geometry.rotation import rigid_motions
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem, require_structure
 from casingfem.structure.shell.assembly import assemble
@@ -40,6 +41,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 
 METHODS = ("free", "craig-bampton")
+Solve = Callable[[FloatArray], FloatArray]
 
 
 def reduce(
@@ -107,10 +109,12 @@ def reduce(
         raise ModelError("interface-held", f"interface: {where} is held, nothing can be pushed there")
     turning = modal_turning(structure, system, interface, seen.axes, seen.radius)
     loads = P if turning is None else np.hstack([P, turning.load])
+    solve: Solve | None = None
     if method == "free":
-        shapes = static_shapes(system, loads)
-        attachment = shapes[:, : P.shape[1]]
         vectors, omega = free_vectors(system, modes)
+        solve = static_solver(system)
+        shapes = solve(loads)
+        attachment = shapes[:, : P.shape[1]]
     else:
         factor = factorise(stiffness(system))
         shapes = factor.solve(loads)
@@ -134,7 +138,8 @@ def reduce(
         restricted = load_columns(system, wanted).T
         stored |= {"output_rows": restricted @ vectors, "output_S": restricted @ left}
     if turning is not None:
-        stored |= turning.arrays(shapes[:, P.shape[1] :], vectors)
+        kept = Kept(vectors, omega, stiffness(system), system.M, solve)
+        stored |= turning.arrays(shapes[:, P.shape[1] :], kept)
     return ModalBasis(
         omega=omega,
         zeta=np.full(len(omega), zeta),
@@ -168,15 +173,17 @@ def stiffness(system: System | MeshSystem) -> Symmetric:
     return system.stiffness if isinstance(system, System) else system.K
 
 
-def static_shapes(system: System | MeshSystem, P: FloatArray) -> FloatArray:
-    """K^-1 P (free, channels); of thick solids whose factor does not fit into memory by multigrid."""
+def static_solver(system: System | MeshSystem) -> Solve:
+    """Loads (free, k) -> K^-1 loads; of thick solids whose factor does not fit into memory by multigrid."""
     try:
-        return np.asarray(factorise(stiffness(system)).solve(P))
+        factor = factorise(stiffness(system))
     except MemoryNeedError:
         if isinstance(system, System) or not thick(system):
             raise
         refuse_rigid(system.rigid)
-        return static_by_cycles(system.K, rigid_motions(system.points)[system.free], P)
+        K, motions = system.K, rigid_motions(system.points)[system.free]
+        return lambda loads: static_by_cycles(K, motions, loads)
+    return lambda loads: np.asarray(factor.solve(loads))
 
 
 def free_vectors(system: System | MeshSystem, count: int) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,10 @@
 """The matrices of rotation between the modes of a reduced structure.
 
-    q'' + 2 zeta omega q' + Omega Phi^T G Phi q' + [omega^2 + (Omega^2 - spin^2) Phi^T K1 Phi] q = rows^T lam
+    q'' + [2 zeta omega + Omega G(x)] q' + [omega^2 + x E(x)] q = rows^T lam,   x = Omega^2 - spin^2
 
-in the frame of the body, which turns at Omega. G and K1 are those of the whole structure (`structure/shell/prestress`,
-`structure/imported/spin`); the term Omega^4 K2 of the stiffness is left out, except in modes computed at speed.
+in the frame of the body, which turns at Omega. G and E are polynomials of degree 2 (`turning_series`), of matrices of
+the whole structure (`structure/shell/prestress`, `structure/imported/spin`); those of fixed-interface modes are their
+projections, of degree 0.
 
 A positive Omega turns a rim about its axis, from cos 1 to sin 1, and a tip from span to flap, which is how contact has
 them: span along the radius, flap along growing angles. For nodes it is the direction of the study's rotation.
@@ -18,6 +19,7 @@ from casingfem.errors import ModelError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.factor import balanced, solve_held
 from casingfem.modal.interface.kinds import Interface, Rim, Tip, TipNodes
+from casingfem.modal.turning_series import Kept, series, small_model
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.spin import MeshTurning
@@ -57,8 +59,8 @@ class ModalTurning:
         load = self.part.load[:, None]
         return load if self.spin == 0.0 else load[:, :0]
 
-    def arrays(self, static: FloatArray, vectors: FloatArray) -> dict[str, Any]:
-        """Fields of the basis, of the static answer to `load` and modes (free, modes).
+    def arrays(self, static: FloatArray, modes: Kept) -> dict[str, Any]:
+        """Fields of the basis, of the static answer (free, 1) to `load`, or of none at speed, and the modes kept.
 
         Raises
         ------
@@ -68,9 +70,14 @@ class ModalTurning:
         system, load = self.part.system, self.part.load
         K = system.stiffness if isinstance(system, System) else system.K
         u = balanced(K, static[:, 0], load) if static.shape[1] else solve_held(K, load)
-        G, added = self.part.modal(u, vectors)
-        skew, even = 0.5 * self.sense * (G - G.T), 0.5 * (added + added.T)
-        return {"gyroscopic": skew, "stiffness_by_speed": even, "spin": self.spin}
+        times = self.part.products(u)
+        if modes.solve is None:
+            G, added, _ = (modes.vectors.T @ part for part in times(modes.vectors))
+            found = {"gyroscopic": 0.5 * (G - G.T), "stiffness_by_speed": 0.5 * (added + added.T)}
+        else:
+            found = series(small_model(modes, times, self.spin))
+        turned = {name: self.sense * part if name.startswith("gyroscopic") else part for name, part in found.items()}
+        return {**turned, "spin": self.spin}
 
 
 def modal_turning(

@@ -20,7 +20,7 @@ from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
 from contact.growth.waves import COUPLED, joined_groups
 from contact.io.progress import each
-from contact.model.bodies.modal_body import SQUARES, ModalBody
+from contact.model.bodies.modal_body import HIGHER, SQUARES, ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.modal_system import ModalSystem, rim_system
 from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
@@ -78,6 +78,9 @@ def perfect_mean(casing: ModalBody) -> ModalBody:
         name: _mean_square(shapes @ given @ shapes.T, orders)
         for name in SQUARES if (given := getattr(casing, name)) is not None
     }  # fmt: skip
+    for name in HIGHER:
+        if (given := getattr(casing, name)) is not None:
+            squares[name] = np.array([_mean_square(shapes @ part @ shapes.T, orders) for part in given])
     return replace(
         casing, omega=np.array([mode.omega for mode in kept]), zeta=np.array([mode.zeta for mode in kept]),
         rows=np.array([mode.row for mode in kept]).reshape(len(kept), -1).T, S=_mean_compliance(np.asarray(S), size, N),

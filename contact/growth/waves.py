@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices
 from contact.base.remembered import remembered
-from contact.model.gaps.permanent import ClosedContact, equal_modes
+from contact.model.gaps.permanent import ClosedContact, equal_modes, powers
 
 Complex = NDArray[np.complex128]
 COUPLED = 1e-12  # of the largest entry of C or K: a smaller one couples no waves
@@ -56,14 +56,14 @@ class FreePoles(NamedTuple):
 class Waves:
     """Modes as waves e^(i k theta): shapes U (m, m), orders k (m,), and groups of waves that C or K couple.
 
-    `parts` are `ClosedContact.parts` between waves, (m, m) each.
+    `parts` are `ClosedContact.parts` between waves, (powers, m, m) each.
     """
 
     contact: ClosedContact
     U: Complex
     order: Array
     groups: tuple[Indices, ...]
-    parts: tuple[Complex, ...]
+    parts: tuple[Complex, Complex]
 
     def order_of(self, pole: int) -> float:
         """Order k of a column of `poles`."""
@@ -79,16 +79,14 @@ class Waves:
         seen, pushed = np.empty((speed.size, r, 2 * m), dtype=complex), np.empty((speed.size, 2 * m, r), dtype=complex)
         order, sign, casing = np.empty(2 * m), np.empty(2 * m), np.empty(2 * m, dtype=bool)
         rows, pushes = contact.Q @ self.U, self.U.conj().T @ contact.pushes(sense).T
-        C, c_by_speed, K, k_by_speed = self.parts
+        C, K = self.parts
+        odd, even = powers(speed, len(C), len(K))
         for size in sorted({group.size for group in self.groups}):
             same = [i for i, group in enumerate(self.groups) if group.size == size]
             at = np.array([self.groups[i] for i in same])  # (groups, size)
             block = at[:, :, None], at[:, None, :]
-            w = speed[:, None, None, None]
-            found = _blocks(
-                C[block] + w * c_by_speed[block], K[block] + w**2 * k_by_speed[block], self.order[at[:, 0]], speed,
-                contact.rates[at],
-            )  # fmt: skip
+            damping, stiffness = (np.tensordot(by, part[:, *block], 1) for by, part in ((odd, C), (even, K)))
+            found = _blocks(damping, stiffness, self.order[at[:, 0]], speed, contact.rates[at])
             if found is None:
                 return None
             values, vectors, left = found
@@ -113,12 +111,12 @@ def waves_of(contact: ClosedContact) -> Waves:
         order[group], U[block] = np.linalg.eigh(-1j * contact.G[block])
     order = np.round(order)
     joined = np.zeros((m, m), dtype=bool)
-    parts: tuple[Complex, ...] = tuple(U.conj().T @ part.astype(complex) @ U for part in contact.parts())
-    for part in parts:
+    C, K = (U.conj().T @ part.astype(complex) @ U for part in contact.parts())
+    for part in (*C, *K):
         size = np.abs(part)
         joined |= size > COUPLED * float(size.max(initial=0.0))
     joined &= order[:, None] == order
-    return Waves(contact, U, order, joined_groups(joined), parts)
+    return Waves(contact, U, order, joined_groups(joined), (C, K))
 
 
 def joined_groups(joined: NDArray[np.bool_]) -> tuple[Indices, ...]:

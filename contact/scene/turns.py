@@ -24,11 +24,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
     """Warn where `turning` is left out and matters, and of bodies that turn fast or without their matrices."""
     if not rub.speed.hz.any():
         return
-    turning = [
-        name
-        for name, body in zip(rub.names, rub.bodies, strict=True)
-        if body.gyroscopic is not None or body.stiffness_by_speed is not None
-    ]
+    turning = [name for name, body in zip(rub.names, rub.bodies, strict=True) if body.varies]
     if given is None and (turning or rub.forces):
         what = f"Coriolis forces and stiffening of {' and '.join(turning)}" if turning else "gravity or whirl"
         words = f"speed.turning: left out in a scene with {what}, taken as 'blades': the casing is at rest"

@@ -114,8 +114,8 @@ class Turned:
 
     def __init__(self, shell: Shell, n_max: int) -> None:
         system = assemble(resolving(shell, n_max))
-        self.system, self.part = system, turning(system, Rotation(omega=0.0))
-        self.at_rest = solve_held(system.stiffness, self.part.load)
+        part = turning(system, Rotation(omega=0.0))
+        self.system, self.times = system, part.products(solve_held(system.stiffness, part.load))
 
     def matrices(self, meridian: Meridian, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Gyroscopic matrix and stiffness by speed of the cosines and then the sines of one n, (modes, modes) each."""
@@ -128,7 +128,7 @@ class Turned:
         if not fields:
             return np.zeros((0, 0)), np.zeros((0, 0))
         free = self.system.collect(np.stack(fields, axis=-1), np.zeros((0, len(fields))))
-        G, added = self.part.modal(self.at_rest, free)
+        G, added, _ = (free.T @ part for part in self.times(free))
         return 0.5 * (G - G.T), 0.5 * (added + added.T)
 
 

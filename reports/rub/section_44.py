@@ -119,7 +119,7 @@ def measured(body: ct.ModalBody, scene: ct.Scene, result: ct.Result) -> Row:
     levels = rim_levels(body, result)
     rim, mu = rim_of(scene), scene.law.mu if isinstance(scene.law, ct.Coulomb) else 0.0
     pole = float(growth(ct.gaps.rim_contact(rim, mu=mu), np.array([rim.speed_hz]))[0])
-    still = replace(rim, casing=replace(rim.casing, gyroscopic=None, stiffness_by_speed=None))
+    still = replace(rim, casing=rim.casing.without_rotation())
     at_rest = float(growth(ct.gaps.rim_contact(still, mu=mu), np.array([rim.speed_hz]))[0])
     loss = float(rim.blade.zeta[0] * rim.blade.omega[0])
     return {

@@ -1,4 +1,4 @@
-"""Rotating parts against independent solutions: beams, a ring's travelling waves, a rigid drum's precession.
+"""Rotating parts against independent solutions: beams, waves of a ring, a rigid drum, reduced bodies.
 
 `python -m reports.verification.rotation [--quick] [--out DIR]` prints the rows that reports.verification includes and a
 Campbell table of a blade. Beams: the published flap factors (A.D. Wright, C.E. Smith, R.W. Thresher, J.L.C. Wang,
@@ -14,13 +14,16 @@ from numpy.polynomial import Polynomial, legendre
 
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.campbell import Campbell, campbell
+from casingfem.modal.interface.kinds import Rim
+from casingfem.modal.reduction import reduce
 from casingfem.modal.whirl import WhirlModes, whirl_modes
 from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.geometry.chart import Cylinder, Plate
+from casingfem.structure.geometry.chart import Cylinder, Frustum, Plate
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
+from contact.model.bodies.modal_body import ModalBody
 from reports.tables import Row, check, command_line, show, write
 
 STRIP = ShellMesh(order=8, rows=4, around=1)
@@ -150,9 +153,31 @@ def precession_rows() -> list[Row]:
     return rows
 
 
+def reduced_rows(quick: bool) -> list[Row]:
+    """Whirl of bodies reduced at rest against that of their full models on the same mesh: the worst of the lowest."""
+    frustum = Shell(
+        chart=Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=3e-3, material=STEEL,
+        supports={"base": Clamped()}, mesh=ShellMesh(order=6, rows=2, around=15) if quick else ShellMesh(),
+    )  # fmt: skip
+    ring = replace(drum(0.5, 0.004, 0.002, 0.0, 86400.0), rotation=None)
+    cases = [("frustum", frustum, 16, (1200.0,) if quick else (300.0, 1200.0, 2700.0)), ("ring", ring, 6, (400.0,))]
+    found = []
+    for name, casing, count, speeds in cases:
+        body = ModalBody.of(reduce(casing, Rim("top", n_max=4), modes=20))
+        for rpm in speeds:
+            omega = 2.0 * np.pi * rpm / 60.0
+            exact = whirl_modes(replace(casing, rotation=Rotation(omega=omega)), count).freq
+            poles = body.poles(omega).imag
+            computed = poles[poles > 0.0][:count] / (2.0 * np.pi)
+            k = int(np.abs(computed / exact - 1.0).argmax())
+            case = f"A8 reduced {name}, whirl at {rpm:g} rpm, worst of {count}: mode {k + 1}"
+            found.append(check(case, "whirl_modes of the full model", exact[k], computed[k], 1e-4))
+    return found
+
+
 def rows(quick: bool) -> list[Row]:
-    """A8: beams, ring and drum."""
-    return beam_rows(quick) + ring_rows() + precession_rows()
+    """A8: beams, ring and drum, and reduced bodies."""
+    return beam_rows(quick) + ring_rows() + precession_rows() + reduced_rows(quick)
 
 
 def blade(hub_radius: float = 0.3) -> Shell:

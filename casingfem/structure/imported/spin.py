@@ -27,7 +27,7 @@ from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import AttachedSpin, attached_spin, carried
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, scatter_forces, symmetric
 from casingfem.structure.imported.mesh.joints import WALL
-from casingfem.structure.shell.prestress import Spin
+from casingfem.structure.shell.prestress import Products, Spin
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
 
@@ -138,18 +138,15 @@ class MeshTurning:
         first, second, gyroscopic = (reduced(system, csc_array(part)) for part in parts)
         return MeshSpin(K1=symmetric(first), K2=symmetric(second), G=gyroscopic, fields=fields, nonlinear=added.ratio)
 
-    def modal(self, u: FloatArray, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """G and K1 between the columns of `vectors` (free, m), (m, m) each, of the static answer u to the load."""
-        if self.system.connected is not None or self.system.walls is not None:
-            whole = self.spin(u)
-            return np.asarray(vectors.T @ (whole.G @ vectors)), np.asarray(vectors.T @ (whole.K1 @ vectors))
-        stiff = self.stiffening(self.system.expand(u[:, None])[:, :, 0]).first
-        fields = self.system.expand(vectors).reshape(-1, vectors.shape[1])[self.rows]
-        G, more = (
-            np.tensordot(fields, cells @ fields, axes=((0, 1), (0, 1)))
-            for cells in (self.inertia.gyroscopic, stiff - self.inertia.softening)
-        )
-        return np.asarray(G), np.asarray(more)
+    def products(self, u: FloatArray) -> Products:
+        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load."""
+        whole = self.spin(u)
+
+        def times(vectors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            coriolis, stiffening, further = (np.asarray(part @ vectors) for part in (whole.G, whole.K1, whole.K2))
+            return coriolis, stiffening, further
+
+        return times
 
 
 def mesh_spin(turning: MeshTurning) -> MeshSpin:

@@ -59,6 +59,18 @@ def point_jets(grid: Grid, fields: Array) -> Array:
     return np.asarray(jets.reshape(elements, points, JET, fields.shape[2]))
 
 
+def nodal_forces(grid: Grid, jets: Array) -> Array:
+    """Forces (nodes, 5, k) that do the work of `jets` (elements, points, 15, k): the transpose of `point_jets`."""
+    elements, functions, points = len(grid.elements), grid.table.shape[1], grid.table.shape[2]
+    slots = jets.reshape(elements, points, 3, -1).copy()
+    slots[:, :, 1:] /= grid.size.T[:, None, :, None]
+    local = sum(np.matmul(table, slots[:, :, slot]) for slot, table in enumerate(grid.table))
+    count = elements * functions
+    ones = np.ones(count), grid.elements.ravel(), np.arange(count + 1)  # one in each column: nothing to sort
+    sums = csc_array(ones, (grid.nodes.shape[1], count)) @ np.asarray(local).reshape(count, -1)
+    return np.asarray(sums.reshape(grid.nodes.shape[1], DOFS, jets.shape[3]))
+
+
 def jet_elements(grid: Grid, H: Array) -> FloatArray:
     """Element matrices (elements, 5 functions, 5 functions) of a form on the jets (elements, points, 15, 15)."""
     n, elements = grid.mesh.order + 1, len(grid.elements)

@@ -22,6 +22,7 @@ strains leave them out. Of Omega^4 the stress that follows u0 to second order is
 Dynamics of Rotating Systems, 2005.)
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -32,7 +33,7 @@ from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.geometry.rotation import Rotation
-from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, point_jets, scatter_blocks
+from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, nodal_forces, point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
 from casingfem.structure.shell.nodal_mass import NodalMass
@@ -40,6 +41,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
 from casingfem.structure.shell.wall import constitutive, curvature
 
+Products = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]  # motions -> G, K1 and K2 times them
 LINEAR = 0.3  # quadratic strains of the steady state above this part of the linear ones call for a warning
 
 
@@ -124,15 +126,21 @@ class Turning:
         soft, G = (scatter_blocks(blocks, system.frames, system.free) for blocks in self.blocks)
         return Spin(K1=csc_array(first - soft), K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
 
-    def modal(self, u: FloatArray, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """G and K1 between the columns of `vectors` (free, m), (m, m) each, of the static answer u to the load."""
-        system = self.system
-        (first, _), _ = point_stiffness(system.shell, system.grid, system.expand(u[:, None]))
-        fields = system.expand(vectors)
-        jets = point_jets(system.grid, fields)
-        stiff = np.tensordot(jets, first @ jets, axes=((0, 1, 2), (0, 1, 2)))
-        soft, G = (np.tensordot(fields, blocks @ fields, axes=((0, 1), (0, 1))) for blocks in self.blocks)
-        return np.asarray(G), np.asarray(stiff - soft)
+    def products(self, u: FloatArray) -> Products:
+        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load; nothing is added up."""
+        system, (soft, G) = self.system, self.blocks
+        (first, second), _ = point_stiffness(system.shell, system.grid, system.expand(u[:, None]))
+
+        def times(vectors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+            fields = system.expand(vectors)
+            jets = point_jets(system.grid, fields)
+            stiff, more = (nodal_forces(system.grid, form @ jets) for form in (first, second))
+            coriolis, stiffening, further = (
+                np.asarray(system.restrict(part)) for part in (G @ fields, stiff - soft @ fields, more)
+            )
+            return coriolis, stiffening, further
+
+        return times
 
 
 def spun(turning: Turning) -> Spin:

@@ -186,7 +186,7 @@ def _plant(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
 
 def _unchecked(body: DrivenBody, freq_hz: float, scale: Array) -> Plant:
     modes, d = body.patch.body, body.patch.dimensions
-    C, K = replace(modes, gyroscopic=None, stiffness_by_speed=None).matrices()  # a patch does not turn
+    C, K = modes.without_rotation().matrices()  # a patch does not turn
     K += np.diag(np.where(modes.omega > 0.0, 0.0, RIGID * 2.0 * math.pi * freq_hz) ** 2)
     rows, pushes, S = body.patch.rows(), body.pushes(), body.compliance()
     N, W = rows[::d], pushes.T @ rows

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,21 +29,18 @@ class BodyMatrices:
         >>> BodyMatrices.of_one(pair).at(0.0)[1].tolist()
         [[9.0]]
         """
-        return BodyMatrices(bodies=(replace(body, gyroscopic=None, stiffness_by_speed=None),), senses=(0,))
+        return BodyMatrices(bodies=(body.without_rotation(),), senses=(0,))
 
     @property
     def vary(self) -> bool:
         """Whether some matrix depends on the speed."""
-        turning = zip(self.bodies, self.senses, strict=True)
-        return any(s != 0 and (b.gyroscopic is not None or b.stiffness_by_speed is not None) for b, s in turning)
+        return any(sense != 0 and body.varies for body, sense in zip(self.bodies, self.senses, strict=True))
 
     @property
     def coupled(self) -> bool:
         """Whether some body has more than its modes' own frequencies and damping."""
         return self.vary or any(
-            body.damping is not None
-            or body.stiffness is not None
-            or (body.spin != 0.0 and body.stiffness_by_speed is not None)
+            body.damping is not None or body.stiffness is not None or (body.spin != 0.0 and body.varies)
             for body in self.bodies
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,9 +23,11 @@ FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
 OPTIONAL = (
     "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
-    "gyroscopic", "stiffness_by_speed", "damping", "stiffness", "participation", "out_of_roundness",
+    "gyroscopic", "stiffness_by_speed", "gyroscopic_higher", "stiffness_higher", "damping", "stiffness",
+    "participation", "out_of_roundness",
 )  # fmt: skip
 SQUARES = ("gyroscopic", "stiffness_by_speed", "damping", "stiffness")  # (m, m), of the modes
+HIGHER = ("gyroscopic_higher", "stiffness_higher")  # (k, m, m)
 LEAST_OMEGA = 1e-50  # rad/s: the square of less has few digits or none
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
 SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that is round-off
@@ -43,7 +46,8 @@ class ModalBody:
 
     q'' + C q' + K q = rows^T lam,  u = rows q + S lam  (lam: forces on the channels), in the body's own frame, with
     C = diag(2 zeta omega) + damping + Omega gyroscopic and
-    K = diag(omega^2) + stiffness + (Omega^2 - spin^2) stiffness_by_speed, of a body that turns at Omega [rad/s].
+    K = diag(omega^2) + stiffness + (Omega^2 - spin^2) stiffness_by_speed, of a body that turns at Omega [rad/s]; with
+    x = Omega^2 - spin^2 also C + Omega x^j gyroscopic_higher[j - 1] and K + x^(j + 1) stiffness_higher[j - 1].
 
     `omega` [rad/s], `zeta` (m,); `rows` (K, m) [1/sqrt(kg)]; `S` (K, K) [m/N], symmetric: static compliance
     of everything not kept. `kind` "point" (any named channels) or "rim": channels radial.cos0 .. radial.sinN,
@@ -57,7 +61,9 @@ class ModalBody:
     Omega > 0 about the axis of a rim from x to y. `stiffness_by_speed` (m, m) [1/s^2 per (rad/s)^2]: stiffening by
     centrifugal stress minus spin softening; `spin` [rad/s] is the speed at which the modes were computed. `damping`
     (m, m) [1/s] and `stiffness` (m, m) [1/s^2]: what couples the modes beside their own damping and stiffness, such as
-    cross-coupled bearings; they may be nonsymmetric. `matrices` gives C and K at a speed.
+    cross-coupled bearings; they may be nonsymmetric. `gyroscopic_higher` and `stiffness_higher` (k, m, m): what modes
+    that are left out do to those kept at higher powers of the speed; the former are skew, too. `matrices` gives C and K
+    at a speed.
     `participation` (3, m) [sqrt(kg)]: modal force per acceleration of the whole body, Phi^T M e, along x, y and the
     axis of a rim, along span, flap and chord of a blade.
     `sectors` of a wheel, else 0: so many evenly around, with channels sector0.span, ..., sector1.span, ...
@@ -93,6 +99,8 @@ class ModalBody:
     output_S: Array | None = None
     gyroscopic: Array | None = None
     stiffness_by_speed: Array | None = None
+    gyroscopic_higher: Array | None = None
+    stiffness_higher: Array | None = None
     damping: Array | None = None
     stiffness: Array | None = None
     participation: Array | None = None
@@ -126,12 +134,17 @@ class ModalBody:
         ):
             if getattr(self, name) is not None:
                 require_shape(name, getattr(self, name), shape)
+        for name in HIGHER:
+            if (parts := getattr(self, name)) is not None:
+                require_shape(name, parts, (len(parts), m, m))
         heads = {name.partition(".")[0] for name in self.channels}
         if self.sectors and heads != {f"sector{j}" for j in range(self.sectors)}:
             raise InputError(f"sectors: found {self.sectors} beside channels of {len(heads)}, expected sector0.*, ...")
         _require_modes(self.omega, self.zeta)
         if self.gyroscopic is not None:
-            _require_skew(self.gyroscopic)
+            _require_skew("gyroscopic", self.gyroscopic)
+        for k, part in enumerate(() if self.gyroscopic_higher is None else self.gyroscopic_higher):
+            _require_skew(f"gyroscopic_higher[{k}]", part)
         if fault := compliance_fault(self.S):
             raise InputError(f"S: found {fault}")
         self._require_kind()
@@ -216,9 +229,41 @@ class ModalBody:
             C += omega_rotation * self.gyroscopic
         if self.stiffness is not None:
             K += self.stiffness
+        x = omega_rotation**2 - self.spin**2
         if self.stiffness_by_speed is not None:
-            K += (omega_rotation**2 - self.spin**2) * self.stiffness_by_speed
+            K += x * self.stiffness_by_speed
+        if self.gyroscopic_higher is not None:
+            C += omega_rotation * _powers(x, self.gyroscopic_higher)
+        if self.stiffness_higher is not None:
+            K += x * _powers(x, self.stiffness_higher)
         return C, K
+
+    @property
+    def varies(self) -> bool:
+        """Whether C or K depends on the speed."""
+        return any(getattr(self, name) is not None for name in ("gyroscopic", "stiffness_by_speed", *HIGHER))
+
+    def without_rotation(self) -> ModalBody:
+        """The body with the stiffness of its modes at every speed, and without Coriolis forces."""
+        return replace(
+            self, gyroscopic=None, stiffness_by_speed=None, gyroscopic_higher=None, stiffness_higher=None
+        )  # fmt: skip
+
+    def powers_of_speed(self) -> tuple[Array, Array]:
+        """Coefficients of Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, beside those of the modes.
+
+        Shapes (k, m, m) and (k + 1, m, m); `damping`, `stiffness` and the modes' own share are left out.
+        """
+        parts: list[Array] = []
+        for name, higher, shift in (("gyroscopic", HIGHER[0], 0), ("stiffness_by_speed", HIGHER[1], 1)):
+            first, rest, m = getattr(self, name), getattr(self, higher), self.omega.size
+            own = [np.zeros((m, m)) if first is None else first, *(() if rest is None else rest)]
+            found = np.zeros((len(own) + shift, m, m))
+            for j, part in enumerate(own, shift):  # (Omega^2 - spin^2)^j
+                for i in range(j + 1):
+                    found[i] += math.comb(j, i) * (-(self.spin**2)) ** (j - i) * part
+            parts.append(found)
+        return parts[0], parts[1]
 
     def poles(self, omega_rotation: float = 0.0) -> NDArray[np.complex128]:
         """Poles [1/s, rad/s] of the free body in its own frame while it turns, (2 m,), by ascending imaginary part.
@@ -241,8 +286,7 @@ class ModalBody:
     def truncated(self, omega_max: float) -> ModalBody:
         """Drop modes above `omega_max` [rad/s]; their static compliance rows rows^T / omega^2 goes into S.
 
-        Forces of `gyroscopic`, `stiffness_by_speed`, `damping` and `stiffness` between a dropped mode and a kept one
-        are left out.
+        Forces between a dropped mode and a kept one by rotation, `damping` and `stiffness` are left out.
         """
         keep = self.omega <= omega_max
         gone = self.rows[:, ~keep] / self.omega[~keep]
@@ -253,6 +297,8 @@ class ModalBody:
                 elsewhere |= {name: rows[:, keep], soft: lost if had is None else had + lost}
         for name in SQUARES:
             elsewhere[name] = None if getattr(self, name) is None else getattr(self, name)[np.ix_(keep, keep)]
+        for name in HIGHER:
+            elsewhere[name] = None if getattr(self, name) is None else getattr(self, name)[:, keep][:, :, keep]
         return replace(
             self, omega=self.omega[keep], zeta=self.zeta[keep], rows=self.rows[:, keep], S=self.S + gone @ gone.T,
             participation=None if self.participation is None else self.participation[:, keep], **elsewhere,
@@ -261,7 +307,8 @@ class ModalBody:
     def retuned(self, freq_hz: float) -> ModalBody:
         """The same body of another stiffness: all frequencies scaled so that the lowest elastic one is `freq_hz`.
 
-        `damping` is multiplied by the ratio of the frequencies, `stiffness` by its square; the arrays of rotation stay.
+        `damping` is multiplied by the ratio r of the frequencies, `stiffness` by its square. `gyroscopic` and
+        `stiffness_by_speed` stay; of their higher powers the j-th is divided by r^(2 j).
 
         >>> ModalBody(omega=[10.0, 30.0], zeta=[0.0, 0.0], channels=("tip",), rows=[[1.0, 1.0]],
         ...           S=[[4.0]]).retuned(10.0 / np.pi).S.tolist()
@@ -276,6 +323,9 @@ class ModalBody:
         scaled = {
             name: ratio**power * given for name, power in powers.items() if (given := getattr(self, name)) is not None
         }
+        for name in HIGHER:
+            if (given := getattr(self, name)) is not None:
+                scaled[name] = given * ratio ** (-2.0 * np.arange(1, 1 + len(given)))[:, None, None]
         return replace(self, omega=self.omega * ratio, **scaled)
 
     def detuned(self, scatter: float, *, seed: int) -> ModalBody:
@@ -387,12 +437,17 @@ def of_arrays(data: Mapping[str, Any]) -> ModalBody:
     )  # fmt: skip
 
 
-def _require_skew(G: Array) -> None:
+def _powers(x: float, parts: Array) -> Array:
+    """X A_1 + x^2 A_2 + ... of parts (k, m, m)."""
+    return np.asarray(np.tensordot(x ** np.arange(1.0, 1.0 + len(parts)), parts, 1))
+
+
+def _require_skew(name: str, G: Array) -> None:
     scale, even = float(np.abs(G).max(initial=0.0)), np.abs(G + G.T)
     if even.max(initial=0.0) > SKEW * scale:
         i, j = (int(k) for k in np.unravel_index(int(even.argmax()), even.shape))
         raise InputError(
-            f"gyroscopic: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew matrix, "
+            f"{name}: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew matrix, "
             "G[i, j] = -G[j, i]"
         )
 

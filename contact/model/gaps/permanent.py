@@ -25,6 +25,7 @@ from contact.model.gaps.rub_system import RubSystem, matrices_of, rub_system
 
 Turning = Literal["casing", "blades"]
 SQUARES = ("damping", "gyroscopic", "stiffness", "stiffness_by_speed")
+HIGHER = ("gyroscopic_higher", "stiffness_higher")
 PERFECT = 1e-8  # relative: modes closer than this are one group, and turn into each other on a perfect casing
 TURNS = 1e-3  # of the rows' derivative may be left by turns: a mesh adds harmonics of its own, such as 2e-4
 
@@ -38,13 +39,15 @@ class ClosedContact:
     """Modes joined by r closed contacts, in the frame in which the contact points stand still.
 
     (D + Omega G)^2 q + C (D + Omega G) q + K q = (Q - mu s T)^T lam, Q q + (S_nn - mu s S_nt) lam = 0, s = sgn Omega;
-    C = diag(2 zeta omega) + damping + Omega gyroscopic, K = diag(omega^2) + stiffness + Omega^2 stiffness_by_speed.
+    C = diag(2 zeta omega) + damping + Omega gyroscopic, K = diag(omega^2) + stiffness + Omega^2 stiffness_by_speed;
+    C + Omega^(2 j + 1) gyroscopic_higher[j - 1] and K + Omega^(2 j + 2) stiffness_higher[j - 1], j = 1, 2, ...
     G^T = -G, dQ/dphi = Q G: how modes turn when the point moves. C and K commute with G.
 
     `omega` [rad/s], `zeta` (m,); `G` (m, m); `Q`, `T` (r, m) normal and tangential rows [1/sqrt(kg)]; `S_nn`, `S_nt`
     (r, r) [m/N]; `mu` friction. The first `casing` modes are those of the body before which the contact points move,
     the others belong to the bodies with the points. `damping` [1/s], `gyroscopic` [1/s per rad/s], `stiffness` [1/s^2]
-    and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), are zero where they are left out. A body at rest has no
+    and `stiffness_by_speed` [1/s^2 per (rad/s)^2], (m, m), and their higher powers (k, m, m) are zero where they are
+    left out. A body at rest has no
     share in those of speed; `turns` tells whether the casing turns or its blades do.
 
     Raises InputError for shapes that do not fit, or a compliance that cannot be inverted.
@@ -63,15 +66,18 @@ class ClosedContact:
     gyroscopic: Array | None = None
     stiffness: Array | None = None
     stiffness_by_speed: Array | None = None
+    gyroscopic_higher: Array | None = None
+    stiffness_higher: Array | None = None
     turns: Turning = "casing"
 
     def __post_init__(self) -> None:
-        keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt", *SQUARES)
+        keep_readonly(self, "omega", "zeta", "G", "Q", "T", "S_nn", "S_nt", *SQUARES, *HIGHER)
         m, r = self.omega.size, len(self.Q)
         if not r:
             raise InputError("Q: found no contact, expected a row for each of one or more")
         shapes = {"zeta": (m,), "G": (m, m), "Q": (r, m), "T": (r, m), "S_nn": (r, r), "S_nt": (r, r)}
         shapes |= {name: (m, m) for name in SQUARES if getattr(self, name) is not None}
+        shapes |= {name: (len(part), m, m) for name in HIGHER if (part := getattr(self, name)) is not None}
         for name, shape in shapes.items():
             require_shape(name, getattr(self, name), shape)
         require_not_negative(mu=self.mu)
@@ -79,18 +85,23 @@ class ClosedContact:
         if not lowest > 0.0:
             raise InputError(f"S: found smallest compliance {lowest:g} m/N, expected > 0: a contact needs some give")
 
-    def parts(self) -> tuple[Array, Array, Array, Array]:
-        """C at rest, C per speed, K at rest, K per squared speed, (m, m) each."""
+    def parts(self) -> tuple[Array, Array]:
+        """Coefficients of 1, Omega, Omega^3, ... in C and of 1, Omega^2, Omega^4, ... in K, (powers, m, m) each."""
         none = np.zeros((self.omega.size,) * 2)
         C, c_by_speed, K, k_by_speed = (
             none if getattr(self, name) is None else np.asarray(getattr(self, name)) for name in SQUARES
         )
-        return C + np.diag(2.0 * self.zeta * self.omega), c_by_speed, K + np.diag(self.omega**2), k_by_speed
+        more = [() if getattr(self, name) is None else getattr(self, name) for name in HIGHER]
+        return (
+            np.array([C + np.diag(2.0 * self.zeta * self.omega), c_by_speed, *more[0]]),
+            np.array([K + np.diag(self.omega**2), k_by_speed, *more[1]]),
+        )
 
     def matrices(self, speed: float) -> tuple[Array, Array]:
         """C and K at a speed [rad/s], (m, m)."""
-        C, c_by_speed, K, k_by_speed = self.parts()
-        return C + speed * c_by_speed, K + speed**2 * k_by_speed
+        C, K = self.parts()
+        odd, even = powers(speed, len(C), len(K))
+        return np.tensordot(odd, C, 1), np.tensordot(even, K, 1)
 
     @property
     def rates(self) -> Array:
@@ -105,6 +116,16 @@ class ClosedContact:
     def compliance(self, sense: float) -> Array:
         """S = S_nn - mu s S_nt, (r, r)."""
         return np.asarray(self.S_nn - self.mu * sense * self.S_nt)
+
+
+def powers(speed: Array | float, odd: int, even: int) -> tuple[Array, Array]:
+    """1, Omega, Omega^3, ... and 1, Omega^2, Omega^4, ..., so many of each, (..., odd) and (..., even).
+
+    >>> powers(2.0, 3, 4)
+    (array([1., 2., 8.]), array([ 1.,  4., 16., 64.]))
+    """
+    at = np.asarray(speed, dtype=float)[..., None]
+    return at ** np.maximum(2.0 * np.arange(odd) - 1.0, 0.0), at ** (2.0 * np.arange(even))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -246,7 +267,8 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     G[:m, :m], left = _generator(rub.casing.omega, rub.casing.zeta, tables)
     S, varies = mean_compliance(system, rub.casing.n_max)
     squares: dict[str, Any] = bodies_squares(rub)
-    left = max([left, *(_varies(part[:m, :m], G[:m, :m]) for part in squares.values())])
+    each = [part[..., :m, :m].reshape(-1, m, m) for part in squares.values()]
+    left = max([left, *(_varies(part, G[:m, :m]) for parts in each for part in parts)])
     if left > TURNS or varies > TURNS:
         found = f"pairs that do not turn into themselves ({left:.1e} of the rows left) or S that depends on the angle"
         expected = "a perfect casing; a split one is a matter for Floquet's theory"
@@ -264,30 +286,36 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
 
 
 def bodies_squares(rub: Rub) -> dict[str, Array]:
-    """Damping, gyroscopic, stiffness and stiffness_by_speed of all bodies by the speed of the rub, (m, m) each."""
-    parts: dict[str, list[Array]] = {name: [] for name in SQUARES}
+    """The matrices of `ClosedContact` of all bodies by the speed of the rub, (m, m) or (k, m, m) each."""
+    parts: dict[str, list[Array]] = {name: [] for name in (*SQUARES, *HIGHER)}
     seen = matrices_of(rub)
     given = {1 + stiff.blade: stiff for stiff in rub.stiffening}
+    bodies = [body.powers_of_speed() for body in seen.bodies]
+    odd, even = (max(len(body[k]) for body in bodies) for k in (0, 1))
     for k, (body, turns) in enumerate(zip(seen.bodies, seen.senses, strict=True)):
-        none = np.zeros((body.omega.size,) * 2)
-        own = {name: none if getattr(body, name) is None else np.asarray(getattr(body, name)) for name in SQUARES}
-        own["stiffness"] = own["stiffness"] - body.spin**2 * own["stiffness_by_speed"]
-        own["gyroscopic"], own["stiffness_by_speed"] = turns * own["gyroscopic"], turns**2 * own["stiffness_by_speed"]
+        m = body.omega.size
+        C, K = np.zeros((odd, m, m)), np.zeros((even, m, m))
+        C[: len(bodies[k][0])], K[: len(bodies[k][1])] = bodies[k]
+        C, K[1:] = turns * C, turns**2 * K[1:]
         if k in given:
-            by_speed, at = given[k].stiffness_by_speed, 2.0 * math.pi * given[k].at_hz
-            own["stiffness"] = own["stiffness"] - at**2 * by_speed
-            own["stiffness_by_speed"] = own["stiffness_by_speed"] + by_speed
-        for name in SQUARES:
-            parts[name].append(own[name])
+            by_speed = given[k].stiffness_by_speed
+            K[0] -= (2.0 * math.pi * given[k].at_hz) ** 2 * by_speed
+            K[1] += by_speed
+        rest = [np.zeros((m, m)) if part is None else part for part in (body.damping, body.stiffness)]
+        own = rest[0], C[0], rest[1] + K[0], K[1], C[1:], K[2:]
+        for name, part in zip(parts, own, strict=True):
+            parts[name].append(part)
     return {name: _block_diagonal(found) for name, found in parts.items() if any(part.any() for part in found)}
 
 
 def _block_diagonal(blocks: list[Array]) -> Array:
-    size = sum(len(block) for block in blocks)
-    whole, first = np.zeros((size, size)), 0
+    """Blocks (..., m, m) along the diagonal."""
+    size = sum(block.shape[-1] for block in blocks)
+    whole, first = np.zeros((*blocks[0].shape[:-2], size, size)), 0
     for block in blocks:
-        whole[first : first + len(block), first : first + len(block)] = block
-        first += len(block)
+        here = slice(first, first + block.shape[-1])
+        whole[..., here, here] = block
+        first = here.stop
     return whole
 
 

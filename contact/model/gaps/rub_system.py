@@ -232,8 +232,9 @@ def matrices_of(rub: Rub) -> BodyMatrices:
     """C and K of the bodies by the speed: those on the side that turns see it, blades in the other sense."""
     given = {stiff.blade for stiff in rub.stiffening}
     blades = [
-        replace(body, stiffness_by_speed=None) if k in given else body for k, body in enumerate(rub.blades)
-    ]  # fmt: skip
+        replace(body, stiffness_by_speed=None, stiffness_higher=None) if k in given else body
+        for k, body in enumerate(rub.blades)
+    ]
     casing, others = (1, 0) if rub.turning == "casing" else (0, -1)
     return BodyMatrices(bodies=(rub.casing, *blades), senses=(casing, *(others for _ in blades)))
 
