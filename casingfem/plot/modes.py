@@ -63,7 +63,7 @@ def branches(axes: Any, perfect: Modes) -> None:
 def figure_splits(found: Mistuning) -> Figure:
     """Quantiles of the relative split against nodal diameters: 10 to 90 % as a bar, median, 99 % as a tick."""
     figure = new_figure()
-    axes = figure.add_subplot()
+    axes: Any = figure.add_subplot()
     ranks = sorted({m for _, m in found.perfect})
     for m in ranks:
         colour = COLOURS[(m - 1) % len(COLOURS)]
@@ -80,6 +80,7 @@ def figure_splits(found: Mistuning) -> Figure:
         axes.plot(x, middle, "o", color=colour, markersize=4.5, label=f"m = {m}")
         axes.plot(x, far, "_", color=colour, markersize=9.0)
     axes.set(yscale="log", xlabel="nodal diameters n", ylabel="split of the pair [%]")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_title(f"Splits over {found.draws} draws: median, 10 to 90 %, 99 %")
     axes.legend()
     return figure

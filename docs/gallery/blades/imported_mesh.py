@@ -35,7 +35,7 @@ freq = {"imported": cf.modes(imported, 5).freq, "on a chart": cf.modes(chart, 5)
 
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, values) in enumerate(freq.items()):
-    axes.bar(np.arange(1, 6) + 0.4 * shift, values, 0.4, label=name)
+    axes.bar(np.arange(1, 6) + 0.4 * (shift - 0.5), values, 0.4, label=name)
 axes.set(xlabel="mode", ylabel="frequency [Hz]")
 axes.legend()
 

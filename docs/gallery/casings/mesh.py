@@ -30,7 +30,7 @@ worst = [np.abs(lowest(order) / finest - 1.0).max() for order in orders]
 
 figure, axes = plt.subplots(layout="constrained")
 axes.semilogy(orders, 100.0 * np.array(worst), "o-")
-axes.set(xlabel="order of the elements, one row", ylabel="worst of eight modes, off by [%]")
+axes.set(xlabel="order of the elements, one row", ylabel="worst of eight modes, off by [%]", xticks=orders)
 
 assert worst[0] > 10.0 * worst[3]
 assert worst[-1] < 1e-3

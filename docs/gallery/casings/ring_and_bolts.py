@@ -30,8 +30,8 @@ whole, broken = splits({}), splits({3: 0.0})
 
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, found) in enumerate({"all twelve": whole, "bolt 3 missing": broken}.items()):
-    axes.bar([n + 0.35 * shift for n in found], [100.0 * split for split in found.values()], 0.35, label=name)
-axes.set(xlabel="nodal diameters n", ylabel="split [%]")
+    axes.bar([n + 0.35 * (shift - 0.5) for n in found], [100.0 * split for split in found.values()], 0.35, label=name)
+axes.set(xlabel="nodal diameters n", ylabel="split [%]", xticks=sorted(broken))
 axes.legend()
 
 # %%

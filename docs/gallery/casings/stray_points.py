@@ -30,7 +30,7 @@ print("set aside:", robust.set_aside)
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, survey) in enumerate({"plain": plain, "robust": robust}.items()):
     microns = [1e6 * survey.fit.amplitude(p) * survey.mean_radius(0.12) for p in range(2, 9)]
-    axes.bar(np.arange(2, 9) + 0.4 * shift, microns, 0.4, label=name)
+    axes.bar(np.arange(2, 9) + 0.4 * (shift - 0.5), microns, 0.4, label=name)
 axes.set(xlabel="harmonic around", ylabel="amplitude [µm]")
 axes.legend()
 
