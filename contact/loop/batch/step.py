@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from contact.base.arrays import Array
 from contact.jit.compiled import jit_inside
 from contact.jit.vector import WIDTH, below_zero, entry, larger, load, put, same
@@ -30,10 +28,11 @@ from contact.loop.batch.waves import (
     BatchState,
     fill_lanes,
 )
+from contact.loop.formulas import damped, free_step, mean_gap, turned_work, works
 from contact.loop.rub.free_flight import PAUSE
 from contact.model.gaps.limits import REACHED, TIP
 from contact.record.record import Tally
-from contact.solver.friction.one_contact import drag_ratio
+from contact.solver.friction.one_contact import force_and_ratio
 
 
 @jit_inside
@@ -52,11 +51,11 @@ def fly(s: BatchState, Q_next: Array, ahead: Array, old: Array, new: Array) -> b
     for i in range(s.q.shape[0]):
         at = i * WIDTH
         row, q = load(Q_next, at), load(s.q, at)
-        step = coefficient(s, alike, 0, s.al, i) * load(old, at) - coefficient(s, alike, 1, s.be, i) * q
+        step = free_step(coefficient(s, alike, 0, s.al, i), coefficient(s, alike, 1, s.be, i), load(old, at), q)
         put(new, at, step)
         free = free + row * (q + step)
     now, last, share = load(s.memory, 0), load(s.memory, WIDTH), load(s.averaged, 0)
-    mean = same(0.25) * (free + now + now + last)
+    mean = mean_gap(same(0.25), free, now, last)
     test = share * mean + (same(1.0) - share) * free  # one of the two, to the bit
     put(s.work, FREE * WIDTH, free)
     put(s.work, TEST * WIDTH, test)
@@ -90,17 +89,17 @@ def touch(s: BatchState, Q: Array, Q_next: Array, waves: Array, new: Array, rubs
         if s.live[k] == 1 and not test >= 0.0:
             share = 0.25 if s.averaged[k] == 1.0 else 1.0
             S_nn, S_nt, S_tt = Q[m + 1, k], Q[m + 2, k], Q[m + 3, k]
+            slide, across, along, t = 0.0, 0.0, 0.0, 0.0
             if s.mu[k] > 0.0:
                 slide = s.work[SLIP, k] + s.h[k] * s.surface[k] - s.memory[STRAIN, k]
-                n, across = share * s.work[H_, k] + S_nn, share * s.work[N_T, k] + S_nt
-                along, t = s.work[T_N, k] + S_nt, s.work[T_T, k] + S_tt
-                pull = drag_ratio(n, across, along, t, test, slide, s.mu[k])
+                across, along, t = share * s.work[N_T, k] + S_nt, s.work[T_N, k] + S_nt, s.work[T_T, k] + S_tt
                 s.work[SLIDE, k] = slide
-            H = s.work[H_, k] - pull * s.work[N_T, k]
-            scale = share * H + S_nn - pull * S_nt
-            force = -test / scale if scale > 0.0 else math.nan
-            if not force >= 0.0:
-                s.failed[k], force, pull, scale, H = 1, 0.0, 0.0, 1.0, 0.0
+            found, force, pull = force_and_ratio(share * s.work[H_, k] + S_nn, across, along, t, test, slide, s.mu[k])
+            if found:
+                H = s.work[H_, k] - pull * s.work[N_T, k]
+                scale = share * H + S_nn - pull * S_nt
+            else:
+                s.failed[k], force, pull = 1, 0.0, 0.0
             s.retry[k] = max(s.retry[k], s.step[k] + PAUSE)
         s.work[FORCE, k], s.work[PULL, k], s.work[DRAG, k] = force, pull, pull * force
         s.work[H_, k], s.work[SCALE, k] = H, scale
@@ -124,7 +123,7 @@ def move_lanes(s: BatchState, Q: Array, old: Array, new: Array, touching: bool, 
                 tangent = tangent + along * (before + step)
             normal = normal + row * (before + step)
             put(new, at, step)
-        damping = damping + coefficient(s, alike, 3, s.weight, i) * before * (before + step)
+        damping = damping + damped(coefficient(s, alike, 3, s.weight, i), before, step)
         put(s.q, at, load(s.q, at) + step)
     put(s.work, NORMAL * WIDTH, normal)
     put(s.work, TANGENT * WIDTH, tangent)
@@ -147,13 +146,14 @@ def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
     d_nn, d_nt, d_tt = (
         S_nn - load(s.memory, 4 * WIDTH), S_nt - load(s.memory, 5 * WIDTH), S_tt - load(s.memory, 6 * WIDTH)
     )  # fmt: skip
-    turned = force * (d_nn * force + d_nt * drag) + drag * (d_nt * force + d_tt * drag)
-    work = half * (force * (after - last) + turned * load(s.turns, 0))
+    turned = turned_work(force, drag, d_nn, d_nt, d_tt) * load(s.turns, 0)
     strain, before = S_nt * force + S_tt * drag, load(s.memory, STRAIN * WIDTH)
     soft = drag * (strain - before)
-    put(sums.work, 0, load(sums.work, 0) + (work - soft))
-    put(sums.rotation, 0, load(sums.rotation, 0) + (half * force * load(s.work, NORMAL * WIDTH) - work))
-    put(sums.friction, 0, load(sums.friction, 0) + (half * drag * load(s.work, TANGENT * WIDTH) + soft))
+    across, along = force * load(s.work, NORMAL * WIDTH), drag * load(s.work, TANGENT * WIDTH)
+    work, rotation, friction = works(half, force * (after - last), turned, across, along, soft)
+    put(sums.work, 0, load(sums.work, 0) + work)
+    put(sums.rotation, 0, load(sums.rotation, 0) + rotation)
+    put(sums.friction, 0, load(sums.friction, 0) + friction)
     slip = load(s.work, SLIDE * WIDTH) + (load(s.work, T_N * WIDTH) + S_nt) * force
     slip = slip + (load(s.work, T_T * WIDTH) + S_tt) * drag
     put(s.memory, HEAT * WIDTH, load(s.memory, HEAT * WIDTH) - drag * slip)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_entry, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.formulas import damped, free_step, mean_gap
 from contact.loop.tally import note_contact, note_yielding, store, store_state
 from contact.record.record import Samples, Tally
 from contact.solver.friction.one_contact import scalar_force
@@ -37,12 +38,12 @@ def free_gap(s: ModalState, Q: Array, old: Array, new: Array) -> float:
     part = same(0.0)
     for i in range(0, whole, WIDTH):
         q = load(s.q, i)
-        step = load(s.al, i) * load(old, i) - load(s.be, i) * q + load(s.kick, i)
+        step = free_step(load(s.al, i), load(s.be, i), load(old, i), q) + load(s.kick, i)
         put(new, i, step)
         part = part + load(Q, i) * (q + step)
     result: float = total(part)
     for i in range(whole, s.q.size):
-        new[i] = s.al[i] * old[i] - s.be[i] * s.q[i] + s.kick[i]
+        new[i] = free_step(s.al[i], s.be[i], old[i], s.q[i]) + s.kick[i]
         result += Q[i] * (s.q[i] + new[i])
     return result
 
@@ -53,11 +54,10 @@ def damping_work(s: ModalState, old: Array, new: Array) -> float:
     whole = s.q.size - s.q.size % WIDTH
     part = same(0.0)
     for i in range(0, whole, WIDTH):
-        d = load(old, i)
-        part = part + load(s.weight, i) * d * (d + load(new, i))
+        part = part + damped(load(s.weight, i), load(old, i), load(new, i))
     result: float = -total(part)
     for i in range(whole, s.q.size):
-        result -= s.weight[i] * old[i] * (old[i] + new[i])
+        result -= damped(s.weight[i], old[i], new[i])
     return result
 
 
@@ -98,7 +98,7 @@ def advance_modal(
         store_state(sums, out, step, step * h, s.q)
         old, new = new, old
         free = clearance + free_gap(s, Q, old, new)
-        test = 0.25 * (free + 2.0 * now + last) if averaged else free
+        test = mean_gap(0.25, free, now, last) if averaged else free
         force, depth = 0.0, 0.0
         if not test >= 0.0:
             if y is None:

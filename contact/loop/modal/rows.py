@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, eight, entry, larger, load, put, same, total
+from contact.loop.formulas import damped
 
 
 class RowBlocks(NamedTuple):
@@ -131,6 +132,6 @@ def move(s: Any, old: Array, new: Array) -> float:
     part = same(0.0)
     for i in range(0, s.q.size, WIDTH):
         step, before = load(new, i), load(old, i)
-        part = part + load(s.weight, i) * before * (before + step)
+        part = part + damped(load(s.weight, i), before, step)
         put(s.q, i, load(s.q, i) + step)
     return -total(part)  # type: ignore[no-any-return]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, load, put, same, total
+from contact.loop.formulas import turned_work, works
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
@@ -117,25 +118,22 @@ def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: flo
 def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, strain: float, strain_along: float,
              share: float, sums: Tally) -> None:  # fmt: skip
     """Work of the only tip's forces along its motion, as `add_works` of many; the gap that they leave."""
-    press, drag = s.lam[0], 0.0
+    press, drag, turned, soft = s.lam[0], 0.0, 0.0, 0.0
     s.free[0] += (s.motion[0] - s.test[0] - strain) / share
-    work = 0.5 * press * (s.free[0] - s.last[0])
     rubs = s.lam.size > 1
     if rubs:
         drag = s.lam[1]
-    if rows.turns:
-        moved = press * press * (w.S[0, 0] - w.S_old[0, 0])
-        if rubs:
-            moved += drag * (2.0 * press * (w.S[0, 1] - w.S_old[0, 1]) + drag * (w.S[0, 3] - w.S_old[0, 3]))
-        work += 0.5 * moved
-    sums.rotation[0] += 0.5 * press * across - work
-    if rubs:
         soft = drag * (strain_along - s.strain[1])
-        work -= soft
-        sums.friction[0] += 0.5 * drag * along + soft
         s.heat[0] -= drag * s.motion[1]
         s.strain[1] = strain_along
+    if rows.turns:
+        nt, tt = (w.S[0, 1] - w.S_old[0, 1], w.S[0, 3] - w.S_old[0, 3]) if rubs else (0.0, 0.0)
+        turned = turned_work(press, drag, w.S[0, 0] - w.S_old[0, 0], nt, tt)
+    opened = press * (s.free[0] - s.last[0])
+    work, rotation, friction = works(0.5, opened, turned, press * across, drag * along, soft)
     sums.work[0] += work
+    sums.rotation[0] += rotation
+    sums.friction[0] += friction
     s.strain[0] = strain
 
 

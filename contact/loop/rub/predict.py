@@ -7,6 +7,7 @@ import math
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put
+from contact.loop.formulas import free_step, mean_gap
 from contact.loop.modal.rows import bound, product, product_of_sum, rotate
 from contact.loop.rub.rows import (
     AHEAD,
@@ -60,7 +61,7 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
     for i in range(0, s.q.size, WIDTH):
         last = load(s.d, i)
         put(s.old, i, last)
-        put(s.d, i, load(s.al, i) * last - load(s.be, i) * load(s.q, i) + load(s.kick, i))
+        put(s.d, i, free_step(load(s.al, i), load(s.be, i), last, load(s.q, i)) + load(s.kick, i))
     b, begin = s.stiff.shape[0], laws.pulls.casing
     for i in range(b):
         total = 0.0
@@ -112,7 +113,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
         elif rows.steady:
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         free = rows.clearance[j] + w.rigid[p] + w.moved[p] + blade_dot_of_sum(rows, rows.apart, R, j, s.q, s.d)
-        test = free if share == 1.0 else 0.25 * (free + 2.0 * s.now[j] + s.last[j])
+        test = free if share == 1.0 else mean_gap(0.25, free, s.now[j], s.last[j])
         s.free[j], s.test[j], s.motion[R], s.inside[j] = free, test, test, 1
         if not test >= 0.0 or s.lam[R] > 0.0:
             s.inside[j] = 2

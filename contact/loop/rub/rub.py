@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from contact.jit.compiled import jit, jit_vectors
+from contact.loop.formulas import works
 from contact.loop.limits import outgrown, rim_amplitude, tip_motion
 from contact.loop.modal.rows import move, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
@@ -45,24 +46,22 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
     for n in range(count):
         j = w.chosen[n]
         R = j * dim
-        work = 0.5 * s.lam[R] * (s.free[j] - s.last[j])
-        rotation, friction = -work, 0.0
+        across, dragged, turned, softened = 0.0, 0.0, 0.0, 0.0
         for i in range(dim):
             row = R + i
             force = s.lam[row]
             along = w.along[w.column[n * dim + i]] + blade_dot_of_sum(rows, rows.apart, row, j, s.old, s.d)
             if rows.turns:
-                moved = 0.5 * force * (w.turning[row] - w.before[row])
-                work += moved
-                rotation -= moved
+                turned += force * (w.turning[row] - w.before[row])
             if i == 0:
-                rotation += 0.5 * force * along
+                across = force * along
                 continue
-            soft = force * (w.strain[row] - s.strain[row])
-            friction += 0.5 * force * along + soft
-            work -= soft
+            dragged += force * along
+            softened += force * (w.strain[row] - s.strain[row])
             s.heat[j] -= force * s.motion[row]
             s.drive[j] -= force * rows.glide[row] * slid
+        opened = s.lam[R] * (s.free[j] - s.last[j])
+        work, rotation, friction = works(0.5, opened, turned, across, dragged, softened)
         sums.work[j] += work
         sums.rotation[j] += rotation
         sums.friction[j] += friction

@@ -50,6 +50,14 @@ def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: fl
 
     Without friction all but `nn` and `gap` are zero.
     """
+    found, normal, ratio = force_and_ratio(nn, nt, tn, tt, gap, slip, mu)
+    return found, normal, -ratio * normal
+
+
+@jit
+def force_and_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
+                    mu: float) -> tuple[bool, float, float]:  # fmt: skip
+    """Normal force of `one_contact`, and the drag over it."""
     if not nn > mu * abs(nt):
         return False, 0.0, 0.0
     if gap >= 0.0:
@@ -60,4 +68,4 @@ def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: fl
             return False, 0.0, 0.0
         ratio = drag_ratio(nn, nt, tn, tt, gap, slip, mu)
     normal = -gap / (nn - ratio * nt)
-    return bool(normal >= 0.0), normal, -ratio * normal
+    return bool(normal >= 0.0), normal, ratio
