@@ -99,6 +99,7 @@ def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None
 
     Poles of closed contact propose speeds, and say which motion grows. The scene is run at each of them and at --runs
     speeds evenly over the range; the runs decide. speed.scan is the range; without it, up to twice the scene's speed.
+    --out DIR gets the table, its picture and the page interactions.html.
     """
     from contact.scene.stability import load_interactions
 
@@ -108,14 +109,17 @@ def interactions(file: Path, runs: int, as_json: bool, out: Path | None) -> None
     document = found.to_dict()
     files: dict[str, Content] = {"interactions.json": json_text(document)}
     if out is not None:
-        from casingfem.plot.interaction import figure_interactions
+        from casingfem.cli.pictures import speed_figures
+        from casingfem.plot.pages.interactions import interactions_page
         from casingfem.plot.style import png
 
+        figures = speed_figures(scene.scene, found)
         card = ["COMPUTED: dangerous speeds, by runs at speeds that poles of closed contact propose"]
         card += [f"{column.name}: {column.text}" for column in found.COLUMNS]
         names = [column.name for column in found.COLUMNS]
         files["interactions.csv"] = csv_text(found.records(), "\n".join(card), names)
-        files["interactions.png"] = png(figure_interactions(found))
+        files["interactions.png"] = png(figures["interactions"])
+        files["interactions.html"] = interactions_page(file.stem, found, figures, source_of(file))
     deliver(document, repr(found), as_json=as_json, out=out, files=files)
 
 

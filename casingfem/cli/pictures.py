@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from casingfem.plot.waves import Mark
+    from contact.interacting import Interactions
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
     from contact.record.wear import Wear
@@ -72,6 +73,18 @@ def figures(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) ->
         found["section"] = figure_section(section)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
     return found
+
+
+def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -> dict[str, "Figure"]:
+    """Pictures of a table of dangerous speeds: over speed, and the map at one speed, the worst one if that is 0."""
+    from casingfem.plot.interaction import figure_interactions, figure_map
+
+    drawn = {"interactions": figure_interactions(found)}
+    pairs = pairs_of(getattr(scene, "what", None))
+    if pairs:
+        worst = found.rows[0].at.speed_hz if found.rows else float(found.peaks.map.peak_speed_hz)
+        drawn["map"] = figure_map(pairs, found.peaks.blade_hz, speed_hz or worst)
+    return drawn
 
 
 def pairs_of(what: object) -> list[tuple[int, float]]:

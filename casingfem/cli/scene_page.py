@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from casingfem.cli.pictures import figures, pairs_of, turn_of
+from casingfem.cli.pictures import figures, speed_figures, turn_of
 from contact.io.infiles import read_bytes, text_of
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:
     """The HTML page on a scene that was run; of rims, rubs and disks with the table of dangerous speeds and a film."""
     from casingfem.plot.contact import rub_film as film_of
-    from casingfem.plot.interaction import figure_interactions, figure_map
     from casingfem.plot.pages.scene import scene_page
     from contact.histories import rub_film
     from contact.rim_motion import rim_motion
@@ -32,8 +31,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
         say("interactions")
         found, why = table_of(file)
         if found is not None:
-            drawn["interactions"] = figure_interactions(found)
-            drawn["map"] = figure_map(pairs_of(scene.what), found.peaks.blade_hz, ran.speed_hz or worst_of(found))
+            drawn |= speed_figures(scene, found, ran.speed_hz)
     say("drawing")
     film = rub_film(scene.what, result)
     return scene_page(
@@ -51,11 +49,6 @@ def table_of(file: Path) -> "tuple[Interactions | None, str]":
         return load_interactions(file).solve(), ""
     except InputError as error:
         return None, str(error)
-
-
-def worst_of(found: "Interactions") -> float:
-    """The speed [turns/s] of the worst row; that of the largest growth of closed contact where there is no row."""
-    return found.rows[0].at.speed_hz if found.rows else float(found.peaks.map.peak_speed_hz)
 
 
 def run_numbers(scene: "Scene", result: "Result", rim: "RimMotion | None") -> "Ran":

@@ -176,7 +176,7 @@ def update(file: Path, as_json: bool, out: Path | None, left_out: bool, posterio
         files["update_pairs.csv"] = csv_text(fit.pairs(), f"rows of {fit.table.path} and the modes they pair with")
         values = {p.name: value for p, value in zip(fit.parameters, fit.value, strict=True)}
         files[f"{file.stem}_updated.toml"] = updated_toml(study, values, out)
-        files["update.html"] = update_page(study, fit)
+        files["update.html"] = update_page(study, fit, getattr(further.get("posterior"), "samples", None))
     parts = [fit, *([] if compared is None else [compared]), *further.values()]
     deliver(document, "\n".join(map(repr, parts)), as_json=as_json, out=out, files=files)
 

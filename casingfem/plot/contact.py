@@ -97,8 +97,8 @@ def _coordinates(result: _Run, most: int) -> list[Panel]:
     known = np.array(list(names))
     size = np.abs(result.state[:, known]).max(axis=0)
     chosen = known[np.argsort(-size, kind="stable")[:most]].tolist()
-    curves = [(names[k], result.state[:, k], colour) for k, colour in zip(chosen, COLOURS, strict=False)]
-    unit = "modal coordinate\n[kg$^{1/2}$ m]" if modal else "displacement [m]"
+    scale, unit = (1.0, "modal coordinate\n[√kg m]") if modal else (1e3, "displacement [mm]")
+    curves = [(names[k], scale * result.state[:, k], colour) for k, colour in zip(chosen, COLOURS, strict=False)]
     return [Panel(label=unit, time=result.state_time, curves=curves)]
 
 

@@ -17,6 +17,8 @@ from casingfem.modal.mode_set import ModeSet
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, SKY, new_figure, styled
 from casingfem.structure.geometry.chart import is_axisymmetric
 
+WRITTEN = 0.2  # modal assurance from which it is written into its cell
+
 
 @styled
 def figure_mac(found: Correlation) -> Figure:
@@ -25,7 +27,7 @@ def figure_mac(found: Correlation) -> Figure:
     axes = figure.add_subplot()
     pairs = [(np.array(match.rows), np.array(match.modes)) for match in found.pairing.matches]
     image = mac_panel(axes, found.mac, pairs, found.modes, found.measured.freq_hz, size=6.5)
-    axes.set(ylabel="measured mode, by its frequency [Hz]", title="MAC; pairs framed")
+    axes.set(ylabel="measured mode, by its frequency [Hz]", title="MAC [%]; pairs framed")
     figure.colorbar(image, ax=axes, shrink=0.8, label="MAC [-]")
     return figure
 
@@ -41,12 +43,19 @@ def mac_panel(
     """A MAC matrix, rows labelled by frequency, columns by mode and n; frames around rows and modes of each pair.
 
     Cells are drawn as shapes: an image is resampled to whole points, and its cells shift against their frames. Members
-    of a pair that are not neighbours have frames of their own.
+    of a pair that are not neighbours have frames of their own. Values from WRITTEN on are written into their cells, in
+    per cent.
     """
     height, width = mac.shape
     edges = np.arange(width + 1) - 0.5, np.arange(height + 1) - 0.5
     cells = axes.pcolormesh(*edges, mac, cmap="Greys", vmin=0.0, vmax=1.0, edgecolors="face", linewidth=0.1)
     axes.set(xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
+    for row, column in np.argwhere(np.asarray(mac) >= WRITTEN).tolist():
+        colour = "white" if mac[row, column] > 0.6 else "black"
+        value = axes.text(
+            column, row, f"{100.0 * mac[row, column]:.0f}", ha="center", va="center", fontsize=size - 0.5, color=colour
+        )
+        value.set_in_layout(False)
     for rows, columns in pairs:
         for (top, bottom), (left, right) in product(runs(rows), runs(columns)):
             x, y = np.array([left, right, right, left, left]), np.array([top, top, bottom, bottom, top])

@@ -1,17 +1,20 @@
 """Histories as envelopes: the lowest and highest value of each stretch, and beside them a close-up of one instant."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from casingfem.io.arrays import Array
 from casingfem.plot.style import new_figure, styled
 from casingfem.plot.ticks import Powers
 
 BINS = 600  # stretches over the width of a panel
+BESIDE = 0.11  # of a panel: where its legend begins, beside the power of ten
+SHORT = 40  # letters of all names of a panel that have room in one line
 POINTS = 4000  # drawn per curve of a close-up: extremes of each bin beyond that
 
 
@@ -34,6 +37,10 @@ def figure_history(panels: Sequence[Panel], closeup: tuple[float, float] | None 
     are the panels of the whole run, then those of the close-up.
     """
     figure = new_figure(8.2, 0.7 + 1.75 * len(panels))
+    span = max((float(panel.time[-1] - panel.time[0]) for panel in panels if len(panel.time)), default=1.0)
+    scale, unit = time_unit(span)
+    closeup = None if closeup is None else (scale * closeup[0], scale * closeup[1])
+    panels = [replace(panel, time=scale * panel.time) for panel in panels]
     columns = 1 if closeup is None else 2
     grid = figure.add_gridspec(len(panels), columns, width_ratios=(2.1, 1.0)[:columns])
     for column in range(columns):
@@ -48,10 +55,12 @@ def figure_history(panels: Sequence[Panel], closeup: tuple[float, float] | None 
                 axes.set_ylabel(panel.label)
                 if closeup is not None:
                     axes.axvspan(*closeup, color="#f0c000", alpha=0.3, linewidth=0.0, zorder=0)
-        made[-1].set_xlabel("time [s]")
+        made[-1].set_xlabel(f"time [{unit}]")
         if column:
             made[0].set_title("close-up", fontsize=9)
             made[0].set_xlim(closeup)
+            made[-1].xaxis.set_major_locator(MaxNLocator(3))
+            made[-1].ticklabel_format(axis="x", useOffset=False)
     return figure
 
 
@@ -78,7 +87,20 @@ def _one(axes: Any, panel: Panel, stretch: tuple[float, float] | None) -> None:
         axes.set_ylim(bottom=0.0)
     axes.yaxis.set_major_formatter(Powers(-4, 5))
     if stretch is None and (named or (panel.level is not None and panel.level[1])):
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=7.5, borderaxespad=0.1)
+        letters = sum(len(name) for name, _, _ in panel.curves)
+        axes.legend(
+            loc="lower left", bbox_to_anchor=(BESIDE, 1.0), ncols=4 if letters < SHORT else 2, fontsize=7.5,
+            borderaxespad=0.1, columnspacing=1.0,
+        )  # fmt: skip
+
+
+def time_unit(span: float) -> tuple[float, str]:
+    """Factor and unit for times of a run of this length [s].
+
+    >>> time_unit(0.4), time_unit(2.5e-4)
+    ((1.0, 's'), (1000.0, 'ms'))
+    """
+    return (1.0, "s") if span >= 0.05 else (1e3, "ms") if span >= 5e-5 else (1e6, "µs")
 
 
 def envelope(time: Array, values: Array, bins: int) -> tuple[Array, Array, Array]:

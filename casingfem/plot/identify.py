@@ -1,5 +1,8 @@
 """Identification drawn: the stabilisation diagram, and fitted over measured responses."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -76,7 +79,7 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
     upper.set_title(f"Response at point {point} to a force at point {reference}", pad=18)
     upper.set_ylabel("magnitude\n[unit of the responses]")
     lower.set(ylabel="phase [deg]", xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
-    upper.legend(handles=upper.lines[:2], loc="lower right")
+    figure.legend(handles=upper.lines[:2], loc="outside upper left", ncols=2, fontsize=8)
     return figure
 
 
@@ -94,21 +97,26 @@ def figure_fit(found: Identified, coherence: FrfSet | None = None) -> Figure:
     handles, labels = rows[0].get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     if unique:
-        rows[0].legend(unique.values(), unique.keys(), loc="lower right")
+        _legend_above(rows[0], list(unique.values()), list(unique))
     rows[0].set_ylabel("mode indicator\n[unit of the responses]")
-    rows[0].set_title(f"Modes: {int(found.sure.sum())} sure, {int(np.sum(~found.sure))} doubtful")
+    rows[0].set_title(f"Modes: {int(found.sure.sum())} sure, {int(np.sum(~found.sure))} doubtful", loc="right")
     parts = (("measured", found.measured, MEASURED), ("fitted", found.fitted, AFTER))
     for label, values, colour in (*parts, ("residual", found.measured - found.fitted, BEFORE)):
         rows[1].semilogy(found.lines, np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), color=colour, lw=0.9, label=label)
     channels = len(found.measured)
     rows[1].set_ylabel(f"rms of {channels} channel{'s' * (channels > 1)}\n[unit of the responses]")
-    rows[1].legend(loc="lower right")
+    _legend_above(rows[1], *rows[1].get_legend_handles_labels())
     if coherence is not None:
         kept = (coherence.x >= found.lines[0]) & (coherence.x <= found.lines[-1])
         rows[2].plot(coherence.x[kept], coherence.responses.real.min(axis=0)[kept], color=BEFORE, lw=0.6)
         rows[2].set(ylim=(0.0, 1.05), ylabel="coherence\n(least) [-]")
     rows[-1].set(xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     return figure
+
+
+def _legend_above(axes: Axes, handles: Sequence[Any], names: Sequence[str]) -> None:
+    """A legend in one line above a panel, at its left."""
+    axes.legend(handles, names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=8, borderaxespad=0.1)
 
 
 def _phase(values: Array) -> FloatArray:

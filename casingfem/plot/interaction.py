@@ -223,7 +223,8 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
         upper.plot([], [], **MARKS[verdict], label=verdict)
     _names_apart(upper, [(f"{row.peak.n}", row.at.speed_hz, row.peak.freq_hz) for row in marked], speed, top)
     figure.legend(loc="outside upper left", ncols=4, fontsize=8)
-    figure.axes[-1].set(xlabel="speed [Hz]", xlim=(float(speed[0]), float(speed[-1])))
+    beyond = 0.012 * float(np.ptp(speed))  # room for the marks at both ends
+    figure.axes[-1].set(xlabel="speed [Hz]", xlim=(float(speed[0]) - beyond, float(speed[-1]) + beyond))
     rpm_above(upper)
     return figure
 

@@ -54,7 +54,7 @@ def figure_spectrum(
         (whole, PERFECT, "whole run"), (spectrum(late, step), BEFORE, "last quarter"),
     ):  # fmt: skip
         shown = (freq > 0.0) & (freq <= top)
-        if shown.any():
+        if shown.any() and amplitude[shown].max() > 0.0:
             upper.semilogy(freq[shown], np.maximum(amplitude[shown], 1e-300), color=colour, linewidth=0.8, label=words)
     largest = max((float(line.get_ydata().max()) for line in upper.lines), default=1.0)
     upper.set(xlabel="frequency [Hz]", ylabel=f"{label} [{unit}]", xlim=(0.0, top))

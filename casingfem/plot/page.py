@@ -70,7 +70,8 @@ class Picture:
     def of(cls, figure: Figure | Drawn, caption: str, *, kind: str = "svg") -> "Picture":
         """Embed a figure with its caption as its text for screen readers, and values that show under the pointer."""
         if isinstance(figure, Drawn):
-            html, values = image(figure.png, "png", caption), hover_values(figure.figure)
+            wide = float(figure.figure.get_size_inches()[0])
+            html, values = image(figure.png, "png", caption, width=wide), hover_values(figure.figure)
         else:
             html, values = embed(figure, caption, kind=kind), hover_values(figure)
         return cls(island("hover", values, html), caption, ("hover",)) if values else cls(html, caption)

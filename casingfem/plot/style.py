@@ -21,7 +21,9 @@ from matplotlib.gridspec import GridSpec
 MEASURED, PERFECT, BEFORE, AFTER = "#000000", "#8a8a8a", "#0072B2", "#D55E00"
 GREEN, SKY, PURPLE = "#009E73", "#56B4E9", "#CC79A7"
 DIVERGING = "RdBu_r"
-SCREEN = 96  # dots an inch, in a notebook
+SCREEN = 96  # dots an inch, in a notebook; of a pixel of a page
+SHARP = 192  # dots an inch of pictures on a page: two for each of its pixels
+PACKING = 4  # of 9: effort to pack a PNG file; more costs time and saves little
 
 RC: dict[str, Any] = {
     "font.size": 9.5,
@@ -145,8 +147,8 @@ class Drawn:
 
     @cached_property
     def png(self) -> bytes:
-        """As a PNG file."""
-        return png(self.figure)
+        """As a PNG file, with two dots for each pixel of a page."""
+        return png(self.figure, dpi=SHARP)
 
 
 @styled
@@ -159,7 +161,7 @@ def embed(figure: Figure, alt: str, *, kind: str = "svg") -> str:
     if kind not in ("svg", "png"):
         raise ValueError(f'kind must be "svg" or "png", found {kind!r}')
     if kind == "png":
-        return image(png(figure), kind, alt)
+        return image(png(figure, dpi=SHARP), kind, alt, width=figure.get_size_inches()[0])
     from matplotlib.backends.backend_svg import FigureCanvasSVG  # files of a run are PNG alone
 
     buffer = io.BytesIO()
@@ -176,7 +178,7 @@ def png(figure: Figure, *, dpi: int = 150) -> bytes:
     """
     buffer = io.BytesIO()
     with _canvas(FigureCanvasAgg, figure, dpi) as canvas:
-        canvas.print_png(buffer, metadata={"Software": None})
+        canvas.print_png(buffer, metadata={"Software": None}, pil_kwargs={"compress_level": PACKING})
     return buffer.getvalue()
 
 
@@ -192,8 +194,9 @@ def _canvas(kind: type[FigureCanvasBase], figure: Figure, dpi: float) -> Iterato
         figure.dpi = own
 
 
-def image(data: bytes, kind: str, alt: str, *, role: str = "") -> str:
-    """An <img> that carries a picture of a kind such as "png"; `role` is its class on the page."""
+def image(data: bytes, kind: str, alt: str, *, role: str = "", width: float = 0.0) -> str:
+    """An <img> with the data of a picture of a kind such as "png"; `role` is its class, `width` [inch] its width."""
     words = alt.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     named = f' class="{role}"' if role else ""
+    named += f' width="{SCREEN * width:.0f}"' if width else ""
     return f'<img{named} alt="{words}" src="data:image/{kind};base64,{base64.b64encode(data).decode("ascii")}">'

@@ -10,6 +10,7 @@ from casingfem.experiment.correlation.pairing import Pairing
 from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import ModeSet
+from casingfem.plot.page import raised
 from casingfem.plot.style import AFTER, BEFORE, DIVERGING, MEASURED, PERFECT, new_figure, styled
 from casingfem.updating.result import UpdateResult
 
@@ -126,21 +127,84 @@ def figure_errors(table: FrequencyTable, models: Mapping[str, Paired]) -> Figure
     return figure
 
 
+PERCENT = 0.1  # decades: a smaller deviation is written in per cent
+DRAWS = 2000  # samples that are drawn
+REACH = 3.0  # standard deviations to each side that a cell of the corner plot shows
+HALF = 0.47  # of a cell
+
+
 @styled
-def figure_correlation(fit: UpdateResult) -> Figure:
-    """Correlations of the updated parameters: near ±1 the data cannot tell two of them apart."""
-    names, R = [p.name for p in fit.parameters], fit.correlation
-    size = 0.62 * len(names) + 2.6
-    figure = new_figure(size + 1.2 + 0.025 * max(map(len, names)), size)
-    figure.set_layout_engine("compressed")  # square cells: else the longest name sticks out at the side
-    axes = figure.add_subplot()
-    image = axes.imshow(R, vmin=-1.0, vmax=1.0, cmap=DIVERGING)
-    axes.grid(False)
-    axes.set_xticks(range(len(names)), names, rotation=35, ha="right")
-    axes.set_yticks(range(len(names)), names)
-    for i in range(len(names)):
-        for j in range(len(names)):
-            colour = "white" if abs(R[i, j]) > 0.6 else "black"
-            axes.text(j, i, f"{R[i, j]:+.2f}", ha="center", va="center", color=colour, fontsize=8.5)
-    figure.colorbar(image, ax=axes, shrink=0.8, label="correlation [-]")
+def figure_corner(fit: UpdateResult, samples: FloatArray | None = None) -> Figure:
+    """Posterior of the parameters: densities on the diagonal, ellipses of 1 and 2 sigma below, correlations above.
+
+    Every cell spans REACH standard deviations to each side of the value. A dashed density is the prior. `samples`
+    (draws, parameters), in the solver's variables, are dots; the Gaussian of the linearised fit stays above them.
+    """
+    names, R = [wrapped(p.name) for p in fit.parameters], np.asarray(fit.correlation)
+    count = len(names)
+    figure = new_figure(2.2 + 1.05 * count, 1.6 + 0.85 * count)
+    axes: Any = figure.add_subplot()
+    above = np.where(np.triu(np.ones_like(R), 1) > 0.0, R, np.nan)
+    cells = axes.imshow(np.ma.masked_invalid(above), vmin=-1.0, vmax=1.0, cmap=DIVERGING, aspect="auto")
+    turn = np.linspace(0.0, 2.0 * np.pi, 91)
+    at = np.linspace(-REACH, REACH, 121)
+    for i in range(count):
+        axes.plot(i + HALF * at / REACH, i + HALF - 0.85 * np.exp(-0.5 * at**2), color=AFTER, linewidth=1.3)
+        prior, sigma = fit.parameters[i].sigma, float(fit.sigma[i])
+        if prior is not None and sigma > 0.0:
+            wide = np.exp(-0.5 * (at * sigma / prior) ** 2) * min(sigma / prior, 1.0)
+            axes.plot(i + HALF * at / REACH, i + HALF - 0.85 * wide, color=PERFECT, linewidth=1.0, linestyle="--")
+        for j in range(count):
+            if j > i:
+                colour = "white" if abs(R[i, j]) > 0.6 else "black"
+                axes.text(j, i, f"{R[i, j]:+.2f}", ha="center", va="center", color=colour, fontsize=8.5)
+            if j < i:
+                if samples is not None and sigma > 0.0:
+                    x, y = ((samples[:DRAWS, k] - fit.x[k]) / float(fit.sigma[k]) for k in (j, i))
+                    inside = (np.abs(x) < REACH) & (np.abs(y) < REACH)
+                    axes.plot(j + HALF * x[inside] / REACH, i - HALF * y[inside] / REACH, ".", color=BEFORE,
+                              markersize=1.0, alpha=0.3, rasterized=True)  # fmt: skip
+                for size in (1.0, 2.0):  # of unit variances and correlation r: u = cos t, v = r u + sqrt(1 - r^2) sin t
+                    u, v = (
+                        size * np.cos(turn),
+                        size * (R[i, j] * np.cos(turn) + np.sqrt(1.0 - R[i, j] ** 2) * np.sin(turn)),
+                    )
+                    axes.plot(j + HALF * u / REACH, i - HALF * v / REACH, color=AFTER, linewidth=1.0)
+    for edge in np.arange(count + 1) - 0.5:
+        axes.axhline(edge, color="#cccccc", linewidth=0.6)
+        axes.axvline(edge, color="#cccccc", linewidth=0.6)
+    axes.set(xlim=(-0.5, count - 0.5), ylim=(count - 0.5, -0.5))
+    axes.grid(visible=False)
+    spread = [value_words(fit, k) for k in range(count)]
+    axes.set_xticks(range(count), spread, fontsize=7.5)
+    axes.set_yticks(range(count), names, fontsize=8)
+    axes.tick_params(length=0)
+    axes.set_xlabel("value ± standard deviation [as in the study]")
+    figure.colorbar(cells, ax=axes, shrink=0.8, label="correlation [-]")
     return figure
+
+
+def wrapped(name: str, most: int = 16) -> str:
+    """An address in lines of about so many letters, broken at dots.
+
+    >>> wrapped("support.base.k_face.p8.cos").split(chr(10))
+    ['support.base', '.k_face.p8.cos']
+    """
+    lines = [""]
+    for k, part in enumerate(name.split(".")):
+        word = f".{part}" if k else part
+        lines = (
+            [*lines[:-1], lines[-1] + word] if len(lines[-1]) + len(word) <= most or not lines[-1] else [*lines, word]
+        )
+    return "\n".join(lines)
+
+
+def value_words(fit: UpdateResult, k: int) -> str:
+    """A value over its standard deviation, which is relative where the value is large against it."""
+    value, sigma, log = float(fit.value[k]), float(fit.sigma[k]), fit.parameters[k].log
+    if log:
+        spread = f"{100.0 * (10.0**sigma - 1.0):.2g} %" if sigma < PERCENT else f"{sigma:.2g} decades"
+        return f"{raised(f'{value:.4g}')}\n± {spread}"
+    if abs(value) > 5.0 * sigma:
+        return f"{raised(f'{value:.4g}')}\n± {100.0 * sigma / abs(value):.2g} %"
+    return f"{raised(f'{value:.3g}')}\n± {raised(f'{sigma:.2g}')}"

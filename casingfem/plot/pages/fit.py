@@ -6,19 +6,27 @@ from matplotlib.figure import Figure
 from casingfem.experiment.correlation.matches import listed
 from casingfem.experiment.correlation.pairing import pair
 from casingfem.experiment.frequency_table import FrequencyTable
-from casingfem.io.arrays import IntArray
+from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.correlation import mac_panel
 from casingfem.plot.page import Picture, Section, Table, Verdict, written
 from casingfem.plot.style import new_figure, styled
-from casingfem.plot.update import Paired, figure_comparison, figure_correlation, figure_errors
+from casingfem.plot.update import Paired, figure_comparison, figure_corner, figure_errors, value_words
 from casingfem.updating.columns import PAIRS
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit
 
+CORNER = (
+    "Posterior of the parameters. Diagonal: density, dashed the prior. Below: ellipses of one and two standard "
+    "deviations. Above: correlations; near ±1 the data cannot distinguish two parameters. Every cell spans three "
+    "standard deviations to each side."
+)
+WIDE = 14  # columns of a MAC matrix: wider ones stand one below the other
+WORST = 4  # parameters that a sentence names
 
-def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
-    """Before and after: figures, parameters, pairs, what the data cannot tell."""
+
+def update_section(fit: UpdateResult, reference: Modes | None, samples: FloatArray | None = None) -> Section:
+    """Before and after: figures, parameters, pairs; `samples` of the posterior (draws, parameters) where there are."""
     models = {"imperfect" if reference is not None else "before": Paired(fit.before, fit.pairing_before)}
     if reference is not None:
         models = {"perfect": Paired(reference, pair(reference, fit.table)), **models}
@@ -32,8 +40,7 @@ def update_section(fit: UpdateResult, reference: Modes | None) -> Section:
     )
     figures.append(Picture.of(figure_errors(fit.table, models), within))
     if len(fit.parameters) > 1:
-        alike = "Correlations of the parameters after the update: near ±1 the data cannot tell two of them apart."
-        figures.append(Picture.of(figure_correlation(fit), alike))
+        figures.append(Picture.of(figure_corner(fit, samples), CORNER))
     caption = "Parameters; sigma is one standard deviation given the measurement's uncertainty and the priors."
     pairs = fit.pairs()
     tables = (
@@ -61,24 +68,64 @@ def update_words(fit: UpdateResult) -> list[str]:
         f"{len(fit.parameters)} parameters and {len(fit.history)} evaluations. {misfit_words(fit)} "
         f"Stopped: {fit.stopped.rstrip('.')}."
     ]
-    words += [f"The data cannot tell {a} from {b} (correlation {r:+.2f})." for a, b, r in fit.indistinct()]
-    named = zip(fit.parameters, fit.prior_only, fit.at_bound, strict=True)
-    for p, weak, bound in named:
-        words += [f"{p.name} is known from its prior only."] if weak else []
-        words += [f"{p.name} ended on a bound: the model or the bound is wrong."] if bound else []
-    return words
+    return words + [words_of for _, words_of in unsure(fit)]
 
 
-def update_verdict(fit: UpdateResult) -> Verdict:
-    """What an update found, how far it can be believed, and what would make it surer."""
-    found = (
-        f"{len(fit.parameters)} parameters fitted to {used_words(fit)}: RMS frequency error "
-        f"{written(100.0 * fit.rms_before, 2)} % at the start values, {written(100.0 * fit.rms_after, 2)} % after."
+def unsure(fit: UpdateResult) -> list[tuple[str, str]]:
+    """Names of parameters that the data do not determine, and why."""
+    found = [
+        (f"{a} and {b}", f"The data cannot distinguish {a} from {b} (correlation {r:+.2f}).")
+        for a, b, r in fit.indistinct()
+    ]
+    for p, weak, bound in zip(fit.parameters, fit.prior_only, fit.at_bound, strict=True):
+        found += [(p.name, f"Only its prior determines {p.name}.")] if weak else []
+        found += [(p.name, f"{p.name} ended on a bound: the model or the bound is wrong.")] if bound else []
+    return found
+
+
+def update_verdict(fit: UpdateResult, shapes: ShapeFit | None = None) -> Verdict:
+    """How good the updated model is, which parameters are sure, what would make it surer."""
+    converged = fit.stopped.startswith("converged")
+    poor = not converged or fit.inflation > 1.0
+    sentence = (
+        f"The updated model has an RMS frequency error of {written(100.0 * fit.rms_after, 2)} %, against "
+        f"{written(100.0 * fit.rms_before, 2)} % before, over {used_words(fit)}."
     )
-    sure = misfit_words(fit)
-    if not fit.stopped.startswith("converged"):
-        sure += f" The fit did not converge: {fit.stopped.rstrip('.')}."
-    return Verdict(found=found, sure=sure, further=" ".join(remedies(fit)))
+    doubtful = unsure(fit)
+    facts = [("Largest errors", f"{capital(worst_rows(fit))}.")]
+    if shapes is not None:
+        facts.append(("Shapes", f"The MAC of paired shapes is {shapes.after.mean_plane:.3f} in the mean; before the "
+                                f"update it was {shapes.before.mean_plane:.3f}."))  # fmt: skip
+    facts += [("Sure", sure)] if (sure := sure_words(fit)) else []
+    facts += [("Not sure", " ".join(words for _, words in doubtful[:WORST]))] if doubtful else []
+    sure_of = misfit_words(fit) + ("" if converged else f" The fit did not converge: {fit.stopped.rstrip('.')}.")
+    state = "bad" if not converged else "open" if poor or doubtful else "good"
+    return Verdict(found=sentence, sure=sure_of, further=" ".join(remedies(fit)), facts=tuple(facts), state=state)
+
+
+def sure_words(fit: UpdateResult) -> str:
+    """Value and standard deviation of the parameters that the data determine, the surest first."""
+    alike = {name for a, b, _ in fit.indistinct() for name in (a, b)}
+    kept = [
+        k for k, p in enumerate(fit.parameters)
+        if p.name not in alike and not fit.prior_only[k] and not fit.at_bound[k]
+    ]  # fmt: skip
+    spread = {
+        k: float(fit.sigma[k]) / (1.0 if fit.parameters[k].log else abs(float(fit.value[k])) or 1.0) for k in kept
+    }
+    kept.sort(key=lambda k: spread[k])
+    words = "; ".join(f"{fit.parameters[k].name} = {value_words(fit, k).replace(chr(10), ' ')}" for k in kept[:WORST])
+    more = f"; and {len(kept) - WORST} more" if len(kept) > WORST else ""
+    return f"{words}{more} (one standard deviation)." if kept else ""
+
+
+def capital(words: str) -> str:
+    """A sentence's first letter in upper case.
+
+    >>> capital("mode 1")
+    'Mode 1'
+    """
+    return words[:1].upper() + words[1:]
 
 
 def used_words(fit: UpdateResult) -> str:
@@ -89,12 +136,17 @@ def used_words(fit: UpdateResult) -> str:
 
 def misfit_words(fit: UpdateResult) -> str:
     """How the residuals compare with the stated uncertainty."""
-    return f"The misfit is {written(fit.misfit, 2)} standard deviations: " + (
-        "far less than the stated uncertainty leaves; it is too large, or the table comes from a model."
-        if fit.overstated
-        else "what the measurement's uncertainty explains."
-        if fit.inflation == 1.0
-        else "more than chance leaves of the stated uncertainty; every sigma is larger by it."
+    times = written(fit.misfit, 2)
+    if fit.overstated:
+        return (
+            f"The residuals are only {times} times what the stated uncertainty explains: the uncertainty is too large, "
+            "or the table comes from a model."
+        )
+    if fit.inflation == 1.0:
+        return f"The stated uncertainty of the measurement explains the residuals ({times} times its size)."
+    return (
+        f"The residuals are {times} times what the stated uncertainty explains; all standard deviations were "
+        f"multiplied by {times}."
     )
 
 
@@ -104,14 +156,14 @@ def remedies(fit: UpdateResult) -> list[str]:
     bounds = [p.name for p, bound in zip(fit.parameters, fit.at_bound, strict=True) if bound]
     weak = [p.name for p, known in zip(fit.parameters, fit.prior_only, strict=True) if known]
     words = [f"{', '.join(bounds)} ended on a bound: widen it, or look for what the model lacks."] if bounds else []
-    words += [f"Hold {a} or {b}: the data cannot tell them apart." for a, b, _ in alike]
-    words += [f"Take {', '.join(weak)} out of the fit, or measure modes that feel it: the data say nothing of it."
+    words += [f"Fix {a} or {b}: the data cannot distinguish them." for a, b, _ in alike]
+    words += [f"Take {', '.join(weak)} out of the fit, or measure modes that depend on it: the data do not."
               ] if weak else []  # fmt: skip
     if fit.set_aside:
         what = f"modes {listed(fit.set_aside)}" if len(fit.set_aside) > 1 else f"mode {fit.set_aside[0]}"
-        words.append(f"Check {what} of the table: set aside here, as contradicting all other rows.")
+        words.append(f"Check {what} of the table: set aside, because all other rows contradict it.")
     if fit.inflation > 1.0:
-        words.append(f"Look at {worst_rows(fit)}: something that is not varied is wrong there, or the measurement.")
+        words.append(f"Check {worst_rows(fit)}: the measurement, or a part of the model that is not varied, is wrong.")
     return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
 
 
@@ -129,7 +181,7 @@ def shapes_section(found: ShapeFit) -> Section:
     """MAC before and after, sensors that agree least, and what is left over on both sides."""
     caption = (
         "MAC of measured shapes (rows) with computed modes (columns) before and after the update; pairs are framed, "
-        "doublets as one: within a frame the members may be turned."
+        "doublets as one: within a frame the members may be turned. Numbers: MAC in per cent, from 20 % on."
     )
     return Section(
         "Mode shapes",
@@ -184,12 +236,14 @@ def sensors_table(found: ShapeFit) -> Table:
 @styled
 def figure_shape_mac(found: ShapeFit) -> Figure:
     """MAC before and after, side by side."""
-    figure = new_figure(8.0, 4.2)
+    columns = max(found.before.mac.shape[1], found.after.mac.shape[1])
+    wide = columns > WIDE
+    figure = new_figure(8.2, 2.0 + 0.36 * len(found.after.rows) if wide else 4.2)
     for place, (name, side) in enumerate((("before", found.before), ("updated", found.after))):
-        axes = figure.add_subplot(1, 2, place + 1)
+        axes = figure.add_subplot(*((2, 1) if wide else (1, 2)), place + 1)
         freq_hz = found.fit.table.freq_hz[side.rows]
         image = mac_panel(axes, side.mac, framed(side), side.modes, freq_hz, size=5.5)
-        axes.set(ylabel="measured [Hz]" if place == 0 else "", title=name)
+        axes.set(ylabel="measured [Hz]" if place == 0 or wide else "", title=name)
     figure.colorbar(image, ax=figure.axes, shrink=0.8, label="MAC [-]")
     return figure
 

@@ -7,7 +7,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from casingfem.plot.history import time_unit
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
+from casingfem.plot.pages.interactions import speeds_section
 from casingfem.plot.pages.speeds import speed_words, with_rpm
 from contact.io.columns import Columns
 
@@ -16,21 +18,16 @@ CAPTIONS = {
     "run": "Force averaged over the model's shortest period, gap, and motion; bands span the lowest and highest value "
     "of each stretch of time. Right: close-up of the yellow stretch, about the largest force.",
     "angle": "Largest contact force over the place on the casing and time; each row is a whole number of turns.",
-    "spectrum": "Spectrum of the contact force, whole run and last quarter, with the frequencies of blade and casing "
-    "alone; numbers above are the nodal diameters n of the casing's modes.",
+    "spectrum": "Spectrum of the contact force, whole run and last quarter. Of a rub, lines mark the frequencies of "
+    "blade and casing alone; numbers above are the nodal diameters n of the casing's modes.",
     "spectrum_tip": "Top: spectrum of the tip's motion along the contact's normal. Bottom: spectrogram.",
     "waves": "Full spectrum: waves of the rim by nodal diameter and frequency in the second half of the run. Right: "
     "their amplitude in both directions.",
     "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
     "section": "Poincare section: the first tip once a turn in the second half of the run. A motion with the period of "
     "a turn is one point, one of k turns k points, a chaotic one a cloud.",
-    "energy": "Energy into the bodies by source, and strain energy over time.",
-    "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can feed, with their n. "
-    "Middle: growth of closed contact (line) and of the runs. Bottom: rim deflection. Unstable speeds are shaded.",
-    "map": "Interaction map at the speed of the run. Where a triangle lies on a line of the blade, casing and blade "
-    "interact.",
+    "energy": "Energy into the bodies by source; below, where bodies are modal, their strain energy over time.",
 }
-OF_SPEED = ("interactions", "map")
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -71,14 +68,11 @@ def scene_page(
     source: Mapping[str, Any], films: Sequence[Picture] = (),
 ) -> str:  # fmt: skip
     """HTML of the page; `found` is what `contact.interactions` returned, or `why` says why there is none."""
-    shown = [key for key in CAPTIONS if key in figures and key not in OF_SPEED]
+    shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
-        pictures = tuple(Picture.of(figures[key], CAPTIONS[key]) for key in OF_SPEED if key in figures)
-        rows = () if found is None else found.records()
-        tables = (Table.of("Dangerous speeds, the worst first.", found.COLUMNS, rows),) if rows else ()
         words = (*speed_words(found, why), *(() if found is None else (found.words,)))
-        sections.append(Section("Dangerous speeds", words, pictures, tables))
+        sections.append(speeds_section(found, figures, words))
     sections.append(Section("Motion", figures=(*films, *(Picture.of(figures[key], CAPTIONS[key]) for key in shown))))
     sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(contacts_table(ran), numbers_table(ran))))
     sections.append(Section("The scene", preformatted=scene))
@@ -121,7 +115,29 @@ def outcome(ran: Ran) -> tuple[str, str]:
         how = "decays" if growing == "decays" else "is bounded" if growing == "bounded" else "is at rest"
         return "good", f"Bounded{at}: {touch_words(ran)} and the motion {how}."
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
-    return "open", f"Contact is closed {share:.3g} % of {ran.span:.4g} s, in {counted(ran.closings, 'interval')}."
+    return "", (
+        f"The contact force is {force_size(ran.force)} at most. The contact is closed {share:.3g} % of "
+        f"{duration(ran.span)}, in {counted(ran.closings, 'interval')}."
+    )
+
+
+def force_size(force: float) -> str:
+    """A force in N or kN.
+
+    >>> force_size(45.5), force_size(66840.0)
+    ('45.5 N', '66.84 kN')
+    """
+    return f"{force:.4g} N" if force < 1e4 else f"{1e-3 * force:.4g} kN"
+
+
+def duration(time: float) -> str:
+    """A time in its unit.
+
+    >>> duration(0.4), duration(2.5019e-4)
+    ('0.4 s', '0.2502 ms')
+    """
+    scale, unit = time_unit(time)
+    return f"{scale * time:.4g} {unit}"
 
 
 def touch_words(ran: Ran) -> str:
@@ -145,8 +161,8 @@ def force_words(ran: Ran) -> str:
         return "None."
     several = f" over {len(ran.contacts)} contacts" if len(ran.contacts) > 1 else ""
     return (
-        f"At most {ran.force:.4g} N, averaged over {1e3 * ran.window:.3g} ms (the model's shortest period); impulse "
-        f"{ran.impulse:.4g} N s{several}."
+        f"At most {force_size(ran.force)}, averaged over {1e3 * ran.window:.3g} ms (the model's shortest period); "
+        f"impulse {ran.impulse:.4g} N s{several}."
     )
 
 

@@ -4,6 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 NAMED = 4  # ranges that a sentence lists
+OF_SPEED = {
+    "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can feed, with their n. "
+    "Middle: growth of closed contact (line) and of the runs. Bottom: rim deflection. Unstable speeds are shaded.",
+    "map": "Interaction map at one speed. Where a triangle lies on a line of the blade, casing and blade interact.",
+}
 VERDICTS = {
     "unstable": "Unstable", "not decided": "Not decided, runs at these speeds are too short", "resonance": "Resonance",
 }  # fmt: skip
@@ -15,7 +20,7 @@ def with_rpm(hz: float) -> str:
     >>> with_rpm(5.0), with_rpm(0.05)
     ('300 rpm (5 Hz)', '3 rpm (0.05 Hz)')
     """
-    return f"{60.0 * hz:.5g} rpm ({hz:.4g} Hz)"
+    return f"{60.0 * hz:.4g} rpm ({hz:.4g} Hz)"
 
 
 def range_words(low: float, high: float) -> str:
@@ -26,15 +31,31 @@ def range_words(low: float, high: float) -> str:
     """
     if with_rpm(low) == with_rpm(high):
         return with_rpm(low)
-    return f"{60.0 * low:.5g} to {60.0 * high:.5g} rpm ({low:.4g} to {high:.4g} Hz)"
+    return f"{60.0 * low:.4g} to {60.0 * high:.4g} rpm ({low:.4g} to {high:.4g} Hz)"
+
+
+def joined(ranges: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Ranges that meet or overlap as one, ascending.
+
+    >>> joined([(4.0, 5.0), (1.0, 2.0), (2.0, 3.0), (1.5, 1.7)])
+    [(1.0, 3.0), (4.0, 5.0)]
+    """
+    found = list[tuple[float, float]]()
+    for low, high in sorted(ranges):
+        if found and low <= found[-1][1]:
+            found[-1] = (found[-1][0], max(found[-1][1], high))
+        else:
+            found.append((low, high))
+    return found
 
 
 def listed(ranges: Sequence[tuple[float, float]]) -> str:
-    """Some ranges, and how many more.
+    """Some ranges, those that meet as one, and how many more.
 
-    >>> listed([(1.0, 2.0)] * 5).split("; ")[-1]
+    >>> listed([(2.0 * k, 2.0 * k + 1.0) for k in range(5)]).split("; ")[-1]
     'and 1 more'
     """
+    ranges = joined(ranges)
     words = "; ".join(range_words(low, high) for low, high in ranges[:NAMED])
     return words + (f"; and {len(ranges) - NAMED} more" if len(ranges) > NAMED else "")
 

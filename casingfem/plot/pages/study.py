@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
+from casingfem.io.arrays import FloatArray
 from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
 from casingfem.plot.page import Section, Verdict, origin, render_page
@@ -15,7 +17,7 @@ from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study, perfect
 from casingfem.study.tasks import run_reduce, run_update
 from casingfem.updating.result import UpdateResult
-from casingfem.updating.shape_fit import shape_fit
+from casingfem.updating.shape_fit import ShapeFit, shape_fit
 
 SYNTHETIC = "SYNTHETIC: the frequency table was made by a program; nobody measured it."
 
@@ -37,35 +39,38 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
     sections = [inputs_section(study), modes_section(found, reference)]
     structure: Shell | MeshStructure = study.structure
     fit: UpdateResult | None = None
+    compared: ShapeFit | None = None
     if study.table is not None:
         found_fit = clock("update", lambda: run_update(study))
         fit, structure = found_fit, found_fit.structure
-        sections += clock("update's comparison", lambda: fit_sections(found_fit))
+        compared = shape_fit(found_fit)
+        sections += clock("update's comparison", lambda: fit_sections(found_fit, compared))
     if study.file.reduce is not None:
         basis = clock("reduction", lambda: run_reduce(study, structure))
         sections.append(reduction_section(basis, updated=study.table is not None))
     say("drawing")
     sections.append(provenance_section(study, clock.seconds))
     return render_page(
-        f"Study {study.path.stem}", sections, verdict=study_verdict(study, found, fit), source=origin(study.source),
+        f"Study {study.path.stem}", sections, verdict=study_verdict(study, found, fit, compared),
+        source=origin(study.source),
         notice=SYNTHETIC if study.table is not None and study.table.synthetic else "",
     )  # fmt: skip
 
 
-def update_page(study: Study | MeshStudy, fit: UpdateResult) -> str:
-    """HTML of the page on an update that was run."""
-    sections = [inputs_section(study), *fit_sections(fit), provenance_section(study, fit.seconds)]
+def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray | None = None) -> str:
+    """HTML of the page on an update that was run; `samples` of its posterior (draws, parameters) where there are."""
+    compared = shape_fit(fit)
+    sections = [*fit_sections(fit, compared, samples), inputs_section(study), provenance_section(study, fit.seconds)]
     return render_page(
-        f"Update of {study.path.stem}", sections, verdict=update_verdict(fit), source=origin(study.source),
+        f"Update of {study.path.stem}", sections, verdict=update_verdict(fit, compared), source=origin(study.source),
         notice=SYNTHETIC if fit.table.synthetic else "",
     )  # fmt: skip
 
 
-def fit_sections(fit: UpdateResult) -> list[Section]:
+def fit_sections(fit: UpdateResult, compared: ShapeFit | None, samples: FloatArray | None = None) -> list[Section]:
     """What an update found, and its mode shapes where they were measured."""
     ideal = imperfect(fit.before.structure)
-    compared = shape_fit(fit)
-    sections = [update_section(fit, None if ideal is None else modes(ideal, len(fit.before)))]
+    sections = [update_section(fit, None if ideal is None else modes(ideal, len(fit.before)), samples)]
     return sections + ([] if compared is None else [shapes_section(compared)])
 
 
@@ -96,11 +101,13 @@ def imperfect(structure: object) -> Shell | None:
     return perfect(structure) if around or structure.defects else None
 
 
-def study_verdict(study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | None) -> Verdict:
+def study_verdict(
+    study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | None, compared: ShapeFit | None = None
+) -> Verdict:
     """What the page says first: of an update where there is one, else of the modes."""
     if fit is not None:
-        judged = update_verdict(fit)
-        return Verdict(found=f"{lead(found)} {judged.found}", sure=judged.sure, further=judged.further)
+        judged = update_verdict(fit, compared)
+        return replace(judged, facts=(("Modes", lead(found)), *judged.facts))
     counted = (
         "The modes could not be counted by inertia: whether one is missing is not known."
         if found.sturm_count is None
@@ -114,7 +121,7 @@ def study_verdict(study: Study | MeshStudy, found: ModeSet, fit: UpdateResult | 
         if study.file.reduce is not None
         else f"Measure it and fit the model: a table [update] in {name}; or reduce it for contact: a table [reduce]."
     )
-    return Verdict(found=lead(found), sure=f"{counted} They are those of this model, not of a test.", further=further)
+    return Verdict(found=lead(found), sure=f"{counted} A test has not confirmed this model.", further=further)
 
 
 def lead(found: ModeSet) -> str:

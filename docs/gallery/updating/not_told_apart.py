@@ -7,7 +7,7 @@ nothing changes is named. The table is SYNTHETIC.
 """
 
 import casingfem as cf
-from casingfem.plot.update import figure_correlation
+from casingfem.plot.update import figure_corner
 
 
 def casing(E, rho, thickness):
@@ -32,6 +32,6 @@ vary = [
 ]
 fit = cf.update(casing(210e9, 7800.0, 1.5e-3), table, vary)
 print(fit)
-figure = figure_correlation(fit)
+figure = figure_corner(fit)
 
 assert fit.correlation[0, 1] > 0.95

@@ -7,6 +7,8 @@ import numpy as np
 
 from casingfem.plot.pages.scene import Ran
 from contact.growth.cycles import Branch, Cycles, Orbit, Special, Trace
+from contact.interacting import COLUMNS
+from contact.io.columns import records_of
 from contact.record.growth import RunGrowth
 from contact.result import CONTACTS
 
@@ -89,3 +91,22 @@ def trace_samples() -> list[Trace]:
               displacement={"x": 1e-5 * value * np.cos(2.0 * np.pi * time)})
         for value, size in ((12.0, 0.8), (14.0, 1.2))
     ]  # fmt: skip
+
+
+def speeds_sample() -> Any:
+    """A table of dangerous speeds from 1 to 10 Hz: unstable from 4 to 5 Hz, else safe."""
+
+    def run(speed: float, verdict: str, growth: float) -> Any:
+        return SimpleNamespace(
+            speed_hz=speed, verdict=verdict, closed=12.0, growth=growth, low=growth - 0.1, high=growth + 0.1,
+            amplitude_m=1e-5 * speed, half_wall_s=2.0 if growth > 0.0 else np.inf, n=3, wave="with", body="casing",
+            seconds=0.4, why="", check="converged" if growth > 0.0 else "",
+        )  # fmt: skip
+
+    runs = (run(2.0, "safe", -0.5), run(4.5, "unstable", 3.0), run(9.0, "safe", -0.4))
+    row = SimpleNamespace(from_hz=4.0, to_hz=5.0, at=runs[1], peak=None, n=3, wave="with", body="casing")
+    peaks = SimpleNamespace(map=SimpleNamespace(speed_hz=np.linspace(1.0, 10.0, 10)))
+    return SimpleNamespace(
+        rows=(row,), runs=runs, peaks=peaks, COLUMNS=COLUMNS, words="3 runs of the scene: 1 unstable, 2 safe.",
+        records=lambda: records_of(COLUMNS, SimpleNamespace(rows=(row,))),
+    )  # fmt: skip

@@ -13,7 +13,7 @@ from casingfem.plot.experiment import figure_deflections, figure_scan
 from casingfem.plot.modes import figure_splits
 from casingfem.plot.pages.fit import figure_shape_mac
 from casingfem.plot.records import figure_estimate, figure_hit
-from casingfem.plot.update import Paired, figure_comparison, figure_correlation
+from casingfem.plot.update import Paired, figure_comparison, figure_corner
 from tests.casingfem.plot.drawings import drawn, require_units, same
 
 TIME = np.linspace(-0.01, 0.99, 1001)
@@ -143,15 +143,23 @@ def test_a_comparison_shows_frequencies_splits_and_antinodes_of_both_sides(modes
     assert np.array_equal(np.round(x), n[np.argsort(modes.freq[rows])][np.argsort(np.argsort(y))])
 
 
-def test_correlations_are_written_into_their_cells():
+def test_a_corner_plot_has_ellipses_of_the_correlation_and_the_density_of_each_parameter():
     R = np.array([[1.0, -0.94], [-0.94, 1.0]])
-    fit = SimpleNamespace(parameters=[SimpleNamespace(name="material.E"), SimpleNamespace(name="k")], correlation=R)
-    figure = figure_correlation(fit)
+    given = {"sigma": None, "log": False}
+    fit = SimpleNamespace(
+        parameters=[SimpleNamespace(name="material.E", **given), SimpleNamespace(name="k", **given)], correlation=R,
+        value=(2e11, 0.01), sigma=np.array([2e9, 0.02]), x=np.array([2e11, 0.01]),
+    )  # fmt: skip
+    figure = figure_corner(fit)
+    axes = figure.axes[0]
     assert figure.axes[1].get_ylabel() == "correlation [-]"
-    assert np.array_equal(figure.axes[0].images[0].get_array(), R)
-    assert {text.get_position(): text.get_text() for text in figure.axes[0].texts} == {
-        (0, 0): "+1.00", (1, 0): "-0.94", (0, 1): "-0.94", (1, 1): "+1.00",
-    }  # fmt: skip
+    assert {text.get_position(): text.get_text() for text in axes.texts} == {(1, 0): "-0.94"}
+    words = [label.get_text() for label in axes.get_xticklabels()]
+    assert words == ["2 × 10\u00b9\u00b9\n± 1 %", "0.01\n± 0.02"]
+    ellipses = [np.array(line.get_data()) for line in axes.lines if len(line.get_xdata()) == 91]
+    for size, ellipse in zip((1.0, 2.0), ellipses, strict=True):
+        u, v = (ellipse[0] - 0.0) * 3.0 / 0.47, (1.0 - ellipse[1]) * 3.0 / 0.47
+        np.testing.assert_allclose((u**2 - 2.0 * R[0, 1] * u * v + v**2) / (1.0 - R[0, 1] ** 2), size**2)
 
 
 def side(mac):

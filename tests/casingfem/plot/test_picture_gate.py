@@ -1,8 +1,6 @@
 """The picture gate: no data cut off, no legend over data, no names that overlap, no missing unit; no cut page."""
 
-import re
 from functools import partial
-from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,51 +11,24 @@ from casingfem.plot.cycles import figure_cycles, figure_multipliers, figure_orbi
 from casingfem.plot.history import Panel, figure_history
 from casingfem.plot.interaction import figure_map, figure_speeds
 from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
-from casingfem.plot.page import Picture, Section, Verdict, render_page
-from casingfem.plot.pages.scene import CAPTIONS, scene_page
+from casingfem.plot.pages.cycles import cycles_page
+from casingfem.plot.pages.interactions import interactions_page
+from casingfem.plot.pages.scene import scene_page
+from casingfem.plot.pages.sweep import sweep_page
+from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.waves import Mark, figure_force_map, figure_section, figure_waves
+from contact.sweep.columns import MEASURED
 from tests.casingfem.plot.browser import browser, found_browser
-from tests.casingfem.plot.page_samples import cycles_sample, ran_sample, rim_sample, run_rows, trace_samples
-
-COUNTED = ("nodal diameters n", "mode")
-A4 = 794  # pixels across, 96 an inch
-REPR = re.compile(r"\b[A-Z]\w+\([a-z_]+=|\barray\(|<[\w.]+ object at|\bnan\b|Warning\b|\d[eE][+-]\d")
-
-
-def faults_of(figure: Figure) -> list[str]:
-    """What the gate refuses in a figure."""
-    figure.draw_without_rendering()
-    found = []
-    for axes in figure.axes:
-        if axes.get_label() == "<colorbar>":
-            found += [] if "[" in axes.get_ylabel() else [f"no unit: {axes.get_ylabel()!r}"]
-            continue
-        box, shared = axes.bbox, axes.get_shared_x_axes().get_siblings(axes)
-        x = next((other.get_xlabel() for other in shared if other.get_xlabel()), "")
-        found += [] if "[" in x or x in COUNTED else [f"no unit: {x!r}"]
-        low, high = axes.get_ylim()
-        for line in axes.lines:
-            y = np.asarray(line.get_ydata(), float)
-            inside = y[np.isfinite(y)]
-            if line.get_transform() == axes.transData and inside.size and axes.get_yscale() == "linear":
-                slack = 1e-9 * (high - low)
-                cut = inside.max() > high + slack or inside.min() < low - slack
-                found += [f"data cut off in {axes.get_ylabel()!r}"] if cut and line.get_linestyle() != ":" else []
-        legend = axes.get_legend()
-        if legend is not None and legend.get_window_extent().overlaps(box):
-            shares = legend.get_window_extent()
-            found += ["legend over data"] if shares.y0 < box.y1 - 1.0 and shares.x0 < box.x1 - 1.0 else []
-        names = [text for text in axes.texts if text.get_text()]
-        ticks = [tick for tick in axes.get_xticklabels() if tick.get_text() and tick.get_visible()]
-        for group in (names, ticks):
-            boxes = [(text.get_text(), text.get_window_extent()) for text in group]
-            found += [f"{a!r} over {b!r}" for (a, one), (b, other) in combinations(boxes, 2) if one.overlaps(other)]
-    whole = figure.get_tightbbox()
-    size = figure.get_size_inches()
-    beyond = min(whole.x0, whole.y0) < -0.02 or np.any(size + 0.02 < [whole.x1, whole.y1])
-    return found + (["a label is cut off"] if beyond else [])
-
+from tests.casingfem.plot.page_gate import faults_of, page_faults
+from tests.casingfem.plot.page_samples import (
+    cycles_sample,
+    ran_sample,
+    rim_sample,
+    run_rows,
+    speeds_sample,
+    trace_samples,
+)
 
 TIME = np.linspace(0.0, 1.0, 8001)
 WAVE = np.sin(2.0 * np.pi * 300.0 * TIME) * np.exp(-TIME)
@@ -80,6 +51,11 @@ FIGURES = {
     "run": lambda: figure_history(
         [Panel(label="gap [mm]", time=TIME, curves=[("tip", WAVE, "k"), ("rim", -WAVE, "b")], level=(1.0, "top"))] * 3,
         (0.1, 0.15),
+    ),
+    "run of rods": lambda: figure_history(
+        [Panel(label="displacement [mm]", time=2e-4 * TIME,
+               curves=[(f"rod {k}, {side} end", 1e-5 * WAVE, "k") for k in (1, 2) for side in ("left", "right")])] * 3,
+        (2e-5, 3e-5),
     ),
     "spectrum": lambda: figure_spectrum(TIME, WAVE, label="force", unit="N", marks=CROWD, turn_hz=5.0),
     "waves": lambda: figure_waves(rim_sample(), [(3, 50.0), (4, 300.0)]),
@@ -104,38 +80,64 @@ def test_a_picture_passes_the_gate(name):
     assert faults_of(FIGURES[name]()) == []
 
 
-def test_the_gate_finds_each_fault():
+def test_the_gate_finds_each_fault_of_a_figure():
     figure = Figure(figsize=(4.0, 3.0))
     axes = figure.add_subplot()
     axes.plot([0.0, 1.0], [0.0, 2.0], label="a line")
-    axes.set(xlabel="time", ylim=(0.0, 1.0))
-    axes.legend()
+    axes.set(xlabel="time", ylabel="gap [mm]", ylim=(0.0, 1.0))
+    axes.legend(loc="upper left")
     axes.text(0.5, 0.5, "one name")
     axes.text(0.51, 0.5, "another")
     axes.annotate("far out", (0.5, 1.6), xycoords="axes fraction", annotation_clip=False)
     assert faults_of(figure) == [
-        "no unit: 'time'", "data cut off in ''", "legend over data", "'one name' over 'another'", "a label is cut off"
+        "data cut off in 'gap [mm]'", "no unit: 'time'", "legend over data", "'one name' over 'another'",
+        "a label is cut off",
     ]  # fmt: skip
+
+
+PAGES = {
+    "rub": lambda figures: scene_page(
+        "rub", "[scene]", ran_sample(), figures, source=SOURCE, found=speeds_sample(), films=()
+    ),
+    "rods": lambda figures: scene_page(
+        "rods", "[scene]", ran_sample(rubs=False, growth=None, rim=None, speed_hz=0.0), {}, source=SOURCE
+    ),
+    "sweep": lambda figures: sweep_page(
+        "rub", ["speed.hz [turns/s]"], ["speed.hz"], run_rows("diverged", "grows"), SOURCE,
+        Drawn(swept("diverged", "grows")), MEASURED,
+    ),
+    "cycles": lambda figures: cycles_page("rod", cycles_sample(), SOURCE, trace_samples()),
+    "interactions": lambda figures: interactions_page("rub", speeds_sample(), {}, SOURCE),
+}  # fmt: skip
+SOURCE = {"scene": "a_name_without_a_place_to_break_it_" * 3 + ".toml", "sha256": "0123" * 16, "numpy": "2.0"}
+BROKEN = {
+    "the page is wider than the window": '<div style="width: 1500px">x</div>',
+    "cut at the right: table": f"<table><tr>{'<td>cell</td>' * 200}</tr></table>",
+    "cut at the right: img": '<img width="900" style="max-width: none" alt="">',
+    "no unit: impulse": '<table><tr><th class="number">impulse</th></tr></table>',
+    "raw repr": "<p>Modes(freq=array([1, 2]))</p>",
+    "text of a warning": "<p>RuntimeWarning: overflow</p>",
+}
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("gate")) as one:
+        yield one
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(found_browser() is None, reason="no browser: apt-get install chromium, or CASINGFEM_BROWSER")
-def test_a_page_is_whole_on_paper_and_on_a_phone_and_has_no_repr(tmp_path):
-    figures = {name: draw() for name, draw in FIGURES.items() if name in CAPTIONS}
-    html = scene_page("rub", "[scene]", ran_sample(), figures, source={"scene": "rub.toml", "sha256": "01" * 32})
-    (tmp_path / "scene.html").write_text(html, encoding="utf-8")
-    wide = Picture.of(swept("diverged", "grows"), "A sweep.")
-    verdict = Verdict(found="Four runs.", sure="Sure.", further="None.")
-    (tmp_path / "sweep.html").write_text(render_page("S", [Section("A", figures=(wide,))], verdict=verdict))
-    with browser(tmp_path / "user") as tab:
-        for name in ("scene", "sweep"):
-            for width, media in ((A4, "print"), (360, "screen")):
-                tab.open(tmp_path / f"{name}.html", width)
-                tab.send("Emulation.setEmulatedMedia", media=media)
-                assert tab.run("document.documentElement.scrollWidth") <= width, (name, width)
-                over = (
-                    "[...document.querySelectorAll('img')].filter((e) => e.getBoundingClientRect().right > innerWidth)"
-                )
-                assert media == "screen" or tab.run(f"{over}.length") == 0, name
-            assert REPR.search(tab.run("document.body.innerText")) is None
-            assert tab.heard == []
+@pytest.mark.parametrize("kind", PAGES)
+def test_a_page_passes_the_gate_on_a_desk_on_a_phone_and_on_paper(kind, tab, tmp_path):
+    figures = {name: FIGURES[name]() for name in ("run", "section") if kind == "rub"}
+    (tmp_path / "page.html").write_text(PAGES[kind](figures), encoding="utf-8")
+    assert page_faults(tab, tmp_path / "page.html") == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(found_browser() is None, reason="no browser: apt-get install chromium, or CASINGFEM_BROWSER")
+@pytest.mark.parametrize("fault", BROKEN)
+def test_the_gate_finds_each_fault_of_a_page(fault, tab, tmp_path):
+    (tmp_path / "page.html").write_text(f"<body><main>{BROKEN[fault]}</main></body>", encoding="utf-8")
+    assert any(fault in found for found in page_faults(tab, tmp_path / "page.html"))

@@ -26,6 +26,8 @@ from casingfem.plot.pages.sections import mesh_rows, structure_rows
 from casingfem.plot.style import embed, know_in_notebook, new_figure, png
 from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import json_text, write_atomic, write_files
+from tests.casingfem.plot.browser import browser, found_browser
+from tests.casingfem.plot.page_gate import faults_of, page_faults
 from tests.casingfem.study.study_texts import THICK
 
 UPDATE = """
@@ -53,7 +55,7 @@ class Page(HTMLParser):
         self.figures: list[Figure] = []
         self.images: list[dict[str, str | None]] = []
         self.links: list[str] = []
-        self.text = ""
+        self.text, self.html = "", html
         self.feed(html)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
@@ -125,6 +127,19 @@ def test_every_figure_is_there_and_has_words_for_those_who_cannot_see_it(page):
         kind, data = re.fullmatch(r"data:image/(png|svg\+xml);base64,(.*)", str(image["src"])).groups()
         raw = base64.b64decode(data)
         assert raw.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
+
+
+@pytest.mark.slow
+def test_the_pictures_of_a_study_pass_the_gate(page):
+    assert [fault for figure in page.figures for fault in faults_of(figure)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(found_browser() is None, reason="no browser: apt-get install chromium, or CASINGFEM_BROWSER")
+def test_the_page_of_a_study_passes_the_gate(page, tmp_path):
+    (tmp_path / "page.html").write_text(page.html, encoding="utf-8")
+    with browser(tmp_path / "user") as tab:
+        assert page_faults(tab, tmp_path / "page.html") == []
 
 
 @pytest.mark.slow

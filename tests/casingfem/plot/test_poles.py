@@ -18,6 +18,7 @@ from casingfem.plot.pages.identification import identification_page
 from casingfem.plot.poles import MOST_LINES, drawn_lines, logarithm
 from casingfem.plot.style import Drawn
 from tests.casingfem.plot.browser import browser, found_browser
+from tests.casingfem.plot.page_gate import faults_of, page_faults
 
 pytestmark = pytest.mark.slow
 THETA = np.radians(np.arange(8) * 45.0 + 7.0)
@@ -52,6 +53,20 @@ def island_of(html: str) -> dict:
 
 def numbers(part, kind="<i2"):
     return np.frombuffer(base64.b64decode(part["data"] if isinstance(part, dict) else part), kind)
+
+
+@pytest.mark.slow
+def test_the_pictures_of_an_identification_pass_the_gate(found):
+    drawn = (figure_fit(found), figure_responses(found), figure_stabilisation(found))
+    assert [fault for figure in drawn for fault in faults_of(figure)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(found_browser() is None, reason="no browser: apt-get install chromium, or CASINGFEM_BROWSER")
+def test_the_page_of_an_identification_passes_the_gate(html, tmp_path):
+    (tmp_path / "page.html").write_text(html, encoding="utf-8")
+    with browser(tmp_path / "user") as tab:
+        assert page_faults(tab, tmp_path / "page.html") == []
 
 
 def test_the_page_has_all_channels_poles_and_modes(html, found, frfs):

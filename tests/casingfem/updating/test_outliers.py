@@ -129,7 +129,7 @@ def test_the_page_counts_rows_of_the_measured_table_and_names_the_row_that_was_s
     assert counted in update_words(fit)[0]
     verdict = update_verdict(fit)
     assert counted in verdict.found
-    assert "Check mode 5 of the table: set aside here" in verdict.further
+    assert "Check mode 5 of the table: set aside" in verdict.further
     assert f"{whole} of {whole} measured rows, with" in update_words(fit.plain)[0]
 
 

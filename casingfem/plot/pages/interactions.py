@@ -1,0 +1,108 @@
+"""The page on dangerous speeds: which speeds are safe, what grows at the others, how large it gets."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
+from casingfem.plot.pages.speeds import OF_SPEED, VERDICTS, listed, range_words, safe_ranges, with_rpm
+
+STATES = {"unstable": "bad", "not decided": "open", "resonance": "open"}
+FURTHER = {
+    "unstable": "Leave the unsafe speeds, add damping, reduce friction or enlarge the clearance; then run this again.",
+    "not decided": "Lengthen t_end of the scene; `--runs` adds speeds between these.",
+    "resonance": "Do not dwell at a resonance. `casingfem report` gives force and deflection at one speed.",
+    "safe": "Vary clearance, friction and out-of-roundness: `casingfem sweep`.",
+}
+SENTENCES = {
+    "unstable": "Unsafe: the motion grows at",
+    "not decided": "Not decided: the runs are too short at",
+    "resonance": "No motion grows. Resonance at",
+}
+
+
+def interactions_page(name: str, found: Any, figures: Mapping[str, Figure], source: Mapping[str, Any]) -> str:
+    """HTML of the page on the table of dangerous speeds, `found` of class `contact.interacting.Interactions`."""
+    sections = [
+        speeds_section(found, figures),
+        Section("Runs", tables=(runs_table(found),)) if found.runs else None,
+    ]
+    return render_page(
+        f"Dangerous speeds of {name}", [section for section in sections if section], verdict=speeds_verdict(found),
+        source=origin(source),
+    )  # fmt: skip
+
+
+def speeds_section(found: Any, figures: Mapping[str, Figure], words: tuple[str, ...] = ()) -> Section:
+    """Pictures over speed and the table; `found` None where there is no table."""
+    pictures = tuple(Picture.of(figures[key], OF_SPEED[key]) for key in OF_SPEED if key in figures)
+    rows = () if found is None else found.records()
+    tables = (Table.of("Dangerous speeds, the worst first.", found.COLUMNS, rows),) if rows else ()
+    return Section("Dangerous speeds", words, pictures, tables)
+
+
+def speeds_verdict(found: Any) -> Verdict:
+    """The worst kind of speed, every kind with its ranges, the worst motion, how sure, what next."""
+    kinds = {
+        name: sorted((row.from_hz, row.to_hz) for row in found.rows if row.at.verdict == name) for name in VERDICTS
+    }
+    worst = next((name for name in VERDICTS if kinds[name]), "")
+    safe = safe_ranges(found)
+    low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
+    if worst:
+        state, sentence = STATES[worst], f"{SENTENCES[worst]} {listed(kinds[worst])}."
+    else:
+        state, sentence = "good", f"Safe: every speed from {range_words(low, high)}."
+    facts = [(name.capitalize(), f"{listed(ranges)}.") for name, ranges in kinds.items() if ranges and name != worst]
+    if worst:
+        facts.insert(0, ("Safe", f"{listed(safe)}." if safe else "No speed of the range is safe."))
+        facts.insert(0, ("Worst", row_words(found.rows[0])))
+    amplitude = max(found.runs, key=lambda run: float(run.amplitude_m), default=None)
+    if amplitude is not None:
+        facts.append(("Deflection", f"The rim moves at most {1e3 * amplitude.amplitude_m:.3g} mm, at "
+                                    f"{with_rpm(amplitude.speed_hz)}."))  # fmt: skip
+    further = FURTHER[worst or "safe"]
+    return Verdict(found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state)
+
+
+def row_words(row: Any) -> str:
+    """What grows at a row of the table, how fast, from its run or from closed contact."""
+    at = row.at
+    wave = "" if row.n is None else f"n = {row.n} of "
+    travels = {"with": ", travelling with the blades", "against": ", travelling against the blades"}.get(row.wave, "")
+    words = f"{range_words(row.from_hz, row.to_hz)}: {wave}the {row.body}{travels}"
+    if math.isfinite(at.growth):
+        interval = f" (95 %: {at.low:.3g} to {at.high:.3g})" if math.isfinite(at.low) and math.isfinite(at.high) else ""
+        words += f", growth {at.growth:.3g} 1/s{interval}"
+    elif math.isfinite(at.closed):
+        words += f", growth of closed contact {at.closed:.3g} 1/s"
+    reached = (
+        f". The rim reaches half of its wall after {at.half_wall_s:.3g} s" if math.isfinite(at.half_wall_s) else ""
+    )
+    checked = f". At half the step the growth is {at.check}" if at.check else ""
+    return f"{words}{reached}{checked}."
+
+
+def runs_table(found: Any) -> Table:
+    """Every run: speed, verdict, growth, deflection."""
+    heads = (
+        "speed [rpm]", "speed [Hz]", "verdict", "growth [1/s]", "95 % from [1/s]", "to [1/s]", "rim [mm]", "n", "wave",
+        "reason of a run that does not decide",
+    )  # fmt: skip
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (f"{60.0 * run.speed_hz:.5g}", f"{run.speed_hz:.5g}", run.verdict, number(run.growth), number(run.low),
+         number(run.high), number(1e3 * run.amplitude_m), run.n, run.wave or None, run.why or None)
+        for run in found.runs
+    )  # fmt: skip
+    return Table(f"The {len(rows)} runs.", heads, rows, folded=len(rows) > 20)
+
+
+def number(value: float) -> str | None:
+    """Three digits, none of what is no number.
+
+    >>> number(1.23456), number(math.nan)
+    ('1.23', None)
+    """
+    return f"{value:.3g}" if math.isfinite(value) else None
