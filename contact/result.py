@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,7 +19,7 @@ from contact.io.names import hint
 from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
-from contact.io.trust import OF_LIMITS, Flag
+from contact.io.trust import Flag
 from contact.model.law import pressure
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
@@ -286,7 +286,7 @@ class Result(Reported):
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result; raises InputError naming file and key."""
-        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS), ("format", "document"))
+        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS, "tip_force"), ("format", "document"))
         if data["state"].ndim != 2:
             found = data["state"].shape
             raise InputError(f"{path}: key 'state': found shape {found}, expected (samples, coordinates): run it again")
@@ -300,29 +300,22 @@ class Result(Reported):
         energy: dict[str, Any] = rest.pop("energy")
         energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
         for name in ("intervals", "sticking"):
-            rest[name] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest.get(name, ()))
-        notes = rest.get("notes", {"flags": (), "heat": (), "drive": ()})
+            rest[name] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest[name])
+        notes = rest["notes"]
         rest["notes"] = Notes(
             flags=tuple(map(Flag.of, notes["flags"])), heat=readonly(notes["heat"]), drive=readonly(notes["drive"])
         )  # fmt: skip
-        if rest.get("divergence") is not None:
-            ended = rest["divergence"] = Divergence(**rest["divergence"])
-            if not any(ended.words in flag for flag in rest["notes"].flags):  # of a file without codes
-                last = Flag(ended.words, OF_LIMITS[ended.limit], failed=True)
-                rest["notes"] = replace(rest["notes"], flags=(*rest["notes"].flags, last))
-        if (grown := rest.get("growth")) is not None:
+        if rest["divergence"] is not None:
+            rest["divergence"] = Divergence(**rest["divergence"])
+        if (grown := rest["growth"]) is not None:
             cause = None if grown["cause"] is None else Cause(**grown["cause"])
             rest["growth"] = RunGrowth(**grown | {"cause": cause})
-        blocks = tuple((name, start, end) for name, start, end in rest.pop("blocks"))
+        rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
         rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
-        rest |= {name: readonly(data[name]) for name in ARRAYS if name != "state"}
-        parts = coordinates_and_forces(readonly(data["state"]), blocks, whole=not data["channels"].size)
-        if "tip_force" in data:  # files of before have the forces behind the coordinates
-            parts["tip_force"] = readonly(data["tip_force"])
-        rest |= parts
+        rest |= {name: readonly(data[name]) for name in (*ARRAYS, "tip_force")}
         rest["tracks"] = tuple(
             Wear(**t | {"tips": tuple(t["tips"])}, **{name: data[f"wear{k}_{name}"] for name in WEAR_ARRAYS})
-            for k, t in enumerate(rest.get("tracks", ()))
+            for k, t in enumerate(rest["tracks"])
         )
         return Result(**rest, energy=EnergyBudget(**energy))
 

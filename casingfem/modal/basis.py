@@ -18,7 +18,7 @@ from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.io.npz import read_npz
 from contact.io.names import names_fault
-from contact.io.npz import compliance_fault, outdated, whole, write_npz
+from contact.io.npz import compliance_fault, whole, write_npz
 from contact.io.reported import Reported
 
 FORMAT = "casingfem-modal-basis-1"
@@ -180,8 +180,6 @@ class ModalBasis(Reported):
             raise InputError(f"{path}: expected format {FORMAT!r}, found {str(data.get('format'))!r}")
         if missing := {"omega", "zeta", "channels", "rows", "S", "kind"} - data.keys():
             raise InputError(f"{path}: arrays missing: {', '.join(sorted(missing))}")
-        if fault := outdated(data):
-            raise InputError(f"{path}: {fault}")
         values: dict[str, Any] = {name: data[name] for name in ARRAYS if name in data}
         try:
             values |= {name: float(data.get(name, 0.0)) for name in ("radius", "thickness", "spin")}

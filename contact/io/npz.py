@@ -146,15 +146,3 @@ def compliance_fault(S: NDArray[Any]) -> str:
         least = float(np.linalg.eigvalsh(S)[0])
         return f"the eigenvalue {least:.3g} m/N, expected none below 0: a force would pull its own point away"
     return ""
-
-
-def outdated(basis: Mapping[str, object]) -> str:
-    """Why the arrays of a reduced basis are of another version, which must reduce the structure again; else nothing.
-
-    >>> outdated({"K_omega": 0.0})
-    "found the array 'K_omega' of an earlier version, expected 'stiffness_by_speed': reduce the structure again"
-    """
-    if "K_omega" in basis:
-        found = "found the array 'K_omega' of an earlier version"
-        return f"{found}, expected 'stiffness_by_speed': reduce the structure again"
-    return ""

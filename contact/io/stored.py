@@ -172,7 +172,7 @@ def value(part: Any, name: str, packing: Packing) -> Any:
     if is_dataclass(part) and type(part).__module__.startswith(OWN):
         return packing.values(part, {f.name: getattr(part, f.name) for f in fields(part) if f.init}, name)
     found = f"{type(part).__module__}.{type(part).__qualname__}"
-    raise StoredError(f"{name}: found {found}, expected numbers, text, or values of casingfem and contact")
+    raise StoredError(f"{name or 'value'}: found {found}, expected numbers, text, or values of casingfem and contact")
 
 
 class Unpacking:

@@ -27,7 +27,7 @@ def pressure(force: Array) -> Array:
 
 
 class Law(Protocol):
-    """What schemes read of a law; one of a user's own needs no more. All but `words` are zero or None if left out.
+    """What schemes read of a law: one of a user's own states all of these, zero or None where it has no such part.
 
     `stiffness` [N/m] of a spring in the contact, 0 for a rigid one; `updates` of multipliers in a step, to a
     `tolerance` [m]; `mu` of friction; `coating` that wears; `response` of a contact that gives way.

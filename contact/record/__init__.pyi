@@ -1,7 +1,8 @@
-from .energy import EnergyBudget
+from .energy import EnergyBudget, Stored
 from .record import Record
 
 __all__ = [
     "EnergyBudget",
     "Record",
+    "Stored",
 ]

@@ -17,8 +17,6 @@ from contact.io.npz import ArrayKind, require_kinds, write_npz
 
 WANTED = "what Identified.save or `casingfem identify --out` wrote"
 PARTS: dict[str, Any] = {"sensors": SensorGrid, "diagram": Stabilisation}
-LATER: dict[str, Any] = {"reasons": [], "shift": 0.0}  # what files of before do not have
-FORMER = {"doubts": "reasons"}  # names in files of before
 TEXTS = ("reasons", "notes", "card")
 COMPLEX = ("shapes", "sigma_shapes", "residues", "fitted", "measured")
 DIMS = {"seconds": 0, "shift": 0, "reasons": 1, "notes": 1, "card": 1, "unresolved": 1, "doublets": 2}
@@ -49,10 +47,7 @@ def read_fields(path: str | os.PathLike[str], names: set[str]) -> dict[str, Any]
     """
     inner = {f"{name}.{field.name}" for name, part in PARTS.items() for field in fields(part)}
     Path(path).stat()  # OSError without a file, as every other reader of shapes
-    stored = read_npz(path, (names - PARTS.keys() - set(LATER)) | inner, WANTED)
-    stored |= {new: stored.pop(old) for old, new in FORMER.items() if old in stored and new not in stored}
-    for name, value in LATER.items():
-        stored.setdefault(name, np.array(value, np.float64 if name == "shift" else np.str_))
+    stored = read_npz(path, (names - PARTS.keys()) | inner, WANTED)
     check(stored, str(path))
     values: dict[str, Any] = {name: stored[name] for name in names - PARTS.keys()}
     for name, part in PARTS.items():

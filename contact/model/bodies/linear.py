@@ -101,6 +101,15 @@ class LinearBody:
         """Itself."""
         return self
 
+    def dense(self) -> tuple[Array, Array, Array, Array]:
+        """M, C, K (N, N) and Q (k, N) as plain arrays, for small bodies.
+
+        >>> LinearBody(M=[2.0], K=[[8.0]], Q=[[1.0]], gap0=[0.1]).dense()[2].tolist()
+        [[8.0]]
+        """
+        M, C, K, Q = (A.toarray() if hasattr(A, "toarray") else np.array(A) for A in (self.M, self.C, self.K, self.Q))
+        return M, C, K, Q
+
     @property
     def size(self) -> int:
         """Number of coordinates N."""

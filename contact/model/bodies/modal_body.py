@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
 from contact.base.errors import InputError
 from contact.io.names import hint, names_fault
-from contact.io.npz import compliance_fault, outdated, whole, write_npz
+from contact.io.npz import compliance_fault, whole, write_npz
 
 if TYPE_CHECKING:
     from contact.model.bodies.matrices import Contact, Dof
@@ -397,8 +397,6 @@ class ModalBody:
     def load(path: str | Path) -> ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
         data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
-        if fault := outdated(data):
-            raise InputError(f"{path}: {fault}")
         try:
             return of_arrays(data)
         except (InputError, TypeError, ValueError) as error:

@@ -1,6 +1,7 @@
 from .bladed_disk import BladedDisk
 from .body_force import BodyForce
 from .gap import PointGap, RotatingRim, Side
+from .modal_system import ModalSystem, point_system
 from .permanent import HandPair, ModalPair, rim_contact
 from .rod_modes import Cantilever, rod_modes
 from .rub import ContactPoint, Rub, Start, Stiffening
@@ -15,6 +16,7 @@ __all__ = [
     "ContactPoint",
     "HandPair",
     "ModalPair",
+    "ModalSystem",
     "PointGap",
     "RimProfile",
     "RotatingRim",
@@ -24,6 +26,7 @@ __all__ = [
     "Start",
     "Stiffening",
     "Whirl",
+    "point_system",
     "rim_contact",
     "rod_modes",
     "settled",

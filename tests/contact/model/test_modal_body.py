@@ -5,7 +5,6 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-import casingfem as cf
 import contact as ct
 from contact.model.bodies.modal_body import rim_channels
 from tests.contact.synthetic_rim import blade, ring
@@ -198,15 +197,6 @@ def test_whirl_of_a_disk_from_the_matrices_of_its_body():
     C, K = replace(body, spin=W, damping=[[1.0, 2.0], [3.0, 4.0]], stiffness=[[0.0, 6.0], [-6.0, 0.0]]).matrices(W)
     np.testing.assert_allclose(C, [[1.1, 2.0 - 2.0 * W], [3.0 + 2.0 * W, 4.1]], rtol=1e-15)
     assert K.tolist() == [[25.0, 6.0], [-6.0, 25.0]]  # the modes are those of this speed
-
-
-def test_basis_of_an_earlier_version_is_refused_with_the_remedy(tmp_path):
-    three().save(tmp_path / "body.npz")
-    with np.load(tmp_path / "body.npz") as stored:
-        np.savez(tmp_path / "old.npz", **stored, K_omega=np.eye(3))
-    for load in (ct.ModalBody.load, cf.ModalBasis.load):
-        with pytest.raises(ValueError, match=r"old\.npz: found the array 'K_omega' .*: reduce the structure again"):
-            load(tmp_path / "old.npz")
 
 
 def test_detuning_is_drawn_by_the_seed_and_linear_in_the_scatter():

@@ -79,17 +79,6 @@ def test_every_field_of_the_file_comes_back(tmp_path):
     assert Identified.load(alone.save(tmp_path / "alone.npz")).doublets == ()
 
 
-def test_files_of_before_have_reasons_of_another_name_or_none_and_no_shift(tmp_path):
-    path = identified().save(tmp_path / "found.npz")
-    with np.load(path) as archive:
-        old = {name: archive[name] for name in archive.files if name not in ("reasons", "shift")}
-    np.savez(tmp_path / "old.npz", **old)
-    again = Identified.load(tmp_path / "old.npz")
-    assert (again.reasons, again.shift) == ((), 0.0)
-    np.savez(tmp_path / "former.npz", **old, doubts=np.array(["", "", "why"]))
-    assert Identified.load(tmp_path / "former.npz").reasons == ("", "", "why")
-
-
 @pytest.mark.parametrize(
     ("arrays", "words"),
     [
