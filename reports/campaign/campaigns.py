@@ -98,6 +98,7 @@ CAMPAIGNS = (
     Campaign("contact.hertz", "Hertz's pressure under a disc", ("contact",)),
     Campaign("rub.run_growth", "200 verdicts on growth against long runs at a tenth of the step", ("contact",)),
     Campaign("rub.agreement", "interactions, poles and runs at sixty speeds of three pairs", ("contact",)),
+    Campaign("rub.turning", "bodies that turn: growth, impulse and ledger beside plain NumPy", RUBS),
     Campaign("rub.section_44", "the study's rubs", RUBS),
     Campaign("rub.wear", "abradable coatings", (*RUBS, "contact/record/wear.py")),
     Campaign("rub.jumps", "jumps of a rub over its speed: folds beside slow ramps", (*CYCLES, *RUBS)),

@@ -106,7 +106,7 @@ def rub_problem(casing, tips=3, tip=None, **given):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["pairs", "imperfect", "damped", "cross-coupled", "overdamped"])
+@pytest.mark.parametrize("case", ["pairs", "imperfect", "damped", "cross-coupled", "overdamped", "all, speeding up"])
 def test_the_ledger_of_coupled_bodies_closes(case):
     casing = turning_ring(imperfect=0.0 if case == "pairs" else 0.05, zeta=0.0)
     m = casing.omega.size
@@ -117,14 +117,21 @@ def test_the_ledger_of_coupled_bodies_closes(case):
         casing = replace(casing, stiffness=1e3 * mixed, damping=30.0 * np.eye(m))
     elif case == "overdamped":
         casing = replace(casing, damping=np.diag(np.linspace(1.0, 9e3, m)))
-    found = ct.run(rub_problem(casing, tip=blade(zeta=0.0)), law=ct.Coulomb(mu=MU), dt=1e-5, t_end=0.05).energy
+    elif case == "all, speeding up":
+        higher = mixed - mixed.T, mixed + mixed.T
+        casing = replace(
+            casing, stiffness=1e3 * mixed, damping=mixed @ mixed.T, gyroscopic_higher=1e-6 * higher[0][None],
+            stiffness_higher=1e-6 * higher[1][None],
+        )  # fmt: skip
+    ramp = {"speed": ct.Speed(time=[0.0, 0.05], hz=[15.0, 35.0])} if case == "all, speeding up" else {}
+    found = ct.run(rub_problem(casing, tip=blade(zeta=0.0), **ramp), law=ct.Coulomb(mu=MU), dt=1e-5, t_end=0.05).energy
     assert abs(found.unaccounted) <= 1e-11 * found.scale
     assert abs(found.numerical) <= 1e-2 * found.scale
     assert abs(found.algorithmic) <= 1e-4 * found.scale
     if case in ("pairs", "imperfect"):
         assert abs(found.damping) <= 1e-12 * found.scale
         assert found.external == 0.0
-    elif case == "cross-coupled":
+    elif case in ("cross-coupled", "all, speeding up"):
         assert found.external != 0.0
     else:
         assert found.damping < 0.0
