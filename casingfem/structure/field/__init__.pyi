@@ -1,4 +1,4 @@
-from .field import Field, SumField
+from .field import Field, FieldValues, SumField
 from .fourier import FourierField
 from .random import RandomField, Spectrum
 from .spline import Spline
@@ -6,6 +6,7 @@ from .survey.survey import SurveyField
 
 __all__ = [
     "Field",
+    "FieldValues",
     "FourierField",
     "RandomField",
     "Spectrum",

@@ -1,5 +1,6 @@
 from .blade import Blade, TwistedPlate
 from .chart import Chart, Closed, ClosedOfRevolution, Cylinder, Frustum, Open, Panel, Plate, Surface
+from .jet import cos, jets, sin, surface
 from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
@@ -27,4 +28,8 @@ __all__ = [
     "Surface",
     "Taper",
     "TwistedPlate",
+    "cos",
+    "jets",
+    "sin",
+    "surface",
 ]

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.mesh.edge_form import EdgeLine, LineFrame
-from casingfem.structure.shell.variation import edge_model, following, spurious_split
 
 TURN = 2.0 * np.pi
 
@@ -36,70 +34,6 @@ def test_patches_are_cut_where_elements_end():
         assert cells.tolist() == [0] * 4 + [1] * 4 + [2] * 4
     across = cf.Bolts(count=1, k=1.0, first_angle=0.2, width=0.8).points(breaks, True, 4)[0]
     assert np.searchsorted([0.2], across).tolist() == [0] * 4 + [1] * 4  # the seam; the last element ends there
-
-
-def test_springs_of_bolts_are_their_weights_times_stiffness():
-    """Directions turned by a quarter: k_r along y, k_theta along -x."""
-    directions = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-
-    def frame(x):
-        one = np.ones(len(x))
-        return LineFrame(x, x, directions[:, :, None] * one, one, one, directions[:2, :, None] * one, 0 * one)
-
-    def interpolate(x):
-        return np.zeros((len(x), 1), int), np.ones((len(x), 1))
-
-    line = EdgeLine(np.zeros(1), np.ones(1), frame(np.zeros(1)), np.linspace(0.0, 2.0, 5), 3, False, frame, interpolate)
-    bolts = cf.Bolts(count=2, k=(3.0, 5.0, 7.0), k_rot=11.0, first_angle=0.5, spacing=1.0, width=0.4, loose={2: 0.25})
-    found = bolts.springs(line)
-    assert len(found.nodes) == 4 * 7  # each patch over two elements, four points more than the order
-    np.testing.assert_allclose(found.blocks.sum(axis=0), 1.25 * np.diag([5.0, 3.0, 7.0]), rtol=1e-13)
-    assert found.rotation.sum() == pytest.approx(1.25 * 11.0, rel=1e-13)
-    assert found.coupling is None
-
-
-@pytest.mark.parametrize(
-    ("least", "count", "around"),
-    [(21, 24, 24), (25, 24, 48), (48, 24, 48), (49, 24, 72), (97, 24, 120), (21, 60, 60), (61, 96, 96), (97, 96, 192),
-     (21, 98, 49), (50, 190, 95), (21, 101, 101), (21, 7, 21), (22, 7, 28), (21, 300, 75), (76, 300, 300)],
-)  # fmt: skip
-def test_meshes_that_follow_bolts(least, count, around):
-    """A multiple of the count, or of a half, a third, a quarter of it where it exceeds 96 elements."""
-    assert following(least, count) == around
-
-
-def test_the_model_of_an_edge_has_waves():
-    """int cos^2 m theta = pi and int m^2 sin^2 m theta = m^2 pi on seven elements; values and weights of patches."""
-    bolts = cf.Bolts(count=5, k=1.0, first_angle=0.3)
-    mesh = cf.ShellMesh(order=6, around=7)
-    K, M, values, weights = edge_model(bolts, mesh)
-    size = TURN / 7
-    x = np.unique(np.round(np.polynomial.legendre.Legendre.basis(6).deriv().roots(), 15))
-    nodes = (np.arange(7)[:, None] + 0.5 * (1.0 + np.concatenate([[-1.0], x]))).ravel() * size
-    for m in (1, 3):
-        for wave in (np.cos(m * nodes), np.sin(m * nodes)):
-            assert wave @ M @ wave == pytest.approx(np.pi, rel=1e-5)
-            assert wave @ K @ wave == pytest.approx(m**2 * np.pi, rel=1e-5)
-    places, exact, _ = bolts.points(size * np.arange(8), True, 10)
-    np.testing.assert_allclose(values @ np.cos(2 * nodes), np.cos(2 * places), atol=1e-4)
-    np.testing.assert_allclose(weights, exact, rtol=1e-15)
-    assert weights.sum() == pytest.approx(5.0, rel=1e-13)
-
-
-def test_the_estimate_of_splits_by_plane_waves():
-    """Weak bolts split cos n and sin n by what the mesh makes of them alone: of exact waves nothing is left."""
-    bolts, follows, misses = cf.Bolts(count=8, k=1.0), cf.ShellMesh(order=4, around=8), cf.ShellMesh(order=4, around=7)
-    assert spurious_split(bolts, follows, 0.1) < 1e-12
-    assert spurious_split(bolts, misses, 0.1, n_max=3) > 1e-4
-    assert spurious_split(bolts, misses, 0.1) >= spurious_split(bolts, misses, 0.1, n_max=11)
-    assert spurious_split(cf.Bolts(count=2, k=1.0), misses, 0.1) == 0.0  # two bolts may split every pair
-
-
-def test_waves_that_a_coarse_mesh_does_not_carry_are_no_pairs():
-    """Twelve waves on 28 or 32 nodes, bolts without stiffness; seven elements split seven waves by 1.4 % themselves."""
-    for around, split in ((7, 0.0137), (8, 0.0)):
-        found = spurious_split(cf.Bolts(count=8, k=1.0), cf.ShellMesh(order=4, around=around), 0.0)
-        assert found == pytest.approx(split, abs=1e-4)
 
 
 def test_numbers_of_bolts():

@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.shell.edges import edge_line
-from casingfem.structure.shell.variation import following, springs_per_wave, spurious_split
-from casingfem.updating.parameters import check_parameters
 
 QUIET = cf.ShellMesh(order=5, rows=1, around=8)
 
@@ -87,28 +84,10 @@ def test_bolts_along_a_part_of_the_edge_repeat_after_a_whole_turn_only():
     assert replace(equal, spacing=0.3).period == 1
 
 
-def test_the_default_mesh_follows_the_bolts(frustum):
-    shell = frustum(supports={"base": cf.Bolts(count=16, k=1e8)})
-    assert shell.mesh.around % 16 == 0
-    assert 0.0 < shell.mesh.breaks[1] < 0.1  # a layer along the edge, free between the bolts
-    assert [following(21, n) for n in (24, 30, 5, 200)] == [24, 30, 25, 50]
-
-
 def test_a_mesh_that_does_not_follow_is_doubted_with_an_estimate(frustum):
     with pytest.warns(cf.errors.ModelWarning, match=r"24 bolts on 21 elements .* by some \de-0\d.*\[bolt-mesh\]"):
         frustum(supports={"base": cf.Bolts(count=24, k=2e8)}, mesh=cf.ShellMesh(order=7, rows=1, around=21))
     frustum(supports={"base": cf.Bolts(count=24, k=2e8)}, mesh=cf.ShellMesh(order=5, rows=1, around=48))  # says nothing
-
-
-@pytest.mark.slow
-def test_the_estimate_is_of_the_right_order(frustum):
-    bolts, mesh = cf.Bolts(count=24, k=2e8, k_rot=1e3), cf.ShellMesh(order=5, rows=1, around=30)
-    found = cf.modes(bolted(frustum, bolts, mesh), 24)
-    n = np.array([found.nodal_diameters[low] for low, _ in found.doublets])
-    computed = found.splits[2 * n % 24 != 0].max()
-    estimate = spurious_split(bolts, mesh, springs_per_wave(bolts, 210e9, 0.3, 3e-3))
-    assert 0.1 < estimate / computed < 10.0
-    assert spurious_split(bolts, cf.ShellMesh(order=5, around=24), 5.0) < 1e-10
 
 
 @pytest.mark.parametrize(
@@ -182,24 +161,6 @@ def test_wide_patches_across_the_seam_see_every_element(frustum, first):
     assert abs(here - on).max() < 1e-13 * abs(here).max()
 
 
-def test_patches_are_integrated_whole_for_the_polynomials_of_an_element(frustum):
-    """Against so many more points, for products of all shape functions."""
-    bolts = cf.Bolts(count=3, k=1e8, k_rot=500.0, width=1.0, loose={2: 0.5})
-    system = cf.shell.assemble(bolted(frustum, bolts))
-    line = edge_line(system.shell, system.grid, "base")
-    springs = bolts.springs(line)
-    places, weights, bolt = bolts.points(line.breaks, True, 30)
-    nodes, values = line.interpolate(places)
-    size = 1 + max(springs.nodes.max(), nodes.max())
-    found, exact = np.zeros((2, size, size))
-    for total, at, shape, k in (
-        (found, springs.nodes, springs.values, springs.rotation),
-        (exact, nodes, values, 500.0 * np.array([1.0, 0.5, 1.0])[bolt] * weights),
-    ):
-        np.add.at(total, (at[:, :, None], at[:, None, :]), k[:, None, None] * shape[:, :, None] * shape[:, None, :])
-    np.testing.assert_allclose(found, exact, atol=1e-13 * exact.max())
-
-
 def test_bolts_off_an_open_edge_are_refused(steel):
     panel = cf.Panel(radius=0.6, length=0.3, angle=0.5)
     on = cf.Bolts(count=5, k=1e8, spacing=0.1, first_angle=-0.2)
@@ -230,34 +191,7 @@ def test_derivatives_by_bolt_stiffnesses(frustum, name):
     np.testing.assert_allclose(slope, (high.omega**2 - low.omega**2) / (2 * step), rtol=1e-5, atol=1e-9 * slope.max())
 
 
-def test_parameters_of_bolts_are_independent_and_checked(frustum):
-    shell = bolted(frustum, cf.Bolts(count=8, k=2e8, loose={3: 0.5}))
-    one = cf.updating.with_value(cf.updating.with_value(shell, "bolts.3.k", 5e7), "support.base.k", 1e8)
-    other = cf.updating.with_value(cf.updating.with_value(shell, "support.base.k", 1e8), "bolts.3.k", 5e7)
-    for changed in (one, other):
-        assert cf.updating.get_value(changed, "support.base.k") == pytest.approx(1e8)
-        assert cf.updating.get_value(changed, "support.base.bolts.3.k") == pytest.approx(5e7)
-    for name in ("bolts.9.k", "support.base.k_face", "bolts.x.k", "support.base.bolts.3"):
-        with pytest.raises(cf.errors.InputError, match="bolts have k, k_rot and bolts"):
-            cf.updating.get_value(shell, name)
-    with pytest.raises(cf.errors.InputError, match="0 edges have bolts"):
-        cf.updating.get_value(frustum(), "bolts.3.k")
-    twice = [cf.Parameter(name=name, lower=0.0, upper=1e9) for name in ("bolts.3.k", "support.base.bolts.3.k")]
-    with pytest.raises(cf.errors.InputError, match="varied twice"):
-        check_parameters(shell, twice)
-
-
 def test_a_mesh_of_a_cylinder_with_two_bolted_edges_follows_both(steel):
     edges = {"base": cf.Bolts(count=8, k=1e8), "top": cf.Bolts(count=12, k=1e8)}
     shell = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3, material=steel, supports=edges)
     assert shell.mesh.around % 24 == 0
-
-
-def test_springs_per_wave_by_pull_and_by_tilt():
-    """k/(E t/20) and k_rot/(E t^3/(24 (1 - nu^2))), the larger."""
-    E, nu, t = 210e9, 0.3, 3e-3
-    by_pull, by_tilt = (
-        springs_per_wave(cf.Bolts(count=8, k=k, k_rot=k_rot), E, nu, t) for k, k_rot in ((1e8, 1.0), (1.0, 1e4))
-    )
-    assert by_pull == pytest.approx(1e8 / (0.05 * E * t), rel=1e-12)
-    assert by_tilt == pytest.approx(1e4 * 24.0 * (1.0 - nu**2) / (E * t**3), rel=1e-12)

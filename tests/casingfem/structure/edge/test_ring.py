@@ -4,65 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh
 
 import casingfem as cf
-from casingfem.linalg.pencil import diagonalised
-from casingfem.modal.fourier import harmonic_floor, lowest
-from casingfem.structure.mesh.edge_form import PointSprings, single_place
-from casingfem.structure.mesh.shell_mesh import make_grid
-from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.edges import edge_forms, harmonic_ring, line_frame, support_stiffness
-from casingfem.structure.shell.nodal_mass import nodal_mass
-from casingfem.structure.shell.rigid import free_motions, rigid_fields, ring_turns
 from reports.rub.harmonic_basis import harmonic_basis
 
 BAR = cf.edge.Section.rectangle(width=0.04, depth=0.03)
 COARSE = cf.ShellMesh(order=6, rows=1, around=9)
 HELD = cf.Ring(section=BAR, support=cf.ElasticEdge(k_r=3e8, k_theta=2e8, k_z=4e8, k_rot=1e5))
-
-
-def free_ring(section, n, material, radius=1.0):
-    """omega [rad/s] of the ring alone at n nodal diameters, ascending, its edge anywhere: the wall does not matter."""
-    shell = cf.Shell(chart=cf.Cylinder(radius=radius, height=0.1), thickness=1e-3, material=material)
-    z = np.zeros(1)
-    line = single_place(line_frame(shell, 1, z, np.zeros(1)))
-    K, M = harmonic_ring(shell, "base", cf.Ring(section=section, offset=(0.0, 0.0)), n, z, line)
-    return np.sqrt(np.maximum(eigh(K, M, eigvals_only=True), 0.0))
-
-
-def plane_ring(section, n, material, radius=1.0):
-    """In-plane omega by components w, v, b ~ cos, sin, sin: stretch v' + w/R, shear w' - v/R - b, curvature b'."""
-    E, G, A, R = material.E, material.shear_modulus, section.area, radius
-    strain = np.array([[1.0 / R, n / R, 0.0], [-n / R, -1.0 / R, -1.0], [0.0, 0.0, n / R]])
-    K = strain.T @ np.diag([E * A, section.shear * G * A, E * section.I_z]) @ strain
-    return np.sqrt(np.maximum(eigh(K, material.rho * np.diag([A, A, section.I_z]), eigvals_only=True), 0.0))
-
-
-def side_ring(section, n, material, radius=1.0):
-    """Out-of-plane omega: u ~ cos, slope b ~ sin, twist c ~ cos; shear u' - b, curvature b' + c/R, torsion c' - b/R."""
-    E, G, A, R = material.E, material.shear_modulus, section.area, radius
-    strain = np.array([[-n / R, -1.0, 0.0], [0.0, n / R, 1.0 / R], [0.0, -1.0 / R, -n / R]])
-    K = strain.T @ np.diag([section.shear * G * A, E * section.I_r, G * section.J]) @ strain
-    M = material.rho * np.diag([A, section.I_r, section.I_r + section.I_z])
-    return np.sqrt(np.maximum(eigh(K, M, eigvals_only=True), 0.0))
-
-
-@pytest.mark.parametrize("n", [0, 1, 2, 3, 8, 20])
-def test_a_free_ring_is_the_plane_and_the_side_one_in_components(steel, n):
-    expected = np.sort(np.concatenate([plane_ring(BAR, n, steel), side_ring(BAR, n, steel)]))
-    np.testing.assert_allclose(free_ring(BAR, n, steel), expected, rtol=1e-9, atol=1e-3 * expected.max() ** 0.5)
-
-
-@pytest.mark.parametrize("n", [2, 3, 5])
-def test_a_slender_ring_has_the_classical_frequencies(steel, n):
-    """Inextensional, over sqrt(EI/(rho A R^4)): n (n^2-1)/sqrt(n^2+1), out of plane n^2 + EI/GJ below (Love)."""
-    thin = cf.edge.Section.circle(diameter=2e-3)
-    scale = np.sqrt(steel.E * thin.I_z / (steel.rho * thin.area))
-    torsion = steel.E * thin.I_r / (steel.shear_modulus * thin.J)
-    found = free_ring(thin, n, steel)[:2] / scale
-    exact = n * (n**2 - 1) / np.sqrt([n**2 + torsion, n**2 + 1])
-    np.testing.assert_allclose(found, exact, rtol=1e-4)
 
 
 @pytest.mark.slow
@@ -78,47 +26,6 @@ def test_the_shell_with_a_ring_is_its_harmonics(frustum, values):
         a, b = exact.own[:, pair], found.own[:, pair]
         np.testing.assert_allclose(np.abs(np.linalg.det(np.linalg.lstsq(a, b, rcond=None)[0])), 1.0, rtol=1e-4)
         assert np.linalg.norm(a @ np.linalg.lstsq(a, b, rcond=None)[0] - b) < 1e-3 * np.linalg.norm(b)
-
-
-@pytest.mark.slow
-def test_rigid_motions_strain_no_ring_and_move_all_its_mass(frustum, steel):
-    loose = frustum(supports={"base": cf.Ring(section=BAR, offset=(0.03, -0.02))}, mesh=COARSE)
-    grid = make_grid(loose.chart, loose.mesh)
-    assert free_motions(loose, grid).shape[2] == 6
-    forms = edge_forms(loose, grid)
-    shift = np.zeros((grid.nodes.shape[1], 5))
-    shift[:, 2] = 1.0
-    motion = np.append(shift.ravel(), np.zeros(forms.own))[:, None]
-    length = 2.0 * np.pi * 0.53
-    np.testing.assert_allclose(forms.mass[0].product(motion), [[steel.rho * BAR.area * length]], rtol=1e-9)
-    rigid = rigid_fields(loose, grid)
-    motions = np.vstack([rigid.reshape(-1, 6), ring_turns(loose, grid, rigid)])
-    stretched = motions.copy()
-    stretched[::5] *= 1.1  # no rigid motion any more
-    strained, still = (np.trace(form.product(x)) for form in forms.stiffness for x in (stretched, motions))
-    assert abs(still) < 1e-12 * strained
-    found = cf.modes(loose, 10, method="shell")
-    assert found.rigid == 6
-    assert cf.modes(frustum(supports={"base": HELD}, mesh=COARSE), 2, method="shell").rigid == 0
-
-
-@pytest.mark.slow
-def test_a_ring_far_outside_its_casing_hides_no_mode(steel):
-    """A soft heavy ring of twice the radius: its harmonics lie lower than of one at the edge."""
-    soft = cf.Material(E=2e9, nu=0.3, rho=20000.0)
-    square = cf.edge.Section.rectangle(width=0.02, depth=0.02)
-    casing = cf.Shell(
-        chart=cf.Cylinder(radius=0.2, height=0.05),
-        thickness=2e-3,
-        material=cf.Material(E=2e8, nu=0.3, rho=100.0),
-        supports={"top": cf.Ring(section=square, material=soft, offset=(0.25, 0.0))},
-        mesh=cf.ShellMesh(order=6, rows=1, around=13),
-    )
-    found = cf.modes(casing, 20)
-    assert found.sturm_count == 20
-    np.testing.assert_allclose(found.freq[6:], cf.modes(casing, 20, method="shell").freq[6:], rtol=1e-5)
-    for n in (2, 8, 20):
-        assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1.0)[0][0]
 
 
 @pytest.mark.slow
@@ -142,41 +49,6 @@ def test_modes_of_a_tube_on_what_outweighs_it_are_not_rigid(steel, heavy):
     found = cf.modes(tube, 8)
     assert found.rigid == 6
     assert found.freq[5] < 1e-3 * found.freq[6]
-
-
-def test_mass_is_diagonal_and_vectors_go_there_and_back(frustum):
-    system = cf.shell.assemble(
-        frustum(supports={"base": HELD}, mesh=COARSE, masses={"top": [cf.edge.EdgeMass(angle=0.3, mass=0.5)]})
-    )
-    vectors = np.random.default_rng(17).normal(size=(system.size, 2))
-    back = system.collect(system.expand(vectors), system.expand_own(vectors))
-    np.testing.assert_allclose(back, vectors, atol=1e-10 * np.abs(vectors).max())
-    motions = np.vstack([system.expand(vectors).reshape(-1, 2), system.expand_own(vectors)])
-    nodal = nodal_mass(system.shell, system.grid)
-    kinetic = nodal.product(system.expand(vectors))
-    kinetic = kinetic + sum(form.product(motions) for form in edge_forms(system.shell, system.grid).mass)
-    np.testing.assert_allclose(vectors.T @ (system.mass[:, None] * vectors), kinetic, rtol=1e-10)
-    forces = np.random.default_rng(18).normal(size=(len(system.frames), 5, 1))
-    work = np.sum(forces * system.expand(vectors[:, :1]))
-    np.testing.assert_allclose(system.restrict(forces).T @ vectors[:, :1], [[work]], rtol=1e-9)
-
-
-def test_rotational_springs_of_a_foot_oppose_turns_about_hoop_and_axis():
-    springs = PointSprings(nodes=np.zeros((1, 1), dtype=int), values=np.ones((1, 1)), blocks=np.zeros((1, 3, 3)),
-                           rotation=np.array([5.0]))  # fmt: skip
-    radial = np.array([[0.6, 0.8, 0.0]])
-    felt = support_stiffness(springs, radial)[0, 3:, 3:]
-    np.testing.assert_allclose(felt @ radial[0], 0.0, atol=1e-15)
-    for axis in ([-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]):
-        np.testing.assert_allclose(felt @ axis, 5.0 * np.array(axis), rtol=1e-14)
-
-
-def test_a_mass_without_diagonal_is_refused():
-    from scipy.sparse import csc_array
-
-    for M in ([[1.0, 0.0], [0.0, 0.0]], [[1.0, 2.0], [2.0, 1.0]]):
-        with pytest.raises(ValueError, match="not positive"):
-            diagonalised(csc_array(np.array(M)))
 
 
 @pytest.fixture(scope="module")

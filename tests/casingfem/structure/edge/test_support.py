@@ -6,18 +6,10 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.linalg.eigen import solve_modes
-from casingfem.structure.field.field import FieldValues
-from casingfem.structure.mesh.edge_form import single_place, spring_form
-from casingfem.structure.mesh.kinematics import frame
-from casingfem.structure.mesh.shell_mesh import make_grid
-from casingfem.structure.shell.assembly import held_dofs
-from casingfem.structure.shell.edges import line_frame
 
 
 def frequencies(shell, count=8):
-    system = cf.shell.assemble(shell)
-    return np.sqrt(np.maximum(solve_modes(system.K, system.mass, count, shift=-1e3).eigenvalues[:count], 0.0))
+    return cf.modes(shell, count, method="shell").omega
 
 
 class Rising:
@@ -25,7 +17,7 @@ class Rising:
 
     def derivatives(self, z, theta):
         value = np.asarray(z) + 0.0 * np.asarray(theta)
-        return FieldValues(value, 1.0 + 0 * value, *[0 * value] * 4)
+        return cf.field.FieldValues(value, 1.0 + 0 * value, *[0 * value] * 4)
 
     def rotated(self, angle):
         return self
@@ -79,23 +71,6 @@ def test_face_foundation_is_felt_over_the_thickness():
     np.testing.assert_allclose(rotation, 5e12 * t**3 / 12, rtol=1e-14)
 
 
-@pytest.mark.parametrize("wall", ["curved", "linear"])
-def test_a_face_is_longer_outside_than_inside(steel, wall):
-    """k int |u + z w|^2 (R + z) dz per angle of a cylinder's end, by Gauss points; R for a linear wall."""
-    radius, t, k = 0.5, 0.1, 5e12
-    shell = cf.Shell(chart=cf.Cylinder(radius=radius, height=0.4), thickness=t, material=steel, wall=wall)
-    line = line_frame(shell, 1, np.zeros(1), np.zeros(1))
-    form = spring_form(cf.ElasticEdge(k_face=k).springs(single_place(line))).D[0]
-    outward = np.sign(frame(shell.chart.surface(np.zeros(1), np.zeros(1), None)).normal[0, 0])
-    u, w = np.array([0.3, -0.7, 0.2]), np.array([1.9, -2.3])
-    z, weights = np.polynomial.legendre.leggauss(3)
-    z, weights = 0.5 * t * z, 0.5 * t * weights
-    motion = u[:, None] + line.tangents[:, :, 0] @ w[:, None] * z
-    length = radius + outward * z * (wall == "curved")
-    x = np.append(u, w)
-    assert x @ form @ x == pytest.approx(k * np.sum(weights * length * np.sum(motion**2, axis=0)), rel=1e-12)
-
-
 def test_energy_of_the_springs_in_a_translation(frustum, coarse):
     """A translation of 1 m across strains nothing but the springs: pi R (k_r + k_theta) + 2 pi R t k_face."""
     springs = cf.ElasticEdge(k_r=2e6, k_theta=1e6, k_z=7e6, k_rot=3e3, k_face=1e8)
@@ -140,21 +115,6 @@ def test_shear_diaphragm_holds_its_own_plane(steel):
     assert np.abs(fields[edge, 3]).min() > 0.0
 
 
-def test_where_edges_meet_the_stricter_one_holds(steel):
-    shell = cf.Shell(
-        chart=cf.Plate(length=1.0, width=1.0),
-        thickness=0.01,
-        material=steel,
-        supports={"root": cf.Clamped(), "left": cf.ShearDiaphragm()},
-        mesh=cf.ShellMesh(order=3, rows=1, around=1),
-    )
-    grid = make_grid(shell.chart, shell.mesh)
-    free, _ = held_dofs(shell, grid)
-    corner = np.intersect1d(grid.edges["root"].nodes, grid.edges["left"].nodes)
-    assert not np.any(np.isin(free // 5, corner))
-    assert len(free) == 5 * 16 - 4 * 5 - 3 * 3
-
-
 @pytest.mark.parametrize(
     ("values", "message"),
     [
@@ -179,6 +139,7 @@ def test_refuses_patterns_that_make_a_spring_push(frustum):
     assert caught.value.code == "springs-negative"
 
 
+@pytest.mark.filterwarnings("ignore:.*support-incomplete")
 def test_an_edge_without_springs_for_a_motion_leaves_it_free(frustum, coarse):
     axial_only = frequencies(frustum(supports={"base": cf.ElasticEdge(k_z=1e12)}, mesh=coarse), count=3)
     assert np.all(axial_only < 1.0)  # two translations and the turn about the axis

@@ -6,8 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import casingfem as cf
-from casingfem.structure.field.field import FieldValues
-from casingfem.structure.field.fourier import SeriesBehind
 
 Z, THETA = np.linspace(-0.1, 0.3, 7)[:, None], np.linspace(0.0, 6.0, 11)
 
@@ -20,7 +18,7 @@ def random_field(seed: int, harmonics: int = 6, degrees: int = 4) -> cf.FourierF
 
 
 def assert_equal_fields(a: cf.field.Field, b: cf.field.Field, tolerance: float = 1e-12) -> None:
-    for name, x, y in zip(FieldValues._fields, a.derivatives(Z, THETA), b.derivatives(Z, THETA), strict=True):
+    for name, x, y in zip(cf.field.FieldValues._fields, a.derivatives(Z, THETA), b.derivatives(Z, THETA), strict=True):
         scale = max(1.0, float(np.abs(y).max()))
         np.testing.assert_allclose(x, y, rtol=0, atol=tolerance * scale, err_msg=name)
 
@@ -142,22 +140,11 @@ def test_a_sum_with_one_complex_part_keeps_it(which):
         np.testing.assert_allclose(total.derivatives(0.0, THETA).value.imag / 1e-30, shape, rtol=1e-12, atol=1e-14)
 
 
-def test_a_series_behind_a_field_turns_and_changes_as_itself():
-    class Fitted(SeriesBehind):
-        fit = random_field(8)
-
-    field, series = Fitted(), random_field(8)
-    p = series.harmonics[0]
-    assert_equal_fields(field.rotated(0.3), series.rotated(0.3))
-    assert field.with_harmonic(p, cos=0.2, sin=-0.7).coefficients(p) == (0.2, -0.7)
-    assert field.max_harmonic == series.max_harmonic
-
-
 def test_a_users_own_field_joins_a_sum():
     class Dent:
         def derivatives(self, z, theta):
             bump = np.exp(-np.square(theta)) + 0.0 * np.asarray(z)
-            return FieldValues(bump, 0 * bump, -2 * theta * bump, 0 * bump, 0 * bump, bump)
+            return cf.field.FieldValues(bump, 0 * bump, -2 * theta * bump, 0 * bump, 0 * bump, bump)
 
         def rotated(self, angle):
             raise NotImplementedError

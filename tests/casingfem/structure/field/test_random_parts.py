@@ -5,12 +5,8 @@ import pytest
 from scipy.stats import lognorm
 
 import casingfem as cf
-from casingfem.structure.field.field import relative
-from casingfem.structure.field.fourier import distinct
-from casingfem.structure.field.random import drop_random, is_random, redrawn, typical
 
 SPECTRUM = cf.field.Spectrum(p=[2, 5], median=[0.2, 0.1], high=[0.6, 0.15])
-DRAWN, SERIES = cf.field.RandomField(spectrum=SPECTRUM, seed=3), cf.FourierField.of({4: 1e-3})
 
 
 def test_amplitudes_are_lognormal_by_median_and_ninetieth_percentile():
@@ -62,33 +58,6 @@ def test_the_example_is_told_in_walls():
     assert (plain.stream, plain.spectrum.median[0]) == (0, pytest.approx(0.0024, rel=1e-12))
 
 
-def test_parts_of_fields_by_whether_they_are_random():
-    nested = SERIES + DRAWN + cf.FourierField(p=[1], cos=[[0.0, 1.0]], sin=[[0.0, 0.0]])
-    assert [is_random(f) for f in (SERIES, DRAWN, nested, cf.field.SumField((SERIES, SERIES)))] == [
-        False,
-        True,
-        True,
-        False,
-    ]
-    assert drop_random(DRAWN) is None
-    assert drop_random(SERIES) is SERIES
-    assert drop_random(SERIES + DRAWN) is SERIES
-    assert drop_random(DRAWN + cf.field.RandomField(spectrum=SPECTRUM, seed=4)) is None
-    assert len(drop_random(nested).fields) == 2
-    assert redrawn(nested, 6).fields[1].draw == 6
-    middle = typical(DRAWN)
-    assert middle.coefficients(2) == (0.2, 0.0)
-    assert middle.coefficients(5) == (0.1, 0.0)
-    assert typical(SERIES + DRAWN).fields[1].coefficients(5) == (0.1, 0.0)
-    assert typical(SERIES) is SERIES
-
-
-def test_a_factor_is_one_and_the_field():
-    at = np.array([0.0, 0.1]), np.array([[0.0], [np.pi / 4]])
-    assert relative(None, *at).tolist() == [[1.0, 1.0], [1.0, 1.0]]
-    np.testing.assert_allclose(relative(SERIES, *at), [[1.001, 1.001], [0.999, 0.999]], rtol=1e-15)
-
-
 def test_a_series_by_hand_with_all_its_derivatives():
     """f = (0.3 + 0.2 zeta - 0.1 zeta^2) cos 3 theta + (0.5 zeta) sin 3 theta, zeta = (z - 0.2)/0.4."""
     field = cf.FourierField(p=[3], cos=[[0.3, 0.2, -0.1]], sin=[[0.0, 0.5, 0.0]], z_mid=0.2, z_half=0.4)
@@ -132,8 +101,3 @@ def test_the_number_of_splines_and_their_means(intervals, degree, natural, size)
     weights = (0.5 * np.diff(ends)[:, None] * w).ravel() / 0.3
     assert basis.size == size == len(basis.means)
     np.testing.assert_allclose(basis.means, weights @ basis.evaluate(z)[0], rtol=1e-12, atol=1e-15)
-
-
-def test_places_that_stand_more_than_once_are_found_once():
-    values, of = distinct([[3, 1], [1, 2]])
-    assert (values.tolist(), of.tolist(), values.dtype) == ([1.0, 2.0, 3.0], [[2, 0], [0, 1]], np.dtype(float))

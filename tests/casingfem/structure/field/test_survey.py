@@ -6,11 +6,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import casingfem as cf
-from casingfem.io.strict_csv import parse
-from casingfem.structure.field.field import FieldValues
-from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.field.survey.stray import passes_words, robust_weights, shifted_points
-from casingfem.structure.geometry.survey_check import check_survey, on_meridian
 
 DEFECT = cf.FourierField(
     p=np.array([2, 8, 20]),
@@ -195,41 +190,6 @@ def test_a_robust_fit_sets_stray_points_aside_and_names_them():
     assert "points set aside (theta" in repr(robust)
 
 
-def test_stray_points_that_hide_each_other_are_found_together():
-    """Each of three is off the mean of all others by t = 3.6, as chance puts one of 30 in every 25 surveys."""
-    height = 0.01 * np.cos(7.0 * np.arange(30))
-    height[[4, 11, 25]] += 1.0
-    assert np.flatnonzero(shifted_points(np.ones((30, 1)), height - height.mean())).tolist() == [4, 11, 25]
-
-
-@pytest.mark.parametrize("around", [0.0, 2.0 * np.pi, -2.0 * np.pi])
-@pytest.mark.parametrize(("offset", "turned", "words"), [(0.0, 0.0, ""), (1e-4, 0.0, "um on average"),
-                                                          (0.0, 0.1, "not at random")])  # fmt: skip
-def test_two_passes_that_disagree_are_told_apart_from_noise(offset, turned, words, around):
-    """Whether the second goes on counting its angle or begins anew."""
-    theta, z, first = noisy()
-    rng = np.random.default_rng(23)
-    second = casing(theta + turned, z) + offset + rng.normal(scale=2e-5, size=z.size)
-    points = SurveyPoints(
-        theta=np.append(theta, theta + around), z=np.tile(z, 2), value=np.append(first, second), quantity="radius"
-    )
-    found = passes_words(points)
-    assert found == "" if not words else "the second measurements of 360 places differ from the first" in found
-    assert words in found
-
-
-def test_robust_weights_are_those_of_tukeys_bisquare():
-    """Residuals that no weight moves: (1 - (u/4.685)^2)^2 of u = |r|/(1.4826 med |r| sqrt(n/(n - p))), 0 beyond."""
-    r = np.linspace(-8.0, 8.0, 41)
-    u = r / (1.4826 * np.median(np.abs(r)) * np.sqrt(41 / 36))
-    r = r * np.r_[np.ones(40), 5.0]  # one far out, which the median does not see
-    u[-1] *= 5.0
-    expected = np.where(np.abs(u) < 4.685, (1.0 - (u / 4.685) ** 2) ** 2, 0.0)
-    np.testing.assert_allclose(robust_weights(np.zeros((41, 5)), r), expected, rtol=1e-12)
-    assert expected[-1] == 0.0
-    assert 0.0 < expected[-2] < 0.9
-
-
 def test_a_robust_fit_of_clean_points_is_the_plain_one():
     theta, z = rings()
     robust = cf.SurveyField.from_points(theta, z, casing(theta, z), robust=True)
@@ -335,22 +295,10 @@ def test_a_casing_refuses_the_survey_of_another_one_alone_or_in_a_sum(frustum, c
         frustum(mesh=coarse, thickness=2e-3, thickness_defect=wall)
 
 
-def test_a_survey_is_held_only_against_what_is_known(frustum, coarse):
-    theta, z = rings(heights=(0.24,))
-    ring = cf.SurveyField.from_points(
-        theta, z, 0.5 - 0.2 * z, n_max=8
-    )  # of no extent that a shell could be held against
-    check_survey(ring, "radius", None, None)
-    check_survey(ring, "radius", None, 3e-3)
-    frustum(mesh=coarse, radius_defect=ring)
-    wall = cf.SurveyField.from_points(theta, z, np.full(len(z), 3e-3), quantity="thickness", n_max=8)
-    check_survey(wall, "thickness", frustum().chart, None)
-
-
 class RandomlyNothing:
     def derivatives(self, z, theta):
         zero = np.zeros(np.broadcast(z, theta).shape)
-        return FieldValues(*[zero] * 6)
+        return cf.field.FieldValues(*[zero] * 6)
 
     def rotated(self, angle):
         return self
@@ -439,90 +387,3 @@ def test_fits_beyond_the_points_are_refused():
         cf.SurveyField.from_points(theta, z[:-1], z)
     with pytest.raises(cf.errors.InputError, match="value = nan"):
         cf.SurveyField.from_points(theta, z, np.where(theta > 3, np.nan, 0.5))
-
-
-def test_strict_csv_accepts_what_spreadsheets_write():
-    table = parse('"a","b"\r\n 1 ,2.\r\n\r\n+.5,-3e2\r\n', "sheet.csv")
-    np.testing.assert_array_equal(table.numbers("a"), [1.0, 0.5])
-    np.testing.assert_array_equal(table.numbers("b"), [2.0, -300.0])
-    assert table.lines.tolist() == [2, 4]
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=5))
-def test_strict_csv_reads_back_every_float_bit_for_bit(values):
-    text = "x\n" + "".join(f"{v!r}\n" for v in values)
-    assert [v.hex() for v in parse(text, "t").numbers("x").tolist()] == [v.hex() for v in values]
-
-
-PIPE = cf.Revolved(
-    profile=cf.geometry.PiecewiseMeridian(
-        start=(0.3, 1.0),
-        pieces=(cf.geometry.Piece(to=(0.3, 1.2)), cf.geometry.Piece(to=(0.35, 1.2)), cf.geometry.Piece(to=(0.35, 1.4))),
-        fillet=0.01,
-    )
-)
-BOWL = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=-1.0, end=0.0))
-DOME = cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0, z0=2.0))
-
-
-def wave_along(s):
-    """An amplitude of cos 8 theta that varies along the meridian."""
-    return 2e-3 * (1.0 + s)
-
-
-@pytest.mark.parametrize("chart", [PIPE, BOWL, DOME])
-def test_heights_on_a_meridian_become_arc_lengths(chart):
-    """What was measured at heights comes back as the wave along s that the shell has, whatever its radius there."""
-    length = chart.profile.length
-    s = np.array([place for place in np.linspace(0.0, length, 12) if abs(chart.profile.at(place).z1) > 0.3])
-    theta, along = rings(heights=s, points=48)
-    at = chart.profile.at(along)
-    points = SurveyPoints(theta=theta, z=at.z, value=at.r * (1.0 + wave_along(along) * np.cos(8 * theta)))
-    survey = cf.SurveyField.fitted(points, n_max=10, degree=1, placed=lambda raw: on_meridian(raw, chart))
-    found = survey.derivatives(along, np.zeros(len(along))).value
-    np.testing.assert_allclose(found, wave_along(along), rtol=1e-4)
-    check_survey(survey, "radius", chart, 3e-3)
-
-
-def test_flat_parts_of_a_meridian_tell_no_shape():
-    theta, z = rings(heights=(1.1, 1.2), points=24)
-    radii = SurveyPoints(theta=theta, z=z, value=np.where(z > 1.15, 0.325, 0.3))
-    with pytest.raises(
-        cf.errors.ModelError, match=r"24 points where the meridian is flat, the first at theta 0 deg, z 1\.2 m"
-    ):
-        on_meridian(radii, PIPE)
-    walls = SurveyPoints(theta=theta, z=z, value=np.full(len(z), 3e-3), quantity="thickness")
-    with pytest.raises(cf.errors.ModelError, match="thicknesses by height on a meridian that is not steep everywhere"):
-        on_meridian(walls, PIPE)
-
-
-@pytest.mark.parametrize("chart", [BOWL, DOME])
-def test_thicknesses_on_a_meridian_are_placed_by_their_height_alone(chart):
-    theta, along = rings(heights=(0.0, 0.2, 0.4), points=24)
-    walls = SurveyPoints(
-        theta=theta, z=chart.profile.at(along).z, value=np.full(len(theta), 3e-3), quantity="thickness"
-    )
-    placed = on_meridian(walls, chart)
-    np.testing.assert_allclose(placed.z, along, atol=1e-7)
-    np.testing.assert_array_equal(placed.value, 3e-3)
-
-
-def test_points_on_a_cone_keep_their_heights(frustum):
-    points = SurveyPoints(theta=np.zeros(2), z=np.array([0.0, 0.2]), value=np.array([0.5, 0.46]))
-    assert on_meridian(points, frustum().chart) is points
-
-
-def test_one_circle_is_compared_where_it_was_measured():
-    cone = cf.Frustum(r_base=0.5, r_top=0.3, height=0.25)
-    theta, z = rings(heights=(0.0,), points=24)
-
-    def circle(height, radius):
-        return cf.SurveyField.from_points(theta, z + height, np.full(len(z), radius))
-
-    for height, radius in ((0.0, 0.5), (0.25, 0.3), (0.27, 0.3)):  # a lathe's z is seldom the drawing's
-        check_survey(circle(height, radius), "radius", cone, None)
-    with pytest.raises(cf.errors.ModelError, match=r"a mean radius of 0\.4 m, expected about 0\.5 m"):
-        check_survey(circle(0.0, 0.4), "radius", cone, None)
-    with pytest.raises(cf.errors.ModelError, match=r"z from 0\.3 to 0\.3 m, 0% of the shell's 0 to 0\.25 m, expected"):
-        check_survey(circle(0.3, 0.3), "radius", cone, None)

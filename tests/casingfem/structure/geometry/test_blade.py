@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.jet import SMALL, jets, sinc
-from casingfem.structure.geometry.stations import along, coefficients
-from casingfem.structure.mesh.shell_mesh import make_grid
-from casingfem.structure.shell.nodal_mass import nodal_mass
 from reports.verification import blades as verify_blades
 from reports.verification.tapered_beam import cantilever, wedge
-from tests.casingfem.structure.geometry.complex_step import STEP, assert_exact
+from tests.casingfem.structure.geometry.complex_step import assert_exact
 
 WHOLE = cf.Blade(
     length=0.2, chord=(0.12, 0.1, 0.09), camber=(0.6, -0.1), twist=(0.1, 0.6), sweep=(0.0, 0.0, 0.02), lean=(0.0, 0.01)
@@ -22,16 +18,6 @@ A, B = np.meshgrid(np.linspace(0.0, 0.2, 5), np.linspace(-0.5, 0.5, 7))
 
 def test_derivatives_equal_the_complex_step():
     assert_exact(WHOLE, atol=1e-12)
-
-
-def test_sinc_passes_smoothly_from_series_to_quotient():
-    x = np.array([0.0, 1e-9, 0.1, SMALL * (1 - 1e-12), SMALL * (1 + 1e-12), 2.0])
-    found = sinc(jets(x, x)[0])
-    np.testing.assert_allclose(found.value, np.sinc(x / np.pi), rtol=1e-15)
-    np.testing.assert_allclose(found.d1[3], found.d1[4], rtol=1e-11)
-    np.testing.assert_allclose(found.d11[3], found.d11[4], rtol=1e-11)
-    np.testing.assert_allclose(found.d1[1:], sinc(jets(x + 1j * STEP, x)[0]).value.imag[1:] / STEP, rtol=1e-12)
-    assert found.d11[0] == pytest.approx(-1.0 / 3.0, rel=1e-15)
 
 
 def test_a_twist_alone_is_a_twisted_plate():
@@ -63,14 +49,6 @@ def test_it_is_a_chart_with_orthonormal_directions():
     identity = np.broadcast_to(np.eye(3)[:, :, None, None], (3, 3, *A.shape))
     np.testing.assert_allclose(np.einsum("ai...,bi...->ab...", d, d), identity, atol=1e-15)
     assert isinstance(WHOLE, cf.geometry.Chart)
-
-
-@pytest.mark.parametrize("law", [2.0, (2.0, 1.0), (1.0, 3.0, 2.0), (0.1, 0.2, 0.15, 0.3, 0.2, 0.1, 0.2, 0.4)])
-def test_a_law_passes_through_its_stations(law):
-    values = np.atleast_1d(law)
-    xi = np.linspace(0.0, 1.0, values.size) if values.size > 1 else np.array([0.3])
-    np.testing.assert_allclose(along(law, xi), values, rtol=1e-11)
-    assert coefficients(law).size == values.size
 
 
 @pytest.mark.parametrize("law", [(), (1.0,) * 9, ((1.0, 2.0), (3.0, 4.0)), "wide", (1.0, np.nan), np.inf])
@@ -107,17 +85,6 @@ def test_a_taper_must_leave_a_wall(name):
     with pytest.raises(cf.errors.ModelError, match=rf"taper\.{name} falls to 0") as caught:
         cf.Taper(**{name: (1.0, 0.0)})
     assert caught.value.code == "taper-thickness"
-
-
-def test_mass_is_the_volume_of_a_tapered_trapezoid(steel):
-    """Chord 2 - x, thickness .01 (1 - x/2)(.5 + 2 (1 - 4 eta^2)/4): both integrals in closed form."""
-    blade = cf.Shell(
-        chart=cf.Blade(length=1.0, chord=(2.0, 1.0)), thickness=0.01, material=steel,
-        taper=cf.Taper(along=(1.0, 0.5), across=(0.5, 1.0, 0.5)), mesh=cf.ShellMesh(order=5, rows=2, around=1),
-    )  # fmt: skip
-    mass = nodal_mass(blade, make_grid(blade.chart, blade.mesh)).moments[:, 0].sum()
-    span = 2.0 - 2.0 / 2 + 1.0 / 6  # int (2 - x)(1 - x/2) dx
-    assert mass == pytest.approx(7800.0 * 0.01 * span * (1.0 - 0.5 / 3.0), rel=1e-13)
 
 
 @pytest.mark.slow

@@ -1,10 +1,8 @@
 """Numbers held: surfaces with their derivatives, directions along which springs act, laws along and across."""
 
 import numpy as np
-import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.survey_check import mean_radius
 from tests.probed import numbers_in
 
 PIECES = cf.geometry.PiecewiseMeridian(
@@ -30,22 +28,6 @@ CHARTS = {
     "pieces": cf.Revolved(profile=PIECES),
     "part": cf.geometry.RevolvedPanel(profile=PIECES, angle=0.7),
 }
-DEFECT = cf.FourierField.of({2: 0.004, 5: (0.001, -0.002)})
-
-
-@pytest.mark.parametrize("name", CHARTS)
-def test_numbers_of_charts(name, held):
-    chart = CHARTS[name]
-    (a0, a1), (b0, b1) = chart.bounds
-    a, b = (x.ravel() for x in np.meshgrid(np.linspace(a0, a1, 6), np.linspace(b0, b1, 5)))
-    surface = chart.surface(a, b, None)
-    found = {
-        f"{place}{axis}": part[axis] for place, part in zip(surface._fields, surface, strict=True) for axis in range(3)
-    }
-    if chart.periodic:
-        found["dented"] = np.ravel(chart.surface(a, b, DEFECT.derivatives(a, b)).x12)
-        found["mean"] = [mean_radius(chart)]
-    held(1e-8, **found, directions=chart.directions(a, b), bounds=chart.bounds)
 
 
 def test_numbers_of_laws(held):

@@ -9,8 +9,6 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import casingfem as cf
-from casingfem.structure.geometry.rotation import skew
-from casingfem.structure.imported.readers.draft import joined
 from reports.modes.mesh_files import write_bdf, write_inp
 
 pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in ("mesh-aspect", "mesh-orphan-nodes")]
@@ -18,6 +16,11 @@ pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in ("mesh-
 STEEL = cf.Material(E=210e9, nu=0.0, rho=7800.0)  # nu = 0: beam theory without its anticlastic curvature
 L, B = 1.0, 0.02
 EI, RHO_A = 210e9 * B**4 / 12.0, 7800.0 * B**2
+
+
+def skew(a):
+    """The matrix of the cross product with a vector."""
+    return np.cross(np.eye(3), np.asarray(a))
 
 
 def beam(offset=0.0, kind="solid"):
@@ -418,27 +421,6 @@ def test_bushes_of_coincident_grids_are_springs_along_the_basic_axes(tmp_path):
         (1.0, (cf.imported.Term(3, 0, 1.0), cf.imported.Term(6, 0, -1.0))),
         (3.0, (cf.imported.Term(3, 2, 1.0), cf.imported.Term(6, 2, -1.0))),
     ]
-
-
-def test_joined_nodes_keep_what_hangs_on_them():
-    """Two blocks side by side with their own nodes: joined, masses and connections name the nodes that are left."""
-    block = cf.imported.grid_mesh("hexahedron", (1, 1, 1), lambda u: u)
-    points = np.vstack([block.points, block.points + np.eye(3)[0], [[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]])
-    near = np.flatnonzero(points[:, 0] == 1.0)[:-1]  # the face twice, without the node of no cell
-    mesh = replace(block, points=points, cells=np.vstack([block.cells, block.cells + 8]),
-                   cell_numbers=np.arange(1, 3), node_numbers=np.arange(1, 19))  # fmt: skip
-    mesh = hung(mesh, masses=(cf.imported.PointMass(node=15, mass=1.0), cf.imported.PointMass(node=17, mass=2.0)),
-                rigids=(cf.imported.Rigid(reference=16, nodes=near),),
-                means=(cf.imported.Mean(reference=17, nodes=near, weights=np.ones(8)),))  # fmt: skip
-    found = joined(mesh, 1e-6)
-    assert len(found.points) == 14
-    rigid, mean = found.attachments.rigids[0], found.attachments.means[0]
-    np.testing.assert_array_equal(found.points[rigid.reference], points[16])
-    assert len(rigid.nodes) == len(mean.nodes) == 4
-    assert set(found.points[rigid.nodes][:, 0]) == {1.0}
-    np.testing.assert_array_equal(mean.weights, 2.0)
-    for mass, node in zip(found.attachments.masses, (15, 17), strict=True):
-        np.testing.assert_array_equal(found.points[mass.node], points[node])
 
 
 @pytest.mark.parametrize(

@@ -1,19 +1,21 @@
 """Sectors of wheels: which nodes pair, what is refused; nodes on the axis."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.cyclic.wheel import blade_stiffness, wheel_mesh, wheel_structure
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"low": (1, 0.0), "high": (1, 1.0), "base": (2, 0.0), "rim": (0, 1.0)}
 WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
 CASING = cf.Shell(chart=cf.Cylinder(radius=0.4, height=0.6), thickness=0.01, material=STEEL, supports={})
-HALVES = {"one": [0, 2], "other": [1]}
+
+
+def wheel_structure(sector):
+    """The whole wheel as one part."""
+    return cf.modal.wheel_modes(cf.modal.cyclic_modes(sector, 1, diameters=[1])).structure
 
 
 def part(place=lambda u: u, **given):
@@ -42,19 +44,6 @@ def test_faces_are_found_named_or_swapped_alike():
         pairs = cf.imported.CyclicSector(structure=part(), sectors=8, faces=names).pairs
         assert set(zip(*pairs, strict=True)) == set(zip(*found, strict=True))
     assert len(found.low) == 13
-
-
-def test_the_wheel_is_the_mesh_of_all_sectors():
-    sector = cf.imported.CyclicSector(structure=part(), sectors=8)
-    whole, direct = (
-        wheel_mesh(sector),
-        cf.imported.grid_mesh("hexahedron20", (1, 16, 2), WALL, groups={"base": (2, 0.0), "rim": (0, 1.0)}, wrap=1),
-    )
-    assert len(whole.points) == len(direct.points)
-    key = lambda x: np.sort(np.round(x, 9).view([("", float)] * 3).ravel())  # noqa: E731
-    assert np.array_equal(key(whole.points + 0.0), key(direct.points + 0.0))
-    assert len(whole.group_facets("base")) == len(direct.group_facets("base"))
-    assert len(wheel_structure(sector).mesh.boundary) == len(direct.boundary)  # no seam is left open
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")
@@ -126,29 +115,6 @@ def test_a_part_that_meets_itself_on_the_axis_alone_is_no_sector():
     found = "turned by 120 degrees about .*, found no nodes of faces but those on the axis.*cyclic-faces"
     with pytest.raises(cf.errors.ModelError, match=found):
         cf.imported.CyclicSector(structure=quarter, sectors=3)
-
-
-@pytest.mark.parametrize("kind", ["hexahedron20", "quad8"])
-def test_the_stiffness_of_a_blade_is_that_of_its_cells(kind):
-    """Of all cells, and of two groups that have each cell once, it adds up to that of the part."""
-    place = (lambda u: u) if kind == "hexahedron20" else (lambda u: np.insert(u, 2, 0.3 * u[:, 0] ** 2, axis=1))
-    mesh = cf.imported.grid_mesh(
-        kind, (3, 1, 1)[: 3 if kind == "hexahedron20" else 2], place, groups={"root": (0, 0.0)}
-    )
-    groups = {
-        name: cf.imported.Group(nodes=mesh.cells[rows].ravel(), cells=np.array(rows)) for name, rows in HALVES.items()
-    }
-    mesh = replace(mesh, groups={**mesh.groups, **groups})
-    make = cf.Solid if kind == "hexahedron20" else partial(cf.MeshShell, thickness=0.01)
-    structure = make(mesh=mesh, material=STEEL, supports={"root": cf.Clamped()})
-    system = structure.assembled()
-    K = system.K.toarray()
-    whole, one, other = (blade_stiffness(structure, system, group).toarray() for group in (None, "one", "other"))
-    np.testing.assert_allclose(whole, K, atol=1e-12 * np.abs(K).max())
-    np.testing.assert_allclose(one + other, K, atol=1e-12 * np.abs(K).max())
-    assert np.abs(one).max() > 0.1 * np.abs(K).max() < 10.0 * np.abs(other).max()
-    with pytest.raises(cf.errors.ModelError, match=r"blade 'root'.*mesh-group-no-cells"):
-        blade_stiffness(structure, system, "root")
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh-linear-cells")

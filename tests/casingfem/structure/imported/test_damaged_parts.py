@@ -7,9 +7,8 @@ import pytest
 from scipy.io import savemat
 
 import casingfem as cf
-from casingfem.structure.imported.matrix.op4 import read_op4
 from reports.robustness.mesh_samples import SHELLS_BDF, TIED_INP, tetra_cdb
-from reports.robustness.sample_files import binary_op4, matrices
+from reports.robustness.sample_files import matrices
 
 SET = matrices()
 DOFS = {"dofs": SET.dofs}
@@ -80,18 +79,6 @@ def test_an_hdf5_matrix_that_says_it_fills_the_memory(tmp_path):
         file["M"], file["dofs"] = SET.M.toarray(), SET.dofs
     with pytest.raises(cf.errors.ModelError, match=r"a\.h5: no readable HDF5 file \(its reader took more than"):
         cf.imported.read_matrices(tmp_path / "a.h5")
-
-
-def test_a_record_of_op4_that_is_no_whole_number_of_values(tmp_path):
-    content = binary_op4(SET)
-    body = np.int32([2, 1, 11]).tobytes() + b"\0" * 44
-    size = np.int32(len(body)).tobytes()
-    (tmp_path / "a.op4").write_bytes(content[:100] + size + body + size + content[100:])
-    first = 32 + 12 + 8 + 96  # header, and the first column
-    (tmp_path / "b.op4").write_bytes(content[:32] + size + body + size + content[32 + first - 32 :])
-    for name in ("a.op4", "b.op4"):
-        with pytest.raises(cf.errors.ModelError, match=rf"{name}: "):
-            read_op4(tmp_path / name)
 
 
 @pytest.mark.parametrize("number", ["nan", "1e300", "7.5", "inf"])

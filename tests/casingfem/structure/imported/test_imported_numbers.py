@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.campbell import spin_from_rest
 from reports.modes.cyclic import bent_plate, bladed_disk
 from reports.modes.mesh_files import write_bdf, write_inp
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung, supported
@@ -87,20 +86,6 @@ def flat(kind):
         return cf.MeshShell(mesh=mesh, thickness=3e-3, material=STEEL, supports={"root": cf.Clamped()}, rotation=AROUND)
     mesh = cf.imported.grid_mesh(kind, (3, 1, 1), lambda u: (u - [0.0, 0.5, 0.5]) * [0.11, 0.04, 3e-3], groups=ENDS)
     return supported(mesh, rotation=AROUND)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["hexahedron20", "quad9"])
-def test_numbers_of_turning_parts(kind, held):
-    system, added = spin_from_rest(flat(kind), "test")
-    held(
-        1e-5,
-        K=probed(system.K),
-        G=probed(added.G),
-        K1=probed(added.K1),
-        fields=np.linalg.norm(added.fields, axis=0),
-        freq=cf.modes(flat(kind), 3).freq,
-    )
 
 
 @pytest.mark.slow

@@ -4,10 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.fourier import lowest
-from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.shell import assemble_mesh_shell
-from casingfem.structure.shell.axisymmetric import harmonic_matrices
 
 WALL = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 3e-3)
 QUADRATIC = ("quad8", "quad9")
@@ -55,7 +51,7 @@ def test_no_hourglass_modes(kind, place, steel):
     for groups in (shell.materials, shell.thicknesses, shell.supports):
         with pytest.raises(TypeError):
             groups["all"] = steel
-    system = assemble_mesh_shell(shell)
+    system = shell.assembled()
     values = np.linalg.eigvalsh(system.K.toarray())
     assert np.abs(values[:6]).max() < 1e-12 * values[-1]
     assert values[6] > 1e-7 * values[-1]
@@ -69,27 +65,13 @@ def test_no_hourglass_modes(kind, place, steel):
 def test_constant_membrane_strain_needs_no_inner_forces(kind, place, allowed, steel):
     """Exact on parallelograms; where no sides are parallel, strains tied in two directions miss a little."""
     shell = cf.MeshShell(mesh=cf.imported.grid_mesh(kind, (3, 3), place), thickness=0.02, material=steel)
-    system = assemble_mesh_shell(shell)
+    system = shell.assembled()
     field = np.zeros((len(system.points), 5))
     field[:, :3] = system.points @ np.array([[1.0, 0.3, 0.0], [0.2, -0.5, 0.0], [0.0, 0.0, 0.0]])
     force = (system.K @ field.ravel()).reshape(-1, 5)
     boundary = np.unique(shell.mesh.facet_nodes(shell.mesh.boundary))
     inner = np.setdiff1d(np.arange(len(force)), boundary)
     assert np.abs(force[inner]).max() < allowed * np.abs(force).max()
-
-
-def test_constant_curvature_needs_no_inner_forces(steel):
-    """u_z = x^2/2, the director turned by -x; cells skewed, edges straight."""
-    mesh = cf.imported.grid_mesh("quad9", (3, 3), skewed)
-    system = assemble_mesh_shell(cf.MeshShell(mesh=mesh, thickness=0.02, material=steel))
-    x = system.points[:, 0]
-    frames = tangent_frames(directors(mesh))
-    turned = np.stack([-x, 0 * x, 0 * x], axis=1)
-    field = np.column_stack([0 * x, 0 * x, 0.5 * x**2, np.einsum("nic,nc->ni", frames, turned)])
-    force = (system.K @ field.ravel()).reshape(-1, 5)
-    boundary = np.unique(mesh.facet_nodes(mesh.boundary))
-    inner = np.setdiff1d(np.arange(len(x)), boundary)
-    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force[boundary]).max()
 
 
 @pytest.mark.slow
@@ -179,39 +161,6 @@ def test_kinks_are_doubted_and_folds_are_not(steel):
     cf.MeshShell(mesh=folded(4.0), thickness=0.01, material=steel)
 
 
-def lofted(pieces, rows, sectors):
-    """A narrow sector of a casing whose meridian runs through points (r, z), its cells nine-noded, sharp corners."""
-    points, lines = np.array(pieces), np.concatenate([[0.0], np.cumsum(rows)])
-
-    def place(u):
-        s, theta = u[:, 1] * lines[-1], 2 * np.pi / sectors * u[:, 0]
-        r, z = (np.interp(s, lines, part) for part in points.T)
-        return np.stack([r * np.cos(theta), r * np.sin(theta), z], axis=1)
-
-    return cf.imported.grid_mesh("quad9", (1, sum(rows)), place, groups={"base": (1, 0.0)})
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*mesh-kink")
-@pytest.mark.parametrize(("wall", "worst"), [("curved", 1e-3), ("linear", 6e-3)])
-def test_a_kink_of_the_mesh_is_a_mitred_wall(wall, worst, steel):
-    """Cylinder and cone that meet at 30 degrees, 12 mm thick, against the chart with a fillet of the wall's thickness.
-
-    The linear wall is too soft there: six frequencies by up to 0.5 %.
-    """
-    points, t = [(0.3, 0.0), (0.3, 0.15), (0.3 - 0.15 / np.sqrt(3.0), 0.3)], 0.012
-    meridian = cf.geometry.PiecewiseMeridian(
-        start=points[0], pieces=tuple(cf.geometry.Piece(to=to) for to in points[1:]), fillet=t
-    )
-    chart = cf.Shell(chart=cf.Revolved(profile=meridian), thickness=t, material=steel, supports={"base": cf.Clamped()})
-    exact = [np.sqrt(lowest(harmonic_matrices(chart, n), 1, 1e4)[0][0]) / (2 * np.pi) for n in range(2, 8)]
-    mesh, parts = lofted(points, (16, 18), 60), {"thickness": t, "material": steel, "supports": {"base": cf.Clamped()}}
-    sector = cf.imported.CyclicSector(structure=cf.MeshShell(mesh=mesh, wall=wall, **parts), sectors=60)
-    found = cf.modal.cyclic_modes(sector, 1, diameters=range(2, 8)).freq
-    error = np.abs(found / exact - 1).max()
-    assert 0.25 * worst < error < worst
-
-
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")
 def test_a_wall_with_a_window_is_that_of_its_solid(steel):
@@ -261,30 +210,11 @@ def test_plies_are_those_of_the_chart_shell(steel, carbon):
     chart = cf.Shell(chart=cf.Panel(radius=0.5, length=0.4, angle=1.0), plies=plies, **parts)
     np.testing.assert_allclose(cf.modes(layered, 4).freq, cf.modes(chart, 4).freq, rtol=4e-3)
     steel_only = cf.MeshShell(mesh=mesh, plies=(cf.shell.Ply(thickness=0.5), cf.shell.Ply(thickness=1.5)), **parts)
-    plain = assemble_mesh_shell(cf.MeshShell(mesh=mesh, **parts))
+    plain = cf.MeshShell(mesh=mesh, **parts).assembled()
     for name in ("K", "M"):  # layers of one material are one layer
-        one, other = getattr(assemble_mesh_shell(steel_only), name), getattr(plain, name)
+        one, other = getattr(steel_only.assembled(), name), getattr(plain, name)
         assert abs(one - other).max() < 1e-12 * abs(other).max()
     assert layered.density() == pytest.approx(0.02 * (2 * 7800.0 + 3 * 1600.0) / 5)
-
-
-def test_angles_of_plies_turn_about_the_normals_from_a_direction(steel, carbon):
-    """Stretch along the fibres costs most: u = f (f . x), f at 30 degrees from x towards y; cells' normals along z."""
-    mesh = cf.imported.grid_mesh("quad9", (2, 2), skewed)
-    plies = (cf.shell.Ply(thickness=1.0, angle_deg=30.0, lamina=carbon),)
-    parts = {"mesh": mesh, "thickness": 0.01, "material": steel, "wall": "linear", "plies": plies}
-    K = assemble_mesh_shell(cf.MeshShell(angle_from=(1.0, 0.0, 0.0), **parts)).K
-
-    def energy(angle):
-        f = np.array([np.cos(angle), np.sin(angle), 0.0])
-        field = np.column_stack([np.outer(mesh.points @ f, f), np.zeros((len(mesh.points), 2))]).ravel()
-        return float(field @ (K @ field))
-
-    angles = np.radians([30.0, -30.0, 90.0, 120.0])
-    along, *others = [energy(angle) for angle in angles]
-    assert along > 1.5 * max(others)
-    C = carbon.stiffness[0, 0] * 0.01  # of a square of side 1, skewed at equal area
-    assert along == pytest.approx(C, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.campbell import spin_from_rest
-from casingfem.structure.imported import solid_spin
-from casingfem.structure.imported.cells.mapped import cell_dofs, scatter
-from casingfem.structure.imported.cells.shell import directors, tangent_frames
-from casingfem.structure.imported.shell_spin import shell_stiffening
-from casingfem.structure.imported.solid_spin import steady_stiffness, tangent
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
@@ -43,17 +37,6 @@ def block(rotation, counts=(10, 4, 1)):
         "hexahedron20", counts, lambda u: (u - [0.0, 0.5, 0.5]) * [LENGTH, WIDTH, THICK], groups=ENDS
     )
     return cf.Solid(mesh=mesh, material=STEEL, supports=CLAMPED, rotation=rotation)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("make", [block, skin])
-def test_a_radial_bar_stretches_as_it_must(make):
-    """nu = 0: u(L) = rho Omega^2 (c L^2/2 + L^3/3)/E from an axis a distance c below the root."""
-    part = make(AXES["flapping out of it"])
-    part = replace(part, material=replace(STEEL, nu=0.0))
-    _, added = spin_from_rest(part, "test")
-    tip = added.fields[part.mesh.groups["tip"].nodes, 0]
-    np.testing.assert_allclose(tip, 7800 * (0.2 * LENGTH**2 / 2 + LENGTH**3 / 3) / 210e9, rtol=2e-3)
 
 
 @pytest.mark.slow
@@ -92,64 +75,6 @@ def test_linear_quadrilaterals_too():
     exact = cf.campbell(chart(AXES["flapping out of it"]), [0.0], count=1).southwell
     found = cf.campbell(skin(AXES["flapping out of it"], (24, 8), "quad"), [0.0], count=1).southwell
     np.testing.assert_allclose(found, exact, rtol=1e-2)
-
-
-def test_the_tangent_is_the_derivative_of_the_inner_forces():
-    solid = block(None, (3, 2, 1))
-    rng = np.random.default_rng(11)
-    mesh = solid.mesh
-    u, v = 1e-3 * rng.standard_normal((2, *mesh.points.shape))
-    K, _ = tangent(solid, u)
-    h = 1e-4
-    ahead, behind = (tangent(solid, u + s * h * v)[1] for s in (1, -1))
-    exact = (ahead - behind) / (2 * h)
-    np.testing.assert_allclose(K @ v.ravel(), exact, atol=1e-6 * np.abs(exact).max())
-
-
-def test_a_rigid_turn_strains_nothing():
-    """Green's strain of a finite rotation is zero: no inner forces."""
-    solid = block(None, (3, 2, 1))
-    mesh = solid.mesh
-    a = 0.7
-    R = np.array([[np.cos(a), -np.sin(a), 0.0], [np.sin(a), np.cos(a), 0.0], [0.0, 0.0, 1.0]])
-    K, inner = tangent(solid, mesh.points @ R.T - mesh.points)
-    assert np.abs(inner).max() < 1e-9 * np.abs(K.data).max() * np.abs(mesh.points).max()
-
-
-@pytest.mark.parametrize("kind", ["quad9", "quad"])
-@pytest.mark.filterwarnings("ignore:.*mesh-kink")  # coarse on purpose: tangents lean against the directors
-def test_prestress_turns_with_a_small_rigid_rotation(kind):
-    """Energy of a stressed shell is unchanged by a rigid rotation of the whole: v K1 v = -f.(second-order motion).
-
-    f = K u are the forces that hold the state u; a rotation w moves positions by w x X + w x (w x X)/2. What the
-    director's second order takes along its normal is in the strains already.
-    """
-    bent = cf.imported.revolved((0.1, 0.08), (0.0, 0.1), 0.01)
-    mesh = cf.imported.grid_mesh(kind, (4, 3), lambda u: bent(np.insert(u * [0.2, 1.0], 0, 0.5, axis=1)))
-    shell = cf.MeshShell(mesh=mesh, thickness=0.01, material=STEEL)
-    system = shell.assembled()
-    u = 1e-6 * np.random.default_rng(5).standard_normal((len(mesh.points), 5))
-    added = scatter(shell_stiffening(shell, u).first, cell_dofs(mesh.cells, 5), u.size)
-    forces = (system.K @ u.ravel()).reshape(-1, 5)
-    n = directors(mesh)
-    e, X = tangent_frames(n), mesh.points - mesh.points.mean(axis=0)
-    for axis in np.eye(3):
-        W = np.cross(axis, np.eye(3)).T
-        v = np.concatenate([X @ W.T, np.einsum("nac,nc->na", e, n @ W.T)], axis=1)
-        second = np.concatenate([X @ (W @ W).T, np.einsum("nac,nc->na", e, n @ (W @ W).T)], axis=1)
-        felt, expected = v.ravel() @ (added @ v.ravel()), -float((forces * second).sum())
-        assert felt == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(forces).sum())
-
-
-def test_the_steady_state_tends_to_the_linear_one():
-    """What is left of the tangent beyond Omega^2 K1 falls as Omega^4."""
-    solid = block(AXES["staggered, off the axis"], (4, 2, 1))
-    system, added = spin_from_rest(solid, "test")
-    left = []
-    for omega in (40.0, 80.0):
-        full = steady_stiffness(system, solid, solid.rotation.at(omega), omega**2 * added.fields)
-        left.append(np.abs((full - omega**2 * added.K1).toarray()).max())
-    assert left[1] / left[0] == pytest.approx(16.0, rel=0.1)
 
 
 @pytest.mark.slow
@@ -217,17 +142,6 @@ def test_softening_beyond_the_stiffness_is_refused():
     assert at_half == pytest.approx(first * np.sqrt(0.75), rel=2e-2)
     with pytest.raises(cf.errors.ModelError, match="rotation-unstable"):
         cf.modes(block(about_span.at(1.2 * first)), 1)
-
-
-def test_a_steady_state_that_is_not_found_is_named_with_its_speed(monkeypatch):
-    part, turning = block(None, (2, 1, 1)), AXES["flapping out of it"].at(1e4)
-    start = np.zeros_like(part.mesh.points)
-    steady_stiffness(part.assembled(), part, turning, start)
-    monkeypatch.setattr(solid_spin, "STEPS", 2)
-    with pytest.raises(
-        cf.errors.NumericsError, match="rotation: found no steady state at 1592 turns a second in 2 steps"
-    ):
-        steady_stiffness(part.assembled(), part, turning, start)
 
 
 def test_parts_without_an_axis_or_without_support_are_named():

@@ -11,7 +11,6 @@ from casingfem.structure.imported.loads import nodal_loads
 from casingfem.structure.imported.mesh.cell_kind import KINDS
 from casingfem.structure.imported.mesh.collapsed import mirror, native, right_handed, written_as
 from casingfem.structure.imported.readers.draft import Block, Draft, build
-from casingfem.structure.imported.solid import assemble_solid
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))  # of a brick
@@ -49,7 +48,7 @@ def mixed(counts, *, bend=0.0):
 def test_constant_strains_are_exact_through_all_kinds():
     """K u of a linear field is zero at inner nodes; energy and mass are those of the volume."""
     mesh, _ = mixed((4, 2, 2), bend=0.15)
-    system = assemble_solid(cf.Solid(mesh=mesh, material=STEEL))
+    system = cf.Solid(mesh=mesh, material=STEEL).assembled()
     slope = np.random.default_rng(4).normal(size=(3, 3))
     u = (mesh.points @ slope.T).ravel()
     force = (system.K @ u).reshape(-1, 3)
@@ -78,7 +77,7 @@ def test_collapsed_bricks_are_tetrahedra():
     """The stiffness to round-off; of the mass, whose quadrature they share with bricks, the sum."""
     tetra = cf.imported.grid_mesh("tetra", (3, 2, 1), lambda u: u * [1.0, 0.2, 0.1])
     bricks = replace(tetra, kind="hexahedron", cells=written_as("hexahedron", "tetra", tetra.cells, tetra.points))
-    own, collapsed = (assemble_solid(cf.Solid(mesh=mesh, material=STEEL)) for mesh in (tetra, bricks))
+    own, collapsed = (cf.Solid(mesh=mesh, material=STEEL).assembled() for mesh in (tetra, bricks))
     assert abs(own.K - collapsed.K).max() < 1e-12 * abs(own.K).max()
     assert collapsed.M.sum() == pytest.approx(own.M.sum(), rel=1e-12)
 
@@ -100,7 +99,7 @@ def test_a_mixed_bar_is_stressed_alike_everywhere():
     mesh, _ = mixed((8, 2, 2))
     axial = cf.Material(E=210e9, nu=0.0, rho=7800.0)
     solid = cf.Solid(mesh=mesh, material=axial, supports={"root": cf.Clamped()})
-    system = assemble_solid(solid)
+    system = solid.assembled()
     pulled = np.zeros((len(mesh.points), 3))
     pulled[:, 0] = 1e-3 * mesh.points[:, 0]
     for node in range(0, len(mesh.points), 5):
@@ -182,7 +181,7 @@ def test_constant_strains_are_exact_through_all_quadratic_kinds():
     mesh = quadratic((4, 2, 2), bend=0.05)
     assert repr(mesh).startswith("MeshData(mixed: 42 hexahedron20, 34 of them collapsed, 185 nodes")
     solid = cf.Solid(mesh=mesh, material=STEEL)
-    system = assemble_solid(solid)
+    system = solid.assembled()
     slope = np.random.default_rng(4).normal(size=(3, 3))
     field = mesh.points @ slope.T
     force = (system.K @ field.ravel()).reshape(-1, 3)
@@ -225,10 +224,10 @@ def test_facets_of_quadratic_kinds_carry_pressures_and_foundations():
     solid = cf.Solid(mesh=skin, material=STEEL)
     force = nodal_loads(solid, cf.imported.FacetPressure(group="skin", pressure=3.0))
     assert np.abs(force.sum(axis=0)).max() < 1e-14
-    volume = assemble_solid(solid).M.sum() / 3.0 / 7800.0
+    volume = solid.assembled().M.sum() / 3.0 / 7800.0
     assert np.sum(force * mesh.points) == pytest.approx(-3.0 * 3.0 * volume, rel=1e-12)
     on = cf.Solid(mesh=skin, material=STEEL, supports={"skin": cf.ElasticEdge(k_face=1e9)})
-    springs = assemble_solid(on).K - assemble_solid(solid).K
+    springs = on.assembled().K - solid.assembled().K
     area = facet_shape_products(mesh, mesh.boundary)[2].sum()
     assert springs.sum() == pytest.approx(3.0 * 1e9 * area, rel=1e-9)
 
@@ -322,5 +321,5 @@ def test_bricks_and_wedges_of_an_input_file(nodes, tmp_path):
     assert mesh.collapsed.tolist() == [False, True]
     faces = mesh.facet_nodes(mesh.groups["TOP"].facets)
     assert mapped("quad", mesh.points, faces).measure.sum(axis=1) == pytest.approx([1.0, 0.5])
-    system = assemble_solid(cf.Solid(mesh=mesh, material=STEEL))
+    system = cf.Solid(mesh=mesh, material=STEEL).assembled()
     assert system.M.sum() / 3.0 == pytest.approx(1.5 * 7800.0, rel=1e-12)

@@ -13,7 +13,6 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS, rule
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.walls import cell_normals
 from casingfem.structure.imported.readers.draft import Block, Draft, build
-from casingfem.structure.imported.shell import assemble_mesh_shell
 from tests.casingfem.structure.imported.parts import STEEL
 
 HALVES = ([0, 1, 2, 4, 5, 8], [0, 2, 3, 8, 6, 7])  # triangles of a square of nine nodes
@@ -102,7 +101,7 @@ def test_linear_cells_among_quadratic_ones_are_raised():
     """Their edges take the middles of their neighbours, or free ones: the plate is as good as with all of them."""
     whole, some = plate(6), plate(6, linear=[1, 2, 7])
     assert some.mesh.kind == whole.mesh.kind == "quad9"
-    assert assemble_mesh_shell(some).K.shape == assemble_mesh_shell(whole).K.shape
+    assert some.assembled().K.shape == whole.assembled().K.shape
     np.testing.assert_allclose(cf.modes(some, 5).freq, cf.modes(whole, 5).freq, rtol=1e-9)
 
 
@@ -147,7 +146,7 @@ def test_mass_and_loads_of_a_mixed_plate_are_those_of_its_area():
     np.testing.assert_allclose(weight, [0.0, 0.0, -9.81 * 7800.0 * 4e-3 * 0.16, 0.0, 0.0], atol=1e-12)
     pressed = nodal_loads(shell, cf.loads.Pressure(pressure=1e3)).sum(axis=0)
     np.testing.assert_allclose(pressed, [0.0, 0.0, 160.0], atol=1e-10)
-    M = assemble_mesh_shell(cf.MeshShell(mesh=shell.mesh, thickness=4e-3, material=STEEL)).M
+    M = cf.MeshShell(mesh=shell.mesh, thickness=4e-3, material=STEEL).assembled().M
     assert M[::5, ::5].sum() == pytest.approx(7800.0 * 4e-3 * 0.16, rel=1e-12)
 
 

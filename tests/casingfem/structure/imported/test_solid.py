@@ -7,11 +7,11 @@ import pytest
 from scipy.sparse.linalg import eigsh
 
 import casingfem as cf
-from casingfem.structure.imported.mesh.cell_kind import SHELLS, SOLIDS
-from casingfem.structure.imported.solid import assemble_solid
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 
+SOLIDS = ("tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27")
+SHELLS = ("quad", "quad8", "quad9")
 QUADRATIC = tuple(kind for kind in SOLIDS if kind[-1].isdigit())
 
 
@@ -36,7 +36,7 @@ def bent(u):
 def test_constant_strain_needs_no_inner_forces(kind, steel):
     """The patch test on distorted cells: displacements linear in x give forces on the boundary only."""
     mesh = cf.imported.grid_mesh(kind, (2, 2, 2), lambda u: u + 0.04 * np.sin(3.0 * u[:, [1, 2, 0]]) * u * (1 - u))
-    system = assemble_solid(cf.Solid(mesh=mesh, material=steel))
+    system = cf.Solid(mesh=mesh, material=steel).assembled()
     gradient = np.array([[1.0, 0.3, -0.2], [0.1, -0.5, 0.7], [0.4, 0.2, 0.9]])
     force = system.K @ (mesh.points @ gradient).ravel()
     on_boundary = np.unique(mesh.facet_nodes(mesh.boundary))
@@ -48,7 +48,7 @@ def test_constant_strain_needs_no_inner_forces(kind, steel):
 @pytest.mark.parametrize("kind", SOLIDS)
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 def test_free_body_has_six_rigid_motions_without_energy_and_its_mass(kind, steel):
-    system = assemble_solid(cf.Solid(mesh=bar(kind), material=steel))
+    system = cf.Solid(mesh=bar(kind), material=steel).assembled()
     assert system.rigid == 6
     x = system.points
     turn = np.cross([0.3, -0.2, 0.5], x).ravel()
@@ -60,7 +60,7 @@ def test_free_body_has_six_rigid_motions_without_energy_and_its_mass(kind, steel
 def test_curved_geometry_is_kept(kind, steel):
     """A quarter of a percent of the ring's volume is lost if its cells' middle nodes are straightened."""
     ring = cf.imported.grid_mesh(kind, (1, 20, 2), cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02), wrap=1)
-    volume = assemble_solid(cf.Solid(mesh=ring, material=steel)).M.sum() / 3 / 7800.0
+    volume = cf.Solid(mesh=ring, material=steel).assembled().M.sum() / 3 / 7800.0
     exact = 2 * np.pi * 0.475 * 0.02 * np.hypot(0.25, 0.05)
     assert volume == pytest.approx(exact, rel=1e-4)
 
@@ -68,7 +68,7 @@ def test_curved_geometry_is_kept(kind, steel):
 def test_curved_cells_integrate_a_known_volume(steel):
     mesh = cf.imported.grid_mesh("hexahedron27", (1, 1, 1), bent)
     finer = cf.imported.grid_mesh("hexahedron27", (4, 4, 4), bent)
-    one, many = (assemble_solid(cf.Solid(mesh=m, material=steel)).M.sum() for m in (mesh, finer))
+    one, many = (cf.Solid(mesh=m, material=steel).assembled().M.sum() for m in (mesh, finer))
     assert one == pytest.approx(many, rel=1e-12)  # the map is in the element's space: any division gives the same
 
 
@@ -82,7 +82,7 @@ def test_axial_modes_of_a_guided_bar_are_exact(kind):
         everywhere = cf.imported.Group(nodes=np.arange(len(mesh.points)))
         mesh = cf.imported.MeshData(kind=kind, points=mesh.points, cells=mesh.cells, groups={"all": everywhere})
         solid = cf.Solid(mesh=mesh, material=material, supports={"all": cf.imported.Fixed(directions=("y", "z"))})
-        system = assemble_solid(solid)
+        system = solid.assembled()
         assert system.rigid == 1
         exact = np.sqrt(200e9 / 8000.0) / 2.0
         errors.append(frequencies(system, 2)[1] / exact - 1)
@@ -93,7 +93,7 @@ def test_axial_modes_of_a_guided_bar_are_exact(kind):
 def test_foundation_on_a_face_is_a_spring_under_a_rigid_block(steel):
     """A stiff block on k [N/m^3]: omega^2 = k/(rho h) for each translation, less the block's own give."""
     mesh = bar("hexahedron20", (2, 2, 2), (0.1, 0.1, 0.1))
-    system = assemble_solid(cf.Solid(mesh=mesh, material=steel, supports={"bottom": cf.ElasticEdge(k_face=1e7)}))
+    system = cf.Solid(mesh=mesh, material=steel, supports={"bottom": cf.ElasticEdge(k_face=1e7)}).assembled()
     assert system.rigid == 0
     total = np.tile(np.eye(3)[2], len(mesh.points))
     assert total @ (system.K @ total) == pytest.approx(1e7 * 0.01, rel=1e-6)
@@ -111,7 +111,7 @@ def test_foundation_on_a_face_is_a_spring_under_a_rigid_block(steel):
     ],
 )
 def test_rigid_motions_that_supports_leave(supports, left, steel):
-    assert assemble_solid(cf.Solid(mesh=bar("tetra10"), material=steel, supports=supports)).rigid == left
+    assert cf.Solid(mesh=bar("tetra10"), material=steel, supports=supports).assembled().rigid == left
 
 
 def test_materials_by_group_act_where_they_are(steel):
@@ -119,7 +119,7 @@ def test_materials_by_group_act_where_they_are(steel):
     halves = {"left": cf.imported.Group(nodes=mesh.cells[:2].ravel(), cells=np.arange(2))}
     mesh = cf.imported.MeshData(kind=mesh.kind, points=mesh.points, cells=mesh.cells, groups=halves)
     light = cf.Material(E=210e9, nu=0.3, rho=1000.0)
-    system = assemble_solid(cf.Solid(mesh=mesh, material=steel, materials={"left": light}))
+    system = cf.Solid(mesh=mesh, material=steel, materials={"left": light}).assembled()
     assert system.M.sum() == pytest.approx(3 * 0.005 * 8800.0)
     with pytest.raises(cf.errors.ModelError, match="mesh-group-no-cells"):
         cf.Solid(mesh=bar("hexahedron20"), material=steel, materials={"root": light})
@@ -162,6 +162,6 @@ def test_linear_cells_are_doubted_and_lock(steel):
     with pytest.warns(cf.errors.ModelWarning, match="mesh-linear-cells"):
         solid = cf.Solid(mesh=bar("hexahedron", (6, 1, 1)), material=steel, supports={"root": cf.Clamped()})
     good = cf.Solid(mesh=bar("hexahedron20", (6, 1, 1)), material=steel, supports={"root": cf.Clamped()})
-    locked, sound = (frequencies(assemble_solid(s), 2)[0] for s in (solid, good))
+    locked, sound = (frequencies(s.assembled(), 2)[0] for s in (solid, good))
     assert locked > 1.3 * sound
     assert sound == pytest.approx(83.8, rel=0.02)  # .5596 h/L^2 sqrt(E/12 rho) of a slender cantilever: 83.8

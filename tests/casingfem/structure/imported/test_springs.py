@@ -1,12 +1,9 @@
 """Nodes without mass between springs, bushes with arms, and single components in coordinate systems of the file."""
 
-import warnings
-
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.attachments.system import warn_floating
 from tests.casingfem.structure.imported.parts import added_nodes, hung, supported
 
 QUIET = ("mesh-aspect", "mesh-orphan-nodes", "mesh-linear-cells")
@@ -240,27 +237,3 @@ def test_forces_on_reference_nodes_without_mass_or_springs_reach_the_part(bar):
     assert isinstance(part.mesh, cf.imported.MeshData)
     heavy = supported(hung(mesh, rigids=arm, masses=(cf.imported.PointMass(node=middle, mass=3.0),)))
     np.testing.assert_allclose(compliance(heavy, number), moved, rtol=1e-9)
-
-
-@pytest.mark.parametrize("beside", ["ground", "ground alone", "two nodes", "mass", "held", "equation", "nothing"])
-def test_only_a_node_that_nothing_but_one_other_node_holds_floats(bar, beside):
-    """A chain bar - end - middle: the middle node floats unless something else has it."""
-    mesh, (end, middle) = bar
-    tip = int(mesh.groups["tip"].nodes[0])
-    springs = [spring(end, tip, 0, 1e5), spring(middle, end, 0, 2e5), spring(middle, end, 1, 2e5)]
-    springs += {"ground": [spring(middle, None, 2, 1e5)], "two nodes": [spring(middle, tip, 2, 1e5)]}.get(beside, [])
-    if beside == "ground alone":
-        springs = [spring(middle, None, 2, 1e5)]
-    more = {
-        "mass": {"masses": (cf.imported.PointMass(node=middle, mass=0.1),)},
-        "equation": {
-            "equations": (
-                cf.imported.Equation(terms=(cf.imported.Term(middle, 0, 1.0), cf.imported.Term(tip, 0, -1.0))),
-            )
-        },
-    }.get(beside, {})
-    held = np.array([middle] if beside == "held" else [], dtype=np.int64)
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        warn_floating(hung(mesh, springs=tuple(springs), **more), held)
-    assert [str(mesh.node_numbers[middle]) in str(one.message) for one in told] == [True] * (beside == "nothing")

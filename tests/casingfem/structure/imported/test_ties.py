@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.attachments.glue import nearest_places
-from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
-from casingfem.structure.imported.readers.draft import joined
-from casingfem.study.load import load_any
 from reports.modes.mesh_files import write_inp
 from tests.casingfem.structure.imported.parts import STEEL, supported
 
@@ -28,16 +24,6 @@ def pair(kind, first, other):
 
 
 GLUE = cf.imported.Gluing(follower="b.low", master="a.high")
-
-
-def test_faces_that_match_are_as_good_as_joined():
-    both = pair("hexahedron20", (2, 1, 2), (2, 1, 2))
-    with pytest.raises(cf.errors.ModelError, match=r"coincide.*tie faces.*mesh-open-seam"):
-        supported(both, "a.low")
-    found, exact = (
-        cf.modes(supported(mesh, "a.low"), 6).freq for mesh in (cf.imported.tied(both, [GLUE]), joined(both, 1e-6))
-    )
-    np.testing.assert_allclose(found, exact, rtol=1e-8)
 
 
 @pytest.mark.slow
@@ -132,24 +118,6 @@ def test_what_a_support_holds_stays_held():
     assert np.abs(shapes).max() > 0.0
 
 
-@pytest.mark.parametrize("kind", ["quad8", "triangle6", "line3", "quad9"])
-def test_the_nearest_place_on_a_facet_is_found(kind):
-    """Places at known local coordinates, lifted along the normal: found again, at that distance."""
-    rng = np.random.default_rng(20263)
-    corners = KINDS[kind].places
-    dim = corners.shape[1]
-    nodes = np.pad(corners, ((0, 0), (0, 3 - dim))) + 0.03 * rng.standard_normal((len(corners), 3))
-    local = rng.uniform(0.1, 0.45, (9, dim))
-    values, slopes = shape_functions(kind, local.T)
-    x = values.T @ nodes
-    first, other = slopes[0].T @ nodes, (slopes[1].T @ nodes if dim == 2 else np.tile([0.1, 0.2, 1.0], (9, 1)))
-    normal = np.cross(first, other)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    found = nearest_places(kind, nodes[None], x + 0.01 * normal)
-    np.testing.assert_allclose(found.distance, 0.01, rtol=1e-6)
-    np.testing.assert_allclose(found.weights, values.T, atol=1e-6)
-
-
 SURFACES = """*SURFACE, NAME=Lower
 {a}, S4
 *SURFACE, NAME=Upper, TYPE=NODE
@@ -203,29 +171,3 @@ def test_faces_that_are_not_there_or_apart_are_named():
     assert len(found.attachments.glued[0].nodes) == 9
     with pytest.raises(cf.errors.ModelError, match=r"(?s)3 parts .*tie their faces.*mesh-parts"):
         cf.Solid(mesh=cf.imported.beside({"a": block("hexahedron", (1, 1, 1), 0.0, 0.1), "b": both}), material=STEEL)
-
-
-STUDY = """
-[material]
-E = 210e9
-nu = 0.3
-rho = 7800.0
-[solid]
-mesh = "a.inp"
-[[solid.tie]]
-follower = "{follower}"
-master = "Lower"
-[support."a.low"]
-kind = "clamped"
-"""
-
-
-def test_a_study_ties_groups_by_name(tmp_path):
-    text = file_of(tmp_path).read_text()
-    (tmp_path / "a.inp").write_text(text[: text.index("*TIE")])
-    (tmp_path / "study.toml").write_text(STUDY.format(follower="b.low"))
-    structure = load_any(tmp_path / "study.toml").structure
-    assert repr(structure.mesh.attachments) == "1 tie"
-    (tmp_path / "study.toml").write_text(STUDY.format(follower="b.lower"))
-    with pytest.raises(cf.errors.InputError, match=r"tie 1: no group 'b.lower'"):
-        load_any(tmp_path / "study.toml")

@@ -7,7 +7,6 @@ import pytest
 from scipy.linalg import eig, eigh
 
 import casingfem as cf
-from casingfem.structure.imported.attachments.turning import attached_spin, points_of
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung
 
 QUIET = ("mesh-aspect", "mesh-orphan-nodes", "material-units", "mesh-parts")
@@ -154,22 +153,6 @@ def test_a_mass_beyond_the_tip_of_a_light_beam_stiffens_it(kind, how):
         part = cf.MeshShell(mesh=mesh, thickness=B, **options) if kind == "shell" else cf.Solid(mesh=mesh, **options)
         found = cf.campbell(part, [0.0, 5.0], count=2)
         np.testing.assert_allclose(sorted(found.southwell), [wanted - 1.0, wanted], atol=4e-3)
-
-
-def test_masses_on_arms_are_their_points():
-    """Mass, centre and inertia of the points are those of the mass."""
-    J = np.array([[0.3, 0.02, 0.0], [0.02, 0.4, 0.05], [0.0, 0.05, 0.5]])
-    mass = cf.imported.PointMass(node=0, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3))
-    m, r = (np.array(column) for column in zip(*points_of(mass), strict=True))
-    np.testing.assert_allclose([m.sum(), *(m @ r)], [7.0, 0.7, -1.4, 2.1], rtol=1e-12)
-    away = r - mass.offset
-    spread = np.einsum("i,ia,ib->ab", m, away, away)
-    np.testing.assert_allclose(np.trace(spread) * np.eye(3) - spread, J, atol=1e-14)
-    part, _, _ = body("mass")
-    system = part.assembled()
-    hanging = attached_spin(system.connected.rows.motions, Z)
-    six = hanging.mass[-3:, -3:].toarray()
-    np.testing.assert_allclose(np.diagonal(six), body("mass")[2], rtol=1e-9)
 
 
 @pytest.mark.slow

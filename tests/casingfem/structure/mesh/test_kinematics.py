@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.field.field import FieldValues
 from casingfem.structure.mesh.kinematics import frame, strain_slots
 
 STEP = 1e-30
@@ -23,7 +22,7 @@ class Dent:
     def derivatives(self, z, theta):
         f = 0.03 * np.exp(3 * z) * np.sin(4 * theta + 1)
         f_t = 0.12 * np.exp(3 * z) * np.cos(4 * theta + 1)
-        return FieldValues(f, 3 * f, f_t, 9 * f, 3 * f_t, -16 * f)
+        return cf.field.FieldValues(f, 3 * f, f_t, 9 * f, 3 * f_t, -16 * f)
 
 
 def surface(chart, a, b, defect):

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.shell.checks import check_on_mesh
-from casingfem.structure.shell.variation import around_period, field_samples, finest_harmonic, harmonic_amplitudes
 
 HELD = {"base": cf.Clamped(), "top": cf.Clamped()}
 
@@ -128,44 +126,3 @@ def test_strips_of_a_plate_are_divided_on_their_own(steel):
     strips = (cf.Strip(start=0.0, end=0.12, thickness=2e-3),)
     mesh = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=1e-3, material=steel, strips=strips).mesh
     np.testing.assert_allclose(mesh.rows, [0.0, 0.15, 0.3, 0.3 + 0.7 / 3, 0.3 + 1.4 / 3, 1.0], rtol=1e-12)
-
-
-def test_amplitudes_around_are_those_of_the_series(frustum):
-    shell = frustum()
-    half = cf.FourierField(p=[2, 5], cos=[[0.1, 0.2], [0.0, 0.0]], sin=[[0.0, 0.0], [0.05, 0.0]], z_half=0.25)
-    found = harmonic_amplitudes(shell, half)
-    assert len(found) == 127
-    np.testing.assert_allclose(found[[1, 4]] / 128.0, [0.3, 0.05], rtol=1e-12)  # 0.1 + 0.2 z/z_half at the top
-    assert np.delete(found, [1, 4]).max() < 1e-12
-    assert field_samples(cf.FourierField.of({62: 0.1})) == 256
-    assert field_samples(cf.FourierField.of({64: 0.1})) == 260
-    assert finest_harmonic(shell, cf.FourierField.of({90: 0.1, 3: 0.2})) == 90
-
-
-def test_the_period_is_the_common_divisor_of_all_that_varies(frustum):
-    def period(**parts):
-        return around_period(frustum(mesh=cf.ShellMesh(order=7, rows=1, around=21), **parts))
-
-    def edge(*p):
-        return cf.ElasticEdge(k_r=1e8, around=cf.FourierField.of(dict.fromkeys(p, 0.1)))
-
-    assert period() == 0
-    assert period(supports={"base": edge(12)}) == 12
-    assert period(supports={"base": edge(12, 18)}) == 6
-    assert period(supports={"base": edge(12), "top": edge(8)}) == 4
-    assert period(supports={"base": edge(12)}, radius_defect=cf.FourierField.of({9: 1e-3})) == 3
-    assert period(supports={"base": edge(12), "top": cf.Bolts(count=42, k=1e8)}) == 6
-    small = cf.FourierField.of({12: 0.1, 5: 0.9e-4})
-    assert period(supports={"base": cf.ElasticEdge(k_r=1e8, around=small)}) == 12  # below a thousandth
-    assert period(supports={"base": cf.ElasticEdge(k_r=1e8, around=small.with_harmonic(5, cos=1.1e-4))}) == 1
-    ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02), support=edge(14))
-    assert period(supports={"base": ring}) == 14
-
-
-@pytest.mark.parametrize("at", [0.1, 0.1 + 1e-11])
-def test_a_given_mesh_needs_a_line_at_a_stiffener(steel, at):
-    ring = cf.edge.Stiffener(at=at, section=cf.edge.Section.rectangle(width=0.01, depth=0.004), offset=(0.006, 0.0))
-    mesh_of(steel, stiffeners=(ring,), mesh=cf.ShellMesh(order=4, rows=(0.0, 1 / 3, 1.0), around=21))
-    with pytest.raises(ValueError, match=r"no element line at 0\.1 m, stiffener 1"):
-        mesh_of(steel, stiffeners=(ring,), mesh=cf.ShellMesh(order=4, rows=(0.0, 1 / 3 + 1e-8, 1.0), around=21))
-    check_on_mesh(cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=2e-3, material=steel))

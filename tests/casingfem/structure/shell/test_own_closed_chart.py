@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.jet import cos, jets, sin, surface
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 
@@ -24,9 +23,10 @@ class Torus(cf.geometry.Closed):
         return (0.0, self.angle), (0.0, 2.0 * np.pi)
 
     def surface(self, a, b, defect):
-        phi, theta = jets(a, b)
-        out = cos(theta) * self.radius + self.bend
-        return surface(out * cos(phi), sin(theta) * self.radius, out * sin(phi))
+        phi, theta = cf.geometry.jets(a, b)
+        out = cf.geometry.cos(theta) * self.radius + self.bend
+        y = cf.geometry.sin(theta) * self.radius
+        return cf.geometry.surface(out * cf.geometry.cos(phi), y, out * cf.geometry.sin(phi))
 
     def directions(self, a, b):
         a, b = np.broadcast_arrays(a, b)
@@ -56,10 +56,11 @@ class Tube(cf.geometry.Closed):
         return self.states
 
     def surface(self, a, b, defect):
-        u, v = jets(a, b)
+        u, v = cf.geometry.jets(a, b)
         v = v * (2.0 * np.pi / self.turn)
-        t = v + sin(v) * self.swing + self.turned
-        return surface(cos(t) * self.A, sin(t) * self.B, (u + (u - u * u) * self.lag) * self.height)
+        t = v + cf.geometry.sin(v) * self.swing + self.turned
+        x, y = cf.geometry.cos(t) * self.A, cf.geometry.sin(t) * self.B
+        return cf.geometry.surface(x, y, (u + (u - u * u) * self.lag) * self.height)
 
     def directions(self, a, b):
         a, b = np.broadcast_arrays(a, b)

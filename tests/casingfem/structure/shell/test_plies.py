@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.shell.plies import layered_inertia, layered_wall, mirrored, turned
-from casingfem.structure.shell.wall import linear_wall
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 GRAPHITE = cf.shell.Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
@@ -78,48 +76,6 @@ def test_layers_are_counted_from_the_inside_out():
         chart=cf.Plate(length=0.2, width=0.2), supports={"root": cf.Clamped()}, plies=plies((90, 0)), mesh=None
     )
     assert flat.layers == flat.plies
-
-
-@pytest.mark.slow
-def test_plies_out_of_balance_twist_and_are_solved_as_a_whole():
-    """+45/-45 couples stretch and twist; turned about, the wall is the mirror image and as stiff."""
-    one, other = (casing(plies=plies(angles)) for angles in ((45, -45, 45), (-45, 45, -45)))
-    assert not mirrored(one.plies)
-    assert not one.axisymmetric
-    found = [cf.modes(shell, 4).freq for shell in (one, other)]
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
-    np.testing.assert_allclose(found[0][::2], found[0][1::2], rtol=1e-6)  # pairs, as turns are all alike
-
-
-def test_stiffness_turns_as_a_tensor():
-    """The energy of a strain does not know the axes: turned with the lamina it is the same."""
-    e = np.array([0.3, -0.7, 0.4])
-    c, s = np.cos(np.radians(33.0)), np.sin(np.radians(33.0))
-    tensor = np.array([[e[0], e[2] / 2.0], [e[2] / 2.0, e[1]]])
-    own = np.array([[c, s], [-s, c]]) @ tensor @ np.array([[c, -s], [s, c]])
-    along = np.array([own[0, 0], own[1, 1], 2.0 * own[0, 1]])
-    C, G = turned(GRAPHITE, 33.0)
-    np.testing.assert_allclose(e @ C @ e, along @ GRAPHITE.stiffness @ along)
-    np.testing.assert_allclose([c, s] @ G @ [c, s], GRAPHITE.G13)
-
-
-def test_resultants_of_one_isotropic_layer_are_those_of_the_linear_wall():
-    one = np.ones(3)
-    E, nu, t = 210e9 * one, 0.3 * one, np.array([1e-3, 2e-3, 5e-3])
-    D = layered_wall((cf.shell.Ply(thickness=1.0),), STEEL, E, nu, t, 5.0 / 6.0 * one)
-    shear = 5.0 / 6.0 * STEEL.shear_modulus * one
-    np.testing.assert_allclose(D, linear_wall(STEEL.plane_stress()[..., None] * one, shear, t), atol=1e-6)
-
-
-def test_mass_and_rotary_inertia_add_up_over_the_plies():
-    """A third of 1,500 kg/m^3 within the shell's own 7,800: rho t, int rho z dz and int rho z^2 dz."""
-    t = np.array([3e-3])
-    both = (cf.shell.Ply(thickness=1.0, lamina=GRAPHITE), cf.shell.Ply(thickness=2.0))
-    mass, first, rotary = layered_inertia(both, STEEL, 7800.0 * np.ones(1), t)
-    np.testing.assert_allclose(mass, 1500.0 * 1e-3 + 7800.0 * 2e-3)
-    np.testing.assert_allclose(first, 1500.0 * 0.5 * (0.5e-3**2 - 1.5e-3**2) + 7800.0 * 0.5 * (1.5e-3**2 - 0.5e-3**2))
-    inner = (0.5e-3**3 - 1.5e-3**3) / 3.0  # int z^2 dz from -1.5 to -0.5 mm, less its sign
-    np.testing.assert_allclose(rotary, -1500.0 * inner + 7800.0 * (1.5e-3**3 + 0.5e-3**3) / 3.0)
 
 
 @pytest.mark.parametrize(

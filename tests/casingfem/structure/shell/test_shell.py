@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.field.field import FieldValues
-from casingfem.structure.shell.plausible import extent
-from casingfem.structure.shell.variation import finest_harmonic
 
 PATTERN = cf.FourierField.of({4: (0.2, 0.0)})
 
@@ -46,7 +43,7 @@ def test_refuses_a_field_that_eats_the_shell(frustum, name):
 class NotFinite:
     def derivatives(self, z, theta):
         value = np.full(np.broadcast(z, theta).shape, np.nan)
-        return FieldValues(*[value] * 6)
+        return cf.field.FieldValues(*[value] * 6)
 
     def rotated(self, angle):
         return self
@@ -149,32 +146,11 @@ def test_the_order_falls_beyond_thirty_stretches(steel, stretches, order):
     assert mesh.order == order
 
 
-def test_the_finest_harmonic_leaves_small_ones_aside(frustum):
-    shell = frustum()
-    assert finest_harmonic(shell, cf.FourierField.of({3: 0.01, 16: 0.001})) == 16
-    assert finest_harmonic(shell, cf.FourierField.of({3: 0.01, 16: 0.0001})) == 3
-    assert finest_harmonic(shell, cf.FourierField.of({})) == 0
-
-
 def test_a_thin_casing_gets_more_elements(steel):
     def around(t):
         return cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=t, material=steel).mesh.around
 
     assert around(1e-4) > around(1e-3) >= around(5e-3)
-
-
-@pytest.mark.parametrize(
-    ("chart", "expected"),
-    [
-        (cf.Cylinder(radius=0.4, height=0.3), 1.0 / 0.4),
-        (cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.0)), 1.0 / 0.5),  # both ways
-        (cf.TwistedPlate(length=0.3, width=0.1, twist=1.2), 1.2 / 0.3),  # a saddle: opposite signs, the twist's rate
-    ],
-    ids=["cylinder", "bowl", "saddle"],
-)
-def test_the_largest_curvature_is_that_of_the_surface(steel, chart, expected):
-    shell = cf.Shell(chart=chart, thickness=1e-3, material=steel, supports={})
-    assert extent(shell).curvature.max() == pytest.approx(expected, rel=1e-6)
 
 
 def test_refuses_a_wall_that_is_none(frustum):

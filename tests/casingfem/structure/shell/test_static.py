@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.mesh.place import interpolation
-from casingfem.structure.mesh.shell_mesh import make_grid
 from reports.verification import static as verify_static
 
 SOFT = cf.Material(E=210e9, nu=0.0, rho=7800.0)
@@ -107,17 +105,6 @@ def test_corner_of_two_symmetry_planes_is_held_by_both():
     np.testing.assert_allclose(reached, [0.0, 0.0, 1.0, 0.0, 0.0], atol=1e-12)
 
 
-def test_interpolation_is_exact_for_polynomials_and_closes_around():
-    system = cf.shell.assemble(strip())
-    a, b = np.array([0.123, 0.987]), np.array([-0.05, 0.0321])
-    nodes, weights = interpolation(system.grid, a, b)
-    x, y = system.grid.nodes
-    np.testing.assert_allclose(np.sum((x**5 * y**3)[nodes] * weights, axis=1), a**5 * b**3, atol=1e-12)
-    closed = make_grid(cf.Cylinder(radius=1.0, height=1.0), MESH)
-    turned = [interpolation(closed, np.array([0.4]), np.array([angle]))[0] for angle in (-0.1, 2.0 * np.pi - 0.1)]
-    np.testing.assert_array_equal(*turned)
-
-
 @pytest.mark.parametrize(
     ("supports", "loads", "code"),
     [
@@ -132,12 +119,6 @@ def test_refused(supports, loads, code):
     with pytest.raises(cf.errors.ModelError) as caught:
         cf.solve_static(strip(supports=supports), loads)
     assert caught.value.code == code
-
-
-def test_point_load_on_an_element_that_closes_on_itself():
-    grid = make_grid(cf.Cylinder(radius=1.0, height=1.0), MESH)
-    tube = cf.Shell(chart=cf.Cylinder(radius=1.0, height=1.0), thickness=0.01, material=STEEL, mesh=MESH)
-    assert cf.loads.PointLoad(at=(0.3, 0.0), force=(2.0, 0.0, 0.0)).nodal(tube, grid)[:, 0].sum() == pytest.approx(2.0)
 
 
 @pytest.mark.slow

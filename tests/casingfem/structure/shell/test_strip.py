@@ -1,19 +1,11 @@
 """Strips: exact solutions, the meridian against the shell, mass and springs side by side, and what is refused."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.fourier import harmonic_floor, lowest
-from casingfem.modal.mode_set import frequency_scale
-from casingfem.structure.mesh.shell_mesh import make_grid
-from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.edges import holding_forms
-from casingfem.structure.shell.nodal_mass import nodal_mass
-from casingfem.updating.parameters import check_parameters
 from reports.verification import strips as verify_strips
 from reports.verification.strips import ALUMINIUM, exact, found, refined, stepped
 
@@ -21,13 +13,6 @@ STRIPS = (
     cf.Strip(start=0.24, end=0.25, thickness=12e-3),
     cf.Strip(start=0.1, end=0.15, thickness=5e-3, material=ALUMINIUM),
 )
-
-
-def uniform_of_strips(frustum, **changes):
-    """The whole wall made of strips of aluminium, on a shell whose own wall is nowhere."""
-    ends = (0.0, 0.1, 0.25)
-    strips = [cf.Strip(start=a, end=b, thickness=4e-3, material=ALUMINIUM) for a, b in pairwise(ends)]
-    return frustum(strips=strips, **changes)
 
 
 @pytest.mark.parametrize(("n", "m", "within"), [(0, 1, 1e-9), (2, 2, 1e-6), (5, 1, 1e-6)])
@@ -60,47 +45,6 @@ def test_the_shell_agrees_with_its_meridian(frustum, edge):
     np.testing.assert_array_equal(shell.nodal_diameters, meridian.nodal_diameters)
 
 
-@pytest.mark.slow
-def test_strips_all_alike_are_a_uniform_shell(frustum):
-    mesh = cf.ShellMesh(order=6, rows=(0.0, 0.4, 1.0), around=9)
-    whole = frustum(thickness=4e-3, material=ALUMINIUM, mesh=mesh)
-    parts = uniform_of_strips(frustum, mesh=mesh)
-    found = [cf.modes(shell, 6, method="shell").freq for shell in (whole, parts)]
-    np.testing.assert_allclose(*found, rtol=1e-10)
-    assert frequency_scale(parts) == pytest.approx(frequency_scale(whole), rel=1e-14)
-    assert harmonic_floor(parts, 6) == pytest.approx(harmonic_floor(whole, 6), rel=1e-14)
-
-
-def test_mass_is_the_sum_of_the_strips_each_on_its_side(steel):
-    """Three bands of a plate; the nodes on their lines carry both sides."""
-    plate = cf.Shell(
-        chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel,
-        strips=(
-            cf.Strip(start=0.2, end=0.5, thickness=0.03),
-            cf.Strip(start=0.5, end=0.6, thickness=0.02, material=ALUMINIUM),
-        ),
-        mesh=cf.ShellMesh(order=4, rows=(0.0, 0.2, 0.5, 0.6, 1.0), around=3),
-    )  # fmt: skip
-    grid = make_grid(plate.chart, plate.mesh)
-    mass, _, rotary = nodal_mass(plate, grid).moments.T
-    bands = [(0.6, 0.01, 7800.0), (0.3, 0.03, 7800.0), (0.1, 0.02, 2700.0)]
-    assert mass.sum() == pytest.approx(sum(0.5 * length * t * rho for length, t, rho in bands), rel=1e-13)
-    assert rotary.sum() == pytest.approx(sum(0.5 * length * t**3 / 12 * rho for length, t, rho in bands), rel=1e-13)
-    left = mass[grid.nodes[0] < 0.2 - 1e-9].sum() + 0.5 * 0.2 * 0.01 * 7800.0 / 20  # the last node's Lobatto share
-    assert left == pytest.approx(0.5 * 0.2 * 0.01 * 7800.0, rel=1e-12)
-
-
-def test_a_foundation_along_a_side_feels_each_strips_wall(steel):
-    edge = cf.ElasticEdge(k_face=1e9)
-    plate = cf.Shell(
-        chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, supports={"left": edge},
-        strips=(cf.Strip(start=0.25, end=0.5, thickness=0.03),), mesh=cf.ShellMesh(order=3, rows=4, around=2),
-    )  # fmt: skip
-    (form,) = holding_forms(plate, make_grid(plate.chart, plate.mesh))
-    np.testing.assert_allclose(form.D[:, :3, :3].sum(axis=0), 1e9 * (0.75 * 0.01 + 0.25 * 0.03) * np.eye(3), rtol=1e-13)
-    assert form.D[:, 3, 3].sum() == pytest.approx(1e9 * (0.75 * 0.01**3 + 0.25 * 0.03**3) / 12.0, rel=1e-13)
-
-
 @pytest.fixture(scope="module")
 def uneven(frustum):
     """A casing of strips with a radius field, and its modes."""
@@ -121,16 +65,6 @@ def test_derivatives_equal_central_differences(uneven, name):
     numeric = (plus - minus) / (2e-4 * x)
     pairs = np.arange(6).reshape(3, 2)
     np.testing.assert_allclose(exact[pairs].mean(axis=1), numeric[pairs].mean(axis=1), rtol=2e-5)
-
-
-@pytest.mark.slow
-def test_floors_lie_below_every_mode(frustum):
-    casing = frustum(strips=(cf.Strip(start=0.1, end=0.2, thickness=0.8e-3), STRIPS[0]))
-    for n in (2, 5, 12, 30):
-        assert harmonic_floor(casing, n) < lowest(harmonic_matrices(casing, n), 1, 1e4)[0][0]
-    assert frequency_scale(casing) < cf.modes(casing, 1).omega[0]
-    free = cf.modes(frustum(supports={}, strips=STRIPS), 8)
-    assert free.rigid == 6
 
 
 def test_the_default_mesh_has_a_line_at_each_end(frustum, steel):
@@ -191,13 +125,6 @@ def test_refuses_a_strip_without_a_wall(thickness):
 def test_names_what_a_strip_has(frustum, name, message):
     with pytest.raises(cf.errors.InputError, match=message):
         cf.updating.get_value(frustum(strips=STRIPS), name)
-
-
-def test_a_strip_holds_its_place_when_the_casing_grows(frustum):
-    """Strips are absolute, mesh lines relative: a height that moves the lines off their ends is refused."""
-    casing = frustum(strips=STRIPS[1:])
-    with pytest.raises(cf.errors.InputError, match=r"chart\.height: its lower bound .* \[strip-off-line"):
-        check_parameters(casing, [cf.Parameter(name="chart.height", lower=0.2, upper=0.3)])
 
 
 def test_a_strip_without_a_material_follows_the_wall(frustum):

@@ -8,7 +8,6 @@ import pytest
 from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.structure.imported.assembly import held_dofs, require_structure, still_nodes
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, flat, hung
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")
@@ -20,28 +19,6 @@ def bar(**items):
     """Two bricks with a node beyond the tip, where its nodes hang."""
     mesh, (node,) = added_nodes(BAR, (0.3, 0.01, 0.02))
     return hung(mesh, rigids=(cf.imported.Rigid(reference=node, nodes=mesh.groups["tip"].nodes),), **items), node
-
-
-def test_a_structure_must_have_its_members():
-    with pytest.raises(
-        cf.errors.ModelError, match="modes: found SimpleNamespace, which has no supports, assembled"
-    ) as caught:
-        require_structure(SimpleNamespace(mesh=1, density=2), "modes")
-    assert caught.value.code == "structure-unknown"
-    require_structure(cf.Solid(mesh=BAR, material=STEEL), "modes")
-
-
-def test_clamps_hold_all_dofs_and_fixed_directions_their_own():
-    supports = {"a": cf.Clamped(), "b": cf.imported.Fixed(directions=("z", "x"))}
-    mesh = SimpleNamespace(
-        groups={"a": SimpleNamespace(nodes=np.array([2, 5])), "b": SimpleNamespace(nodes=np.array([5, 7]))}
-    )
-    structure = SimpleNamespace(mesh=mesh, supports=supports)
-    assert held_dofs(structure, 3).tolist() == [6, 7, 8, 15, 16, 17, 21, 23]
-    assert held_dofs(structure, 5).tolist() == [10, 11, 12, 13, 14, 25, 26, 27, 28, 29, 35, 37]
-    assert still_nodes(structure).tolist() == [2, 5]
-    free = SimpleNamespace(mesh=mesh, supports={})
-    assert held_dofs(free, 3).tolist() == still_nodes(free).tolist() == []
 
 
 def test_fields_of_a_part_are_zero_where_it_is_held_and_where_no_cell_is():

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.cells.shell import tangent_frames
-from casingfem.structure.imported.cells.support import check_support
-from casingfem.structure.imported.shell import edge_springs, with_centres
-from tests.casingfem.structure.imported.parts import STEEL, box, flat, squares
+from tests.casingfem.structure.imported.parts import STEEL, flat, squares
 
 PLIES = (cf.shell.Ply(thickness=1.0),)
 ENDS = {"root": (0, 0.0), "tip": (0, 1.0)}
@@ -23,23 +20,6 @@ def folded(angle):
     mesh = squares(np.zeros((6, 2)), [[0, 1, 2, 3], [1, 4, 5, 2]], cell_numbers=np.array([7, 8]), source="roof")
     x = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1 + c, 0, s], [1 + c, 1, s]]
     return replace(mesh, points=np.array(x))
-
-
-def test_the_ninth_node_stands_where_eight_put_it():
-    """Half of the middles less a quarter of the corners; triangles have none of their own."""
-    x = np.array([[0, 0], [4, 0], [5, 3], [0, 2], [2, -0.5], [4.6, 1.5], [2.5, 2.7], [0.1, 1], [8, 0], [6, 0.2],
-                  [6.6, 1.6]])  # fmt: skip
-    mesh = squares(x, [[0, 1, 2, 3, 4, 5, 6, 7], [1, 8, 2, 2, 9, 10, 2, 5]], "quad8",
-                   node_numbers=np.arange(21, 32), groups={"all": cf.imported.Group(nodes=[0])})  # fmt: skip
-    nine = with_centres(mesh)
-    assert nine.kind == "quad9"
-    assert nine.cells.tolist() == [[0, 1, 2, 3, 4, 5, 6, 7, 11], [1, 8, 2, 2, 9, 10, 2, 5, 2]]
-    centre = 0.5 * x[4:8].sum(axis=0) - 0.25 * x[:4].sum(axis=0)
-    np.testing.assert_allclose(nine.points[11], [*centre, 0.0], rtol=1e-13)
-    assert nine.node_numbers.tolist() == [*range(21, 32), 0]
-    assert list(nine.groups) == ["all"]
-    assert with_centres(nine) is nine
-    assert with_centres(PLATE) is PLATE
 
 
 def shell_of(mesh):
@@ -119,37 +99,3 @@ def test_plies_do_not_count_from_a_direction_across_the_wall(degrees, seen):
 def test_layers_need_a_linear_wall_of_one_material_and_a_direction(given, told):
     with pytest.raises(cf.errors.ModelError, match=told):
         cf.MeshShell(mesh=OWN, thickness=0.1, material=STEEL, **given)
-
-
-def test_springs_of_an_edge_act_on_displacements_and_on_leanings():
-    """t k per length on the 3 m of the tip, t^3/12 k on a leaning of its directors; nothing on the root."""
-    shell = cf.MeshShell(mesh=OWN, thickness=0.1, thicknesses={"one": 0.2}, material=STEEL,
-                      supports={"tip": cf.ElasticEdge(k_face=7e6), "root": cf.Clamped()})  # fmt: skip
-    frames = tangent_frames(np.tile([0.0, 0.0, 1.0], (6, 1)))
-    (K,) = edge_springs(shell, frames)
-    shift, lean = np.array([0.3, -0.5, 0.8]), np.array([0.6, 0.7, 0.0])
-    u = np.hstack([np.tile(shift, (6, 1)), np.zeros((6, 2))]).ravel()
-    w = np.hstack([np.zeros((6, 3)), frames @ lean]).ravel()
-    assert u @ K @ u == pytest.approx(7e6 * 0.2 * 3.0 * (shift @ shift), rel=1e-12)
-    assert w @ K @ w == pytest.approx(7e6 * 0.2**3 / 12.0 * 3.0 * (lean @ lean), rel=1e-12)
-    tip = np.repeat(np.isin(np.arange(6), OWN.groups["tip"].nodes), 5)
-    assert not K.toarray()[~tip].any()
-
-
-@pytest.mark.parametrize(("support", "told"), [
-    (cf.ElasticEdge(k_r=1.0), "found line springs or a pattern around, expected k_face alone"),
-    (cf.ElasticEdge(k_theta=1.0), "found line springs"), (cf.ElasticEdge(k_z=1.0), "found line springs"),
-    (cf.ElasticEdge(k_rot=1.0, k_face=1.0), "found line springs"), (cf.ShearDiaphragm(), "found ShearDiaphragm"),
-])  # fmt: skip
-def test_supports_that_a_mesh_cannot_have_are_refused(support, told):
-    with pytest.raises(cf.errors.ModelError, match=rf"grid: support\.tip: {told}"):
-        check_support(PLATE, "tip", support)
-
-
-def test_supports_that_a_mesh_can_have():
-    for support in (cf.Clamped(), cf.imported.Fixed(directions=("x",)), cf.ElasticEdge(k_face=1.0)):
-        check_support(PLATE, "tip", support)
-    bare = replace(box(1, 1, 1), groups={"pin": cf.imported.Group(nodes=[0])})
-    check_support(bare, "pin", cf.Clamped())
-    with pytest.raises(cf.errors.ModelError, match=r"grid: support\.pin.*mesh-group-no-facets"):
-        check_support(bare, "pin", cf.ElasticEdge(k_face=1.0))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.rotation import skew
 
 J = np.array([[0.3, 0.02, 0.01], [0.02, 0.4, 0.05], [0.01, 0.05, 0.5]])
 MASS = cf.imported.PointMass(node=4, mass=7.0, inertia=J, offset=(0.1, -0.2, 0.3))
@@ -18,16 +17,6 @@ TIE = cf.imported.Tie(
 ALL = cf.imported.Attachments(
     masses=(MASS,), springs=(SPRING, SPRING), rigids=(RIGID,), means=(MEAN,), equations=(EQUATION,), glued=(TIE,)
 )
-
-
-def test_the_energy_of_a_mass_is_that_of_its_centre_and_of_its_turn():
-    """m |u + theta x r|^2 + theta.J theta of any motion."""
-    u, theta = np.array([0.5, -1.0, 2.0]), np.array([0.3, 0.7, -0.4])
-    velocity = u + np.cross(theta, MASS.offset)
-    motion = np.concatenate([u, theta])
-    assert motion @ MASS.matrix @ motion == pytest.approx(7.0 * velocity @ velocity + theta @ J @ theta, rel=1e-13)
-    r, v = np.array([[1.0, 2.0, 3.0], [-2.0, 0.5, 1.0]]), np.array([0.3, -0.7, 0.2])
-    np.testing.assert_allclose(skew(r) @ v, np.cross(r, v), rtol=1e-14)
 
 
 @pytest.mark.parametrize(

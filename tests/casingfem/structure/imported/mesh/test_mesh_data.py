@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.mesh.mesh_data import find_facets, natives
 from tests.casingfem.structure.imported.parts import box, flat, link, squares
 
 X = [[0, 0], [3, 0], [3, 4], [0, 4], [7, 0], [9, 9]]
@@ -119,36 +118,6 @@ def test_facets_of_quadratic_cells_have_their_middles():
     square = cf.imported.grid_mesh("quad8", (1, 1), flat)
     cell = square.cells[0]
     assert square.facet_nodes(np.array([[0, 2]])).tolist() == [[cell[2], cell[3], cell[6]]]
-
-
-@pytest.mark.parametrize(("corners", "found"), [
-    ([[2, 1]], [[0, 1]]), ([[4, 2]], [[1, 1]]), ([[1, 4], [0, 4]], [[1, 0], [-1, -1]]), ([[1, 2, 3]], [[-1, -1]]),
-    ([[2]], [[1, 2]]),
-])  # fmt: skip
-def test_facets_are_found_by_their_corners_in_any_order(corners, found):
-    """Of a shared edge the first cell's; a collapsed edge is found by its one node."""
-    assert find_facets(PAIR, np.array(corners)).tolist() == found
-
-
-def test_triangles_are_found_among_the_sides_of_bricks():
-    x = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]]
-    wedge = cf.imported.MeshData(
-        kind="hexahedron", points=np.array(x, dtype=float), cells=np.array([[0, 1, 2, 2, 3, 4, 5, 5]])
-    )
-    found = find_facets(wedge, np.array([[2, 0, 1], [3, 4, 5], [0, 1, 3]]))
-    assert found.tolist() == [[0, 4], [0, 5], [-1, -1]]
-    assert find_facets(wedge, np.array([[1, 4, 3, 0]])).tolist() == [[0, 2]]
-
-
-def test_cells_are_integrated_as_what_they_are_where_they_are_quadratic():
-    linear = natives(PAIR)
-    assert [(kind, rows.tolist(), slots.tolist()) for kind, rows, slots in linear] == [("quad", [0, 1], [0, 1, 2, 3])]
-    x = [[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]]
-    triangle = squares(x, [[0, 1, 2, 2, 3, 4, 2, 5]], "quad8")
-    ((kind, rows, slots),) = natives(triangle)
-    assert (kind, rows.tolist(), triangle.cells[0, slots].tolist()) == ("triangle6", [0], [2, 0, 1, 5, 3, 4])
-    ((kind, rows, _),) = natives(PAIR, PAIR.cells[1:])
-    assert (kind, rows.tolist()) == ("quad", [0])
 
 
 def test_meshes_beside_each_other_keep_their_groups_under_their_names():

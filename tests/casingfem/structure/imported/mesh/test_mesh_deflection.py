@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.imported.loads import solve_mesh_static
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, box, flat
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-linear-cells", "ignore:.*mesh-orphan-nodes")
@@ -33,7 +32,7 @@ def test_two_loads_bend_a_part_and_its_table_has_the_nodes_of_its_cells(shell):
     mesh = numbered(plate() if shell else brick())
     given = {"mesh": mesh, "material": STEEL, "supports": {"root": cf.Clamped()}}
     part = cf.MeshShell(thickness=0.01, **given) if shell else cf.Solid(**given)
-    bent = solve_mesh_static(part, LOADS)
+    bent = cf.solve_static(part, LOADS)
     system = part.assembled()
     dofs = 5 if shell else 3
     forces = np.zeros((len(mesh.points), dofs))
@@ -54,8 +53,8 @@ def test_two_loads_bend_a_part_and_its_table_has_the_nodes_of_its_cells(shell):
     assert bent.at(34).tolist() == bent.fields[4, :3].tolist()
     with pytest.raises(cf.errors.ModelError, match=r"displacement at node 38, which no cell has.*load-place"):
         bent.at(38)
-    again = solve_mesh_static(part, LOADS[:1], system=replace(system, K=2.0 * system.K))
-    alone = solve_mesh_static(part, LOADS[:1])
+    again = cf.solve_static(part, LOADS[:1], system=replace(system, K=2.0 * system.K))
+    alone = cf.solve_static(part, LOADS[:1])
     np.testing.assert_allclose(again.fields, 0.5 * alone.fields, rtol=1e-6, atol=1e-9 * np.abs(fields).max())
     with pytest.raises(cf.errors.ModelError, match=r"solve_static: found no loads, expected at least one"):
-        solve_mesh_static(part, [])
+        cf.solve_static(part, [])
