@@ -2,8 +2,13 @@
 
 Fitted together, each mode leaves one pole for each set-up, which only the channels of that set-up see. So the sizes of
 residues over the poles of a window are alike in channels of one set-up, and average linkage makes a tree of channels.
-In each window of lines the poles of a branch are fitted alone. A branch is cut in two where this needs fewer numbers: 2
-for each pole and channel, 2 for each pole.
+In each window of lines the poles of a branch are fitted alone. A branch is cut in two where two fits have fewer
+parameters m, 2 for each pole and channel and 2 for each pole; or where one fit lacks poles, so that two have a smaller
+information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the windows,
+
+    N ln max(R/N, 1) + m ln N,
+
+R the sum of squares over the noise of N real numbers.
 
 Two branches with equally many poles in a window have differences d_k of ln frequency, of standard deviation s_k. Poles
 of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ Cauchy(0, hypot(gamma, s_k)), of any
@@ -30,7 +35,7 @@ from scipy.special import chdtri
 
 from casingfem.experiment.identify.clusters import Responses
 from casingfem.experiment.identify.counting import counted
-from casingfem.experiment.identify.lscf import compressed
+from casingfem.experiment.identify.lscf import candidates, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, fit_poles
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import FloatArray, IntArray
@@ -66,7 +71,8 @@ def setups_of(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL) -
         return []
     far = _distances(fits)
     tree = linkage(squareform(far[np.ix_(heard, heard)], checks=False), method="average")
-    groups = _branches(data, fits, _Group(heard, fits), heard, to_tree(tree), rules)
+    whole = _Group(np.arange(data.Y.shape[1]), fits)
+    groups = _branches(data, fits, whole, heard, to_tree(tree), rules)
     left, evidence = list(range(len(groups))), dict[tuple[int, int], float]()
     while len(left) > 1:
         pairs = list(combinations(left, 2))
@@ -124,7 +130,7 @@ def _heard(fits: list[PoleFit]) -> IntArray:
 def _branches(
     data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
 ) -> list[_Group]:
-    """The branches of a tree of channels, cut as long as that needs fewer numbers; single channels are in none."""
+    """The branches of a tree of channels, cut as long as either criterion falls; single channels are in none."""
     sides = [node.get_left(), node.get_right()]
     while min(side.get_count() for side in sides) < LEAST_CHANNELS:
         node = max(sides, key=ClusterNode.get_count)
@@ -132,8 +138,9 @@ def _branches(
             return [whole]
         sides = [node.get_left(), node.get_right()]
     parts = [_alone(data, fits, np.sort(heard[side.pre_order()]), rules) for side in sides]
-    together = sum(len(part.channels) for part in parts)
-    if sum(_numbers(part.fits, len(part.channels)) for part in parts) >= _numbers(whole.fits, together):
+    together = np.concatenate([part.channels for part in parts])
+    two, one = sum(_criteria(part, part.channels) for part in parts), _criteria(whole, together)
+    if np.all(two >= one):
         return [whole]
     return [
         each
@@ -142,9 +149,15 @@ def _branches(
     ]
 
 
-def _numbers(fits: list[PoleFit], channels: int) -> int:
-    """Numbers of a description: of each pole 2, and 2 for each channel."""
-    return sum(len(fit) for fit in fits) * (2 * channels + 2)
+def _criteria(group: _Group, channels: IntArray) -> FloatArray:
+    """Number of parameters, and information criterion, of the fits of a group for some of its channels (2,)."""
+    total, columns = np.zeros(2), np.isin(group.channels, channels)
+    for fit in group.fits:
+        count = 2.0 * len(fit.rest) * len(channels)
+        squares = float(np.sum(np.abs(fit.rest[:, columns]) ** 2))
+        parameters = len(fit) * (2.0 * len(channels) + 2.0)
+        total += parameters, count * np.log(max(squares / count, 1.0)) + parameters * np.log(count)
+    return total
 
 
 def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thresholds) -> _Group:
@@ -152,8 +165,11 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
     own, seen = [], data.freq[data.peaks.at]
     for fit in fits:
         whole = replace(fit.window, Y=fit.window.Y[:, channels])
+        small = replace(whole, Y=compressed(whole.Y))
         here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
-        found = counted(replace(whole, Y=compressed(whole.Y)), fit.poles, here, rules=rules)
+        start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules).poles
+        inside = (start.imag > 2.0 * np.pi * whole.freq[0]) & (start.imag < 2.0 * np.pi * whole.freq[-1])
+        found = counted(small, start[inside], here, rules=rules)
         own.append(fit_poles(whole, found.poles, steps=0, rules=rules))
     return _Group(channels, own)
 

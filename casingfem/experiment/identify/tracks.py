@@ -49,7 +49,7 @@ def tracked(
         if look < LOOKS:
             alone = [_searched(part, _expected(match, members, s), match, rules) for s, part in enumerate(alone)]
     clear = _clear(match, members)
-    tracks = [_track(k, match, members, channels, len(noise), clear[k]) for k in range(len(match.rows))]
+    tracks = [_track(k, match, members, channels, len(noise), clear[k], rules) for k in range(len(match.rows))]
     return alone, sorted(tracks, key=lambda track: track.found.freq)
 
 
@@ -82,12 +82,23 @@ def _members(part: SetUp, noise: FloatArray, rules: Thresholds) -> list[Member]:
 def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array:
     """Poles [rad/s] of a set-up where it lacks modes that others show."""
     starts = []
-    for row, middle in zip(match.rows, match.middle, strict=True):
-        if row[setup] < 0:
+    for number, (row, middle) in enumerate(zip(match.rows, match.middle, strict=True)):
+        if row[setup] < 0 and not _of_a_neighbour(match, number):
             freq = np.exp(middle + match.shifts.at(setup, middle))
             zeta = np.exp(np.mean([np.log(members[s][k].found.zeta) for s, k in enumerate(row) if k >= 0]))
             starts.append(2.0 * np.pi * freq * (-zeta + 1j * np.sqrt(1.0 - zeta**2)))
     return np.array(starts, complex)
+
+
+def _of_a_neighbour(match: Matching, number: int) -> bool:
+    """Whether a pole of one set-up alone may be that of a mode nearby, which the other set-ups show and this one lacks."""
+    own = [s for s, k in enumerate(match.rows[number]) if k >= 0]
+    near = np.abs(match.middle - match.middle[number]) < PREDICTED[0] * match.scatter
+    return len(own) == 1 and any(
+        row[own[0]] < 0 and sum(k >= 0 for k in row) > 1
+        for row, is_near in zip(match.rows, near.tolist(), strict=True)
+        if is_near
+    )
 
 
 def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) -> SetUp:
@@ -152,8 +163,9 @@ def _clear(match: Matching, members: list[list[Member]]) -> list[list[bool]]:
 
 
 def _track(
-    number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], channels: int, clear: list[bool]
-) -> Track:
+    number: int, match: Matching, members: list[list[Member]], parts: list[IntArray], channels: int, clear: list[bool],
+    rules: Thresholds,
+) -> Track:  # fmt: skip
     """The mean of a row: its set-ups weigh alike, for each has a frequency of its own."""
     row = match.rows[number]
     some = [(s, members[s][k]) for s, k in enumerate(row) if k >= 0]
@@ -175,7 +187,8 @@ def _track(
         freq, float(np.linalg.norm([own, lacking, unclear])), zeta, sigma_zeta, _residues(some, parts, channels),
         max(each.signal for each in found), max(each.split_bound for each in found),
     )  # fmt: skip
-    return Track(mean, freqs, "; ".join(_reasons(some, freqs, whole, match.scatter)))
+    share = own / (2.0 * zeta * freq)
+    return Track(mean, freqs, "; ".join(_reasons(some, freqs, whole, match.scatter, share, rules)))
 
 
 def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: int) -> Residues:
@@ -190,8 +203,10 @@ def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: i
     return Residues(values, direct, np.concatenate(moved, axis=1))
 
 
-def _reasons(some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shift: float) -> list[str]:
-    """Why a mode is doubtful."""
+def _reasons(
+    some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shift: float, share: float, rules: Thresholds
+) -> list[str]:
+    """Why a mode is doubtful; `share` is the deviation of its mean frequency in bandwidths."""
     reasons, count = [], len(some)
     spread = float(np.std(np.log(freqs), ddof=1)) if count > 1 else 0.0
     if spread > UNLIKE * shift > 0.0:
@@ -201,5 +216,10 @@ def _reasons(some: list[tuple[int, Member]], freqs: FloatArray, whole: int, shif
         )
     if 2 * count <= whole:
         reasons.append(f"it is seen in {count} of {whole} set-ups: a local mode, or one that two share? Measure again")
+    if share > rules.sure_freq:
+        reasons.append(
+            f"the mean of its frequencies is known to {100.0 * share:.0f} % of its bandwidth only: measure longer, or"
+            " more averages"
+        )
     own = [member.reason for _, member in some if member.reason]
     return reasons + (own[:1] if len(own) == count else [])  # one set-up that shows it clearly is enough
