@@ -91,7 +91,7 @@ def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array
 
 
 def _of_a_neighbour(match: Matching, number: int) -> bool:
-    """Whether a pole of one set-up alone may be that of a mode nearby, which the other set-ups show and this one lacks."""
+    """Whether the pole of one set-up alone may be that of a mode nearby that only the other set-ups show."""
     own = [s for s, k in enumerate(match.rows[number]) if k >= 0]
     near = np.abs(match.middle - match.middle[number]) < PREDICTED[0] * match.scatter
     return len(own) == 1 and any(
