@@ -21,6 +21,21 @@ def rim3(*, S=2e-8, lines=2, seed=11):
     )  # fmt: skip
 
 
+def round_rim(*, S=2e-8, lines=2, seed=11):
+    """A casing of five pairs of modes that are the same from every angle, as is its residual compliance."""
+    rng = np.random.default_rng(seed)
+    channels = rim_channels(N_MAX, 3, lines)
+    rows = np.zeros((len(channels) // SIZE, SIZE, 10))
+    for n in range(1, N_MAX + 1):
+        a, b = rng.standard_normal((2, len(rows)))
+        rows[:, n, 2 * n - 2], rows[:, N_MAX + n, 2 * n - 2] = a, b
+        rows[:, n, 2 * n - 1], rows[:, N_MAX + n, 2 * n - 1] = -b, a
+    return ct.ModalBody(
+        omega=np.repeat(np.linspace(300.0, 9000.0, 5), 2), zeta=[0.003] * 10, channels=channels,
+        rows=rows.reshape(-1, 10), S=S * np.eye(len(channels)), kind="rim", n_max=N_MAX, radius=0.4,
+    )  # fmt: skip
+
+
 def nodes(count, *, S=3e-8, seed=5):
     """A blade of three modes seen at `count` tip nodes along span, flap and chord."""
     rng = np.random.default_rng(seed)

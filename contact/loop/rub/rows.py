@@ -75,6 +75,7 @@ class RubRows(NamedTuple):
     still: Array  # (K d, K d) residual compliance that does not turn
     turns: bool  # whether there is any that does
     steady: bool  # whether no row depends on time: all contacts are near at every step, and have rows of their own
+    W: Array  # (K d, K d) matrix of the contacts where it never changes and forces are solved for, else empty
     few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
     harmonics: int  # waves that the rows, the profile and S take, in whole blocks

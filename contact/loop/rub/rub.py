@@ -148,7 +148,7 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
             count = gather(s, rows, blocks, w, dim, share)
             if rows.turns and rows.few:
                 fill_few(rows, w, count, step)
-            if not solve(s, rows, w, coats, y, steady, count, dim, share, slid):
+            if not solve(s, rows, w, coats, y, count, dim, share, slid):
                 return -1
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count

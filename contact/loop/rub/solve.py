@@ -9,7 +9,6 @@ from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
 from contact.loop.rub.state import ROUGH, TOGETHER, ModalBlocks, RubState, Work
-from contact.loop.rub.steady import Steady, known
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
@@ -54,7 +53,7 @@ def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j
         else:
             copy(w.normal[now, p], row)
         w.along[slot * dim + i] = product(row, s.d)
-        if rows.steady:
+        if rows.steady or rows.W.size > 0:
             continue
         test = w.tests[slot * dim + i]
         law(s.c, row if i > 0 else w.normal[1 - now, p], 1.0 if i > 0 else share, test)
@@ -99,14 +98,15 @@ def add_part(row: Array, share: float, out: Array) -> None:
 
 
 @jit
-def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, steady: Steady | None,
-          count: int, dim: int, share: float, slid: float) -> bool:  # fmt: skip
+def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, count: int, dim: int,
+          share: float, slid: float) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
-    if steady is None:
-        assemble(s, rows, w, count, dim, share, slid)
+    if rows.W.size == 0:
+        assemble(s, rows, w, count, dim, share)
     else:
-        known(s, rows, w, steady, count, dim, slid)
+        known(rows, w, size)
+    start(s, rows, w, count, dim, slid)
     if coats is None:
         if y is None:
             solved = rigid(s, w, count, dim, not rows.steady)
@@ -146,20 +146,13 @@ def rigid(s: RubState, w: Work, count: int, dim: int, fast: bool) -> bool:
 
 
 @jit
-def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float, slid: float) -> None:
-    """Fill W, b, mu and the last forces of the chosen tips; `slid` = Omega h."""
-    size = count * dim
-    casing_yields(rows, w, dim)
+def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float) -> None:
+    """Fill b, mu and the last forces of the chosen tips; `slid` = Omega h, or 1 where rows do not change."""
     for n in range(count):
         j = w.chosen[n]
         w.mu[n] = s.mu[j]
         for i in range(dim):
-            a, row, part = n * dim + i, j * dim + i, share if i == 0 else 1.0
-            casing, own = w.column[a] * w.casing.shape[1], row * rows.fixed.shape[1]
-            for k in range(size):
-                other = own + entry(w.row, k)
-                yields = entry(w.casing, casing + entry(w.across, k))
-                w.W[a, k] = yields + part * entry(rows.fixed, other) + entry(rows.still, other)
+            a, row = n * dim + i, j * dim + i
             w.lam[a] = s.lam[row]
             if i == 0:
                 w.b[a], s.scale[j] = s.test[j] - s.skin[j], w.W[a, a]
@@ -167,6 +160,35 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
                 w.b[a] = w.along[w.column[a]] + blade_dot(rows, rows.apart, row, j, s.d) - s.strain[row]
                 w.b[a] += rows.glide[row] * slid
 
+
+@jit
+def known(rows: RubRows, w: Work, size: int) -> None:
+    """Fill W with the rows and columns of the chosen tips."""
+    wide = rows.W.shape[1]
+    for a in range(size):
+        own = w.row[a] * wide
+        for k in range(size):
+            w.W[a, k] = entry(rows.W, own + entry(w.row, k))
+
+
+@jit
+def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> None:
+    """Fill W of the chosen tips."""
+    size = count * dim
+    casing_yields(rows, w, dim)
+    for a in range(size):
+        casing = w.column[a] * w.casing.shape[1]
+        for k in range(size):
+            w.W[a, k] = entry(w.casing, casing + entry(w.across, k))
+    for n in range(count):
+        for m in range(count):
+            if rows.turns and rows.own[w.chosen[n], 0] != rows.own[w.chosen[m], 0]:
+                continue  # `still` is that of the blades alone
+            for i in range(dim):
+                a, row, part = n * dim + i, w.chosen[n] * dim + i, share if i == 0 else 1.0
+                for k in range(dim):
+                    other = w.chosen[m] * dim + k
+                    w.W[a, m * dim + k] += part * rows.fixed[row, other] + rows.still[row, other]
     if rows.turns and rows.few:
         for n in range(count):
             for i in range(dim):

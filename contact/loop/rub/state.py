@@ -134,7 +134,9 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
     K, R, width, n = s.mu.size, s.lam.size, rows.width, rows.harmonics
     P, d = int(rows.place.max()) + 1, R // K
     D, slots, lines = -(-P * d // TOGETHER) * TOGETHER, staggered(-(-P // WIDTH) * WIDTH), len(rows.reach)
-    made = (0, 0, 0) if rows.steady else (D, d * width, slots)  # where the loop fills the matrix of the contacts
+    made = (
+        (0, 0, 0) if rows.steady or rows.W.size else (D, d * width, slots)
+    )  # where the loop fills the matrix of the contacts
     solved = (R, K) if newton else (0, 0)
     few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
     waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH

@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit
-from contact.jit.vector import entry
 from contact.loop.modal.rows import product
 from contact.loop.rub.rows import RubRows
-from contact.loop.rub.state import JAMMED, UNSETTLED, RubState, Work
+from contact.loop.rub.state import JAMMED, UNSETTLED, RubState
 from contact.loop.tally import Sticking, note_sticking
 from contact.record.record import Samples, Tally
 from contact.solver.unilateral.active_set import SOLVED, ActiveSpace, project
@@ -24,32 +23,13 @@ class Steady(NamedTuple):
     """K contacts with d directions each, normal first."""
 
     rows: Array  # (K d, width)
-    W: Array  # (K d, K d) matrix of the law, where Newton's method on forces solves for the contacts, else empty
-    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty where W is not
+    roots: Array  # A with A A^T = W, or rows sqrt(c) where there are springs; empty where `RubRows.W` is there
     springs: Array  # (K,) diagonal of S where the contacts are solved as springs, else empty
     active: ActiveSpace
     soft: SpringSpace
     past: Sticking
     slip: Array  # (K d,) of the last step
     strain: Array  # (K d,) S lam before this step
-
-
-@jit
-def known(s: RubState, rows: RubRows, w: Work, steady: Steady, count: int, dim: int, slid: float) -> None:
-    """Fill W, b, mu and the last forces of the chosen contacts."""
-    size, wide = count * dim, steady.W.shape[1]
-    for n in range(count):
-        j = w.chosen[n]
-        w.mu[n] = s.mu[j]
-        for i in range(dim):
-            a, row = n * dim + i, j * dim + i
-            for k in range(size):
-                w.W[a, k] = entry(steady.W, row * wide + entry(w.row, k))
-            w.lam[a] = s.lam[row]
-            if i == 0:
-                w.b[a], s.scale[j] = s.test[j], w.W[a, a]
-            else:
-                w.b[a] = w.along[w.column[a]] - s.strain[row] + rows.glide[row] * slid
 
 
 @jit
@@ -81,6 +61,6 @@ def note_slips(s: RubState, rows: RubRows, steady: Steady, dim: int, sums: Tally
             row = j * dim + i
             moved = product(steady.rows[row], s.d)
             steady.slip[row] = moved + s.strain[row] - steady.strain[row] + rows.glide[row]
-        note_sticking(steady.past, sums, out, j, time, h, s.mu[j], steady.W, s.lam, steady.slip)
+        note_sticking(steady.past, sums, out, j, time, h, s.mu[j], rows.W, s.lam, steady.slip)
     for row in range(s.strain.size):
         steady.strain[row] = s.strain[row]

@@ -153,10 +153,12 @@ def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, ave
     slide = np.zeros((k, len(given) // k))
     if rough:
         slide[:, 1:] = np.asarray(problem.slide) * parts.h
-    rows = _rows(given, S, problem.opening, -slide.ravel())
+    newton = rough or law.response is not None or parts.roots(given) is None
+    W = _delassus(given, S, parts, k if averaged else 0) if newton else np.zeros((0, 0))
+    rows = _rows(given, S, W, problem.opening, -slide.ravel())
     wide = widened(_state(problem, parts, given, mu), rows.width, NAMES)
-    steady = _steady(given, S, parts, k, newton=rough or law.response is not None, averaged=averaged)
-    work = work_space(wide, rows, newton=bool(steady.W.size))
+    steady = _steady(given, S, parts, k, newton=newton)
+    work = work_space(wide, rows, newton=newton)
     work.normal[:, :, : parts.omega.size] = given[:: len(given) // k]
     work.waves[:, :, 0, 0], work.fresh[:] = 1.0, 1
     coupled, _ = modal_blocks(speeds, parts.omega.size, parts.omega.size)
@@ -191,7 +193,7 @@ def _state(problem: Patch, parts: Propagator, rows: Array, mu: float) -> RubStat
     )  # fmt: skip
 
 
-def _rows(rows: Array, S: Array, opening: Array, glide: Array) -> RubRows:
+def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubRows:
     """Rows that do not change: each a sum of one wave, cos 0."""
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.rows import RubRows
@@ -203,7 +205,7 @@ def _rows(rows: Array, S: Array, opening: Array, glide: Array) -> RubRows:
         width=whole(m), reach=aligned(0, whole(m)), directions=R // k, line=np.arange(k), place=np.arange(k),
         glide=glide, angle=np.zeros(k), heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
         blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
-        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, few=False,
+        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, few=False,
         S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
     )  # fmt: skip
 
@@ -220,28 +222,30 @@ def _laws() -> RubLaws:
     )  # fmt: skip
 
 
-def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool, averaged: bool) -> Steady:
-    """What is known of the contacts' matrix before the run, and how they are solved for."""
+def _delassus(rows: Array, S: Array, parts: Propagator, mean: int) -> Array:
+    """Rows c rows^T + S; a quarter of the first in normal rows where the law of `mean` contacts is of three gaps."""
+    H = parts.yields(rows) @ rows.T
+    if mean:
+        H[:: len(rows) // mean] *= 0.25
+    return np.ascontiguousarray(H + S)
+
+
+def _steady(rows: Array, S: Array, parts: Propagator, k: int, *, newton: bool) -> Steady:
+    """How contacts are solved for that do not need Newton's method on the forces, and what their events need."""
     from contact.loop.rub.steady import Steady
     from contact.loop.tally import Sticking
     from contact.solver.unilateral.active_set import active_space
     from contact.solver.unilateral.springs import spring_space, springs_of
 
-    R, scaled, none = len(rows), parts.roots(rows), np.zeros((0, 0))
-    springs, roots, W = np.zeros(0), none, none
-    if newton or scaled is None:
-        W = parts.yields(rows) @ rows.T
-        if averaged:
-            W[:: R // k] *= 0.25
-        W = np.ascontiguousarray(W + S)
-    else:
+    R, scaled, springs, roots = len(rows), parts.roots(rows), np.zeros(0), np.zeros((0, 0))
+    if scaled is not None and not newton:
         springs = springs_of(scaled, S)
         roots = scaled if springs.size else _roots(scaled, S)
     columns, soft = roots.shape[1], springs.size
     full = aligned(R, whole(rows.shape[1]))
     full[:, : rows.shape[1]] = rows
     return Steady(
-        rows=full, W=W, roots=roots, springs=springs, active=active_space(k, 0 if soft else columns),
+        rows=full, roots=roots, springs=springs, active=active_space(k, 0 if soft else columns),
         soft=spring_space(soft, columns if soft else 0),
         past=Sticking(np.zeros((2, R)), np.zeros(k), np.zeros(k), np.zeros(k)), slip=np.zeros(R), strain=np.zeros(R),
     )  # fmt: skip

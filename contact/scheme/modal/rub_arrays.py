@@ -17,7 +17,7 @@ from contact.model.gaps.rub_system import RimTable, RubSystem, force_at_start, p
 from contact.model.trig import PRUNE, fourier, turned_back
 from contact.scheme.modal.blocks import row_blocks, rows_of_waves, whole
 from contact.scheme.modal.propagator import Propagator
-from contact.scheme.modal.rub_delassus import blade_delassus
+from contact.scheme.modal.rub_delassus import blade_delassus, unchanging
 
 if TYPE_CHECKING:
     from contact.loop.modal.rows import RowBlocks
@@ -36,11 +36,12 @@ class LoopArrays:
     work: Work
 
     @staticmethod
-    def of(rub: Rub, system: RubSystem, parts: Propagator, state: RubState) -> LoopArrays:
-        """Those of a rub."""
+    def of(rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool) -> LoopArrays:
+        """Those of a rub; `share` as of `unchanging`, `vary`: the speed changes the coefficients of the modes."""
         from contact.loop.rub.state import work_space
 
-        rows = rub_rows(rub, system, parts)
+        W = np.zeros((0, 0)) if vary else unchanging(rub, system, parts, share)
+        rows = rub_rows(rub, system, parts, W)
         return LoopArrays(rub_laws(rub, system), rows, work_space(state, rows))
 
 
@@ -98,7 +99,7 @@ def rub_laws(rub: Rub, system: RubSystem) -> RubLaws:
     )  # fmt: skip
 
 
-def rub_rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
+def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRows:
     """Rows of the casing, tips and residual compliance."""
     from contact.loop.rub.rows import RubRows
 
@@ -128,7 +129,7 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator) -> RubRows:
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own,
         apart=apart, fixed=fixed_delassus(system, parts),
-        still=system.still, turns=system.turns, steady=False, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
+        still=system.still, turns=system.turns, steady=False, W=W, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
         harmonics=count,
     )  # fmt: skip
 

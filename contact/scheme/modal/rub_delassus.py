@@ -15,6 +15,8 @@ from contact.model.trig import harmonics, turned_back
 from contact.scheme.modal.propagator import Propagator
 
 ANGLES = 60  # where the Delassus numbers are sampled around the rim
+TURNED = (0.4, 1.1, 2.7, 4.5)  # [rad] where the contacts' matrix of a round casing must be the same
+STEADY = 1e-13  # of its largest entry
 
 
 def blade_delassus(system: RubSystem, parts: Propagator) -> Array:
@@ -30,6 +32,52 @@ def _of_blades(blade_rows: Array, own: Indices, parts: Propagator) -> Array:
         begin, end = own[row // d]
         full[row, begin:end] = values[: end - begin]
     return np.ascontiguousarray(parts.yields(full) @ full.T)
+
+
+def unchanging(rub: Rub, system: RubSystem, parts: Propagator, share: float) -> Array:
+    """Matrix of the contacts in one step where it never changes, (K d, K d); empty else.
+
+    At constant speed tips on a rim stay apart by the same angles. Of a round casing, whose modes come in pairs, the
+    matrix depends on these differences alone. Whether it does is checked at several angles, to 1e-13 of its largest
+    entry. `share` of what the modes yield counts in the gaps: 1, or 1/4 in the averaged law.
+    """
+    none = np.zeros((0, 0))
+    if system.contacts == 1 or system.turns or len(np.unique(rub.speed.hz)) > 1:
+        return none
+    return _unchanging(
+        system.rim, system.directions, system.blade_rows, system.own, system.line, system.angle, system.still, parts,
+        share, rub.speed.omega(0.0) * parts.h,
+    ).copy()  # fmt: skip
+
+
+@remembered
+def _unchanging(
+    rim: RimTable, directions: int, blade_rows: Array, own: Indices, line: Indices, angle: Array, still: Array,
+    parts: Propagator, share: float, turn: float,
+) -> Array:  # fmt: skip
+    K, d, m = angle.size, len(blade_rows) // angle.size, rim.cos.shape[2]
+
+    def rows(turned: float) -> Array:
+        found = np.zeros((K, d, parts.c.size))
+        for one in np.unique(line):
+            here = line == one
+            for i in range(d):
+                found[here, i, :m] = rim.rows(int(one) * directions + i, angle[here] - turned)
+        return found
+
+    def at(turned: float) -> Array:
+        law, now = rows(turned), rows(turned)
+        law[:, 0] = share * rows(turned + turn)[:, 0]
+        return parts.yields(law.reshape(K * d, -1)) @ now.reshape(K * d, -1).T
+
+    first = at(0.0)
+    largest = float(np.abs(first).max())
+    for turned in TURNED:
+        if float(np.abs(at(turned) - first).max()) > STEADY * largest:
+            return np.zeros((0, 0))
+    blades = _of_blades(blade_rows, own, parts).copy()
+    blades[::d] *= share
+    return np.ascontiguousarray(first + blades + still)
 
 
 def rub_delassus(rub: Rub, system: RubSystem, parts: Propagator, mu: float) -> tuple[float, float, float]:

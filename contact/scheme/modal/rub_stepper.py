@@ -77,7 +77,11 @@ class RubStepper(ExactRun):
     def arrays(self) -> LoopArrays:
         """Laws, rows and work space of the loop."""
         if not self.made:
-            self.made.append(LoopArrays.of(self.rub, self.system, self.now(), self.wide))
+            self.made.append(
+                LoopArrays.of(
+                    self.rub, self.system, self.now(), self.wide, 0.25 if self.averaged else 1.0, vary=self.speeds.vary
+                )
+            )
         return self.made[0]
 
     def advance(self, out: Samples, first: int, steps: int) -> int:

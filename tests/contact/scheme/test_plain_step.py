@@ -7,10 +7,10 @@ import pytest
 
 import contact as ct
 from tests.contact.plain_step import PlainRub
-from tests.contact.synthetic_rub import nodes, rim3, tips
+from tests.contact.synthetic_rub import nodes, rim3, round_rim, tips
 
 H = 2e-5
-# tips on the first blade, three directions, friction, law, what couples modes
+# tips on the first blade, three directions, friction, law, what couples modes or that the casing is round
 CASES = {
     "one tip": (1, False, 0.0, "forward", None),
     "one tip, averaged, friction": (1, False, 0.3, "averaged", None),
@@ -21,6 +21,9 @@ CASES = {
     "casing turns, three tips, friction": (2, False, 0.3, "forward", "casing"),
     "casing turns, three directions": (2, True, 0.2, "averaged", "casing"),
     "blades turn, three tips": (2, False, 0.3, "averaged", "blades"),
+    "round casing, three tips": (2, False, 0.0, "averaged", "round"),
+    "round casing, three tips, friction": (2, False, 0.3, "forward", "round"),
+    "round casing, three directions": (2, True, 0.2, "averaged", "round"),
     "cross-coupled casing, one tip": (1, False, 0.3, "forward", "cross"),
     "cross-coupled casing, three tips": (2, True, 0.2, "forward", "cross"),
 }
@@ -39,10 +42,10 @@ def coupled(body, seed, *, cross=False):
 def test_tips_press_as_steps_of_whole_matrices_say(name):
     count, axial, mu, law, couples = CASES[name]
     steps = 500 if count == 1 else 120  # one tip is thrown off, and comes back
-    casing, blades = rim3(), [nodes(2), nodes(1, seed=6)]
+    casing, blades = round_rim() if couples == "round" else rim3(), [nodes(2), nodes(1, seed=6)]
     if couples == "blades":
         blades = [coupled(body, 3 + k) for k, body in enumerate(blades)]
-    elif couples:
+    elif couples in ("casing", "cross"):
         casing = coupled(casing, 2, cross=couples == "cross")
     points = [*tips(count, axial=axial), *tips(1, blade=1, angle=190.0, axial=axial)][: 1 if count == 1 else 3]
     rub = ct.Rub(
@@ -58,3 +61,21 @@ def test_tips_press_as_steps_of_whole_matrices_say(name):
     wanted = PlainRub(rub, mu=mu, h=H, averaged=law == "averaged").forces(steps)
     assert (wanted[:, :: rub.dimensions if mu else 1] > 0.0).sum() > 10
     np.testing.assert_allclose(found.tip_force.reshape(wanted.shape), wanted, rtol=0.0, atol=1e-7 * wanted.max())
+
+
+def rub_of(casing):
+    """Two blades with three tips in all."""
+    points = [*tips(2, axial=False), *tips(1, blade=1, angle=190.0, axial=False)]
+    return ct.Rub(
+        casing, [nodes(2), nodes(1, seed=6)], points, clearance=-2e-4, speed=ct.Speed.constant(25.0), turning="casing"
+    )
+
+
+def test_the_matrix_of_the_contacts_is_kept_for_a_casing_that_is_round_and_for_no_other():
+    round_ = round_rim()
+    split = replace(round_, omega=round_.omega * np.where(np.arange(10) == 3, 1.0 + 1e-6, 1.0))
+    sizes = []
+    for casing in (round_, split, rim3()):
+        run = ct.ExactModal().prepare(rub_of(casing), ct.Coulomb(mu=0.2), dt=H, courant=None)
+        sizes.append(run.arrays.rows.W.shape)
+    assert sizes == [(6, 6), (0, 0), (0, 0)]
