@@ -12,14 +12,16 @@ from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
 from .model.gaps.rub_laws import RimProfile, Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
+from .prepared import Scene
 from .record.record import Record
 from .result import Result
-from .run import Scene, run
+from .run import run
 from .run_many import run_many
 from .scene.load import load_scene
 from .scheme.linear.alpha import Newmark
-from .scheme.linear.leapfrog import CentralDifference, PenaltyDifference
+from .scheme.linear.central_difference import CentralDifference
 from .scheme.linear.nonsmooth_alpha import MoreauJean
+from .scheme.linear.penalty_difference import PenaltyDifference
 from .scheme.modal.exact_modal import ExactModal
 
 __version__: str

@@ -31,10 +31,12 @@ from contact.model.gaps.rub import ContactPoint, Rub
 from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import Hertz
-from contact.run import Scene, run
+from contact.prepared import Scene
+from contact.run import run
 from contact.run_many import run_many
 from contact.scheme.linear.alpha import Newmark, StabilisedNewmark
-from contact.scheme.linear.leapfrog import CentralDifference, MasslessBoundary
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.massless_boundary import MasslessBoundary
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme

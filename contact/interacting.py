@@ -25,7 +25,7 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
-from contact.run import Scene
+from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first

@@ -9,7 +9,8 @@ from contact.model.bodies.beam import BeamInCircle
 from contact.model.bodies.body import Body
 from contact.model.bodies.chain import assemble
 from contact.model.law import Law, kind
-from contact.scheme.linear.leapfrog import CentralDifference, PenaltyDifference
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.penalty_difference import PenaltyDifference
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Problem, Scheme
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Sequence
@@ -12,27 +11,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contact.base.arrays import Array, read_npz, readonly
+from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.io.columns import WIDE, Column, table_lines
 from contact.io.names import hint
-from contact.io.npz import write_npz
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.io.trust import Flag
 from contact.model.law import pressure
-from contact.record.energy import Divergence, EnergyBudget, Stored
-from contact.record.growth import Cause, RunGrowth
+from contact.record.energy import Divergence, EnergyBudget
+from contact.record.growth import RunGrowth
 from contact.record.record import MOST_SAMPLES
-from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear, joined
+from contact.record.wear import Wear, joined
+from contact.result_file import read_result, write_result
 from contact.scheme.protocol import Block, Motion, Notes
 
-FORMAT = "contact-result-1"
 LONGEST = 8  # numbers in a line that lists tips
-ARRAYS = (
-    "time", "force", "gap", "impulse_history", "impulse", "peak_force", "max_penetration", "residual",
-    "contact_steps", "reversals", "state_time", "state", "channels",
-)  # fmt: skip
 TIPS = "tips"  # block of a stepper's coordinates that holds forces on tips: `Result.tip_force`
 
 Intervals = tuple[tuple[float, float], ...]
@@ -264,60 +258,12 @@ class Result(Reported):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write npz without pickle, complete or not at all."""
-        rest = {
-            "intervals": self.intervals, "sticking": self.sticking, "energy": asdict(self.energy),
-            "motions": [asdict(m) for m in self.motions],
-            "blocks": self.blocks, "steps": self.steps, "dt": self.dt, "window": self.window,
-            "seconds": self.seconds,
-            "scheme": self.scheme, "source": self.source, "every": self.every,
-        }  # fmt: skip
-        rest["notes"] = {
-            "flags": [flag.to_dict() for flag in self.notes.flags], "heat": self.notes.heat.tolist(),
-            "drive": self.notes.drive.tolist(),
-        }  # fmt: skip
-        rest["divergence"] = None if self.divergence is None else asdict(self.divergence)
-        rest["growth"] = None if self.growth is None else asdict(self.growth)
-        data = {name: getattr(self, name) for name in (*ARRAYS, "tip_force")}
-        rest["tracks"] = [{name: getattr(t, name) for name in (*WEAR_NUMBERS, "tips")} for t in self.tracks]
-        for k, track in enumerate(self.tracks):
-            data |= {f"wear{k}_{name}": getattr(track, name) for name in WEAR_ARRAYS}
-        return write_npz(path, {"format": FORMAT, "document": json.dumps(rest), **data})
+        return write_result(path, self)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result; raises InputError naming file and key."""
-        data = read_npz(Path(path), FORMAT, ("document", *ARRAYS, "tip_force"), ("format", "document"))
-        if data["state"].ndim != 2:
-            found = data["state"].shape
-            raise InputError(f"{path}: key 'state': found shape {found}, expected (samples, coordinates): run it again")
-        try:
-            return cls._of(json.loads(str(data["document"])), data)
-        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-            raise InputError(f"{path}: key 'document': found one without, or with another, {error}") from error
-
-    @staticmethod
-    def _of(rest: dict[str, Any], data: dict[str, Any]) -> Result:
-        energy: dict[str, Any] = rest.pop("energy")
-        energy |= {name: Stored(**energy[name]) for name in ("start", "end")}
-        for name in ("intervals", "sticking"):
-            rest[name] = tuple(tuple((a, b) for a, b in pairs) for pairs in rest[name])
-        notes = rest["notes"]
-        rest["notes"] = Notes(
-            flags=tuple(map(Flag.of, notes["flags"])), heat=readonly(notes["heat"]), drive=readonly(notes["drive"])
-        )  # fmt: skip
-        if rest["divergence"] is not None:
-            rest["divergence"] = Divergence(**rest["divergence"])
-        if (grown := rest["growth"]) is not None:
-            cause = None if grown["cause"] is None else Cause(**grown["cause"])
-            rest["growth"] = RunGrowth(**grown | {"cause": cause})
-        rest["blocks"] = tuple((name, start, end) for name, start, end in rest["blocks"])
-        rest["motions"] = tuple(Motion(**motion) for motion in rest["motions"])
-        rest |= {name: readonly(data[name]) for name in (*ARRAYS, "tip_force")}
-        rest["tracks"] = tuple(
-            Wear(**t | {"tips": tuple(t["tips"])}, **{name: data[f"wear{k}_{name}"] for name in WEAR_ARRAYS})
-            for k, t in enumerate(rest["tracks"])
-        )
-        return Result(**rest, energy=EnergyBudget(**energy))
+        return cls(**read_result(path))
 
 
 def coordinates_and_forces(stored: Array, blocks: Sequence[Block], *, whole: bool) -> dict[str, Any]:

@@ -8,11 +8,13 @@ from dataclasses import replace
 from typing import cast
 
 from contact.base.errors import DivergedError, InputError, NumericsError
+from contact.ended import budget_of, finished, runs_away
 from contact.half_step import MARKS, Mark, mark
+from contact.prepared import Prepared, Scene, prepared
 from contact.record.energy import EnergyBudget
 from contact.record.record import Record, Samples
 from contact.result import Result
-from contact.run import LEDGER, Prepared, Scene, budget_of, completed, finished, prepared, runs_away
+from contact.run import LEDGER, completed
 from contact.scheme.modal.batch import WIDTH, Events, Job, Shape, batch, shape_of
 from contact.scheme.modal.rub_stepper import RubStepper
 

@@ -20,9 +20,9 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_laws import Speed
+from contact.prepared import Scene
 from contact.record.growth import STANDS, Check, Ending, RunGrowth
 from contact.record.record import STATES, Record, prime_stride
-from contact.run import Scene
 from contact.run_many import Outcome, run_many
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]

@@ -255,7 +255,8 @@ def ran(scene: "Scene", progress: Callable[[float], None], part: Path | None) ->
     `part` is the file of a run under way, from which it goes on; with one, states are kept, to be drawn.
     """
     from contact import NumericsError
-    from contact.run import completed, prepared
+    from contact.prepared import prepared
+    from contact.run import completed
 
     ready = prepared(scene)
     if part is not None and scene.record is None:

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from contact.interacting import Interactions
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
+    from contact.prepared import Prepared, Scene
     from contact.record.wear import Wear
     from contact.result import Result
     from contact.rim_motion import RimMotion
-    from contact.run import Prepared, Scene
 
 STATES = 4_000_000  # numbers that stored states may hold where the scene does not say what to record
 PAIR = 0.03  # of a frequency: modes of one n that lie closer are a pair

@@ -11,9 +11,9 @@ from contact.io.infiles import read_bytes, text_of
 if TYPE_CHECKING:
     from casingfem.plot.pages.scene import Ran
     from contact.interacting import Interactions
+    from contact.prepared import Scene
     from contact.result import Result
     from contact.rim_motion import RimMotion
-    from contact.run import Scene
 
 
 def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None]) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from contact.io.infiles import pipes_read_once, read_bytes
 from contact.io.toml import entries, read_toml
-from contact.run import Scene
+from contact.prepared import Scene
 from contact.scene.problems import Problems, SceneError, validated
 
 if TYPE_CHECKING:

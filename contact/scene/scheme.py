@@ -15,9 +15,13 @@ from contact.model.laws.augmented import AugmentedLagrangian
 from contact.problem import What
 from contact.resolved import MOST_STEPS
 from contact.scene.turns import MEANING, Side
-from contact.scheme.linear import leapfrog
 from contact.scheme.linear.alpha import HHT, Newmark, StabilisedNewmark
+from contact.scheme.linear.cd_lagrange import CDLagrange
+from contact.scheme.linear.central_difference import CentralDifference
+from contact.scheme.linear.massless_boundary import MasslessBoundary
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
+from contact.scheme.linear.paoli_schatzman import PaoliSchatzman
+from contact.scheme.linear.penalty_difference import PenaltyDifference
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 
@@ -57,14 +61,14 @@ ModalLaw = Literal["auto", "forward", "averaged", "energy"]
 ContactLaw = Literal["lagrange", "penalty", "augmented-lagrangian"]
 
 SCHEMES: dict[str, tuple[type[Scheme], tuple[str, ...]]] = {
-    "forward-lagrange": (leapfrog.CentralDifference, ()),
-    "penalty": (leapfrog.PenaltyDifference, ()),
+    "forward-lagrange": (CentralDifference, ()),
+    "penalty": (PenaltyDifference, ()),
     "newmark": (Newmark, ("beta", "gamma")),
     "hht": (HHT, ("alpha",)),
     "moreau-jean": (MoreauJean, ("theta", "restitution")),
-    "cd-lagrange": (leapfrog.CDLagrange, ("restitution",)),
-    "paoli-schatzman": (leapfrog.PaoliSchatzman, ("restitution",)),
-    "massless-boundary": (leapfrog.MasslessBoundary, ()),
+    "cd-lagrange": (CDLagrange, ("restitution",)),
+    "paoli-schatzman": (PaoliSchatzman, ("restitution",)),
+    "massless-boundary": (MasslessBoundary, ()),
     "stabilised-newmark": (StabilisedNewmark, ()),
     "nonsmooth-alpha": (NonsmoothAlpha, ("rho_inf", "restitution")),
     "projected-alpha": (ProjectedAlpha, ("rho_inf", "restitution")),

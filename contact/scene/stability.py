@@ -18,7 +18,7 @@ from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
-from contact.run import Scene
+from contact.prepared import Scene
 from contact.scene.load import load_scene, read_scene
 from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError

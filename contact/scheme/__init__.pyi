@@ -1,6 +1,10 @@
 from .linear.alpha import HHT, Newmark, StabilisedNewmark
-from .linear.leapfrog import CDLagrange, CentralDifference, MasslessBoundary, PaoliSchatzman, PenaltyDifference
+from .linear.cd_lagrange import CDLagrange
+from .linear.central_difference import CentralDifference
+from .linear.massless_boundary import MasslessBoundary
 from .linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
+from .linear.paoli_schatzman import PaoliSchatzman
+from .linear.penalty_difference import PenaltyDifference
 from .modal.exact_modal import ExactModal
 from .protocol import Motion, PlainStepper, Scheme, Stepper
 from .python_stepper import PythonStepper

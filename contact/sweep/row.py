@@ -23,10 +23,10 @@ from contact.model.bodies.patch import Patch
 from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.limits import FAR
 from contact.model.gaps.rub import Rub
+from contact.prepared import Scene
 from contact.problem import What
 from contact.record.record import Record, prime_stride
 from contact.result import Result
-from contact.run import Scene
 from contact.run_many import Outcome
 from contact.sweep.columns import COLUMNS
 

@@ -19,7 +19,7 @@ from contact.io.columns import Column, Columns, records_of
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
 from contact.io.workers import forks, worker_pool
-from contact.run import Scene
+from contact.prepared import Scene
 from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
 from contact.sweep.columns import COLUMNS, MEASURED

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import contact as ct
+from contact.prepared import prepared
 from contact.record.record import samples
-from contact.run import prepared, steps
+from contact.run import steps
 
 DT, SPEED, LEAN = 1e-5, 5.0, 10.0
 ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})

@@ -16,7 +16,8 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from contact.model.gaps.modal_system import rim_system
-from contact.run import completed, prepared
+from contact.prepared import prepared
+from contact.run import completed
 from contact.run_many import together
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep

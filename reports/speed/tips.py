@@ -15,7 +15,8 @@ import time
 from pathlib import Path
 
 import contact as ct
-from contact.run import completed, prepared
+from contact.prepared import prepared
+from contact.run import completed
 from contact.scheme.modal.rub_stepper import RubStepper
 from reports.speed.core_limits import limits
 from reports.speed.sweeps import DT, ROUGH, bodies

@@ -14,12 +14,12 @@ from contact.diverged import AT_ONCE, IN_REALITY, SHORT, divergence, theory_of
 from contact.growth.closed_contact import growth
 from contact.model.gaps.permanent import rim_contact
 from contact.model.gaps.rub import rub_of
+from contact.prepared import prepared
 from contact.problem import default_scheme, problem_of
 from contact.record.energy import EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
 from contact.record.record import NO_STEPS, Record, samples
 from contact.result import Result
-from contact.run import prepared
 from tests.contact.synthetic_rim import blade, ring
 
 RUN = importlib.import_module("contact.run")

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
+from contact.prepared import prepared
 from contact.resolved import MOST_STEPS, between
-from contact.run import prepared
 from tests.contact.synthetic_rim import blade, ring
 
 WALL = ct.Wall(x=0.05)

@@ -9,11 +9,13 @@ import pytest
 
 import contact as ct
 from contact.diverged import _fed_words, _limit_words
+from contact.ended import ADDED
+from contact.prepared import prepared
 from contact.record.energy import EnergyBudget, Stored
 from contact.resolved import MOST_STEPS, count_of
-from contact.run import ADDED, prepared
 
 RUN = importlib.import_module("contact.run")
+ENDED = importlib.import_module("contact.ended")
 STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
 CALM = EnergyBudget(start=STILL, end=STILL, contact=0.5, rotation=0.25, friction=0.0, damping=0.0)
 
@@ -42,9 +44,9 @@ def block(**changes):
 
 
 def ended(ready, budget, *, steps=30, failed=-1, calm=None, monkeypatch):
-    monkeypatch.setattr(RUN, "budget_of", lambda _: budget)
+    monkeypatch.setattr(ENDED, "budget_of", lambda _: budget)
     parts = [chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record)]
-    return RUN.finished(ready, parts, steps, 0.1, failed, calm)
+    return ENDED.finished(ready, parts, steps, 0.1, failed, calm)
 
 
 def test_how_a_run_ends(monkeypatch):
@@ -95,10 +97,10 @@ def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(monkeypatch):
 def test_samples_end_at_the_first_that_is_no_number():
     ready = prepared(block(record=ct.Record(state_every=2)))
     (part,) = (chunk.samples for chunk in RUN.steps(ready.stepper, 30, record=ready.record))
-    assert RUN._finite(part) is part
+    assert ENDED._finite(part) is part
     spoilt = part._replace(gap=part.gap.copy())
     spoilt.gap[11, 0] = math.inf
-    kept = RUN._finite(spoilt)
+    kept = ENDED._finite(spoilt)
     assert len(kept.time) == len(kept.force) == len(kept.gap) == len(kept.impulse) == 11
     assert kept.time[-1] == part.time[10]
     assert kept.state_time.tolist() == [time for time in part.state_time if time < part.time[11]]

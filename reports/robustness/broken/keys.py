@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import contact as ct
 import reports.robustness.diverging as scenes
 from casingfem.study.load import load_any
-from contact.run import prepared
+from contact.prepared import prepared
 from contact.scene.cycles import load_cycles
 from contact.scene.stability import load_stability
 from contact.sweep.plan import load_sweep
