@@ -119,13 +119,14 @@ def truth(what: ct.RotatingRim | ct.Rub, long: ct.Result, end: float) -> tuple[s
 
 
 def rate_in(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
-    """Growth of the level of a run between two instants [1/s], by least squares."""
+    """Growth of the level of a run between two instants [1/s], by least squares; nan where it ended before or does not move."""
     t, here = long.state_time, (long.state_time >= begin) & (long.state_time <= end)
     if np.count_nonzero(here) < SOME:
         return math.nan
     part = replace(long, state_time=t[here], state=long.state[here])
     middle, level = levels(what, part, 12)
-    return float(np.polyfit(middle, np.log(level), 1)[0])
+    moves = np.isfinite(level) & (level > 0.0)
+    return float(np.polyfit(middle[moves], np.log(level[moves]), 1)[0]) if moves.all() else math.nan
 
 
 def long_run(what: ct.RotatingRim | ct.Rub, mu: float) -> ct.Result:
