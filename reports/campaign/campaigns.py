@@ -97,6 +97,8 @@ CAMPAIGNS = (
     Campaign("contact.rotating_beam", "a hinged beam in an eccentric circle", ("contact",)),
     Campaign("contact.hertz", "Hertz's pressure under a disc", ("contact",)),
     Campaign("rub.run_growth", "200 verdicts on growth against long runs at a tenth of the step", ("contact",)),
+    Campaign("rub.beside", "tables of dangerous speeds of three machines beside runs of their own", ("contact",)),
+    Campaign("rub.rotor37", "NASA rotor 37: frequencies beside CalculiX", STRUCTURE),
     Campaign("rub.agreement", "interactions, poles and runs at sixty speeds of three pairs", ("contact",)),
     Campaign("rub.turning", "bodies that turn: growth, impulse and ledger beside plain NumPy", RUBS),
     Campaign("rub.section_44", "the study's rubs", RUBS),
