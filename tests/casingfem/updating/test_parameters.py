@@ -7,9 +7,6 @@ from hypothesis import strategies as st
 
 import casingfem as cf
 from casingfem.structure.field.field import FieldValues
-from casingfem.structure.shell.parts import ShellParts
-from casingfem.structure.shell.shell import remade
-from casingfem.updating.parameters import check_parameters
 
 PATHS = {
     "material.E": 210e9,
@@ -86,15 +83,6 @@ def test_a_spring_leaves_the_pattern_it_shared(casing):
         == cf.updating.get_value(both, "support.base.k_z.p4.sin")
         == 0.3
     )
-
-
-@pytest.mark.parametrize("pair", [("around", "k_r"), ("k_r", "around"), ("k_r", "k_r")])
-def test_one_number_is_varied_once(casing, pair):
-    vary = [cf.Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in pair]
-    with pytest.raises(cf.errors.InputError, match="is varied twice"):
-        check_parameters(casing, vary)
-    apart = [cf.Parameter(name=f"support.base.{k}.p4.cos", lower=-0.5, upper=0.5) for k in ("k_r", "k_face")]
-    check_parameters(casing, apart)
 
 
 def test_a_shell_without_fields_gets_one(frustum):
@@ -199,13 +187,6 @@ def test_a_profile_is_no_number(steel):
     )
     with pytest.raises(cf.errors.InputError, match="chart has no numbers, not 'profile'"):
         cf.updating.get_value(bowl, "chart.profile")
-
-
-def test_bare_parts_are_checked_when_they_are_a_shell_again(frustum):
-    bare = cf.updating.with_value(remade(ShellParts, frustum()), "shell.thickness", -1.0)
-    assert bare.thickness == -1.0
-    with pytest.raises(cf.errors.ModelError, match="thickness"):
-        remade(cf.Shell, bare)
 
 
 def test_bolts_without_stiffness_have_none_to_change(frustum):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.shell.energies import modal_products, point_fields
 
 COUNT = 10
 NAMES = [
@@ -99,13 +98,6 @@ def test_scaling_laws_hold_to_round_off(casing, frustum):
     G = cf.updating.eigen_derivatives(found, [parameter("material.E"), parameter("material.rho")])
     np.testing.assert_allclose(np.diag(G[0]), found.omega**2 / 210e9, rtol=1e-9)
     np.testing.assert_allclose(np.diag(G[1]), -(found.omega**2) / 7800.0, rtol=1e-9)
-
-
-def test_products_at_the_point_itself_are_the_eigenvalues(casing, solved):
-    products = modal_products(casing, point_fields(casing, solved.grid, solved.fields, solved.own))
-    scale = solved.omega[-1] ** 2
-    np.testing.assert_allclose(products.K / scale, np.diag(solved.omega**2) / scale, atol=1e-9)
-    np.testing.assert_allclose(products.M, np.eye(COUNT), atol=1e-10)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.circle.lines import clear_rate, fit_lines, line_frequencies
 from casingfem.experiment.circle.pair import described, split_pair
-from casingfem.experiment.circle.record import from_tacho, turning
+from casingfem.experiment.circle.record import from_tacho
 from casingfem.experiment.circle.scan import one_wave
 from casingfem.experiment.rig.files import truth
 from casingfem.experiment.rig.scan import repeating_noise, spot_angle
@@ -17,6 +17,11 @@ from casingfem.experiment.rig.scan import repeating_noise, spot_angle
 SEED = 7719
 FS = 2000.0
 PSI = np.array([0.13, 0.13 + np.pi / 16])  # antinodes of the members of a pair, n = 8
+
+
+def turning(rate, fs, samples, first_angle=0.0):
+    """Angle of a steady turn [rad], at `rate` [turns/s]."""
+    return first_angle + 2.0 * np.pi * rate / fs * np.arange(samples)
 
 
 def wave(n, psi, back=0.0, tone=371.3, rate=2.3, seconds=6.0, phase=0.4):
