@@ -12,7 +12,7 @@ from contact.base.arrays import Array
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
 from contact.problem import What
-from contact.recovery import at_channels, rub_forces
+from contact.recovery import at_channels, casing_motion, rub_forces
 from contact.result import Result
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
@@ -71,17 +71,18 @@ def strain_energy(what: What, result: Result) -> dict[str, Array]:
     }
 
 
-def tip_motion(what: object, result: Result) -> TipMotion | None:
-    """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None."""
+def tip_motion(what: object, result: Result, casing: Array | None = None) -> TipMotion | None:
+    """Motion of the first tip of a rim or rub whose states are stored, residual compliance included; else None.
+
+    `casing` is its `casing_motion` where that is known already.
+    """
     rub: Rub | None = rub_of(what)
-    if rub is None or len(result.state) < 2 or result.channels.size:
+    casing = casing_motion(what, result) if casing is None else casing
+    if rub is None or casing is None:
         return None
     tip = rub.tips[0]
     name = rub.names[1 + tip.blade]
-    casing, blade = (
-        at_channels(body, result.state_of(of), rub_forces(rub, result, of)[1])
-        for of, body in (("casing", rub.casing), (name, rub.blades[tip.blade]))
-    )
+    blade = at_channels(rub.blades[tip.blade], result.state_of(name), rub_forces(rub, result, name)[1])
     moved = blade @ tip.directions(rub.blades[tip.blade])[:2].T
     turned = rub.speed.angles(result.state_time)
     phi = math.radians(tip.angle_deg) - turned

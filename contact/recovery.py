@@ -33,6 +33,14 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
     return kept if body.recovery_S is None else kept + forces @ body.recovery_S.T
 
 
+def casing_motion(what: object, result: Result) -> Array | None:
+    """Displacement of the casing's channels, (ns, K) [m]; None of other problems than rubs, or without states."""
+    rub: Rub | None = rub_of(what)
+    if rub is None or len(result.state) < 2 or result.channels.size:
+        return None
+    return at_channels(rub.casing, result.state_of("casing"), rub_forces(rub, result, "casing")[1])
+
+
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
     """Instants (ns,) and forces on the channels of one body (ns, K), from `result.tip_force`.
 

@@ -12,7 +12,7 @@ from contact.histories import TipMotion, tip_motion
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import Rub, rub_of
 from contact.problem import What
-from contact.recovery import at_channels, rub_forces
+from contact.recovery import casing_motion
 from contact.result import Result
 
 PLACES = 16  # around the rim, per period of its highest harmonic
@@ -53,13 +53,16 @@ class RimMotion:
         return float(self.deflection.max(initial=0.0))
 
 
-def rim_motion(what: What, result: Result) -> RimMotion | None:
-    """Motion of the rim line of the first tip of a rim, rub or disk; None of other problems, or without states."""
+def rim_motion(what: What, result: Result, casing: Array | None = None) -> RimMotion | None:
+    """Motion of the rim line of the first tip of a rim, rub or disk; None of other problems, or without states.
+
+    `casing` is its `casing_motion` where that is known already.
+    """
     rub: Rub | None = rub_of(what)
-    if rub is None or len(result.state) < 2 or result.channels.size:
+    channels = casing_motion(what, result) if casing is None else casing
+    if rub is None or channels is None:
         return None
     N, line = rub.casing.n_max, rub.tips[0].line
-    channels = at_channels(rub.casing, result.state_of("casing"), rub_forces(rub, result, "casing")[1])
     first = line * rub.casing.directions * (2 * N + 1)
     waves = channels[:, first : first + N + 1].astype(complex)
     waves[:, 1:] += 1j * channels[:, first + N + 1 : first + 2 * N + 1]

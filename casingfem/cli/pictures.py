@@ -12,6 +12,7 @@ from contact.io.outfiles import Content
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from casingfem.io.arrays import Array
     from casingfem.plot.waves import Mark
     from contact.interacting import Interactions
     from contact.model.gaps.gap import RotatingRim
@@ -37,21 +38,25 @@ def with_states(ready: "Prepared") -> "Prepared":
     return replace(ready, record=Record(every=every, state_every=every * -(-wanted // every)))
 
 
-def figures(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) -> dict[str, "Figure"]:
-    """All pictures that the run has the data for, by name; `rim` is its `rim_motion` where that is known already."""
+def figures(
+    scene: "Scene", result: "Result", rim: "RimMotion | None" = None, casing: "Array | None" = None
+) -> dict[str, "Figure"]:
+    """All pictures that the run has the data for; `rim` and `casing` are its motions where they are known already."""
     from casingfem.plot.contact import figure_contact
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
     from contact.histories import strain_energy, tip_motion
+    from contact.recovery import casing_motion
     from contact.rim_motion import force_over_angle, once_a_turn, rim_motion
 
     if not result.time.size or not result.force.shape[1]:
         return {}
-    rim = rim_motion(scene.what, result) if rim is None else rim
+    casing = casing_motion(scene.what, result) if casing is None else casing
+    rim = rim_motion(scene.what, result, casing) if rim is None else rim
     top = TOP / result.window
     found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()), rim=rim)}
     marks, turn_hz = marks_of(scene.what), turn_of(scene.what)
-    moved = tip_motion(scene.what, result)
+    moved = tip_motion(scene.what, result, casing)
     if result.time.size > 1 and result.every:
         total = result.windowed_force().sum(axis=1)
         found["spectrum"] = figure_spectrum(

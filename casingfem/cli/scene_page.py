@@ -21,11 +21,13 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     from casingfem.plot.contact import rub_film as film_of
     from casingfem.plot.pages.scene import scene_page
     from contact.histories import rub_film
+    from contact.recovery import casing_motion
     from contact.rim_motion import rim_motion
     from contact.version import versions
 
-    rim = rim_motion(scene.what, result)
-    drawn = figures(scene, result, rim)
+    casing = casing_motion(scene.what, result)
+    rim = rim_motion(scene.what, result, casing)
+    drawn = figures(scene, result, rim, casing)
     ran, found, why = run_numbers(scene, result, rim), None, ""
     if ran.rubs:
         say("interactions")

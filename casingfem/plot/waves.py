@@ -31,8 +31,7 @@ def mark_frequencies(axes: Any, marks: Sequence[Mark], top: float) -> None:
     shown = sorted((mark for mark in marks if 0.0 < mark.freq_hz < top), key=lambda mark: mark.freq_hz)
     ends: list[float] = []
     for mark in shown:
-        colour, line, _ = LOOKS[mark.kind]
-        axes.axvline(mark.freq_hz, color=colour, linestyle=line, linewidth=0.8, zorder=1)
+        colour = LOOKS[mark.kind][0]
         width = (0.012 + 0.008 * len(mark.name)) * top
         row = next((k for k, end in enumerate(ends) if mark.freq_hz - 0.5 * width > end), len(ends))
         if row < 3:
@@ -43,7 +42,11 @@ def mark_frequencies(axes: Any, marks: Sequence[Mark], top: float) -> None:
             )  # fmt: skip
     for kind in dict.fromkeys(mark.kind for mark in shown):
         colour, line, words = LOOKS[kind]
-        axes.plot([], [], color=colour, linestyle=line, linewidth=0.9, label=words)
+        places = [mark.freq_hz for mark in shown if mark.kind == kind]
+        axes.vlines(
+            places, 0.0, 1.0, transform=axes.get_xaxis_transform(), color=colour, linestyle=line, linewidth=0.8,
+            label=words, zorder=1,
+        )  # fmt: skip
 
 
 class _Rim(Protocol):
