@@ -1,0 +1,84 @@
+"""Pictures of the pages: `.venv/bin/python -m docs.screenshots [NAME ...]` runs the examples and writes docs/screens/.
+
+It needs a Chromium, as the tests of pages do. Every picture is the first screen of a page, 1200 pixels wide.
+"""
+
+import argparse
+import base64
+import io
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from click.testing import CliRunner
+from PIL import Image
+
+from casingfem.cli import main as casingfem
+from casingfem.examples import DATA
+from tests.casingfem.plot.browser import Tab, browser
+
+HERE = Path(__file__).parent / "screens"
+WIDTH, HEIGHT = 1200, 900
+COLOURS = 96  # of a picture: keeps each file below 150 kB
+BASES = (("reduce", "studies/rig_casing.toml", "scenes"), ("reduce", "studies/rig_blade.toml", "scenes"))
+PAGES = {
+    "study": (("report", "studies/rig_casing.toml"), "report.html"),
+    "update": (("update", "studies/rig_casing.toml"), "update.html"),
+    "scene_rub": (("report", "scenes/first_rub.toml"), "report.html"),
+    "scene_rods": (("report", "scenes/two_rods.toml"), "report.html"),
+    "interactions": (("interactions", "scenes/first_rub.toml", "--runs", "30"), "interactions.html"),
+    "sweep": (("sweep", "scenes/two_rods_sweep.toml", "--jobs", "1"), "sweep.html"),
+    "cycles": (("cycles", "scenes/cycles/bouncing_ball.toml"), "cycles.html"),
+    "identification": (("identify", "test/frfs.uff"), "identified.html"),
+}
+FIRST = {
+    "scene_rub": BASES, "interactions": BASES, "identification": (("rig", "studies/rig_test.toml", "test"),),
+}  # fmt: skip
+
+
+def page_of(name: str, data: Path, out: Path) -> Path:
+    """Run the command of a page on a copy of the examples."""
+    (verb, file, *more), page = PAGES[name]
+    run(verb, str(data / file), *more, "--out", str(out))
+    return out / page
+
+
+def run(*words: str) -> None:
+    """Run a command of casingfem; end where it fails."""
+    found = CliRunner().invoke(casingfem, list(words))
+    if found.exit_code:
+        sys.exit(f"casingfem {' '.join(words)}: exit code {found.exit_code}\n{found.output}")
+
+
+def first_screen(tab: Tab, page: Path) -> bytes:
+    """The first screen of a page as a PNG of few colours."""
+    tab.open(page, WIDTH, HEIGHT)
+    frames = "for (let k = 0; k < 6; k++) await new Promise(requestAnimationFrame);"
+    tab.run(f"(async () => {{ {frames} }})()")
+    area = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT, "scale": 1}
+    shot = base64.b64decode(tab.send("Page.captureScreenshot", clip=area)["data"])
+    small = io.BytesIO()
+    Image.open(io.BytesIO(shot)).convert("RGB").quantize(COLOURS).save(small, "PNG", optimize=True)
+    return small.getvalue()
+
+
+def main() -> None:
+    """Write the pictures of these pages, of all if none is named."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", choices=[[], *PAGES], default=list(PAGES))
+    names = parser.parse_args().names
+    HERE.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        data = Path(shutil.copytree(DATA, Path(folder) / "data"))
+        for verb, file, out in dict.fromkeys(one for name in names for one in FIRST.get(name, ())):
+            run(verb, str(data / file), "--out", str(data / out))
+        with browser(Path(folder) / "user") as tab:
+            for name in names:
+                picture = first_screen(tab, page_of(name, data, Path(folder) / name))
+                (HERE / f"{name}.png").write_bytes(picture)
+                print(f"{name}: {len(picture) / 1e3:.0f} kB", flush=True)
+
+
+if __name__ == "__main__":
+    main()
