@@ -5,14 +5,12 @@ It needs a Chromium, as the tests of pages do. Every picture is the first screen
 
 import argparse
 import base64
-import io
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
 from click.testing import CliRunner
-from PIL import Image
 
 from casingfem.cli import main as casingfem
 from casingfem.examples import DATA
@@ -20,7 +18,6 @@ from tests.casingfem.plot.browser import Tab, browser
 
 HERE = Path(__file__).parent / "screens"
 WIDTH, HEIGHT = 1200, 900
-COLOURS = 96  # of a picture: keeps each file below 150 kB
 BASES = (("reduce", "studies/rig_casing.toml", "scenes"), ("reduce", "studies/rig_blade.toml", "scenes"))
 PAGES = {
     "study": (("report", "studies/rig_casing.toml"), "report.html"),
@@ -52,15 +49,12 @@ def run(*words: str) -> None:
 
 
 def first_screen(tab: Tab, page: Path) -> bytes:
-    """The first screen of a page as a PNG of few colours."""
+    """The first screen of a page as a PNG."""
     tab.open(page, WIDTH, HEIGHT)
     frames = "for (let k = 0; k < 6; k++) await new Promise(requestAnimationFrame);"
     tab.run(f"(async () => {{ {frames} }})()")
     area = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT, "scale": 1}
-    shot = base64.b64decode(tab.send("Page.captureScreenshot", clip=area)["data"])
-    small = io.BytesIO()
-    Image.open(io.BytesIO(shot)).convert("RGB").quantize(COLOURS).save(small, "PNG", optimize=True)
-    return small.getvalue()
+    return base64.b64decode(tab.send("Page.captureScreenshot", clip=area)["data"])
 
 
 def main() -> None:

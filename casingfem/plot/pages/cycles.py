@@ -62,9 +62,9 @@ def cycles_verdict(found: Any) -> Verdict:
             facts.append((name, stretch_words(found.name, parts, len(found.branches))))
     facts.append(("Amplitude", amplitude_words(found.name, points)))
     force = max(points, key=lambda point: float(point.force.max(initial=0.0)))
-    facts.append(
-        ("Force", f"At most {raised(f'{force.force.max(initial=0.0):.4g}')} N, at {valued(found.name, force.value)}.")
-    )
+    size = float(force.force.max(initial=0.0))
+    if size > 0.0:
+        facts.append(("Force", f"At most {raised(f'{size:.4g}')} N, at {valued(found.name, force.value)}."))
     sure = (
         "Every motion closes on itself after its period; its Floquet multipliers decide whether it is stable. Branches "
         "that are not connected with these are not found."
