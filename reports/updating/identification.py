@@ -8,7 +8,8 @@ of frequency, damping and orientation. It writes identification.csv and identifi
 A mode counts as found where a mode of the same n lies within its half-power bandwidth and within 45/n deg (where the
 imperfections mix two n, either of those that hold a quarter of its energy will do, without an angle to judge). One
 found mode stands for both members if it is said to be an unresolved pair, or if it has no partner and the bound it
-gives on a hidden split is above the true one. What is found beyond that is spurious.
+gives on a hidden split is above the true one. What is found beyond that is spurious: sure and
+doubtful modes are counted apart.
 """
 
 from collections.abc import Sequence
@@ -97,9 +98,10 @@ def must(judged: Sequence[Judged]) -> list[Judged]:
     return [mode for mode in judged if mode.split >= RESOLVED]
 
 
-def set_row(found: Identified, judged: list[Judged], spurious: int) -> Row:
-    """One line of the table of sets."""
+def set_row(found: Identified, judged: list[Judged], extra: list[int]) -> Row:
+    """One line of the table of sets; `extra` are the found modes that are none."""
     clear = must(judged)
+    sure = sum(bool(found.sure[k]) for k in extra)
     met = [mode for mode in clear if mode.outcome == "found"]
     return {
         "seed": judged[0].seed,
@@ -111,7 +113,8 @@ def set_row(found: Identified, judged: list[Judged], spurious: int) -> Row:
         "told apart": sum(mode.outcome == "found" for mode in judged) - len(met),
         "as one": sum(mode.outcome == "one of a pair" for mode in judged),
         "missed": sum(mode.outcome == "missed" for mode in judged),
-        "spurious": spurious,
+        "spurious": len(extra),
+        "spurious sure": sure,
         "freq error %": max(mode.freq_percent for mode in met),
         "angle error deg": max(mode.angle_deg for mode in met if np.isfinite(mode.angle_deg)),
         "seconds": found.seconds,
@@ -189,8 +192,8 @@ def main(out: Path, quick: bool = False) -> list[Row]:
         references = 1 + k % 2
         data = make_set(seed, references)
         found = identify(data.frfs, angles=data.angles)
-        judged, spurious = judge(data, found, seed, references)
-        rows.append(set_row(found, judged, len(spurious)))
+        judged, extra = judge(data, found, seed, references)
+        rows.append(set_row(found, judged, extra))
         everything += judged
     show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
     splits = by_split(everything)
@@ -203,7 +206,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     if bad:
         show(f"Missed, or off by more than {FREQ_PERCENT:g} % or {ANGLE_DEG:g} deg", bad)
     write(out / "identification.csv", rows)
-    words = ("modes", "clear", "clear found", "spurious")
+    words = ("modes", "clear", "clear found", "spurious", "spurious sure")
     total: Row = {"sets": len(rows)} | {word: sum(int(str(row[word])) for row in rows) for word in words}
     write(out / "identification_summary.csv", [total])
     return rows

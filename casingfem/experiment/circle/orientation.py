@@ -11,10 +11,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import solve_triangular
 from scipy.special import ndtri, stdtrit
 
 from casingfem.io.arrays import FloatArray, IntArray, freeze
 
+MOST = 64  # largest n that is searched where none is given
 ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
 BEYOND = 8  # n above the largest label that still may add to a shape
 TAIL = 0.025  # beyond either end of an interval
@@ -52,13 +54,14 @@ class Circle:
 
     @classmethod
     def of(cls, theta: FloatArray, n_max: int | None = None) -> Circle:
-        """Sensors at these angles [rad]; `n_max` only to set it lower.
+        """Sensors at these angles [rad]; labels end at `n_max`, at 64 if None, or below what the sensors resolve.
 
         >>> Circle.of(np.arange(24) * np.pi / 12).n_max
         11
         """
         spaces: dict[int, FloatArray] = {}
-        for n in range(len(theta) if len(theta) >= 3 else 0):
+        most = MOST if n_max is None else n_max
+        for n in range(min(len(theta), max(most, 1) + 1) if len(theta) >= 3 else 0):
             basis, sizes, _ = np.linalg.svd(harmonic(theta, n), full_matrices=False)
             if sizes[-1] < SEEN * sizes[0]:
                 continue
@@ -66,7 +69,7 @@ class Circle:
                 break
             spaces[n] = basis
         told = spaces if len(spaces) > 1 else ()  # an n that is told from no other is not told
-        return cls(theta=theta, orders=tuple(n for n in told if n_max is None or n <= n_max))
+        return cls(theta=theta, orders=tuple(n for n in told if n <= most))
 
     @property
     def n_max(self) -> int:
@@ -167,9 +170,15 @@ def spread_of_others(
         w_m q_m = E|b_m|^2 = |v_m B_m^T P shape|^2 + w_m v_m - v_m^2 tr(B_m^T P B_m),
         v_m <- (nu s^2 + w_m q_m)/(nu + w_m),   1/s^2 <- mean of 1/v_m.
 
+    With more sensors than columns, both are multiplied by S^(-1/2) and projected on the span of the columns: what is
+    orthogonal to it does not depend on v_m.
+
     Taking all others as alike would give the largest of them to the antinode; fitting only the notable ones leaves out
     that they were chosen for being large, and gives intervals that hold too seldom.
     """
+    columns = others
+    if len(shape) > own.shape[1] + others.shape[1]:
+        shape, own, others, covariance = _within_columns(shape, own, others, covariance)
     width = np.bincount(order)
     left = shape - own @ np.linalg.lstsq(own, shape, rcond=None)[0]
     even = float(left @ left) / float(np.sum(others**2)) + 1e-300
@@ -188,4 +197,14 @@ def spread_of_others(
         scale2 = 1.0 / float(np.mean(1.0 / v))
         if float(np.abs(change - 1.0).max()) < SETTLED:
             break
-    return np.asarray((others * v[order]) @ others.T)
+    return np.asarray((columns * v[order]) @ columns.T)
+
+
+def _within_columns(
+    shape: FloatArray, own: FloatArray, others: FloatArray, covariance: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Shape, own and other columns in an orthonormal basis of the columns in which the covariance is the identity."""
+    white = solve_triangular(np.linalg.cholesky(covariance), np.column_stack([own, others, shape]), lower=True)
+    basis = np.linalg.qr(white[:, :-1])[0]
+    seen = basis.T @ white
+    return seen[:, -1], seen[:, : own.shape[1]], seen[:, own.shape[1] : -1], np.eye(len(seen))

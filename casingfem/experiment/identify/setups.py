@@ -2,13 +2,13 @@
 
 Fitted together, each mode leaves one pole for each set-up, which only the channels of that set-up see. So the sizes of
 residues over the poles of a window are alike in channels of one set-up, and average linkage makes a tree of channels.
-In each window of lines the poles of a branch are fitted alone. A branch is cut in two where two fits have fewer
-parameters m, 2 for each pole and channel and 2 for each pole; or where one fit lacks poles, so that two have a smaller
+In each window of lines the poles of a branch are fitted alone. A branch is cut in two where this saves a tenth of the
+parameters m, 2 for each pole and channel and 2 for each pole; or, because one fit may lack poles, a tenth of the
 information criterion (Schwarz, Ann. Stat. 6, 1978, 461), summed over the windows,
 
     N ln max(R/N, 1) + m ln N,
 
-R the sum of squares over the noise of N real numbers.
+R the sum of squares over the noise of N real numbers. Two set-ups save a third and more of either.
 
 Two branches with equally many poles in a window have differences d_k of ln frequency, of standard deviation s_k. Poles
 of one test repeat, d_k ~ N(0, s_k^2). Poles of two set-ups are shifted, d_k ~ Cauchy(0, hypot(gamma, s_k)), of any
@@ -43,6 +43,7 @@ from casingfem.io.arrays import FloatArray, IntArray
 LEAST_CHANNELS = 2  # of a set-up
 REPEATING = 0.5  # least share of poles that two groups of channels of one test have in common
 CHANCE = 1e-3  # that one test is taken for several set-ups
+FEWER = 0.9  # of either criterion: a weak pole that one branch lacks saves a few per cent of it
 HEARD = 2.0  # residues of a channel over their noise; sqrt(2) without signal
 SHARES = np.linspace(0.0, 1.0 - REPEATING, 6)[:, None, None]
 WIDTHS = np.geomspace(1e-8, 1.0, 50)[:, None]  # gamma
@@ -130,7 +131,7 @@ def _heard(fits: list[PoleFit]) -> IntArray:
 def _branches(
     data: Responses, fits: list[PoleFit], whole: _Group, heard: IntArray, node: ClusterNode, rules: Thresholds
 ) -> list[_Group]:
-    """The branches of a tree of channels, cut as long as either criterion falls; single channels are in none."""
+    """The branches of a tree of channels, cut while a criterion falls by a tenth; single channels are in none."""
     sides = [node.get_left(), node.get_right()]
     while min(side.get_count() for side in sides) < LEAST_CHANNELS:
         node = max(sides, key=ClusterNode.get_count)
@@ -140,7 +141,7 @@ def _branches(
     parts = [_alone(data, fits, np.sort(heard[side.pre_order()]), rules) for side in sides]
     together = np.concatenate([part.channels for part in parts])
     two, one = sum(_criteria(part, part.channels) for part in parts), _criteria(whole, together)
-    if np.all(two >= one):
+    if np.all(two >= FEWER * one):
         return [whole]
     return [
         each
