@@ -4,7 +4,14 @@ Radial w and tangential v, strains (Love; Soedel, Vibrations of Shells and Plate
 
     eps = (v' + w)/R,  kappa = (v' - w'')/R^2,  2 U = int (EA eps^2 + EI kappa^2 + k_r w^2 + k_t v^2) R dtheta,
 
-rigid motions free of strain. The ring rests on springs k_r, k_t [N/m per m] or floats.
+rigid motions free of strain. The ring rests on springs k_r, k_t [N/m per m] or floats. In its own frame, which turns
+with its springs at Omega, Coriolis forces join, and its hoop tension N Omega^2 with Green's strain, less the softening
+(line mass m):
+
+    v_i' G v_j = 2 m int (v_i w_j' - w_i v_j') R dtheta,  N = m R^2/(1 + k_r R^2/EA),
+    2 U_1 = N int [3 (v' + w)^2 + (w' - v)^2]/R dtheta - m int (w^2 + v^2) R dtheta.
+
+Of (v' + w)^2 one part comes from the stress, two from the strain of the steady state, N/EA.
 """
 
 from __future__ import annotations
@@ -54,6 +61,12 @@ class ThinRing:
         """Mass per length [kg/m]."""
         return self.rho * self.width * self.height
 
+    @property
+    def tension(self) -> float:
+        """Hoop force at 1 rad/s [N s^2]."""
+        EA = self.E * self.width * self.height
+        return self.line_mass * self.radius**2 / (1.0 + self.k_r * self.radius**2 / EA)
+
     def stiffness(self, n: int) -> Array:
         """Stiffness per length of w = W cos n theta, v = V sin n theta, on (W, V), (2, 2) [N/m^2]."""
         EA = self.E * self.width * self.height
@@ -96,7 +109,25 @@ def ring_modes(ring: ThinRing, n_max: int = 20) -> ModalBody:
                 row[place[f"tangential.{hoop}{n}"]] = sign * V
                 rows.append(row)
                 omega.append(_frequency(float(values[k]), float(values[-1]), ring.line_mass))
-    return _basis(ring, n_max, np.array(omega), np.array(rows).T)
+    whole = np.array(rows).T
+    return _basis(ring, n_max, np.array(omega), whole, *_turning_waves(ring, n_max, whole))
+
+
+def _turning_waves(ring: ThinRing, n_max: int, rows: Array) -> tuple[Array, Array]:
+    """G and the stiffness by speed between motions given by their waves, in the order of `rim_channels`."""
+    n = np.arange(n_max + 1)
+    w, v = rows.reshape(2, 2 * n_max + 1, -1)
+    size = np.where(np.arange(2 * n_max + 1) == 0, 2.0, 1.0)[:, None] * math.pi * ring.radius
+
+    def slope(waves: Array) -> Array:
+        """Derivative by the angle: cos n -> -n sin n, sin n -> n cos n."""
+        cos, sin = waves[: n_max + 1], waves[n_max + 1 :]
+        return np.vstack([np.zeros_like(cos[:1]), n[1:, None] * sin, -n[1:, None] * cos[1:]])
+
+    half = 2.0 * ring.line_mass * v.T @ (size * w)
+    stretch, turn = (slope(v) + w) / ring.radius, (slope(w) - v) / ring.radius
+    stress = ring.tension * (3.0 * stretch.T @ (size * stretch) + turn.T @ (size * turn))
+    return half - half.T, stress - ring.line_mass * (w.T @ (size * w) + v.T @ (size * v))
 
 
 def ring_elements(ring: ThinRing, elements: int, n_max: int = 20) -> ModalBody:
@@ -117,22 +148,26 @@ def ring_elements(ring: ThinRing, elements: int, n_max: int = 20) -> ModalBody:
     require_count(elements=elements)
     if elements < 3 or n_max > elements:
         raise InputError(f"elements: found {elements} for n_max = {n_max}, expected at least n_max, and 3")
-    K, M = _assembled(ring, elements)
+    K, M, G, added = _assembled(ring, elements)
     values, vectors = eigh(K, M)
     omega = np.array([_frequency(value, values[-1], 1.0) for value in values.tolist()])
-    return _basis(ring, n_max, omega, _projection(elements, n_max) @ vectors)
+    turning = (vectors.T @ part @ vectors for part in (G, added))
+    return _basis(ring, n_max, omega, _projection(elements, n_max) @ vectors, *turning)
 
 
 def _frequency(value: float, largest: float, mass: float) -> float:
     return math.sqrt(value / mass) if value > RIGID * largest else 0.0
 
 
-def _basis(ring: ThinRing, n_max: int, omega: Array, rows: Array) -> ModalBody:
+def _basis(ring: ThinRing, n_max: int, omega: Array, rows: Array, G: Array, added: Array) -> ModalBody:
     channels = rim_channels(n_max)
     order = np.argsort(omega, kind="stable")
+    turned = np.ix_(order, order)
     return ModalBody(
         omega=omega[order], zeta=np.full(omega.size, ring.zeta), channels=channels, rows=rows[:, order],
         S=np.zeros((len(channels), len(channels))), kind="rim", n_max=n_max, radius=ring.radius,
+        gyroscopic=0.5 * (G - G.T)[turned],
+        stiffness_by_speed=0.5 * (added + added.T)[turned],
     )  # fmt: skip
 
 
@@ -153,8 +188,8 @@ def _dofs(elements: int) -> Indices:
     return np.asarray(np.hstack([w, w + 2]), dtype=np.int64)
 
 
-def _assembled(ring: ThinRing, elements: int) -> tuple[Array, Array]:
-    """K and M of the closed ring, (4 elements, 4 elements)."""
+def _assembled(ring: ThinRing, elements: int) -> tuple[Array, Array, Array, Array]:
+    """K, M, G and the stiffness by speed of the closed ring, (4 elements, 4 elements) each."""
     span, R = 2.0 * math.pi / elements, ring.radius
     x, weight = np.polynomial.legendre.leggauss(6)
     N, slope, bend = hermite(0.5 * (x + 1.0), span)
@@ -164,12 +199,21 @@ def _assembled(ring: ThinRing, elements: int) -> tuple[Array, Array]:
     eps, kappa = np.vstack([N, slope]) / R, np.vstack([-bend, slope]) / R**2
     EA = ring.E * ring.width * ring.height
     terms = ((EA, eps), (EA * ring.height**2 / 12.0, kappa), (ring.k_r, w), (ring.k_t, v))
-    K_one = sum(factor * np.einsum("ip,p,jp->ij", B, weight, B) for factor, B in terms)
-    M_one = ring.line_mass * sum(np.einsum("ip,p,jp->ij", B, weight, B) for B in (w, v))
-    K, M, dofs = np.zeros((4 * elements,) * 2), np.zeros((4 * elements,) * 2), _dofs(elements)
-    for whole, one in ((K, K_one), (M, M_one)):
+    turn = np.vstack([slope, -N]) / R
+
+    def summed(a: Array, b: Array) -> Array:
+        return np.asarray(np.einsum("ip,p,jp->ij", a, weight, b))
+
+    M_one = ring.line_mass * (summed(w, w) + summed(v, v))
+    ones = (
+        sum((factor * summed(B, B) for factor, B in terms), np.zeros_like(M_one)), M_one,
+        2.0 * ring.line_mass * (summed(v, w) - summed(w, v)),
+        ring.tension * (3.0 * summed(eps, eps) + summed(turn, turn)) - M_one,
+    )  # fmt: skip
+    found, dofs = np.zeros((4, 4 * elements, 4 * elements)), _dofs(elements)
+    for whole, one in zip(found, ones, strict=True):
         np.add.at(whole, (dofs[:, :, None], dofs[:, None, :]), one)
-    return K, M
+    return found[0], found[1], found[2], found[3]
 
 
 def _projection(elements: int, n_max: int) -> Array:

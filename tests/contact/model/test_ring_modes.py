@@ -1,6 +1,7 @@
 """A thin ring: closed form against the strain energy by quadrature, and elements against the closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -119,3 +120,33 @@ def test_rings_that_cannot_be_are_refused(change, words):
     with pytest.raises(ct.InputError, match=words):
         ThinRing(**GIVEN | change)
     assert ThinRing(**GIVEN | {"height": 0.299}).line_mass == pytest.approx(2700.0 * 0.02 * 0.299)
+
+
+@pytest.mark.parametrize("make", [lambda ring: ring_modes(ring, 5), lambda ring: ring_elements(ring, 40, 5)])
+def test_a_free_ring_that_turns_has_the_waves_of_ring_theory(make):
+    """omega = sqrt(omega_0^2 + a^2 Omega^2) -+ b Omega, b = 2 n/(n^2 + 1), a = n - b, but for its stretch.
+
+    A rigid motion is at rest in space: seen from the ring n = 1 has Omega for both senses, and n = 0 turns freely.
+    """
+    omega, body = 60.0, make(FREE)
+    found = body.poles(omega)
+    rigid = np.sort(np.abs(found))[:6]
+    np.testing.assert_allclose(rigid, [0.0, 0.0, omega, omega, omega, omega], atol=1e-2)
+    for n in (2, 3):
+        b = 2.0 * n / (n * n + 1.0)
+        still = float(body.omega[np.abs(body.omega - 2.0 * math.pi * FREE.frequencies(n)[0]).argmin()])
+        middle = math.hypot(still, (n - b) * omega)
+        for exact in (middle - b * omega, middle + b * omega):
+            assert np.abs(found.imag / exact - 1.0).min() < 2e-4
+        assert abs(middle / still - 1.0) > 0.01
+
+
+def test_waves_of_a_ring_on_springs_that_turns_are_those_of_its_elements():
+    wave, element = (
+        replace(body, zeta=np.zeros_like(body.zeta)).poles(400.0).imag
+        for body in (ring_modes(HELD, 3), ring_elements(HELD, 40, 3))
+    )
+    for one in wave[(wave > 0.0) & (wave < 4e4)]:
+        assert np.abs(element / one - 1.0).min() < 1e-4
+    still = ring_modes(HELD, 3).omega
+    assert max(np.abs(still / one - 1.0).min() for one in wave[wave > 0.0]) > 0.02
