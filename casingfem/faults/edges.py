@@ -65,10 +65,6 @@ EDGES = {
         "lower the speed, or align the part with its radius; frequencies of such a state need nonlinear statics",
     ),
     "rotation-none": ("the structure does not rotate", "give it a Rotation: replace(structure, rotation=...)"),
-    "rotation-ring": (
-        "the centrifugal force of rings and point masses on an edge is not modelled",
-        "take them off, or make a ring a thick Strip of the shell",
-    ),
     "rotation-speed": ("the speed of rotation is not finite", "give it in rad/s, 2 pi times turns a second"),
     "rotation-unstable": (
         "spin softening exceeds the stiffness: at this speed the shell leaves its shape",

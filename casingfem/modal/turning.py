@@ -24,7 +24,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.imported.assembly import MeshStructure, MeshSystem
 from casingfem.structure.imported.spin import MeshTurning
 from casingfem.structure.imported.turning_structure import TurningStructure, rotation_of
-from casingfem.structure.shell.assembly import assemble, carries_more, turning
+from casingfem.structure.shell.assembly import assemble, turning
 from casingfem.structure.shell.prestress import Turning
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -95,8 +95,7 @@ def modal_turning(
     Raises
     ------
     ModelError
-        `rotation-ring` where a structure with a rotation carries what rotation is not modelled for; `reduce-axis` where
-        a structure turns about another axis than that of its rim.
+        `reduce-axis` where a structure turns about another axis than that of its rim.
     """
     owner: Any = structure
     rotation = rotation_of(structure)
@@ -129,8 +128,8 @@ def rim_axis(structure: Shell | MeshStructure, rim: Rim) -> Rotation:
 
 
 def modelled(structure: Shell | MeshStructure, system: System | MeshSystem) -> bool:
-    """Whether the structure knows what rotation adds; one of the user's own, or one with rings, need not."""
-    return not carries_more(system) if isinstance(system, System) else isinstance(structure, TurningStructure)
+    """Whether the structure knows what rotation adds; one of the user's own need not."""
+    return isinstance(system, System) or isinstance(structure, TurningStructure)
 
 
 def mesh_turning(structure: Shell | MeshStructure, system: MeshSystem, turns: Rotation) -> MeshTurning:

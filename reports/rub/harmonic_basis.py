@@ -19,8 +19,9 @@ from casingfem.modal.interface.kinds import Rim
 from casingfem.modal.mode_set import frequency_scale
 from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.kinematics import DOFS
-from casingfem.structure.shell.assembly import assemble, carries_more, turning
+from casingfem.structure.shell.assembly import assemble, turning
 from casingfem.structure.shell.axisymmetric import Meridian, harmonic_matrices
+from casingfem.structure.shell.prestress import carries_more
 from casingfem.structure.shell.shell import Shell
 from contact.io.names import hint
 
@@ -89,7 +90,7 @@ def harmonic_basis(
             S[np.ix_(channels, channels)] += loads.T @ np.linalg.solve(meridian.K, loads)
             S[np.ix_(channels, channels)] -= (at_rim / squares) @ at_rim.T
     order = np.argsort(np.concatenate(omega), kind="stable")
-    rotation: dict[str, FloatArray] = {}  # none of a casing with rings or masses, as of casingfem.reduce
+    rotation: dict[str, FloatArray] = {}  # none of a casing with rings or masses
     if spun:
         gyroscopic, added = (block_diag(*blocks)[np.ix_(order, order)] for blocks in zip(*spun, strict=True))
         rotation = {"gyroscopic": gyroscopic, "stiffness_by_speed": added}

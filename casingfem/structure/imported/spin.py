@@ -27,7 +27,7 @@ from casingfem.structure.imported.attachments.system import enlarged
 from casingfem.structure.imported.attachments.turning import AttachedSpin, attached_spin, carried
 from casingfem.structure.imported.cells.mapped import cell_dofs, scatter, scatter_forces, symmetric
 from casingfem.structure.imported.mesh.joints import WALL
-from casingfem.structure.shell.prestress import Products, Spin
+from casingfem.structure.shell.prestress import Products, Spin, products_of
 
 LARGE = 0.01  # quadratic strains over linear ones: from which the steady shape is iterated
 
@@ -140,13 +140,7 @@ class MeshTurning:
 
     def products(self, u: FloatArray) -> Products:
         """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load."""
-        whole = self.spin(u)
-
-        def times(vectors: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-            coriolis, stiffening, further = (np.asarray(part @ vectors) for part in (whole.G, whole.K1, whole.K2))
-            return coriolis, stiffening, further
-
-        return times
+        return products_of(self.spin(u))
 
 
 def mesh_spin(turning: MeshTurning) -> MeshSpin:

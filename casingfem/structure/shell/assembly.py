@@ -16,7 +16,6 @@ import numpy as np
 from scipy.linalg import qr
 from scipy.sparse import block_diag, bsr_array, csc_array, diags_array, eye_array
 
-from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.linalg.pencil import diagonalised
 from casingfem.structure.geometry.rotation import Rotation
@@ -176,29 +175,10 @@ def assemble(shell: Shell) -> System:
 
 
 def spin(system: System, rotation: Rotation) -> Spin:
-    """What rotation at 1 rad/s adds to a shell assembled at rest.
-
-    Raises
-    ------
-    ModelError
-        `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
-    """
+    """What rotation at 1 rad/s adds to a shell assembled at rest."""
     return spun(turning(system, rotation))
 
 
 def turning(system: System, rotation: Rotation) -> Turning:
-    """A shell assembled at rest and an axis.
-
-    Raises
-    ------
-    ModelError
-        `rotation-ring` where the shell carries rings or masses, whose centrifugal force is not known here.
-    """
-    if carries_more(system):
-        raise ModelError("rotation-ring", "rotation: found a ring or point masses on an edge")
+    """A shell assembled at rest and an axis."""
     return Turning(system=system, rotation=rotation, mass=nodal_mass(system.shell, system.grid))
-
-
-def carries_more(system: System) -> bool:
-    """Whether rings or masses hang on the edges: rotation is not modelled for these."""
-    return bool(system.own) or system.change is not None

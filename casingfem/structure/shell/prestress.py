@@ -18,6 +18,7 @@ stiffness of the shape x + u0: of the order of the strain for casings and radial
 force bends or untwists. K1 is exact: it comes from one energy that rigid rotations leave unchanged, moments included,
 so that a spinning shell has its exact rigid motions; terms t^2/12 N of the curvatures squared are left out, as Naghdi's
 strains leave them out. Of Omega^4 the stress that follows u0 to second order is left out; `Spin.nonlinear` measures it.
+Rings and masses on edges: `edge_spin`.
 (Membrane part: Washizu, Variational Methods in Elasticity and Plasticity, 1982; softening and Coriolis terms: Genta,
 Dynamics of Rotating Systems, 2005.)
 """
@@ -27,7 +28,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import block_diag, csc_array
 
 from casingfem.errors import warn
 from casingfem.io.arrays import Array, FloatArray
@@ -36,6 +37,7 @@ from casingfem.structure.geometry.rotation import Rotation
 from casingfem.structure.mesh.jet_form import JET, element_sum, jet_elements, nodal_forces, point_jets, scatter_blocks
 from casingfem.structure.mesh.kinematics import DOFS, Rates, dot, frame, strain_slots
 from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.shell.edge_spin import EdgeSpin, on_unknowns
 from casingfem.structure.shell.nodal_mass import NodalMass
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -105,10 +107,19 @@ class Turning:
         away = (surface.x.T - np.asarray(self.rotation.centre)) @ self.rotation.plane
         return away, frame(surface).normal.T
 
+    @cached_property
+    def edges(self) -> EdgeSpin | None:
+        """Rings and masses on the edges."""
+        return EdgeSpin(system=self.system, rotation=self.rotation) if carries_more(self.system) else None
+
     @property
     def load(self) -> FloatArray:
         """Centrifugal forces and moments at 1 rad/s on the free dofs, (free,)."""
-        return np.asarray(self.system.restrict(centrifugal(self.rotation, self.mass, *self.nodes)[:, :, None])[:, 0])
+        force, own = centrifugal(self.rotation, self.mass, *self.nodes), np.zeros(self.system.own)
+        if self.edges is not None:
+            more = self.edges.force
+            force, own = force + more[: force.size].reshape(force.shape), more[force.size :]
+        return np.asarray(self.system.restrict(force[:, :, None], own[:, None])[:, 0])
 
     @property
     def blocks(self) -> tuple[FloatArray, FloatArray]:
@@ -119,15 +130,35 @@ class Turning:
         """K1, K2, G and the static state, of the static answer u (free,) to the load."""
         system, fields = self.system, self.system.expand(u[:, None])
         at_points, nonlinear = point_stiffness(system.shell, system.grid, fields)
-        first, second = (
-            element_sum(jet_elements(system.grid, H), system.grid, system.frames, system.free).tocsc()
-            for H in at_points
-        )
-        soft, G = (scatter_blocks(blocks, system.frames, system.free) for blocks in self.blocks)
-        return Spin(K1=csc_array(first - soft), K2=second, G=G, fields=fields[:, :, 0], nonlinear=nonlinear)
+        first, second = (self.added_up(jet_elements(system.grid, H)) for H in at_points)
+        soft, G = (self.scattered(blocks) for blocks in self.blocks)
+        if self.edges is not None:
+            moved = self.edges.moved(fields[:, :, 0], system.expand_own(u[:, None])[:, 0])
+            ready = [self.edges.on_unknowns(forms) for forms in (*moved, *self.edges.inertia)]
+            first, second, soft, G = (a + b for a, b in zip((first, second, soft, G), ready, strict=True))
+        return Spin(
+            K1=csc_array(first - soft), K2=csc_array(second), G=csc_array(G), fields=fields[:, :, 0],
+            nonlinear=nonlinear,
+        )  # fmt: skip
+
+    def added_up(self, matrices: FloatArray) -> csc_array:
+        """Matrices of the elements on the free dofs."""
+        total = element_sum(matrices, self.system.grid, self.system.frames, self.system.free)
+        return (total if self.system.change is None else total.changed(self.system.change)).tocsc()
+
+    def scattered(self, blocks: FloatArray) -> csc_array:
+        """Blocks of the nodes (nodes, 5, 5) on the free dofs."""
+        if self.edges is None:
+            return scatter_blocks(blocks, self.system.frames, self.system.free)
+        return on_unknowns(self.system, block_diag([*blocks, csc_array((self.system.own,) * 2)], format="csc"))
 
     def products(self, u: FloatArray) -> Products:
-        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load; nothing is added up."""
+        """G, K1 and K2 times motions (free, k), of the static answer u (free,) to the load.
+
+        Without rings and masses nothing is added up.
+        """
+        if self.edges is not None:
+            return products_of(self.spin(u))
         system, (soft, G) = self.system, self.blocks
         (first, second), _ = point_stiffness(system.shell, system.grid, system.expand(u[:, None]))
 
@@ -141,6 +172,16 @@ class Turning:
             return coriolis, stiffening, further
 
         return times
+
+
+def products_of(spin: Spin) -> Products:
+    """G, K1 and K2 times motions (free, k)."""
+    return lambda vectors: (spin.G @ vectors, spin.K1 @ vectors, spin.K2 @ vectors)
+
+
+def carries_more(system: System) -> bool:
+    """Whether rings or masses hang on the edges."""
+    return bool(system.own) or system.change is not None
 
 
 def spun(turning: Turning) -> Spin:

@@ -90,10 +90,13 @@ class System:
         """Free dofs (free, columns) -> the rings' own dofs, (own, columns)."""
         return self._spread(vectors)[len(self.frames) * DOFS :]
 
-    def restrict(self, forces: Array) -> Array:
-        """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns)."""
+    def restrict(self, forces: Array, own: Array | None = None) -> Array:
+        """Nodal forces in Cartesian axes (nodes, 5, columns) -> work-conjugate free dofs (free, columns).
+
+        `own` (own, columns) are those on the rings' own dofs, zero if left out.
+        """
         turned = np.einsum("nji,njk->nik", self.frames, forces).reshape(len(self.frames) * DOFS, -1)
-        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1]))])[self.free]
+        felt = np.vstack([turned, np.zeros((self.own, turned.shape[1])) if own is None else own])[self.free]
         return np.asarray(felt if self.change is None else self.change.T @ felt)
 
     def translations(self, axes: FloatArray) -> FloatArray:

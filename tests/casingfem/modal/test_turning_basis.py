@@ -198,12 +198,3 @@ def test_casing_that_turns_about_another_axis_than_its_rim_is_refused():
             cf.errors.ModelError, match=r"rotation: found axis .* beside \(0\.0, 0\.0, 1\.0\) .*reduce-axis"
         ):
             cf.reduce(replace(wall, rotation=rotation), cf.Rim("top", n_max=2), modes=4)
-
-
-def test_casing_with_a_ring_has_no_matrices_of_rotation():
-    mesh = cf.ShellMesh(order=4, rows=1, around=9)
-    ring = cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.01))
-    wall = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=4e-3, supports={**BASE, "top": ring},
-                    material=STEEL, mesh=mesh)  # fmt: skip
-    basis = cf.reduce(wall, cf.Rim("top", n_max=2), modes=4)
-    assert basis.gyroscopic.size == basis.stiffness_by_speed.size == 0

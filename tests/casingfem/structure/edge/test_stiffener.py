@@ -86,13 +86,6 @@ def test_refusals_name_the_stiffener(change, code, casing):
         casing(*parts.pop("places"), **parts)
 
 
-def test_a_stiffened_casing_does_not_turn(casing):
-    mesh = cf.ShellMesh(order=3, rows=2, around=9)
-    turning = replace(casing(0.125, mesh=mesh), rotation=cf.Rotation(omega=10.0))
-    with pytest.raises(cf.errors.ModelError, match="rotation-ring"):
-        cf.modes(turning, 2)
-
-
 STUDY = f"""{STEEL}[chart]
 kind = "cylinder"
 radius = 0.3

@@ -18,14 +18,6 @@ STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BLADE = cf.Plate(length=0.2, width=0.04)
 CONE, TWISTED = cf.Frustum(r_base=0.5, r_top=0.35, height=0.25), cf.TwistedPlate(length=0.3, width=0.1, twist=1.1)
 SMALL = cf.ShellMesh(order=6, rows=2, around=1)
-RINGED = cf.Shell(
-    chart=cf.Cylinder(radius=0.2, height=0.1),
-    thickness=2e-3,
-    material=STEEL,
-    supports={"base": cf.Ring(section=cf.edge.Section.rectangle(width=0.02, depth=0.02)), "top": cf.Clamped()},
-    rotation=cf.Rotation(omega=100.0),
-    mesh=cf.ShellMesh(order=4, rows=1, around=5),
-)
 
 
 def blade(**changes):
@@ -275,7 +267,6 @@ def test_an_axis_of_any_length_has_a_direction(length):
         (lambda: cf.campbell(blade(rotation=None), [1.0]), "rotation-none"),
         (lambda: cf.whirl_modes(blade(rotation=None)), "rotation-none"),
         (lambda: cf.modes(blade(supports={}), 1), "static-loose"),
-        (lambda: cf.modes(RINGED, 1), "rotation-ring"),
         (lambda: cf.updating.eigen_derivatives(cf.modes(blade(), 1), []), "rotation-update"),
     ],
 )
