@@ -90,13 +90,13 @@ def test_campbell_of_a_solid_follows_modes_and_equals_modes_at_speed():
 
 @pytest.mark.slow
 def test_a_rotating_basis_knows_what_speed_adds():
-    """stiffness_by_speed on its diagonal is Southwell's coefficient; the basis is that of its speed."""
+    """stiffness_by_speed on its diagonal is Southwell's coefficient, but for Omega^4 and for what modes left out do."""
     part = skin(AXES["flapping out of it"].at(300.0))
     basis = cf.reduce(part, cf.Tip("tip"), modes=3)
     assert basis.spin == 300.0
     np.testing.assert_allclose(basis.freq, cf.modes(part, 3).freq, rtol=1e-10)
     rest = cf.campbell(part, [300.0], count=3)
-    np.testing.assert_allclose(np.diag(basis.stiffness_by_speed), rest.southwell, rtol=1e-9)
+    np.testing.assert_allclose(np.diag(basis.stiffness_by_speed), rest.southwell, rtol=2e-4)
 
 
 @pytest.mark.slow
