@@ -102,14 +102,15 @@ class PatchStepper(ExactRun):
         from contact.loop.rub.state import JAMMED, ROUGH, UNSETTLED
 
         s = self.state
-        if not (np.isfinite(s.q).all() and np.isfinite(s.d).all()):
-            return Flag("the motion is not a number", "motion-overflow", failed=True)
         words = {
             JAMMED: "no motion opens all gaps at once: contacts press against each other without compliance",
             UNSETTLED: "the forces of the springs did not settle: reduce dt",
             ROUGH: "no forces found that obey Coulomb's law in every contact: reduce dt or mu",
         }
-        return Flag(words[float(s.counts[3])], "unconverged", failed=True)
+        fault = words.get(float(s.counts[3]))
+        if fault is None or not (np.isfinite(s.q).all() and np.isfinite(s.d).all()):
+            return Flag("the motion is not a number", "motion-overflow", failed=True)
+        return Flag(fault, "unconverged", failed=True)
 
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
