@@ -15,7 +15,7 @@ A run that passed half its wall or a tenth of the radius before its growth could
 Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it changes the verdict of the short run, or
 what becomes of the long one, so that neither run decides. "later": in the last stretch of the short run the level of
 the long run does what the verdict states; it changes afterwards. "step": the short run at half its step has the verdict
-of the long one. A difference that no test explains is a FAIL.
+of the long one. "short": the run states that it is too short. A difference that no test explains is a FAIL.
 """
 
 import math
@@ -163,7 +163,7 @@ def moved(what: ct.RotatingRim | ct.Rub, by: float) -> ct.RotatingRim | ct.Rub:
 def explained(
     what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str
 ) -> str:
-    """Why a verdict differs from what becomes of the motion: "start", "later", "step" or "NOT"."""
+    """Why a verdict differs from what becomes of the motion: "start", "short", "later", "step" or "NOT"."""
     sign = grows(verdict) != (becomes == "grows")
     for k in range(1, COPIES + 1):
         other = moved(what, k * MOVED)
@@ -175,6 +175,8 @@ def explained(
             return "start"
     grown, end = short.growth, short.steps * short.dt
     assert grown is not None
+    if verdict == "undecided":
+        return "short"
     if float(long.state_time[-1]) >= end:
         folds = rate_in(what, long, grown.since, end) * (end - grown.since)
         if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
