@@ -156,6 +156,28 @@ def modules_of(root: Path, top: str) -> Counter[str]:
     return Counter(path.parent.as_posix() for path in paths if "out" not in path.parts)
 
 
+def entries(structure: Structure) -> int:
+    """Step loops of `contact` that numba compiles and Python calls."""
+    return sum(
+        isinstance(node, ast.FunctionDef)
+        and any(isinstance(d, ast.Name) and d.id in ("jit_entry", "jit_vectors") for d in node.decorator_list)
+        and node.name.startswith("advance")
+        for name, tree in structure.trees.items()
+        if name.startswith("contact.loop")
+        for node in ast.walk(tree)
+    )
+
+
+def on_the_way(structure: Structure, words: frozenset[str] = frozenset({"mu", "friction"})) -> int:
+    """Modules of `contact` that use a friction coefficient, as a name, an argument, a keyword or an attribute."""
+
+    def uses(node: ast.AST) -> bool:
+        named = getattr(node, "id", getattr(node, "arg", getattr(node, "attr", "")))
+        return isinstance(node, ast.Name | ast.arg | ast.keyword | ast.Attribute) and named in words
+
+    return sum(any(map(uses, ast.walk(tree))) for name, tree in structure.trees.items() if name.startswith("contact."))
+
+
 def measures(structure: Structure) -> dict[str, str]:
     """Every figure by its name."""
     code = {name: len(lines) for name, lines in structure.lines.items()}
@@ -181,6 +203,9 @@ def measures(structure: Structure) -> dict[str, str]:
         "isinstance in contact": str(
             sum(calls(tree, "isinstance") for name, tree in structure.trees.items() if name.startswith("contact"))
         ),
+        "lines of contact": str(sum(n for name, n in code.items() if name.startswith("contact"))),
+        "step loops of contact": str(entries(structure)),
+        "modules of contact that use a friction coefficient": str(on_the_way(structure)),
         "modules with one importer": str(sum(len(found) == 1 for found in importers.values())),
         "duplicates": str(duplicates(structure.bodies)),
         "circles of modules": f"{len(loops)}: {sum(map(len, loops))} modules",

@@ -1,9 +1,10 @@
-"""One step of a rub in plain NumPy, of whole matrices: bodies with any C and K, any number of tips, friction.
+"""One step of contacts in plain NumPy, of whole matrices: bodies with any C and K, any number of contacts, friction.
 
-q'' + C q' + K q = R^T lam of casing and blades, rows R(t) of the tips' directions, normal first. With Phi = exp(A h),
+q'' + C q' + K q = f + R^T lam of all bodies, rows R(t) of the contacts' directions, normal first. With Phi = exp(A h),
 Psi = exp(-A h), A = [0 I; -K -C]: X = Phi_12 Psi_12^-1, T = Phi_11 - X Psi_11, alpha = -X, beta = I - T - X and
-c = beta K^-1. D* = alpha D - beta q; gaps of q_(n+1) (or means of three) + S lam and slips T D + S (lam - lam_old) +
-R Omega h obey Signorini's and Coulomb's law together, found by projected Gauss-Seidel sweeps.
+c = beta K^-1. D* = alpha D - beta q + c f; gaps of q_(n+1) (or means of three) + S lam and slips
+T D + S (lam - lam_old) + what slides by itself obey Coulomb's law together with Signorini's, or with a force-depth law,
+found by projected Gauss-Seidel sweeps.
 """
 
 import math
@@ -12,52 +13,43 @@ import numpy as np
 from scipy.linalg import block_diag, expm
 
 
-class PlainRub:
-    """A `ct.Rub` at constant speed without loads, as it stands; `forces(steps)` are those of its tips."""
+class Plain:
+    """Contacts whose `at(t)` gives rows, gaps of the bodies at rest and residual compliance; forces by `forces`."""
 
-    def __init__(self, rub, *, mu, h, averaged):
-        self.rub, self.h, self.mu, self.share = rub, h, mu, 0.25 if averaged else 1.0
-        self.omega, self.K, self.d = rub.speed.omega(0.0), len(rub.tips), rub.dimensions if mu else 1
-        senses = (1, *(0 for _ in rub.blades)) if rub.turning == "casing" else (0, *(-1 for _ in rub.blades))
-        pairs = [body.matrices(sense * self.omega) for body, sense in zip(rub.bodies, senses, strict=True)]
-        C, K = (block_diag(*[pair[k] for pair in pairs]) for k in (0, 1))
-        m = len(K)
+    def __init__(self, C, K, *, law, h, averaged, contacts, dimensions):
+        self.law, self.mu, self.h, self.share = law, law.mu, h, 0.25 if averaged else 1.0
+        self.K, self.d, m = contacts, dimensions, len(K)
         A = np.block([[np.zeros((m, m)), np.eye(m)], [-K, -C]])
         phi, psi = expm(A * h), expm(-A * h)
         X = phi[:m, m:] @ np.linalg.inv(psi[:m, m:])
         self.alpha, self.beta = -X, np.eye(m) - (phi[:m, :m] - X @ psi[:m, :m]) - X
         self.c = self.beta @ np.linalg.inv(K)
-        self.first = np.cumsum([0, *(body.omega.size for body in rub.bodies)])
-        self.along = [tip.directions(rub.blades[tip.blade])[: self.d] for tip in rub.tips]
+        self.psi, self.stiffness = psi, K
+        self.begin, self.load = (np.zeros(m), np.zeros(m)), np.zeros(m)
 
-    def at(self, t):
-        """Rows of all directions (K d, m), gaps of the bodies at rest (K,), residual compliance (K d, K d)."""
-        rub, N, d = self.rub, self.rub.casing.n_max, self.d
-        n, size = np.arange(N + 1), 2 * N + 1
-        R, gaps = np.zeros((self.K * d, self.first[-1])), np.zeros(self.K)
-        E, S = np.zeros((self.K * d, len(rub.casing.channels))), np.zeros((self.K * d, self.K * d))
-        for j, tip in enumerate(rub.tips):
-            phi = math.radians(tip.angle_deg) - self.omega * t
-            gaps[j] = rub.clearance + tip.clearance + rub.profile(phi)
-            blade, own = rub.blades[tip.blade], slice(self.first[tip.blade + 1], self.first[tip.blade + 2])
-            for i in range(d):
-                block = (tip.line * rub.casing.directions + i) * size
-                E[j * d + i, block : block + size] = np.concatenate([np.cos(n * phi), np.sin(n[1:] * phi)])
-                R[j * d + i, own] = -(self.along[j][i] @ blade.rows)
-            for k, other in enumerate(rub.tips):
-                if other.blade == tip.blade:
-                    S[j * d : j * d + d, k * d : k * d + d] = self.along[j] @ blade.S @ self.along[k].T
-        R[:, : self.first[1]] = E @ rub.casing.rows
-        return R, gaps, S + E @ rub.casing.S @ E.T
+    def slides(self, t):
+        """What slides by itself along each direction in the step after t."""
+        return np.zeros(self.K * self.d)
 
-    def solved(self, W, b, lam):
-        """Forces with W lam + b in Signorini's and Coulomb's law."""
+    def pressed(self, yields, gap, past):
+        """Force of one contact with a free gap, and its depth."""
+        if self.law.response is None or gap >= 0.0:
+            return max(0.0, -gap / yields), 0.0
+        low, high = 0.0, -gap
+        for _ in range(200):
+            depth = 0.5 * (low + high)
+            force = self.law.response(depth, (1.5 * depth - 2.0 * past[0] + 0.5 * past[1]) / self.h)[0]
+            low, high = (low, depth) if depth + yields * force + gap > 0.0 else (depth, high)
+        return max(0.0, -(gap + depth) / yields), depth
+
+    def solved(self, W, b, lam, past):
+        """Forces with W lam + b in the laws."""
         d = self.d
         for _ in range(5000):
             before = lam.copy()
             for j in range(self.K):
                 a, tangents = j * d, slice(j * d + 1, j * d + d)
-                lam[a] = max(0.0, lam[a] - (W[a] @ lam + b[a]) / W[a, a])
+                lam[a] = self.pressed(W[a, a], W[a] @ lam + b[a] - W[a, a] * lam[a], past[j])[0]
                 if d > 1:
                     steep = np.linalg.norm(W[tangents, tangents], 2)
                     aim = lam[tangents] - (W[tangents] @ lam + b[tangents]) / steep
@@ -69,20 +61,87 @@ class PlainRub:
     def forces(self, steps):
         """Forces of all directions at each step, (steps, K d)."""
         d, h, normal = self.d, self.h, slice(None, None, self.d)
-        q, D, lam, strain = (np.zeros(size) for size in (self.first[-1], self.first[-1], self.K * d, self.K * d))
-        last, now, found = self.at(-h)[1], self.at(0.0)[1], np.zeros((steps, self.K * d))
-        radius = np.array([self.rub.casing.line_radius(tip.line) for tip in self.rub.tips])
+        (q, velocity), (lam, strain) = self.begin, np.zeros((2, self.K * d))
+        rest, m = np.linalg.solve(self.stiffness, self.load), q.size
+        D = q - rest - self.psi[:m, :m] @ (q - rest) - self.psi[:m, m:] @ velocity
+        now, last = (self.at(t)[1] + self.at(t)[0][normal] @ x for t, x in ((0.0, q), (-h, q - D)))
+        found, past = np.zeros((steps, self.K * d)), -np.stack([now, last], axis=1)
         for step in range(steps):
             R, _, S = self.at(step * h)
             ahead, gaps, _ = self.at((step + 1) * h)
-            free = self.alpha @ D - self.beta @ q
+            free = self.alpha @ D - self.beta @ q + self.c @ self.load
             gap, W, b = gaps + ahead[normal] @ (q + free), R @ self.c @ R.T + S, R @ free - strain
             W[normal] = self.share * ahead[normal] @ self.c @ R.T + S[normal]
             b[normal] = gap if self.share == 1.0 else 0.25 * (gap + 2.0 * now + last)
-            if d > 1:
-                b[1::d] += radius * self.omega * h
-            lam = self.solved(W, b, lam)
+            b += self.slides(step * h)
+            lam = self.solved(W, b, lam, past)
             D = free + self.c @ R.T @ lam
             q, strain, found[step] = q + D, S @ lam, lam
             last, now = now, gaps + ahead[normal] @ q
+            past = np.stack([-(W @ lam + b)[normal], past[:, 0]], axis=1)
         return found
+
+
+class PlainRub(Plain):
+    """A `ct.Rub` without loads; modes that a speed couples need a constant speed."""
+
+    def __init__(self, rub, *, law, h, averaged):
+        self.rub, omega = rub, rub.speed.omega(0.0)
+        senses = (1, *(0 for _ in rub.blades)) if rub.turning == "casing" else (0, *(-1 for _ in rub.blades))
+        pairs = [body.matrices(sense * omega) for body, sense in zip(rub.bodies, senses, strict=True)]
+        C, K = (block_diag(*[pair[k] for pair in pairs]) for k in (0, 1))
+        dimensions = rub.dimensions if law.mu else 1
+        super().__init__(C, K, law=law, h=h, averaged=averaged, contacts=len(rub.tips), dimensions=dimensions)
+        self.first = np.cumsum([0, *(body.omega.size for body in rub.bodies)])
+        self.along = [tip.directions(rub.blades[tip.blade])[: self.d] for tip in rub.tips]
+
+    def slides(self, t):
+        """The rim turns past the tips."""
+        found = np.zeros((self.K, self.d))
+        found[:, 1:2] = [[self.rub.casing.line_radius(tip.line)] for tip in self.rub.tips]
+        return found.ravel() * self.rub.speed.omega(t) * self.h
+
+    def at(self, t):
+        """Rows of all directions (K d, m), gaps of the bodies at rest (K,), residual compliance (K d, K d)."""
+        rub, N, d = self.rub, self.rub.casing.n_max, self.d
+        n, size, turned = np.arange(N + 1), 2 * N + 1, rub.speed.angle(t)
+        R, gaps = np.zeros((self.K * d, self.first[-1])), np.zeros(self.K)
+        E, S = np.zeros((self.K * d, len(rub.casing.channels))), np.zeros((self.K * d, self.K * d))
+        for j, tip in enumerate(rub.tips):
+            phi = math.radians(tip.angle_deg) - turned
+            gaps[j] = rub.clearance + tip.clearance + rub.profile(phi) - rub.closing.at(t)
+            for w in rub.whirl:
+                beta = math.radians(w.phase_deg) + w.per_rev * turned + 2.0 * math.pi * w.hz * t
+                gaps[j] += w.amplitude * math.cos(phi - beta)
+            blade, own = rub.blades[tip.blade], slice(self.first[tip.blade + 1], self.first[tip.blade + 2])
+            for i in range(d):
+                block = (tip.line * rub.casing.directions + i) * size
+                E[j * d + i, block : block + size] = np.concatenate([np.cos(n * phi), np.sin(n[1:] * phi)])
+                R[j * d + i, own] = -(self.along[j][i] @ blade.rows)
+            for k, other in enumerate(rub.tips):
+                if other.blade == tip.blade:
+                    S[j * d : j * d + d, k * d : k * d + d] = self.along[j] @ blade.S @ self.along[k].T
+        R[:, : self.first[1]] = E @ rub.casing.rows
+        return R, gaps, S + E @ rub.casing.S @ E.T
+
+
+class PlainPatch(Plain):
+    """A `ct.Patch` of modes that all have a stiffness."""
+
+    def __init__(self, patch, *, law, h, averaged):
+        every = 1 if law.mu else patch.dimensions
+        rows, S = patch.rows()[::every], patch.compliance()[::every, ::every]
+        k, d = patch.contacts, len(rows) // patch.contacts
+        super().__init__(*patch.body.matrices(0.0), law=law, h=h, averaged=averaged, contacts=k, dimensions=d)
+        self.always, self.load = (rows, patch.opening, S), patch.load
+        self.begin, self.ground = (patch.displacement, patch.velocity), np.zeros((k, d))
+        if d > 1:
+            self.ground[:, 1:] = patch.slide
+
+    def at(self, t):
+        """Rows, gaps and residual compliance."""
+        return self.always
+
+    def slides(self, t):
+        """The ground moves."""
+        return -self.ground.ravel() * self.h

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from reports.imports_of_tests import PublicNames, internal_names
-from reports.structure import ROOT, Structure, circles, duplicates, exported, measures
+from reports.structure import ROOT, Structure, circles, duplicates, entries, exported, measures, on_the_way
 
 FILES = {
     "casingfem/__init__.py": "from casingfem.a.shell import Shell\nfrom casingfem.b import modes as modes, _hidden\n",
@@ -33,7 +33,8 @@ def test_figures_of_a_small_house(tmp_path):
     assert found == {
         "modules": "6", "lines": "12", "median module": "2", "largest module": "3 casingfem.a.mesh",
         "largest folder": "3 casingfem/a", "folders over 25 modules": "0", "names of casingfem": "2",
-        "names of contact": "0", "isinstance in contact": "2", "modules with one importer": "0", "duplicates": "0",
+        "names of contact": "0", "isinstance in contact": "2", "lines of contact": "2", "step loops of contact": "0",
+        "modules of contact that use a friction coefficient": "0", "modules with one importer": "0", "duplicates": "0",
         "circles of modules": "1: 3 modules", "pairs of folders that import each other": "1",
         "largest circle of folders": "2", "modules of reports": "3", "modules of tests": "0",
         "largest folder of reports": "2 reports/a", "largest folder of tests": "",
@@ -46,6 +47,23 @@ def test_imports_inside_functions_count_and_names_stand_for_their_module(tmp_pat
     assert structure.imports["casingfem.a.shell"] == {"casingfem.a.mesh"}
     assert structure.imports["casingfem.a.mesh"] == {"casingfem.a.shell", "casingfem.b"}
     assert exported(structure, "casingfem") == 2
+
+
+def test_step_loops_are_entries_of_loops_that_advance_and_a_name_mu_is_a_friction_coefficient(tmp_path):
+    files = {
+        "contact/__init__.py": "mu = 1.0\n",
+        "contact/loop/__init__.py": "",
+        "contact/loop/a.py": "@jit_entry\ndef advance_a(x):\n    pass\n\n\n@jit\ndef advance_part(x):\n    pass\n",
+        "contact/loop/b.py": "@jit_vectors\ndef advance_b(mu):\n    pass\n\n\n@jit_entry\ndef other():\n    pass\n",
+        "contact/law.py": "def law(friction):\n    pass\n",
+        "contact/use.py": "def use(law):\n    return law.mu\n",
+        "contact/words.py": 'TEXT = "mu and friction"\n',
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    structure = Structure(tmp_path)
+    assert (entries(structure), on_the_way(structure)) == (2, 3)
 
 
 def test_circles_are_the_sets_that_reach_each_other():

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 import contact as ct
-from tests.contact.plain_step import PlainRub
+from contact.model.gaps.rub import rub_of
+from contact.model.gaps.rub_laws import Closing, Whirl
+from contact.model.laws.force_law import Hertz
+from tests.contact.plain_step import PlainPatch, PlainRub
+from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, round_rim, tips
 
 H = 2e-5
@@ -58,17 +62,16 @@ def test_tips_press_as_steps_of_whole_matrices_say(name):
         rub, law=friction, scheme=ct.ExactModal(law=law), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
         record=ct.Record(every=1, state_every=1),
     )  # fmt: skip
-    wanted = PlainRub(rub, mu=mu, h=H, averaged=law == "averaged").forces(steps)
+    wanted = PlainRub(rub, law=friction, h=H, averaged=law == "averaged").forces(steps)
     assert (wanted[:, :: rub.dimensions if mu else 1] > 0.0).sum() > 10
     np.testing.assert_allclose(found.tip_force.reshape(wanted.shape), wanted, rtol=0.0, atol=1e-7 * wanted.max())
 
 
-def rub_of(casing):
+def three_tips(casing, **more):
     """Two blades with three tips in all."""
     points = [*tips(2, axial=False), *tips(1, blade=1, angle=190.0, axial=False)]
-    return ct.Rub(
-        casing, [nodes(2), nodes(1, seed=6)], points, clearance=-2e-4, speed=ct.Speed.constant(25.0), turning="casing"
-    )
+    given = {"clearance": -2e-4, "speed": ct.Speed.constant(25.0), "turning": "casing"}
+    return ct.Rub(casing, [nodes(2), nodes(1, seed=6)], points, **given | more)
 
 
 def test_the_matrix_of_the_contacts_is_kept_for_a_casing_that_is_round_and_for_no_other():
@@ -76,6 +79,69 @@ def test_the_matrix_of_the_contacts_is_kept_for_a_casing_that_is_round_and_for_n
     split = replace(round_, omega=round_.omega * np.where(np.arange(10) == 3, 1.0 + 1e-6, 1.0))
     sizes = []
     for casing in (round_, split, rim3()):
-        run = ct.ExactModal().prepare(rub_of(casing), ct.Coulomb(mu=0.2), dt=H, courant=None)
+        run = ct.ExactModal().prepare(three_tips(casing), ct.Coulomb(mu=0.2), dt=H, courant=None)
         sizes.append(run.arrays.rows.W.shape)
     assert sizes == [(6, 6), (0, 0), (0, 0)]
+
+
+def compare(found, plain, steps):
+    """Normal forces of a run are those of steps of whole matrices; some contacts press, not always all."""
+    wanted = plain.forces(steps)[:, :: plain.d]
+    assert (wanted > 0.0).sum() > 10
+    np.testing.assert_allclose(found.force[:steps], wanted, rtol=0.0, atol=1e-7 * wanted.max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("law", ["rigid", "Hertz"])
+def test_tips_with_a_law_on_a_rim_that_whirls_closes_and_changes_speed(law, mu):
+    steps = 100
+    rub = three_tips(
+        rim3(), speed=ct.Speed(time=[0.0, steps * H], hz=[20.0, 26.0]), turning="blades",
+        whirl=[Whirl(amplitude=3e-5, per_rev=1.0), Whirl(amplitude=2e-5, hz=40.0, phase_deg=30.0)],
+        closing=Closing(time=[0.0, steps * H], by=[0.0, 1e-5]),
+    )  # fmt: skip
+    rigid = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    contact = rigid if law == "rigid" else Hertz(k=3e9, mu=mu)
+    found = ct.run(
+        rub, law=contact, scheme=ct.ExactModal(law="averaged"), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
+        record=ct.Record(every=1),
+    )  # fmt: skip
+    compare(found, PlainRub(rub, law=contact, h=H, averaged=True), steps)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tangents", [0, 1, 2])
+@pytest.mark.parametrize("law", ["rigid", "Hertz"])
+def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_say(law, tangents):
+    rng, h, steps = np.random.default_rng(8), 0.01, 150
+    names = tuple(f"{way}{k}" for k in range(3) for way in "nst")
+    body = ct.ModalBody(
+        omega=[5.0, 9.0, 14.0, 20.0], zeta=[0.02, 0.01, 0.03, 0.01], channels=names,
+        rows=rng.standard_normal((9, 4)), S=2e-3 * np.eye(9),
+    )  # fmt: skip
+    slip = {"tangent": [names[3 * k + 1 : 3 * k + 1 + tangents] for k in range(3)], "slide": [0.3, -0.1][:tangents]}
+    patch = ct.Patch(
+        body=body, normal=names[::3], load=-8.0 * body.rows[0] - 5.0 * body.rows[3], clearance=[0.1, 0.12, 0.15],
+        velocity=[0.4, -0.5, 0.6, 0.3], **slip if tangents else {},
+    )  # fmt: skip
+    mu = 0.3 if tangents else 0.0
+    rigid = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    contact = rigid if law == "rigid" else Hertz(k=300.0, mu=mu)
+    found = ct.run(patch, law=contact, dt=h, t_end=(steps - 0.5) * h, record=ct.Record(every=1), on_limit="flag")
+    compare(found, PlainPatch(patch, law=contact, h=h, averaged=law == "Hertz"), steps)
+
+
+@pytest.mark.slow
+def test_rims_in_lanes_press_as_steps_of_whole_matrices_say():
+    steps = 200
+    scenes = [
+        ct.Scene(
+            what=ct.RotatingRim(ring(imperfect=0.05), blade(), clearance=-2e-4, speed_hz=hz, lean_deg=10.0),
+            law=ct.Coulomb(mu=0.2), scheme=ct.ExactModal(law=law), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
+            record=ct.Record(every=1),
+        )
+        for hz, law in ((25.0, "forward"), (-10.0, "averaged"), (5.0, "averaged"))
+    ]  # fmt: skip
+    for scene, found in zip(scenes, ct.run_many(scenes), strict=True):
+        compare(found, PlainRub(rub_of(scene.what), law=scene.law, h=H, averaged=scene.scheme.law == "averaged"), steps)
