@@ -15,7 +15,8 @@ from casingfem.extras import ROOT
 
 INSTALLED = Path(__file__).parent / "data"
 DATA = INSTALLED if INSTALLED.is_dir() else ROOT / "data"
-VERBS = {"pair": "stability", "rim": "rub", "rub": "rub", "disk": "rub"}  # by the kind of a scene; else contact
+# by the kind of a scene; else contact
+VERBS = {"pair": "stability", "rim": "rub", "rub": "rub", "disk": "rub", "rotor": "rub"}
 
 
 @dataclass(frozen=True, slots=True)

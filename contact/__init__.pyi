@@ -1,7 +1,7 @@
 from . import growth, record, scene, scheme
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
-from .model import bodies, gaps, laws
+from .model import bodies, gaps, laws, rotor
 from .model.bodies.beam import BeamInCircle
 from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
@@ -63,6 +63,7 @@ __all__ = [
     "laws",
     "load_scene",
     "record",
+    "rotor",
     "run",
     "run_many",
     "scene",

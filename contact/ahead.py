@@ -31,6 +31,8 @@ from contact.model.gaps.rub import ContactPoint, Rub
 from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import Hertz
+from contact.model.rotor.jeffcott import Jeffcott
+from contact.model.rotor.rotor import Rotor
 from contact.prepared import Scene
 from contact.run import run
 from contact.run_many import run_many
@@ -122,6 +124,10 @@ def _floquet() -> None:
     floquet_growth(RotatingRim(casing, blade, clearance=0.0, speed_hz=1.0), np.array([1.0]))
 
 
+def _rotor() -> None:
+    run(Rotor.of(Jeffcott(mass=1.0, stiffness=100.0), 1.0), dt=1e-3, t_end=FEW * 1e-3)
+
+
 KINDS: Mapping[str, Callable[[], None]] = {
     "rub": partial(_rub, Coulomb(mu=0.1)),
     "rub-coating": partial(_rub, COATING),
@@ -139,6 +145,7 @@ KINDS: Mapping[str, Callable[[], None]] = {
     "point-law": partial(_point, ExactModal(), Hertz(k=1e6)),
     "point-energy": partial(_point, ExactModal(law="energy")),
     "patch-law": partial(_patch, Hertz(k=1e6), 0.0),
+    "rotor": _rotor,
     "beam": partial(_beam, None),
     "beam-newmark": partial(_beam, Newmark()),
     "cycles": _cycles,

@@ -13,6 +13,7 @@ from contact.io.trust import Flag
 from contact.model.gaps.limits import RIM, TIP
 from contact.model.gaps.rub import rub_of
 from contact.model.law import Law, Unilateral
+from contact.model.rotor.rotor import Rotor
 from contact.problem import What, default_scheme, problem_of
 from contact.record.energy import Stored
 from contact.record.record import Record, sparse
@@ -86,7 +87,8 @@ def prepared(scene: Scene) -> Prepared:
     given = "" if scene.courant is None else f"courant = {scene.courant:g}"
     flags = resolved(problem, law, stepper, scene.t_end, given)
     marked = isinstance(stepper, RubStepper) and law.coating is None
-    record = scene.record or sparse(count, stepper.size if rub_of(problem) is not None else 0)
+    stored = rub_of(problem) is not None or isinstance(problem, Rotor)
+    record = scene.record or sparse(count, stepper.size if stored else 0)
     record.steps(dt=stepper.dt, count=count)  # raises before the first step, as the buffers do for channels
     return Prepared(
         problem=problem, law=law, on_limit=scene.on_limit, scheme=scheme, stepper=stepper,

@@ -149,7 +149,7 @@ class Result(Reported):
         for k in range(self.force.shape[1]):
             history = np.concatenate(([0.0], self.impulse_history[:, k]))
             columns.append((np.interp(late, grid, history) - np.interp(early, grid, history)) / width)
-        return np.stack(columns, axis=1)
+        return np.stack(columns, axis=1) if columns else np.zeros_like(self.force)
 
     def merged_intervals(self, pause: float | None = None) -> tuple[Intervals, ...]:
         """Intervals of contact, joined across openings shorter than `pause` [s] (default: the window)."""
@@ -170,9 +170,11 @@ class Result(Reported):
         span = self.steps * self.dt
         lines = [
             f"{self.steps} steps of {self.dt:.4g} s to {span:.6g} s in {self.seconds:.3g} s: {self.scheme}",
-            *table_lines(self.COLUMNS, self.records(), width=WIDE),
+            *(table_lines(self.COLUMNS, self.records(), width=WIDE) if self.impulse.size else ()),
         ]
-        if len(self.gap) and not any(self.intervals):
+        if self.notes.orbit is not None:
+            lines.append(f"orbit: {self.notes.orbit.words}")
+        if self.gap.size and not any(self.intervals):
             row, k = divmod(int(self.gap.argmin()), self.gap.shape[1])
             lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
                          f"{self.time[row]:.6g} s")  # fmt: skip
@@ -253,6 +255,7 @@ class Result(Reported):
             "flags": [flag.to_dict() for flag in self.flags],
             "divergence": None if self.divergence is None else self.divergence.to_dict(),
             "growth": None if self.growth is None else self.growth.to_dict(),
+            **({} if self.notes.orbit is None else {"rotor": self.notes.orbit.to_dict()}),
             "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 

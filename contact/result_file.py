@@ -14,6 +14,7 @@ from contact.io.npz import write_npz
 from contact.io.trust import Flag
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
+from contact.record.orbit import Orbit
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
 from contact.scheme.protocol import Motion, Notes
 
@@ -33,6 +34,7 @@ def write_result(path: str | os.PathLike[str], result: Any) -> Path:
         "notes": {
             "flags": [flag.to_dict() for flag in result.notes.flags], "heat": result.notes.heat.tolist(),
             "drive": result.notes.drive.tolist(),
+            "orbit": None if result.notes.orbit is None else asdict(result.notes.orbit),
         },
         "divergence": None if result.divergence is None else asdict(result.divergence),
         "growth": None if result.growth is None else asdict(result.growth),
@@ -71,7 +73,10 @@ def _fields(document: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
         for k, track in enumerate(document["tracks"])
     )
     kept = Notes(
-        flags=tuple(map(Flag.of, notes["flags"])), heat=readonly(notes["heat"]), drive=readonly(notes["drive"])
+        flags=tuple(map(Flag.of, notes["flags"])),
+        heat=readonly(notes["heat"]),
+        drive=readonly(notes["drive"]),
+        orbit=None if (orbit := notes.get("orbit")) is None else Orbit(**orbit),
     )
     return document | {name: readonly(data[name]) for name in ARRAYS} | {
         "energy": EnergyBudget(**energy), "notes": kept, "growth": growth,

@@ -53,7 +53,7 @@ def contact(file: Path, as_json: bool, out: Path | None, history: bool) -> None:
 @HISTORY
 @options
 def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool) -> None:
-    """Run SCENE: a turning casing against one blade tip (rim), or against many places of many blades (rub).
+    """Run SCENE: a turning casing against one blade tip (rim), or many places of many blades (rub); or a rotor.
 
     --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
     diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". After a stop the
@@ -205,13 +205,15 @@ def run_scene(
 ) -> None:
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
     from contact import RotatingRim, Rub, load_scene
+    from contact.model.rotor import Rotor
     from contact.scene.load import read_scene
     from contact.scene.problems import SceneError
 
     scene = load_scene(file)
-    if command == "rub" and not isinstance(scene.what, RotatingRim | Rub):
+    if command == "rub" and not isinstance(scene.what, RotatingRim | Rub | Rotor):
         kind = read_scene(file)[0].scene.kind
-        problem = f"scene.kind: found {kind!r}, expected 'rim', 'rub' or 'disk' (casingfem contact runs them all)"
+        expected = "'rim', 'rub', 'disk' or 'rotor' (casingfem contact runs them all)"
+        problem = f"scene.kind: found {kind!r}, expected {expected}"
         raise SceneError([f"{file}: {problem}"])
     part = None if out is None else out / STORES[command]
     with ProgressMessage(f"{command} {file.name}: starting; a first run compiles its loop") as working:

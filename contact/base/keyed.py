@@ -11,6 +11,7 @@ from contact.io.keys import keyed
 REQUIRE = {
     "any": require_finite, "turn": require_finite, "positive": require_positive, "not negative": require_not_negative,
     "ratio": require_not_negative, "length": require_positive, "place": require_finite, "lean": require_finite,
+    "poisson": require_finite,
 }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from .growth_map import StabilityMap
 from .of_run import of_run
 from .on_springs import on_springs, slope_of
 from .peaks import Peaks, peaks
+from .rotor import rotor_stability
 from .split_casing import perfect_mean
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "perfect_mean",
     "poles",
     "rim_stability",
+    "rotor_stability",
     "slope_of",
     "stability",
 ]

@@ -1,7 +1,8 @@
-from . import bodies, gaps, laws
+from . import bodies, gaps, laws, rotor
 
 __all__ = [
     "bodies",
     "gaps",
     "laws",
+    "rotor",
 ]

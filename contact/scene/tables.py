@@ -20,6 +20,7 @@ from contact.scene.parts import RecordTable, read_basis
 from contact.scene.patch import PatchFile
 from contact.scene.problems import Problems
 from contact.scene.rim import DiskFile, RimFile
+from contact.scene.rotor import RotorFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import (
     Built,
@@ -222,8 +223,8 @@ class RodsFile(SceneFile):
         return bodies, law, scheme
 
 
-File = RodsFile | RimFile | RubFile | DiskFile | BeamFile | CantileverFile | PatchFile | PairFile
+File = RodsFile | RimFile | RubFile | DiskFile | BeamFile | CantileverFile | PatchFile | PairFile | RotorFile
 FILES: dict[str, type[File]] = {
     "rods": RodsFile, "rim": RimFile, "rub": RubFile, "disk": DiskFile, "beam": BeamFile, "cantilever": CantileverFile,
-    "patch": PatchFile, "pair": PairFile,
+    "patch": PatchFile, "pair": PairFile, "rotor": RotorFile,
 }  # fmt: skip

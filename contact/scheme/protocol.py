@@ -30,7 +30,9 @@ from contact.model.gaps.gap import PointGap, RotatingRim
 from contact.model.gaps.modal_system import ModalSystem
 from contact.model.gaps.rub import Rub
 from contact.model.law import Law
+from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Stored
+from contact.record.orbit import Orbit
 from contact.record.record import Samples, Tally
 from contact.record.wear import Wear
 
@@ -51,7 +53,7 @@ class Loaded(Protocol):
         """f^T M^-1 f of the constant loads [J/s^2]: times h^2, what the energy of a leapfrog scheme is off by."""
 
 
-Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub
+Problem = Linear | Modal | PointGap | RotatingRim | BeamInCircle | Patch | Rub | Rotor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,12 +74,14 @@ class Notes:
     """What a run tells beside its forces.
 
     `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
-    (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them.
+    (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
+    which the run of a rotor ends.
     """
 
     flags: tuple[Flag, ...] = ()
     heat: Array = field(default_factory=lambda: np.zeros(0))
     drive: Array = field(default_factory=lambda: np.zeros(0))
+    orbit: Orbit | None = None
 
 
 Block = tuple[str, int, int]

@@ -31,6 +31,7 @@ from contact.model.gaps.rod_modes import chain_gap
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.gaps.rub_system import matrices_of, rub_system
 from contact.model.law import Law
+from contact.model.rotor.rotor import Rotor
 from contact.scheme.modal.at_speeds import at_speeds
 from contact.scheme.modal.modal_stepper import energy_stepper, modal_stepper
 from contact.scheme.modal.patch_stepper import patch_stepper
@@ -38,6 +39,7 @@ from contact.scheme.modal.propagator import Propagator, propagator
 from contact.scheme.modal.rub_delassus import rub_delassus
 from contact.scheme.modal.rub_stepper import rub_stepper
 from contact.scheme.protocol import Modal, Problem, Stepper
+from contact.scheme.rotor.stepper import rotor_stepper
 
 Numbers = tuple[float, float, float]
 LAWS = ("auto", "forward", "averaged", "energy")
@@ -192,6 +194,8 @@ def _delassus(system: ModalSystem, parts: Propagator) -> Numbers:
 def _prepared(problem: Problem, scheme: ExactModal, law: Law, dt: float | None, courant: float | None) -> Stepper:
     if isinstance(problem, Patch):
         return scheme.patch(problem, law, dt, courant)
+    if isinstance(problem, Rotor):
+        return rotor_stepper(problem, law, _step(float(problem.body.omega.max(initial=0.0)), dt, courant))
     if isinstance(problem, Rub):
         return scheme.rub(problem, law, dt, courant)
     if isinstance(problem, RotatingRim):

@@ -1,0 +1,20 @@
+from .jeffcott import Jeffcott
+from .rotor import Release, Rotor, Unbalance
+from .shaft import Bearing, Disk, Piece, Shaft
+from .whirl import RotorCampbell, UnbalanceResponse, campbell, critical_speeds, unbalance_response
+
+__all__ = [
+    "Bearing",
+    "Disk",
+    "Jeffcott",
+    "Piece",
+    "Release",
+    "Rotor",
+    "RotorCampbell",
+    "Shaft",
+    "Unbalance",
+    "UnbalanceResponse",
+    "campbell",
+    "critical_speeds",
+    "unbalance_response",
+]

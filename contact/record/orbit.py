@@ -1,0 +1,55 @@
+"""The orbit with which the run of a rotor ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from contact.base.arrays import Array
+
+TURNS = 10  # at the end of a run of which the orbit is the mean
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Orbit:
+    """Means over the last whole turns of a run, at most ten.
+
+    `radius_end` [m] is the distance from the place at rest, `phase_deg_end` the lag of the part that turns with the
+    rotor behind its unbalance, 0 to 360; nan without unbalance. `speed_hz_end` is the speed at the end, `turns` how
+    many the means are of; all means are nan where there is none.
+    """
+
+    radius_end: float
+    phase_deg_end: float
+    speed_hz_end: float
+    turns: int
+
+    def to_dict(self) -> dict[str, object]:
+        """JSON-ready."""
+        return {
+            "radius_end": self.radius_end if math.isfinite(self.radius_end) else None,
+            "phase_deg_end": self.phase_deg_end if math.isfinite(self.phase_deg_end) else None,
+            "speed_hz_end": self.speed_hz_end, "turns": self.turns,
+        }  # fmt: skip
+
+    @property
+    def words(self) -> str:
+        """One line."""
+        if not self.turns:
+            return f"no whole turn; {self.speed_hz_end:.6g} Hz at the end"
+        lag = f", {self.phase_deg_end:.3f} degrees behind the unbalance" if math.isfinite(self.phase_deg_end) else ""
+        of = f"mean of the last {self.turns} turns" if self.turns > 1 else "mean of the last turn"
+        return f"radius {self.radius_end:.6g} m{lag} ({of}); {self.speed_hz_end:.6g} Hz at the end"
+
+
+def orbit(turns: Array, now: int, hz: float, unbalanced: bool) -> Orbit:
+    """The orbit from sums of the turns: rows (number of the turn, samples, sum of radii, cos and sin of the lag).
+
+    `now` is the number of the turn under way, which does not count.
+    """
+    whole = turns[(turns[:, 1] > 0.0) & (turns[:, 0] != now) & (turns[:, 0] >= now - TURNS)]
+    if not len(whole):
+        return Orbit(radius_end=math.nan, phase_deg_end=math.nan, speed_hz_end=hz, turns=0)
+    _, count, radius, cos, sin = whole.sum(axis=0).tolist()
+    lag = math.degrees(math.atan2(sin, cos)) % 360.0 if unbalanced else math.nan
+    return Orbit(radius_end=radius / count, phase_deg_end=lag, speed_hz_end=hz, turns=len(whole))

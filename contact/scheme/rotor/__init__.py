@@ -1,0 +1,1 @@
+"""The exact step of a rotor under its unbalance."""
