@@ -27,7 +27,7 @@ def numbers_of(result, rows: int = 9) -> dict[str, object]:
         "deepest": result.max_penetration > 1e-12,
         "force": result.force[at],
         "impulses": result.impulse_history[at],
-        "gap": result.gap[at],
+        "gap": np.where(np.abs(result.gap[at]) > 1e-12, result.gap[at], 0.0),  # a closed one is zero to round-off
         "windowed": result.windowed_force()[at] if result.every else [],
         "state": np.hstack([result.state, result.tip_force])[states] if len(states) else [],
         "closed": [t for times in result.intervals for interval in times[:6] for t in interval],

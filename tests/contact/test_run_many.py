@@ -139,7 +139,7 @@ def test_friction_and_one_mode_less_is_not_a_run_without_friction(modes: tuple[i
 
 def test_energies_of_lanes_are_looked_at_as_often_as_those_of_a_run_alone(monkeypatch):
     """A contact that may add nothing ends the run at the second look, which the first is compared with."""
-    monkeypatch.setattr(importlib.import_module("contact.run"), "ADDED", 0.0)
+    monkeypatch.setattr(importlib.import_module("contact.ended"), "ADDED", 0.0)
     (found,) = ct.run_many([scene(t_end=0.9)])
     assert isinstance(found, DivergedError)
     assert found.result.divergence.limit == "energy"

@@ -178,7 +178,7 @@ def test_update_recovers_what_made_the_table_and_writes_a_study(study, tmp_path)
     assert E["value"] == pytest.approx(205e9, rel=1e-2)
     assert abs(np.log10(k["value"] / 1.2e12)) < 3 * k["sigma"]
     page = (tmp_path / "out" / "update.html").read_text(encoding="utf-8")
-    for words in ("How sure", "The misfit is", "Parameters; sigma", "sha256"):
+    for words in ("How sure", "stated uncertainty", "Parameters; sigma", "sha256"):
         assert words in page, words
     again = invoke("modes", tmp_path / "out" / "study_updated.toml", "--json")
     modes = json.loads(again.stdout)["modes"]

@@ -100,7 +100,7 @@ def speeds_sample() -> Any:
         return SimpleNamespace(
             speed_hz=speed, verdict=verdict, closed=12.0, growth=growth, low=growth - 0.1, high=growth + 0.1,
             amplitude_m=1e-5 * speed, half_wall_s=2.0 if growth > 0.0 else np.inf, n=3, wave="with", body="casing",
-            seconds=0.4, why="", check="converged" if growth > 0.0 else "",
+            seconds=0.4, why="", note="", check="converged" if growth > 0.0 else "",
         )  # fmt: skip
 
     runs = (run(2.0, "safe", -0.5), run(4.5, "unstable", 3.0), run(9.0, "safe", -0.4))

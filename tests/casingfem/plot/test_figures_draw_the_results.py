@@ -53,7 +53,7 @@ def test_a_run_of_modes_shows_modal_coordinates_as_such():
     assert figure.axes[2].get_ylabel() == "modal coordinate\n[√kg m]"
     for k in range(2):
         assert np.array_equal(
-            drawn(figure.axes[2], f"{result.blocks[0][0]}, mode {k + 1}"), (result.state_time, result.state[:, k])
+            drawn(figure.axes[2], f"{result.blocks[0][0]}, mode {k + 1}"), (1e3 * result.state_time, result.state[:, k])
         )
 
 

@@ -17,7 +17,16 @@ from tests.conftest import PLACE, Groups
 
 ROOT = Path(contact.__file__).parent
 # annotations and what is raised outside loops
-PLAIN = ("jit.compiled", "jit.machine_code", "jit.progress", "base.errors", "base.arrays", "io.brief", "io.notebook")
+PLAIN = (
+    "jit.compiled",
+    "jit.machine_code",
+    "jit.progress",
+    "base.errors",
+    "base.arrays",
+    "io.brief",
+    "io.keys",
+    "io.notebook",
+)
 NOT_COMPILED = {f"contact.{name}" for name in PLAIN}
 
 

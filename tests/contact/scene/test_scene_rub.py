@@ -403,9 +403,9 @@ def test_the_shipped_rub_runs_on_the_bases_of_its_studies(tmp_path):
     assert result.flags == ()
 
 
-@pytest.mark.parametrize(("rpm", "warns"), [(1900.0, False), (3000.0, True)])
+@pytest.mark.parametrize(("rpm", "warns"), [(1700.0, False), (3000.0, True)])
 def test_basis_far_from_the_speed_of_its_modes_is_named(rpm, warns, write, tmp_path):
-    """Its stiffness by speed changes the lowest frequency by 50 % at 2000 rpm."""
+    """Its stiffness by speed changes the lowest frequency by 40 % at 1752 rpm."""
     casing = ring()
     factor = 1.25 * (casing.omega.min() / (2000.0 * np.pi / 30.0)) ** 2
     replace(casing, gyroscopic=np.zeros((10, 10)), stiffness_by_speed=factor * np.eye(10)).save(tmp_path / "casing.npz")
@@ -417,5 +417,5 @@ def test_basis_far_from_the_speed_of_its_modes_is_named(rpm, warns, write, tmp_p
     found = [str(one.message) for one in caught if "turning-fast" in str(one.message)]
     assert bool(found) == warns
     if warns:
-        words = f"casing: found a frequency of the basis that changes by 95.3 % at {rpm:g} rpm, expected at most 50 %"
+        words = f"casing: found a frequency of the basis that changes by 95.3 % at {rpm:g} rpm, expected at most 40 %"
         assert words in found[0]

@@ -47,7 +47,7 @@ def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
     near = casing(0.25 - 1e-5)
     edge = casing(supports={"base": cf.Clamped(), "top": near.rings["stiffener 1"]})
     bare = casing()
-    for n in (0, 3, 6):
+    for n in (3, 6, 8):
         assert first(near, n) == pytest.approx(first(edge, n), rel=1e-3)
         assert abs(first(near, n) / first(bare, n) - 1) > 0.01
 

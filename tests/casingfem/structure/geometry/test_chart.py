@@ -155,6 +155,7 @@ def lowest_frequencies(chart, steel, supports, mesh):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*support-incomplete")
 @pytest.mark.parametrize(
     "supports", [{"base": cf.Clamped()}, {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()}]
 )
@@ -177,6 +178,7 @@ def test_a_chart_whose_lines_are_not_orthogonal_gives_the_same_shell(steel):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*support-incomplete")
 def test_a_diaphragm_on_a_chart_whose_lines_are_not_orthogonal(steel):
     cylinder, mesh = cf.Cylinder(radius=0.3, height=0.4), cf.ShellMesh(order=8, rows=1, around=7)
     held = {"base": cf.ShearDiaphragm(), "top": cf.ShearDiaphragm()}
