@@ -1,5 +1,7 @@
 """Which shells are doubted and which are refused: both sides of each threshold."""
 
+import warnings
+
 import pytest
 
 import casingfem as cf
@@ -85,3 +87,44 @@ def test_a_field_needs_two_nodes_a_wave():
     with pytest.raises(ValueError, match="radius_defect: 19 waves on 36 nodes around; the mesh resolves 18 at most"):
         shell(chart=tube, radius_defect=cf.FourierField.of({19: 1e-3}))
     shell(chart=cf.Panel(radius=0.4, length=0.3, angle=1.0), radius_defect=cf.FourierField.of({19: 1e-3}))
+
+
+SPRING = {"root": cf.ElasticEdge(k_r=1e9, k_theta=1e9, k_z=1e9)}
+TUBE = cf.Cylinder(radius=0.1, height=0.3)
+MASS = cf.edge.EdgeMass(angle=0.0, mass=1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("parts", "code"),
+    [
+        ({"chart": TUBE, "thickness": 0.0199}, ""),
+        ({"chart": TUBE, "thickness": 0.0201}, "shell-thick"),  # 0.2 of the radius of curvature
+        ({"chart": cf.Panel(radius=0.1, length=0.3, angle=1.0), "thickness": 0.0201}, "shell-thick"),
+        ({"thickness": 0.0599}, ""),
+        ({"thickness": 0.0601}, "shell-thick"),  # 0.6 of the side of 0.1 m
+        ({"thickness": 3.3e-6}, ""),
+        ({"thickness": 3.1e-6}, "shell-thin"),  # 1e-5 of the diagonal of 0.316 m
+        ({"shear_correction": 0.51}, ""),
+        ({"shear_correction": 0.49}, "shear-correction"),
+        ({"shear_correction": 1.1}, "shear-correction"),
+        ({"shear_correction": 10.1}, ""),
+        ({"supports": {"root": cf.ElasticEdge(k_r=211.0)}}, ""),
+        ({"supports": {"root": cf.ElasticEdge(k_r=209.0)}}, "support-soft"),  # 1e-9 of E
+        (
+            {"supports": {"root": cf.Clamped()}, "masses": {"root": [cf.edge.EdgeMass(angle=0.0, mass=1.0)]}},
+            "mass-held",
+        ),
+        ({"E": 321e6}, ""),
+        ({"E": 311e6}, "material-units"),  # sound at 200 m/s
+        ({"rho": 0.9}, "material-units"),
+    ],
+)
+def test_what_is_hardly_meant_is_doubted_on_one_side_of_its_bound(parts, code):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        cf.modes(shell(**({"supports": SPRING if "chart" not in parts else {}} | parts)), 2)
+    found = {str(w.message).rpartition("[")[2].rstrip("]") for w in caught}
+    assert found & {"shell-thick", "shell-thin", "shear-correction", "support-soft", "mass-held", "material-units"} == (
+        {code} if code else set()
+    )
