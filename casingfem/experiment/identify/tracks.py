@@ -14,7 +14,7 @@ import numpy as np
 from casingfem.experiment.circle.orientation import Circle
 from casingfem.experiment.frf.sensor_grid import SensorGrid
 from casingfem.experiment.identify.clusters import Modal, fitted_group, groups, modal_of
-from casingfem.experiment.identify.matching import Matching, matching
+from casingfem.experiment.identify.matching import Matching, Row, matching
 from casingfem.experiment.identify.mode import Found, Residues, found_in
 from casingfem.experiment.identify.pole_fit import PoleFit
 from casingfem.experiment.identify.setups import SetUp
@@ -90,15 +90,27 @@ def _expected(match: Matching, members: list[list[Member]], setup: int) -> Array
     return np.array(starts, complex)
 
 
+def _neighbours(match: Matching, number: int) -> list[Row]:
+    """Rows of other modes so near that set-ups may exchange them."""
+    near = np.abs(match.middle - match.middle[number]) < PREDICTED[0] * match.scatter
+    return [match.rows[k] for k in np.flatnonzero(near).tolist() if k != number]
+
+
 def _of_a_neighbour(match: Matching, number: int) -> bool:
     """Whether the pole of one set-up alone may be that of a mode nearby that only the other set-ups show."""
     own = [s for s, k in enumerate(match.rows[number]) if k >= 0]
-    near = np.abs(match.middle - match.middle[number]) < PREDICTED[0] * match.scatter
-    return len(own) == 1 and any(
-        row[own[0]] < 0 and sum(k >= 0 for k in row) > 1
-        for row, is_near in zip(match.rows, near.tolist(), strict=True)
-        if is_near
-    )
+    rows = _neighbours(match, number)
+    return len(own) == 1 and any(row[own[0]] < 0 and sum(k >= 0 for k in row) > 1 for row in rows)
+
+
+def _too_many(match: Matching, number: int) -> bool:
+    """Whether a mode that a set-up lacks is one of more modes nearby than any set-up shows.
+
+    Modes of less than half of the set-ups do not count: they are doubtful anyway.
+    """
+    own = match.rows[number]
+    rows = [row for row in (own, *_neighbours(match, number)) if 2 * sum(k >= 0 for k in row) > len(row)]
+    return min(own) < 0 and len(rows) > int(np.sum(np.array(rows) >= 0, axis=0).max())
 
 
 def _searched(part: SetUp, starts: Array, match: Matching, rules: Thresholds) -> SetUp:
@@ -188,7 +200,13 @@ def _track(
         max(each.signal for each in found), max(each.split_bound for each in found),
     )  # fmt: skip
     share = own / (2.0 * zeta * freq)
-    return Track(mean, freqs, "; ".join(_reasons(some, freqs, whole, match.scatter, share, rules)))
+    why = _reasons(some, freqs, whole, match.scatter, share, rules)
+    if _too_many(match, number):
+        why.append(
+            "there are more modes nearby than any set-up shows: are two of them one? Give the sensors' angles, or"
+            " measure in one set-up"
+        )
+    return Track(mean, freqs, "; ".join(why))
 
 
 def _residues(some: list[tuple[int, Member]], parts: list[IntArray], channels: int) -> Residues:
