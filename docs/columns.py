@@ -39,6 +39,8 @@ RESULTS = {
     "Bars of a coating": "contact.record.wear.COLUMNS",
     "Motions reached from random starts": "contact.growth.cycles.basins.MOTIONS",
     "Growth over speed": "contact.growth.growth_map.COLUMNS",
+    "Whirl of a rotor": "contact.model.rotor.whirl.WHIRL",
+    "Unbalance response of a rotor": "contact.model.rotor.whirl.RESPONSE",
     "Periodic motions": "contact.growth.cycles.columns.POINTS",
 }
 
