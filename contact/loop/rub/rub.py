@@ -106,6 +106,8 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, steady: Steady
                 s.peaks[0] = max(s.peaks[0], abs(blade_dot(rows, rows.own, R + 1, j, s.q)))
             tip_motion(s.limits, s.free[j] - rows.clearance[j] - w.rigid[rows.place[j]])
         if y is None:
+            if rows.steady and s.force[j] > 0.0:
+                s.gap[j] = 0.0  # what is left of it is round-off
             note_contact(sums, out, j, h, time, s.force[j], s.gap[j], s.scale[j], before, predicted)
         else:
             depth = y.depth[j] if s.force[j] > 0.0 else 0.0
