@@ -16,7 +16,7 @@ from contact.scheme.protocol import Block, Motion, PlainStepper
 
 
 class PythonStepper(PlainStepper):
-    """A run of a scheme of one's own, for trials: a step takes about a hundred times as long as a compiled one.
+    """A run of a scheme of one's own, for trials: a step takes hundreds of times as long as a compiled one.
 
     A subclass calls `__init__`, keeps its coordinates in an array `u` (N,) that it writes in place, and states `step`
     and `stored`. `memory` lists further arrays that a step changes, velocities for example, so that a stopped run can

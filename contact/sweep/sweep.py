@@ -222,6 +222,9 @@ UNITS = {
     "modal_mass": "_kg", "compliance": "_m_N", "load": "_N_m", "k_r": "_N_m2", "k_t": "_N_m2", "spin": "_rad_s",
     "amplitude": "_m", "by": "_m", "rms": "_m", "median": "_m", "high": "_m", "acceleration": "_m_s2",
     "time_constant": "_s", "closed_depth": "_m", "k": "_N_mp", "dissipation": "_s_m",
+    "rpm": "_rpm", "moment": "_kg_m", "at": "_m", "time": "_s", "loss_time": "_s", "kxx": "_N_m", "kyy": "_N_m",
+    "kxy": "_N_m", "kyx": "_N_m", "cxx": "_N_s_m", "cyy": "_N_s_m", "cxy": "_N_s_m", "cyx": "_N_s_m",
+    "k_tilt": "_N_m_rad", "polar": "_kg_m2", "diametral": "_kg_m2", "diameter": "_m", "inner_diameter": "_m",
 }  # fmt: skip
 
 

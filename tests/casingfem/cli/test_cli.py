@@ -340,7 +340,7 @@ def test_sweep_refuses_a_scene_without_one():
 def test_rub_refuses_rods(tmp_path):
     result = invoke("rub", SCENES / "two_rods.toml")
     assert result.exit_code == 2
-    assert "scene.kind: found 'rods', expected 'rim', 'rub' or 'disk'" in result.stderr
+    assert "scene.kind: found 'rods', expected 'rim', 'rub', 'disk' or 'rotor'" in result.stderr
 
 
 @pytest.mark.slow
