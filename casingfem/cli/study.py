@@ -8,6 +8,7 @@ import click
 
 from casingfem.cli.mode_files import mode_pictures, modes_tables, print_wheel, shape_files
 from casingfem.cli.progress import ProgressMessage
+from casingfem.cli.rotor import rotor_campbell
 from casingfem.cli.running import collected, deliver, options
 from casingfem.cli.tables import csv_text
 from contact.io.outfiles import Content, json_text
@@ -112,12 +113,17 @@ def campbell(
 ) -> None:
     """Frequencies of the turning structure of STUDY over speed, and where engine orders meet them.
 
-    The structure is a shell on a chart or an imported part; both need a [rotation].
+    The structure is a shell on a chart or an imported part; both need a [rotation]. Of a scene of kind rotor: whirl
+    frequencies, critical speeds and the orbit under its unbalance.
     """
     import numpy as np
 
+    from casingfem.cli.contact import is_scene
     from casingfem.modal.campbell import campbell as compute
 
+    if is_scene(file):
+        rotor_campbell(file, as_json, out, to_hz, steps)
+        return
     study = any_study(file)
     rotation = study.structure.rotation
     if rotation is None:

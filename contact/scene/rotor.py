@@ -27,7 +27,6 @@ from contact.scene.scheme import (
     Mass,
     Name,
     RunHead,
-    ScanTable,
     SceneFile,
     Stiffness,
     Table,
@@ -110,7 +109,6 @@ class RotorSpeed(Table):
     )
     rpm: Rpm | list[Rpm] | None = Field(default=None, description="the same in turns a minute, instead of hz [rpm]")
     time: list[Number] | None = Field(default=None, description="instants of a list of speeds [s]")
-    scan: ScanTable | None = Field(default=None, description="speeds that casingfem campbell shows")
 
     @model_validator(mode="after")
     def _fits(self) -> RotorSpeed:

@@ -40,7 +40,7 @@ RESPONSE = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class RotorCampbell(Reported):
     """Whirl modes of a rotor, a row for each speed and mode: all arrays have one shape (rows,)."""
 
@@ -58,7 +58,7 @@ class RotorCampbell(Reported):
         return [np.sort(self.freq_hz[at & (self.speed_hz == hz)]) for hz in np.unique(self.speed_hz)]
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class UnbalanceResponse(Reported):
     """Steady orbit x + i y = forward e^(i Omega t) + backward e^(-i Omega t) [m] at each speed, (speeds,)."""
 
