@@ -397,6 +397,9 @@ class ModalBody:
     def load(path: str | Path) -> ModalBody:
         """Read a modal basis file; raises InputError that names the file and the key."""
         data = read_npz(Path(path), FORMAT, REQUIRED, TEXTS)
+        if unknown := sorted(data.keys() - {"format", *ModalBody.__dataclass_fields__}):
+            found = ", ".join(unknown)
+            raise InputError(f"{path}: found {found}, which this version does not know: reduce the structure again")
         try:
             return of_arrays(data)
         except (InputError, TypeError, ValueError) as error:

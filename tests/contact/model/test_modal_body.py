@@ -79,6 +79,7 @@ def test_empty_recovery_counts_as_none(tmp_path):
         ({"zeta": np.full(10, 2.0)}, "zeta: found 2 .. 2, expected 0 <= zeta < 1"),
         ({"S": np.triu(np.ones((26, 26)))}, "S: found asymmetry"),
         ({"recovery": np.ones((3, 4))}, r"recovery: found shape \(3, 4\), expected \(3, 10\)"),
+        ({"K_omega": np.eye(10)}, "found K_omega, which this version does not know: reduce the structure again"),
         ({"kind": "disk"}, "kind: found 'disk', expected 'rim' or 'point'"),
         ({"n_max": 5}, "expected the 22 channels of a rim with n_max = 5"),
     ],
