@@ -115,7 +115,10 @@ class RotorSpeed(Table):
         if (self.hz is None) == (self.rpm is None):
             raise ValueError(f"{'neither hz nor rpm' if self.hz is None else 'hz and rpm both'} found, expected one")
         name = "hz" if self.rpm is None else "rpm"
-        speeds, times = np.shape(np.asarray(self.hz if self.rpm is None else self.rpm)), np.shape(self.time or 0.0)
+        speeds, times = (
+            np.shape(np.asarray(self.hz if self.rpm is None else self.rpm)),
+            np.shape(0.0 if self.time is None else self.time),
+        )
         if speeds != times:
             many = speeds[0] if speeds else "one"
             raise ValueError(f"{many} {name} and {len(self.time or [])} time found, expected as many or one {name}")

@@ -111,6 +111,21 @@ upper = 3e11
 SWEEP = '[sweep]\nkind = "grid"\n[[sweep.vary]]\nkey = "mass[1].velocity"\nvalues = [-0.5, -1.0]\n'
 
 
+ROTOR = '[scene]\nkind = "rotor"\nt_end = 0.02\n'
+JEFFCOTT = ROTOR + "[rotor]\nmass = 10.0\nstiffness = 4e6\nzeta = 0.02\nzeta_internal = 0.01\n"
+SHAFT = (
+    ROTOR
+    + "[rotor]\nmodes = 6\n[[shaft]]\nlength = 0.5\ndiameter = 0.02\ninner_diameter = 0.005\nE = 210e9\nrho = 7800.0\n"
+    + "nu = 0.3\nelements = 4\n[[disk]]\nat = 0.25\nmass = 2.0\npolar = 4e-3\ndiametral = 2e-3\n"
+    + "[[bearing]]\nat = 0.0\nkxx = 1e7\nkyy = 2e7\nkxy = 1e5\nkyx = -1e5\ncxx = 100.0\ncyy = 100.0\ncxy = 1.0\n"
+    + "cyx = -1.0\nk_tilt = 1e3\n[[bearing]]\nat = 0.5\nkxx = 1e7\nkyy = 2e7\n[gravity]\nsettled = true\n"
+)
+TURNS = (
+    "[unbalance]\nmoment = 1e-3\nrelease = {time = 0.01, moment = 5e-2, angle_deg = 90.0}\n[speed]\nhz = 80.0\n"
+    + '[scheme]\nkind = "exact-modal"\ndt = 1e-4\n'
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Base:
     """A file, the command that runs it, and the name of its model as `casingfem schema` takes it."""
@@ -223,6 +238,8 @@ def scenes() -> list[Base]:
             "[scene]\n" + RIM_RUN.replace("rim", "rub") + REDUCED + GAP + SPEED + STEP + rubbed,
         ),
         Base("disk", "rub", "disk", disk + DISK + GAP + SPEED + STEP),
+        Base("rotor", "rub", "rotor", JEFFCOTT + TURNS),
+        Base("rotor on bearings", "rub", "rotor", SHAFT + TURNS),
         Base("beam", "contact", "beam", beam + "offset = 0.001\n" + euler),
         Base(
             "beam in a ring",
