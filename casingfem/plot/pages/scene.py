@@ -112,8 +112,8 @@ def outcome(ran: Ran) -> tuple[str, str]:
     if growing == "undecided":
         return "open", f"Not decided{at}: the run is too short to tell whether the motion grows."
     if growing:
-        how = "decays" if growing == "decays" else "is bounded" if growing == "bounded" else "is at rest"
-        return "good", f"Bounded{at}: {touch_words(ran)} and the motion {how}."
+        how = {"decays": " and the motion decays", "at rest": " and nothing moves"}.get(growing, "")
+        return "good", f"Bounded{at}: {touch_words(ran)}{how}."
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
     return "", (
         f"The contact force is {force_size(ran.force)} at most. The contact is closed {share:.3g} % of "
