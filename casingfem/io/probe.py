@@ -20,6 +20,7 @@ import numpy as np
 from casingfem.io.arrays import Array
 
 SECONDS, BYTES = 3.0, 1.5e9  # of processor time and memory for any file
+PATIENCE = 20.0  # seconds by the clock for one of processor time: on a busy machine a child gets a small share
 PACE, ROOM = 20e6, 20.0  # bytes a second, and bytes of memory a byte, for large ones
 CODE = "from casingfem.io.probe import {0}; import sys; {0}(*sys.argv[1:])"
 REFUSED = 3  # exit code: the reader raised, and what it said was handed over
@@ -62,7 +63,7 @@ def in_child(task: str, path: Path, module: str, function: str, stdout: IO[bytes
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"}
     try:
         code = subprocess.run(
-            line, env=environment, stdout=stdout, stderr=subprocess.DEVNULL, timeout=4.0 * seconds, check=False
+            line, env=environment, stdout=stdout, stderr=subprocess.DEVNULL, timeout=PATIENCE * seconds, check=False
         ).returncode
     except subprocess.TimeoutExpired:
         code = -1

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -31,10 +30,8 @@ def test_what_a_reader_does_is_found_out(tmp_path, monkeypatch, code, fault):
     (tmp_path / "reader_of_tests.py").write_text(f"def read(path):\n    {code}\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(probe, "SECONDS", 1.0)
-    started = time.perf_counter()
     found = probe.fault_of(tmp_path / "reader_of_tests.py", "reader_of_tests", "read")
     assert bool(found) == fault, found
-    assert time.perf_counter() - started < 10.0
     if fault:
         assert found == "its reader took more than 1 s or 1.5 GB, or crashed"
 
