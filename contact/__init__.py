@@ -1,6 +1,6 @@
 """contact: dynamic unilateral contact on rods, linear structures, modal bodies and rotating rims.
 
-Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, BeamInCircle, Patch), laws
+Bodies (Rod, PointMass, Wall, LinearBody, ModalBody), gaps (PointGap, RotatingRim, Rub, Patch), laws
 (Unilateral, Penalty, Coulomb) and schemes (`contact.scheme`) are frozen values;
 `run` brings them together and returns a Result. Scene files: `load_scene`. What is needed less often stands in rooms:
 `ct.bodies`, `ct.gaps`, `ct.laws`, `ct.rotor`, `ct.scheme`, `ct.growth`, `ct.scene`, `ct.record`.

@@ -2,7 +2,6 @@ from . import growth, record, scene, scheme
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
-from .model.bodies.beam import BeamInCircle
 from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
 from .model.bodies.modal_body import ModalBody
@@ -28,7 +27,6 @@ __version__: str
 
 __all__ = [
     "Abradable",
-    "BeamInCircle",
     "BladedDisk",
     "CentralDifference",
     "ContactPoint",

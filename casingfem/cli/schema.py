@@ -152,10 +152,13 @@ def headline_of(end: tuple[Any, ...]) -> str:
 
 
 def described(name: str, info: Any, wide: int) -> list[str]:
-    """A key: what it means, what it may hold, what it is where it is left out."""
+    """A key: its meaning, its allowed values, its default. A table's fit on one line where that has at most 80."""
     from contact.io.tables import type_words
 
-    return [f"  {name:<{wide}}  {info.description}", f"  {'':<{wide}}    {type_words(info)}; {kept(info)}"]
+    meaning, values = f"  {name:<{wide}}  {info.description}", f"{type_words(info)}; {kept(info)}"
+    if "table;" in values and len(meaning) + len(values) <= 77:
+        return [f"{meaning} ({values})"]
+    return [meaning, f"  {'':<{wide}}    {values}"]
 
 
 def kept(info: Any) -> str:

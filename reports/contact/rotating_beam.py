@@ -22,7 +22,7 @@ from contact.scheme.beam.beam_stepper import BeamStepper, ImplicitBeamStepper
 from reports.tables import Row, command_line, show, write
 
 BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0)
-CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
+CIRCLE = ct.bodies.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
 RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
 EXPLICIT = ct.CentralDifference()
 PAIRS = ((0.5, 0.55), (0.25, 0.55), (0.25, 0.5))
@@ -37,7 +37,7 @@ class Run(NamedTuple):
     failed: str
 
 
-def run(scene: ct.BeamInCircle, scheme: ct.CentralDifference | ct.Newmark, t_end: float, **step: float) -> Run:
+def run(scene: ct.bodies.BeamInCircle, scheme: ct.CentralDifference | ct.Newmark, t_end: float, **step: float) -> Run:
     """Run a scene; its angular momentum is read from a second stepper taken through the same steps."""
     failed = ""
     try:
@@ -54,7 +54,7 @@ def run(scene: ct.BeamInCircle, scheme: ct.CentralDifference | ct.Newmark, t_end
     return Run(stepper, result, abs(momentum - turned - impulse) / turned, failed)
 
 
-def row_of(name: str, scene: ct.BeamInCircle, found: Run) -> Row:
+def row_of(name: str, scene: ct.bodies.BeamInCircle, found: Run) -> Row:
     """One line of a table."""
     result = found.result
     rigid_time, rigid_angle = scene.first_contact_time, scene.first_contact_angle

@@ -12,7 +12,7 @@ import casingfem as cf
 from casingfem.plot.contact import figure_contact, rub_film
 from casingfem.plot.modes import figure_rim, groups
 from casingfem.plot.page import Picture, Section, Table, Verdict
-from casingfem.plot.pages.fit import update_section
+from casingfem.plot.pages.fit import capital, update_section
 from casingfem.plot.pages.scene import outcome
 from casingfem.plot.pages.sections import inputs_section, provenance_section
 from casingfem.plot.pages.speeds import speed_words, with_rpm
@@ -91,11 +91,6 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub]) -> 
         "without wear the forces are too high.",
         state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],
     )
-
-
-def capital(text: str) -> str:
-    """A text that begins with a capital letter."""
-    return text[:1].upper() + text[1:]
 
 
 def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes) -> Section:

@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -49,17 +50,22 @@ def scenes(quick: bool) -> list[Example]:
 
 def seconds(command: str, folder: Path, checkout: Path) -> float:
     """User and system seconds of a command of a checkout's casingfem and its children, run in `folder`."""
+    return spent(command, folder, checkout)[0]
+
+
+def spent(command: str, folder: Path, checkout: Path) -> tuple[float, float]:
+    """The same, and seconds by the clock."""
     words = [sys.executable, "-m", *shlex.split(command)]
     there = {
         **os.environ, "PYTHONPATH": str(checkout), "NUMBA_CACHE_DIR": str(folder / CACHE),
         "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
     }  # fmt: skip
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    started, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    after, clock = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - started
     if done.returncode:
         raise RuntimeError(f"{command}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, clock
 
 
 def prepared(scene: Example, folder: Path, checkout: Path) -> str:

@@ -7,14 +7,8 @@ the same Python; "ratio" is this one's over that one's next run. Inputs that a c
 counted. Responses are SYNTHETIC.
 """
 
-import os
-import resource
-import shlex
 import shutil
-import subprocess
-import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +17,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.examples import examples
-from reports.speed.first_use import CACHE
+from reports.speed.first_use import CACHE, spent
 from reports.tables import ROOT, Row, command_line, show, write
 
 ROUNDS = 2
@@ -167,21 +161,6 @@ WAITS = (
     Wait("sweep, 1000 runs", "casingfem sweep thousand.toml --out rows", make=rods),
     Wait("cycles, two modes", "casingfem cycles orbits.toml --json", make=text_of("orbits.toml", ORBITS)),
 )
-
-
-def spent(command: str, folder: Path, checkout: Path) -> tuple[float, float]:
-    """Processor seconds and seconds by the clock of a command of a checkout's casingfem, run in `folder`."""
-    words = [sys.executable, "-m", *shlex.split(command)]
-    there = {
-        **os.environ, "PYTHONPATH": str(checkout), "NUMBA_CACHE_DIR": str(folder / CACHE),
-        "PYTHONDONTWRITEBYTECODE": "",
-    }  # fmt: skip
-    started, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(words, cwd=folder, env=there, capture_output=True, text=True, check=False)
-    after, clock = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - started
-    if done.returncode:
-        raise RuntimeError(f"{command}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, clock
 
 
 def prepared(wait: Wait, folder: Path, checkout: Path) -> None:

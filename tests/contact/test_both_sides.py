@@ -44,7 +44,7 @@ def mass(**changes):
 
 
 def beam(**changes):
-    return ct.BeamInCircle(BEAM, **{"radius": 0.51} | changes)
+    return ct.bodies.BeamInCircle(BEAM, **{"radius": 0.51} | changes)
 
 
 def rim(radius):

@@ -16,7 +16,7 @@ ROD = ct.Rod(length=1.0, area=1e-4, E=7e10, rho=2700.0, elements=3, x=0.0397, ve
 HINGED = ct.bodies.HingedBeam(
     length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, elements=4, torque=3.0, spin=30.0, angle_deg=106.0
 )
-BEAM = ct.BeamInCircle(HINGED, radius=0.502, offset=0.006)
+BEAM = ct.bodies.BeamInCircle(HINGED, radius=0.502, offset=0.006)
 COATING = ct.Abradable(E=4e7, yield_stress=2e5, hardening=4e6, thickness=5e-3, width=0.02, tip=0.03)
 RIM = ct.RotatingRim(ring(), blade(), clearance=-2e-6, speed_hz=5.0, lean_deg=10.0)
 SKEW = np.triu(np.random.default_rng(3).standard_normal((10, 10)), 1)

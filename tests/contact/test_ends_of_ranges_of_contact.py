@@ -38,7 +38,7 @@ TAKEN_REFUSED = {
     "damping of a mode": (lambda x: replace(BODY, zeta=[0.0, x]), BELOW, 1.0),
     "least damping of a mode": (lambda x: replace(BODY, zeta=[0.0, x]), 0.0, -1e-9),
     "height of a ring": (lambda x: replace(RING, height=x), 0.5 * BELOW, 0.5),
-    "radius of a circle": (lambda x: ct.BeamInCircle(BEAM, radius=x), 0.5, 0.4999),
+    "radius of a circle": (lambda x: ct.bodies.BeamInCircle(BEAM, radius=x), 0.5, 0.4999),
     "lean of a tip": (lambda x: ct.ContactPoint(lean_deg=x), 90.0 * BELOW, 90.0),
     "least lean of a tip": (lambda x: ct.ContactPoint(lean_deg=x), -90.0 * BELOW, -90.0),
     "lean of a rim": (

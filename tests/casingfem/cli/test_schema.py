@@ -67,7 +67,7 @@ def test_a_key_is_explained_on_a_screen(key, lines):
     assert result.exit_code == 0, result.output
     assert all(line in result.stdout for line in lines), result.stdout
     assert "None" not in result.stdout
-    assert len(result.stdout.splitlines()) < (40 if key != "scene" else 300)
+    assert len(result.stdout.splitlines()) < (40 if key != "scene" else 260)
     assert json.loads(asked(key, "--json").stdout)["tables"][0]["text"] in result.stdout
 
 

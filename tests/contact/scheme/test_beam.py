@@ -15,7 +15,7 @@ from contact.scheme.beam.beam_stepper import beam_step, prepare_beam, prepare_be
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
 
 BEAM = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=20)
-CIRCLE = ct.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
+CIRCLE = ct.bodies.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
 RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
 
 
@@ -154,7 +154,7 @@ def test_bending_of_a_ring_does_not_stretch_it():
 
 def impulse(ring, t_end):
     beam = replace(BEAM, elements=10)
-    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    stepper = prepare_beam(ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
     start = stepper.stored()
     advanced(stepper, t_end, Record(every=100))
     end = stepper.stored()
@@ -176,7 +176,7 @@ def test_residual_compliance_of_the_ring_yields_with_its_modes():
     mixing = np.random.default_rng(3).standard_normal((18, 18))
     ring = replace(modes, S=1e-9 * mixing @ mixing.T)
     beam = replace(BEAM, elements=10, angle_deg=108.0, spin=30.0)
-    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    stepper = prepare_beam(ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
     pressed = 0
     for step in range(4000):
         out = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
@@ -201,7 +201,7 @@ def test_nodes_that_press_together_all_end_on_the_rim(pressing):
     mixing = np.random.default_rng(3).standard_normal((18, 18))
     ring = replace(modes, S=1e-9 * mixing @ mixing.T)
     beam = replace(BEAM, elements=10, angle_deg=108.0)
-    stepper = prepare_beam(ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
+    stepper = prepare_beam(ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
     s = stepper.state
     out = s.x[1:, :2] - [CIRCLE.offset, 0.0]
     far = 0.502 - np.linalg.norm(out, axis=1)
@@ -224,7 +224,8 @@ def test_a_node_that_others_relieve_has_its_gap_and_no_force():
     swelling = np.zeros((18, 18))
     swelling[0, 0] = 1e-6
     stepper = prepare_beam(
-        ct.BeamInCircle(replace(BEAM, elements=10), radius=0.502, offset=6e-3, ring=replace(modes, S=swelling)), None,
+        ct.bodies.BeamInCircle(replace(BEAM, elements=10), radius=0.502, offset=6e-3, ring=replace(modes, S=swelling)),
+        None,
         0.5,
     )  # fmt: skip
     s = stepper.state

@@ -27,7 +27,7 @@ def circle(module, *, ring=False, **more):
     if ring:
         thin = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, zeta=0.01)
         around = module("contact.model.bodies.ring_modes").ring_modes(thin, 3)
-    return ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=around)
+    return ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=around)
 
 
 def explicit(module, **more):
@@ -39,7 +39,7 @@ def implicit(module, dt=1e-4, **more):
 
 
 def test_the_step_is_the_one_given_or_a_share_of_the_largest_stable_one():
-    problem = ct.BeamInCircle(ct.bodies.HingedBeam(**GIVEN), radius=0.502)
+    problem = ct.bodies.BeamInCircle(ct.bodies.HingedBeam(**GIVEN), radius=0.502)
     assert beam_step(problem, None, 0.3) == pytest.approx(0.3 * LIMIT, rel=1e-14)
     assert beam_step(problem, LIMIT, None) == LIMIT
     for given in ((None, None), (1e-9, 0.5)):

@@ -167,7 +167,7 @@ def test_numbers_of_a_modal_rod(law, held):
 def test_numbers_of_a_beam(ring, held):
     beam = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=8)
     around = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
-    circle = ct.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring_modes(around, 8) if ring else None)
+    circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring_modes(around, 8) if ring else None)
     held(
         1e-5,
         **numbers_of(ct.run(circle, t_end=1.05 * circle.first_contact_time, courant=0.5, record=ct.Record(every=200))),
@@ -176,7 +176,7 @@ def test_numbers_of_a_beam(ring, held):
 
 def test_numbers_of_a_beam_in_implicit_steps(held):
     beam = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=6)
-    circle = ct.BeamInCircle(beam, radius=0.502, offset=6e-3)
+    circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3)
     run = ct.run(
         circle,
         scheme=ct.Newmark(beta=0.5, gamma=0.55),

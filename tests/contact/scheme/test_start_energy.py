@@ -50,7 +50,9 @@ def test_damped_modes_and_a_spinning_beam_start_with_the_given_speed():
     beam = ct.bodies.HingedBeam(length=1.0, width=0.02, height=0.01, E=2e9, rho=1e3, elements=40, spin=30.0,
                                 torque=2.0, angle_deg=90.0)  # fmt: skip
     start = (
-        ct.CentralDifference().prepare(ct.BeamInCircle(beam, radius=1.2), ct.Unilateral(), dt=None, courant=0.9).start
+        ct.CentralDifference()
+        .prepare(ct.bodies.BeamInCircle(beam, radius=1.2), ct.Unilateral(), dt=None, courant=0.9)
+        .start
     )
     assert start.kinetic == pytest.approx(0.5 * beam.inertia * 30.0**2, rel=1e-3)
     assert start.potential == pytest.approx(-np.pi, rel=1e-12)
