@@ -35,6 +35,7 @@ from .structure.mesh.shell_mesh import ShellMesh
 from .structure.shell import loads
 from .structure.shell.shell import Shell
 from .structure.static import solve_static
+from .study.load import load_study
 from .updating.parameters import Parameter, parameters
 from .updating.updating import update
 from .version import __version__
@@ -84,6 +85,7 @@ __all__ = [
     "identify",
     "imported",
     "interactions",
+    "load_study",
     "loads",
     "locate",
     "mistune",

@@ -116,13 +116,13 @@ def export_matrices(file: Path, form: str, as_json: bool, out: Path | None) -> N
     from casingfem.modal.basis import ModalBasis
     from casingfem.modal.matrices import basis_matrices, structure_matrices
     from casingfem.structure.imported.matrix.write import matrix_files
-    from casingfem.study import load_any
+    from casingfem.study import load_study
 
     with ProgressMessage(f"matrices of {file.name}") as working:
         if file.suffix == ".npz":
             matrices = basis_matrices(ModalBasis.load(file))
         else:
-            matrices = structure_matrices(load_any(file).structure)
+            matrices = structure_matrices(load_study(file).structure)
         files = matrix_files(matrices, file.stem + ("_matrices" if form == "npz" else ""), form)
     document = {"files": list(files), "dofs": len(matrices.dofs), "seconds": working.seconds}
     text = f"{len(matrices.dofs)} unknowns" + ("" if out is not None else ", not written: give --out DIR")

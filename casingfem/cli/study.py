@@ -25,18 +25,18 @@ STUDY = click.argument("file", metavar="STUDY", type=click.Path(path_type=Path))
 
 def any_study(file: Path, *, wheel: bool = False) -> "Study | MeshStudy":
     """Read a study, of a shell on a chart or of an imported mesh."""
-    from casingfem.study import load_any
+    from casingfem.study import load_study
 
     with ProgressMessage(f"reading {file.name}"):
-        return load_any(file, wheel=wheel)
+        return load_study(file, wheel=wheel)
 
 
 def chart_study(file: Path) -> "Study":
     """Read the study of a shell on a chart."""
-    from casingfem.study import load_study
+    from casingfem.study import load_shell_study
 
     with ProgressMessage(f"reading {file.name}"):
-        return load_study(file)
+        return load_shell_study(file)
 
 
 def numbers(context: click.Context, option: click.Parameter, value: str | None) -> tuple[int, ...] | None:

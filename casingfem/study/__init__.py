@@ -1,9 +1,9 @@
 """study.toml: its schema, how it is read, and how an updated one is written."""
 
 from casingfem.study.imported import MeshStudy
-from casingfem.study.load import Study, load_any, load_study
+from casingfem.study.load import Study, load_shell_study, load_study
 from casingfem.study.problems import StudyError
 from casingfem.study.tables.tasks import schema
 from casingfem.study.updated import perfect, updated_toml
 
-__all__ = ["MeshStudy", "Study", "StudyError", "load_any", "load_study", "perfect", "schema", "updated_toml"]
+__all__ = ["MeshStudy", "Study", "StudyError", "load_shell_study", "load_study", "perfect", "schema", "updated_toml"]

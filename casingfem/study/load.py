@@ -72,7 +72,7 @@ class Study(FromFile):
         return self.shell
 
 
-def load_study(path: str | Path) -> Study:
+def load_shell_study(path: str | Path) -> Study:
     """Read the study of a shell on a chart; surveys and tables are found relative to it.
 
     Raises
@@ -80,7 +80,7 @@ def load_study(path: str | Path) -> Study:
     StudyError
         With all problems, one a line: file: key: found X, expected Y.
     """
-    study = load_any(path)
+    study = load_study(path)
     if isinstance(study, MeshStudy):
         key = "solid" if study.file.solid is not None else "shell.mesh"
         raise study.error(key, "an imported mesh", "a shell on a [chart] for this command")
@@ -88,13 +88,32 @@ def load_study(path: str | Path) -> Study:
 
 
 @pipes_read_once()
-def load_any(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
-    """Read a study file, of a shell on a chart or of an imported mesh; with `wheel` one that has [cyclic] too.
+def load_study(path: str | Path, *, wheel: bool = False) -> Study | MeshStudy:
+    """Read a study file: the structure and tables it describes, all files it names read relative to it.
+
+    Parameters
+    ----------
+    path
+        A study.toml, of a shell on a chart or of an imported mesh.
+    wheel
+        Accept [cyclic], one sector of a wheel.
+
+    Returns
+    -------
+    Study | MeshStudy
+        `structure` is the shell or the imported part; `start` has the start values of [update] put in.
 
     Raises
     ------
     StudyError
-        With all problems, one a line: file: key: found X, expected Y.
+        An `InputError` with all problems, one a line: file: key: found X, expected Y.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> study = cf.load_study("data/studies/frustum.toml")
+    >>> study.structure.chart
+    Frustum(r_base=0.5, r_top=0.45, height=0.25)
     """
     file = Path(path)
     problems = Problems(file)

@@ -25,7 +25,7 @@ from casingfem.modal.mistuning import (
     restart_error,
 )
 from casingfem.modal.mode_set import Modes
-from casingfem.study.load import Study, load_study
+from casingfem.study.load import Study, load_shell_study
 from casingfem.study.problems import StudyError
 from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
@@ -166,7 +166,7 @@ _worker: list[WorkerState] = []  # of this process, filled once by `set_up`
 
 def set_up(path: str, digest: str) -> None:
     """Load the study and solve its mean shell."""
-    study = load_study(path)
+    study = load_shell_study(path)
     if study.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
     _worker.append(WorkerState(study, mean_modes(study.shell, study.file.modes.count)))

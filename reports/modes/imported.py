@@ -31,7 +31,7 @@ from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
 from casingfem.structure.shell.shell import Shell
-from casingfem.study import load_any
+from casingfem.study import load_study
 from reports.modes.calculix import compared
 from reports.modes.frustum import exact_frequencies
 from reports.modes.mesh_files import WRITERS, group_name
@@ -76,7 +76,7 @@ def formats(out: Path) -> list[Row]:
             f'[material]\nE = 210e9\nnu = 0.3\nrho = 7800.0\n\n[solid]\nmesh = "{file}"\n\n'
             f'[support."{group}"]\nkind = "clamped"\n\n[modes]\ncount = 20\n'
         )
-        loaded = load_any(study)
+        loaded = load_study(study)
         found = modes(loaded.structure, 20)
         rows.append(
             {

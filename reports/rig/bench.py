@@ -17,7 +17,7 @@ from casingfem.experiment.rig.excitation import Impact
 from casingfem.experiment.rig.record import measured, record
 from casingfem.experiment.rig.scan import Scan, Tone, Turning, scan
 from casingfem.experiment.rig.structure import damping_spread
-from casingfem.study import Study, load_study
+from casingfem.study import Study, load_shell_study
 from casingfem.study.rig import RigTest, run_rig
 from reports.rig.synthetic import SEED as SURVEYED
 from reports.rig.synthetic import true_radius
@@ -39,7 +39,7 @@ class BladeTest:
 
 def casing_study(quick: bool) -> Study:
     """The study of the casing on the bench."""
-    study = load_study(DATA / "studies" / "rig_test.toml")
+    study = load_shell_study(DATA / "studies" / "rig_test.toml")
     radius = true_radius(np.random.default_rng(SURVEYED))
     shell = replace(study.shell, radius_defect=radius)
     if not quick:

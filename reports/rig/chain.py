@@ -12,7 +12,7 @@ from typing import Any
 import casingfem as cf
 from casingfem.plot.page import origin, render_page
 from casingfem.plot.pages.study import SYNTHETIC, Clock
-from casingfem.study import Study, load_study, perfect
+from casingfem.study import Study, load_shell_study, perfect
 from casingfem.study.tasks import run_update
 from contact.io.outfiles import write_atomic
 from reports.rig import blade as rig_blade
@@ -28,7 +28,7 @@ CHAIN = DATA / "studies" / "rig.toml"
 def read_chain(path: Path) -> tuple[dict[str, Study], rig_tuning.RubPlan]:
     """The studies and the rub that rig.toml names."""
     tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    studies = {key: load_study(path.parent / name) for key, name in tables["chain"].items()}
+    studies = {key: load_shell_study(path.parent / name) for key, name in tables["chain"].items()}
     return studies, rig_tuning.RubPlan(**tables["tuning"], **tables["rub"])
 
 

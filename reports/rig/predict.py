@@ -7,7 +7,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.io.arrays import BoolArray
-from casingfem.study import load_study
+from casingfem.study import load_shell_study
 from reports.tables import DATA, Row
 
 REPEATABILITY = 4e-4  # relative standard uncertainty that a test's frequencies have from one set-up to the next
@@ -29,7 +29,7 @@ def rows_of(table: cf.FrequencyTable, rows: BoolArray) -> cf.FrequencyTable:
 
 def casing_models(quick: bool) -> dict[str, tuple[cf.Shell, list[cf.Parameter]]]:
     """What the updater starts from: the study's elastic edge, and the embedding as it is, a ring on bolts."""
-    study = load_study(DATA / "studies" / "rig_casing.toml")
+    study = load_shell_study(DATA / "studies" / "rig_casing.toml")
     start = replace(study.start, mesh=cf.ShellMesh(order=6, rows=1, around=23)) if quick else study.start
     steel = [p for p in study.parameters if p.name in ("material.E", "shell.thickness")]
     ring = cf.Ring(
@@ -49,7 +49,7 @@ def casing_models(quick: bool) -> dict[str, tuple[cf.Shell, list[cf.Parameter]]]
 
 def blade_model() -> tuple[cf.Shell, list[cf.Parameter]]:
     """The blade of rig_blade.toml: an even plate, its root's stiffness unknown."""
-    shell = load_study(DATA / "studies" / "rig_blade.toml").shell
+    shell = load_shell_study(DATA / "studies" / "rig_blade.toml").shell
     shell = replace(shell, supports={"root": cf.ElasticEdge(k_face=1e14)})
     return shell, [
         P(name="material.E", lower=190e9, upper=225e9, sigma=3e9),

@@ -22,7 +22,7 @@ from casingfem.structure.imported.matrix.read import read_matrices
 from casingfem.structure.imported.matrix.write import matrix_files
 from casingfem.structure.imported.read import read_mesh
 from casingfem.study.cyclic import read_deviations
-from casingfem.study.load import load_any
+from casingfem.study.load import load_study
 from contact.io.outfiles import read_checked, write_checked
 from contact.result import Result
 from contact.scene.cycles import load_cycles
@@ -236,7 +236,7 @@ def write_models(folder: Path) -> None:
 
 def read_study(path: Path) -> object:
     """What a study says, with all that it names read and built."""
-    return load_any(path, wheel=True).file
+    return load_study(path, wheel=True).file
 
 
 def read_scene(path: Path) -> object:

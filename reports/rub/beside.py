@@ -15,7 +15,7 @@ import numpy as np
 
 import casingfem as cf
 import contact as ct
-from casingfem.study.load import load_study
+from casingfem.study.load import load_shell_study
 from casingfem.study.tasks import run_reduce
 from contact.interacting import Interactions
 from contact.speed_runs import SpeedRun, at_speed
@@ -75,7 +75,7 @@ def track_inside() -> ct.Scene:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "casing.toml")
         file.write_text(CASING, encoding="utf-8")
-        casing = ct.ModalBody.of(run_reduce(load_study(file)))
+        casing = ct.ModalBody.of(run_reduce(load_shell_study(file)))
     strip = cf.Shell(
         chart=cf.Plate(length=0.15, width=0.06), thickness=4e-3, material=TITANIUM, supports={"root": cf.Clamped()}
     )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import contact as ct
 from casingfem.plot.style import DIVERGING, PERFECT, new_figure, styled
-from casingfem.study import load_study
+from casingfem.study import load_shell_study
 from casingfem.study.tasks import run_reduce
 from contact.growth.closed_contact import growth
 from contact.io.outfiles import write_atomic
@@ -34,7 +34,7 @@ Map = NDArray[np.float64]
 def prepare(folder: Path, quick: bool) -> SweepPlan:
     """Reduce both bodies, and put the scene beside them."""
     for name in ("casing", "blade"):
-        run_reduce(load_study(SCENES / f"{name}.toml")).save(folder / f"{name}.npz")
+        run_reduce(load_shell_study(SCENES / f"{name}.toml")).save(folder / f"{name}.npz")
     text = (SCENES / "map.toml").read_text(encoding="utf-8")
     if quick:
         text = text.replace("steps = 61", "steps = 7").replace("steps = 41", "steps = 3")

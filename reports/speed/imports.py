@@ -20,7 +20,7 @@ from casingfem.io.arrays import FloatArray
 from casingfem.modal.reduction import reduce
 from casingfem.structure.imported.grid import grid_mesh, revolved
 from casingfem.structure.imported.mesh.mesh_data import MeshData
-from casingfem.study import load_any
+from casingfem.study import load_study
 from reports.modes.calculix import place
 from reports.modes.mesh_files import write_inp
 from reports.speed.child import Limits, Numbers, in_child
@@ -71,7 +71,7 @@ def chain(maker: Callable[[Counts], MeshData], table: str, counts: Counts, folde
     del mesh
     yield {"file MB": 1e-6 * (folder / "part.inp").stat().st_size}
     started = process_time()
-    loaded = load_any(study)
+    loaded = load_study(study)
     yield {"read s": process_time() - started}
     started = process_time()
     system = loaded.structure.assembled()

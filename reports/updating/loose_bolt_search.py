@@ -38,7 +38,7 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.assembly import assemble
 from casingfem.structure.shell.shell import Shell
-from casingfem.study import load_study
+from casingfem.study import load_shell_study
 from reports.tables import DATA, Row, command_line, show, text, write
 
 SEARCHED = ShellMesh(order=6, rows=(0.0, 0.03, 1.0), around=24)
@@ -61,7 +61,7 @@ class Truth(NamedTuple):
 
 def casing(mesh: ShellMesh, loose: dict[int, float] | None = None) -> Shell:
     """The bolted casing of the study on a mesh, its bolts tight but for those named."""
-    shell = load_study(DATA / "studies" / "bolted_ring.toml").shell
+    shell = load_shell_study(DATA / "studies" / "bolted_ring.toml").shell
     ring = shell.supports["base"]
     assert isinstance(ring, Ring)
     assert isinstance(ring.support, Bolts)

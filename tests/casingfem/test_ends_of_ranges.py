@@ -6,21 +6,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError, ModelError
-from casingfem.experiment.circle.record import ScanRecord
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.rig import BITS, Converter, Rig
-from casingfem.experiment.rig.troubles import Troubles
-from casingfem.structure.edge.ring import EdgeMass
-from casingfem.structure.edge.section import Section
-from casingfem.structure.edge.support import ElasticEdge
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.field.random import RandomField, Spectrum
-from casingfem.structure.field.spline import Spline
+from casingfem.experiment.rig.rig import BITS
 from casingfem.structure.field.survey.points import SurveyPoints
-from casingfem.structure.shell.plies import Lamina, Ply
-from casingfem.updating.parameters import Parameter
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -30,8 +17,8 @@ PLATE = cf.Shell(
     supports={"root": cf.Clamped()},
     mesh=cf.ShellMesh(order=4, rows=1, around=1),
 )
-SPECTRUM = Spectrum.between({2: 0.01}, {2: 0.02})
-LAMINA = Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
+SPECTRUM = cf.field.Spectrum.between({2: 0.01}, {2: 0.02})
+LAMINA = cf.shell.Lamina(E1=25e9, E2=1e9, nu12=0.25, G12=0.5e9, G13=0.5e9, G23=0.2e9, rho=1500.0)
 RIGS = {"omega": [1.0, 2.0], "zeta": [0.1, 0.1], "rows": [[1.0, 1.0]]}
 BELOW, ABOVE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
 
@@ -42,7 +29,7 @@ def points(value):
 
 def scan(**changes):
     given = {"fs": 10.0, "velocity": np.zeros(4), "angle": np.arange(4.0), "tones": (1.0, 2.0)}
-    return ScanRecord(**given | changes)
+    return cf.circle.ScanRecord(**given | changes)
 
 
 def shapes(**changes):
@@ -52,7 +39,7 @@ def shapes(**changes):
         "points": np.zeros((1, 3)),
         "directions": [[0.0, 0.0, 1.0]],
     }
-    return MeasuredShapes.from_arrays(**given | changes)
+    return cf.correlation.MeasuredShapes.from_arrays(**given | changes)
 
 
 TAKEN_REFUSED = {
@@ -73,49 +60,57 @@ TAKEN_REFUSED = {
     "first loose bolt": (lambda x: cf.Bolts(count=4, k=1e6, loose={x: 0.5}), 1, 0),
     "width of bolts": (lambda x: cf.Bolts(count=4, k=1e6, width=x), 1e-3, 0.0),
     "widest bolts": (lambda x: cf.Bolts(count=4, k=1e6, width=x), 0.5 * np.pi, 0.5 * np.pi * (1.0 + 1e-11)),
-    "mass on an edge": (lambda x: EdgeMass(angle=0.0, mass=x), 0.0, -1e-9),
-    "section": (lambda x: Section.rectangle(width=x, depth=0.01), 1e-6, 0.0),
-    "springs of an edge": (lambda x: ElasticEdge(k_r=1.0, k_z=x), 0.0, -1e-9),
-    "harmonic": (lambda x: FourierField.of({x: 1e-3}), 0, -1),
+    "mass on an edge": (lambda x: cf.edge.EdgeMass(angle=0.0, mass=x), 0.0, -1e-9),
+    "section": (lambda x: cf.edge.Section.rectangle(width=x, depth=0.01), 1e-6, 0.0),
+    "springs of an edge": (lambda x: cf.ElasticEdge(k_r=1.0, k_z=x), 0.0, -1e-9),
+    "harmonic": (lambda x: cf.FourierField.of({x: 1e-3}), 0, -1),
     "height of a series": (
-        lambda x: FourierField(p=np.array([2]), cos=np.ones((1, 1)), sin=np.ones((1, 1)), z_half=x),
+        lambda x: cf.FourierField(p=np.array([2]), cos=np.ones((1, 1)), sin=np.ones((1, 1)), z_half=x),
         1e-9,
         0.0,
     ),
-    "harmonic of a spectrum": (lambda x: Spectrum(p=np.array([x]), median=np.ones(1), high=np.ones(1)), 1, 0),
-    "median of a spectrum": (lambda x: Spectrum(p=np.array([2]), median=np.array([x]), high=np.ones(1)), 1e-9, 0.0),
-    "high of a spectrum": (lambda x: Spectrum(p=np.array([2]), median=np.ones(1), high=np.array([x])), 1.0, BELOW),
-    "order of a spectrum": (lambda x: Spectrum(p=np.array([2, x]), median=np.ones(2), high=np.ones(2)), 3, 2),
-    "draw": (lambda x: RandomField(spectrum=SPECTRUM, seed=1, draw=x), 0, -1),
-    "intervals": (lambda x: Spline(z_low=0.0, z_high=1.0, intervals=x), 1, 0),
-    "degree": (lambda x: Spline(z_low=0.0, z_high=1.0, intervals=1, degree=x), 2, 1),
-    "heights of a spline": (lambda x: Spline(z_low=0.0, z_high=x, intervals=1), 1e-9, 0.0),
+    "harmonic of a spectrum": (lambda x: cf.field.Spectrum(p=np.array([x]), median=np.ones(1), high=np.ones(1)), 1, 0),
+    "median of a spectrum": (
+        lambda x: cf.field.Spectrum(p=np.array([2]), median=np.array([x]), high=np.ones(1)),
+        1e-9,
+        0.0,
+    ),
+    "high of a spectrum": (
+        lambda x: cf.field.Spectrum(p=np.array([2]), median=np.ones(1), high=np.array([x])),
+        1.0,
+        BELOW,
+    ),
+    "order of a spectrum": (lambda x: cf.field.Spectrum(p=np.array([2, x]), median=np.ones(2), high=np.ones(2)), 3, 2),
+    "draw": (lambda x: cf.field.RandomField(spectrum=SPECTRUM, seed=1, draw=x), 0, -1),
+    "intervals": (lambda x: cf.field.Spline(z_low=0.0, z_high=1.0, intervals=x), 1, 0),
+    "degree": (lambda x: cf.field.Spline(z_low=0.0, z_high=1.0, intervals=1, degree=x), 2, 1),
+    "heights of a spline": (lambda x: cf.field.Spline(z_low=0.0, z_high=x, intervals=1), 1e-9, 0.0),
     "radius": (lambda x: cf.Cylinder(radius=x, height=0.1), 1e-9, 0.0),
     "angle of a panel": (lambda x: cf.Panel(radius=1.0, length=0.1, angle=x), 2.0 * np.pi * BELOW, 2.0 * np.pi),
     "camber": (lambda x: cf.Blade(length=0.2, chord=0.1, camber=x), 2.0 * np.pi * BELOW, 2.0 * np.pi),
-    "thickness of a ply": (lambda x: Ply(thickness=x), 1e-9, 0.0),
+    "thickness of a ply": (lambda x: cf.shell.Ply(thickness=x), 1e-9, 0.0),
     "modulus of a lamina": (lambda x: replace(LAMINA, E1=x), 1e25, 1e25 * ABOVE),
     "least density of a lamina": (lambda x: replace(LAMINA, rho=x), 1e-25, 1e-25 * BELOW),
     "ratio of a lamina": (lambda x: replace(LAMINA, nu12=x), 5.0 * BELOW * BELOW, 5.0),
-    "lower bound": (lambda x: Parameter(name="material.E", lower=x, upper=2.0), 2.0 * BELOW, 2.0),
-    "bound of a logarithm": (lambda x: Parameter(name="material.E", lower=x, upper=2.0, log=True), 1e-9, 0.0),
-    "prior": (lambda x: Parameter(name="material.E", lower=1.0, upper=2.0, sigma=x), 1e-9, 0.0),
-    "frequencies of a rig": (lambda x: Rig.of(**{**RIGS, "omega": [x, 2.0]}), 1e-9, 0.0),
-    "order of a rig": (lambda x: Rig.of(**{**RIGS, "omega": [1.0, x]}), 1.0, BELOW),
-    "damping of a rig": (lambda x: Rig.of(**{**RIGS, "zeta": [0.1, x]}), BELOW, 1.0),
-    "least damping of a rig": (lambda x: Rig.of(**{**RIGS, "zeta": [0.1, x]}), 1e-9, 0.0),
-    "bits": (lambda x: Converter(bits=x, full_scale=1.0), BITS[0], BITS[0] - 1),
-    "most bits": (lambda x: Converter(bits=x, full_scale=1.0), BITS[1], BITS[1] + 1),
-    "full scale": (lambda x: Converter(bits=8, full_scale=x), 1e-9, 0.0),
-    "shift of set-ups": (lambda x: Troubles(shift=x), 0.05, 0.0501),
-    "set-ups": (lambda x: Troubles(setups=x), 1, 0),
-    "dead sensors": (lambda x: Troubles(dead=x), 0, -1),
-    "part of a burst": (lambda x: BurstRandom(rms=1.0, band=(1.0, 2.0), part=x), BELOW, 1.0),
-    "band": (lambda x: Random(rms=1.0, band=(x, 2.0)), 2.0 * BELOW, 2.0),
-    "lower end of a band": (lambda x: Random(rms=1.0, band=(x, 2.0)), 0.0, -1e-9),
-    "level": (lambda x: Random(rms=x, band=(1.0, 2.0)), 1e-9, 0.0),
-    "width of a hit": (lambda x: Impact(peak=1.0, width=x), 1e-9, 0.0),
-    "steps of a sine": (lambda x: StepSine(freq=(x,), amplitude=1.0), 1e-9, 0.0),
+    "lower bound": (lambda x: cf.Parameter(name="material.E", lower=x, upper=2.0), 2.0 * BELOW, 2.0),
+    "bound of a logarithm": (lambda x: cf.Parameter(name="material.E", lower=x, upper=2.0, log=True), 1e-9, 0.0),
+    "prior": (lambda x: cf.Parameter(name="material.E", lower=1.0, upper=2.0, sigma=x), 1e-9, 0.0),
+    "frequencies of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "omega": [x, 2.0]}), 1e-9, 0.0),
+    "order of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "omega": [1.0, x]}), 1.0, BELOW),
+    "damping of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "zeta": [0.1, x]}), BELOW, 1.0),
+    "least damping of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "zeta": [0.1, x]}), 1e-9, 0.0),
+    "bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), BITS[0], BITS[0] - 1),
+    "most bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), BITS[1], BITS[1] + 1),
+    "full scale": (lambda x: cf.rig.Converter(bits=8, full_scale=x), 1e-9, 0.0),
+    "shift of set-ups": (lambda x: cf.rig.Troubles(shift=x), 0.05, 0.0501),
+    "set-ups": (lambda x: cf.rig.Troubles(setups=x), 1, 0),
+    "dead sensors": (lambda x: cf.rig.Troubles(dead=x), 0, -1),
+    "part of a burst": (lambda x: cf.rig.BurstRandom(rms=1.0, band=(1.0, 2.0), part=x), BELOW, 1.0),
+    "band": (lambda x: cf.rig.Random(rms=1.0, band=(x, 2.0)), 2.0 * BELOW, 2.0),
+    "lower end of a band": (lambda x: cf.rig.Random(rms=1.0, band=(x, 2.0)), 0.0, -1e-9),
+    "level": (lambda x: cf.rig.Random(rms=x, band=(1.0, 2.0)), 1e-9, 0.0),
+    "width of a hit": (lambda x: cf.rig.Impact(peak=1.0, width=x), 1e-9, 0.0),
+    "steps of a sine": (lambda x: cf.rig.StepSine(freq=(x,), amplitude=1.0), 1e-9, 0.0),
     "sampling of a scan": (lambda x: scan(fs=x), 10.0, 0.0),
     "tone": (lambda x: scan(tones=(x,)), 1e-9, 0.0),
     "order of tones": (lambda x: scan(tones=(1.0, x)), ABOVE, 1.0),
@@ -141,5 +136,5 @@ TAKEN_REFUSED = {
 def test_the_last_number_is_taken_and_the_next_is_not(name):
     make, taken, refused = TAKEN_REFUSED[name]
     make(taken)
-    with pytest.raises((InputError, ModelError, ValueError)):
+    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, ValueError)):
         make(refused)

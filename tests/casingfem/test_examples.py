@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+import casingfem as cf
 from casingfem.cli import main
 from casingfem.examples import DATA, examples, strings
-from casingfem.study import load_study
 from reports.rub.section_44 import THICKNESS
 
 ROOT = Path(__file__).parents[2]
@@ -114,6 +114,6 @@ def test_a_calculation_of_a_second_runs_as_is_said(here):
 def test_the_blades_of_the_rubs_are_those_of_their_report(here, hz):
     assert invoke("example", f"rub_blade_{hz}").exit_code == 0
     study = Path(f"data/studies/rub_blade_{hz}.toml")
-    assert load_study(study).shell.thickness == THICKNESS[f"blade_{hz}"]
+    assert cf.load_study(study).shell.thickness == THICKNESS[f"blade_{hz}"]
     (freq, *_) = json.loads(invoke("reduce", study, "--out", here, "--json").stdout)["freq_hz"]
     assert freq == pytest.approx(hz, abs=1.0)

@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 from scipy.sparse import csc_array
 
+import casingfem as cf
 from casingfem import extras
 from casingfem.cli import main
-from casingfem.errors import NumericsError
 from casingfem.extras import EXTRAS, remedy
 from casingfem.linalg.factor import PardisoFactor
 
@@ -64,6 +64,6 @@ def test_doctor_says_which_are_there_and_what_installs_the_others(monkeypatch):
 
 def test_a_missing_solver_is_named_with_what_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
-    with pytest.raises(NumericsError) as refused:
+    with pytest.raises(cf.errors.NumericsError) as refused:
         PardisoFactor(csc_array(np.eye(2)))
     assert str(refused.value).endswith(remedy("direct"))

@@ -6,23 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError, ModelError
-from casingfem.experiment.correlation.mac import subspace_mac
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
 from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.excitation import Random
-from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Converter, Rig
-from casingfem.experiment.rig.troubles import Troubles
-from casingfem.experiment.uff.write import write_uff
-from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, Strain
-from casingfem.structure.field.random import RandomField, Spectrum
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
-from casingfem.structure.imported.cells.support import Fixed
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.structure.imported.read import read_mesh
-from casingfem.updating.addresses import get_value
-from casingfem.updating.regularisation import Regularisation
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -33,19 +17,26 @@ PLATE = cf.Shell(
     mesh=cf.ShellMesh(order=4, rows=1, around=1),
 )
 BEAM = cf.Solid(
-    mesh=grid_mesh(
+    mesh=cf.imported.grid_mesh(
         "hexahedron20", (2, 1, 1), lambda u: u * [0.2, 0.05, 0.01], groups={"root": (0, 0.0), "tip": (0, 1.0)}
     ),
     material=STEEL,
     supports={"root": cf.Clamped()},
 )
-ONE = Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0]])
+ONE = cf.rig.Rig.of(omega=[900.0], zeta=[0.01], rows=[[1.0]])
 POINTS, OUT = np.array([[0.1, 0.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
 
 
 def recorded():
-    return record(
-        ONE, [Random(rms=1.0, band=(60.0, 700.0))], drives=[0], sensors=[0], fs=2048.0, block=256, blocks=2, seed=1
+    return cf.rig.record(
+        ONE,
+        [cf.rig.Random(rms=1.0, band=(60.0, 700.0))],
+        drives=[0],
+        sensors=[0],
+        fs=2048.0,
+        block=256,
+        blocks=2,
+        seed=1,
     )
 
 
@@ -55,33 +46,41 @@ def updated(**options):
 
 
 def output(kind):
-    interface = cf.Tip() if isinstance(kind, Displacement | Strain) else cf.TipNodes("tip", 2)
-    part = PLATE if isinstance(kind, Displacement | Strain) else BEAM
+    interface = cf.Tip() if isinstance(kind, cf.modal.Displacement | cf.modal.Strain) else cf.TipNodes("tip", 2)
+    part = PLATE if isinstance(kind, cf.modal.Displacement | cf.modal.Strain) else BEAM
     return cf.reduce(part, interface, modes=1, outputs=(kind,))
 
 
 def shapes(values):
-    return MeasuredShapes.from_arrays(freq_hz=[100.0], values=values, points=POINTS, directions=OUT)
+    return cf.correlation.MeasuredShapes.from_arrays(freq_hz=[100.0], values=values, points=POINTS, directions=OUT)
 
 
 REFUSED = {
     "no pieces": (
-        lambda: PiecewiseMeridian(start=(0.3, 0.0), pieces=()),
+        lambda: cf.geometry.PiecewiseMeridian(start=(0.3, 0.0), pieces=()),
         "chart.piece: found none, expected one or more",
     ),
     "a small arc": (
-        lambda: PiecewiseMeridian(start=(0.3, 0.0), pieces=(Piece(to=(0.3, 0.1), radius=0.05),)),
+        lambda: cf.geometry.PiecewiseMeridian(
+            start=(0.3, 0.0), pieces=(cf.geometry.Piece(to=(0.3, 0.1), radius=0.05),)
+        ),
         "chart.piece[1].radius: found 0.05 m for a way of 0.1 m",
     ),
     "large fillets": (
-        lambda: PiecewiseMeridian(start=(0.3, 0.0), fillet=0.2, pieces=(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.1)))),
+        lambda: cf.geometry.PiecewiseMeridian(
+            start=(0.3, 0.0), fillet=0.2, pieces=(cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.2, 0.1)))
+        ),
         "chart.piece[2].fillet: found 0.2 m, which does not fit between its pieces",
     ),
     "fillets that leave nothing between": (
-        lambda: PiecewiseMeridian(
+        lambda: cf.geometry.PiecewiseMeridian(
             start=(0.3, 0.0),
             fillet=0.06,
-            pieces=(Piece(to=(0.3, 0.1)), Piece(to=(0.2, 0.1)), Piece(to=(0.2, 0.3))),
+            pieces=(
+                cf.geometry.Piece(to=(0.3, 0.1)),
+                cf.geometry.Piece(to=(0.2, 0.1)),
+                cf.geometry.Piece(to=(0.2, 0.3)),
+            ),
         ),
         "chart.piece[2]: its fillets leave nothing of 0.1 m",
     ),
@@ -93,28 +92,31 @@ REFUSED = {
         "at: found [0.5], off the surface; expected 0 to 0.2",
     ),
     "a seed below 0": (
-        lambda: RandomField(spectrum=Spectrum.between({2: 0.01}, {2: 0.02}), seed=-1),
+        lambda: cf.field.RandomField(spectrum=cf.field.Spectrum.between({2: 0.01}, {2: 0.02}), seed=-1),
         "RandomField: found seed -1, draw 0, stream 0",
     ),
     "directions": (
-        lambda: Fixed(directions=("x", "x")),
+        lambda: cf.imported.Fixed(directions=("x", "x")),
         "directions must name some of x, y, z, each once, found ('x', 'x')",
     ),
     "a direction of an output": (
-        lambda: output(Displacement(name="u", at=(0.1, 0.0), direction="up")),
+        lambda: output(cf.modal.Displacement(name="u", at=(0.1, 0.0), direction="up")),
         "output 'u': found direction 'up'",
     ),
-    "a component of an output": (lambda: output(Strain(name="e", at=(0.1, 0.0), component="13")), "output 'e': found"),
+    "a component of an output": (
+        lambda: output(cf.modal.Strain(name="e", at=(0.1, 0.0), component="13")),
+        "output 'e': found",
+    ),
     "a node's direction": (
-        lambda: output(NodeDisplacement(name="u", node=20, direction="up")),
+        lambda: output(cf.modal.NodeDisplacement(name="u", node=20, direction="up")),
         "output 'u': found direction 'up'",
     ),
     "a node's component": (
-        lambda: output(NodeStrain(name="e", node=20, component="13z")),
+        lambda: output(cf.modal.NodeStrain(name="e", node=20, component="13z")),
         "output 'e': found component '13z'",
     ),
     "alike shapes": (
-        lambda: subspace_mac(np.ones((4, 2)), np.eye(4)[:, :2]),
+        lambda: cf.correlation.subspace_mac(np.ones((4, 2)), np.eye(4)[:, :2]),
         "the shapes of a plane must be linearly independent",
     ),
     "values of too few channels": (lambda: shapes(np.ones((2, 1))), "expected"),
@@ -122,39 +124,39 @@ REFUSED = {
     "a window": (lambda: estimate(recorded(), window="flat"), "window: found 'flat', expected"),
     "an estimator": (lambda: estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
     "an empty band": (lambda: estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz with no line in it"),
-    "bits": (lambda: Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
+    "bits": (lambda: cf.rig.Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
     "a quantity": (
         lambda: ONE.frfs([10.0], sensors=[0], drives=[0], quantity="velocity"),
         "quantity: found 'velocity', expected",
     ),
-    "a shift": (lambda: Troubles(shift=0.5), "shift: found 0.5, expected 0 to 0.05"),
-    "no setups": (lambda: Troubles(setups=0), "setups: found 0"),
-    "a rule": (lambda: Regularisation(rule="strong"), "regularise: found 'strong', expected"),
+    "a shift": (lambda: cf.rig.Troubles(shift=0.5), "shift: found 0.5, expected 0 to 0.05"),
+    "no setups": (lambda: cf.rig.Troubles(setups=0), "setups: found 0"),
+    "a rule": (lambda: cf.updating.Regularisation(rule="strong"), "regularise: found 'strong', expected"),
     "a name that is not varied": (
-        lambda: updated(regularise=Regularisation(names=("material.rho",))),
+        lambda: updated(regularise=cf.updating.Regularisation(names=("material.rho",))),
         "regularise: 'material.rho' is not varied; varied are material.E",
     ),
     "what becomes of outliers": (
         lambda: updated(outliers="drop"),
         'outliers: found \'drop\', expected "set-aside" or "keep"',
     ),
-    "an address": (lambda: get_value(PLATE, "wing.span"), "wing.span"),
-    "an address within the chart": (lambda: get_value(PLATE, "chart.radius"), "chart.radius"),
-    "an address of no number": (lambda: get_value(PLATE, "support.root.k_r"), "support.root"),
+    "an address": (lambda: cf.updating.get_value(PLATE, "wing.span"), "wing.span"),
+    "an address within the chart": (lambda: cf.updating.get_value(PLATE, "chart.radius"), "chart.radius"),
+    "an address of no number": (lambda: cf.updating.get_value(PLATE, "support.root.k_r"), "support.root"),
 }
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_input_is_refused(name):
     make, words = REFUSED[name]
-    with pytest.raises((InputError, ModelError, ValueError)) as caught:
+    with pytest.raises((cf.errors.InputError, cf.errors.ModelError, ValueError)) as caught:
         make()
     assert words in str(caught.value)
 
 
 def test_nothing_to_write_is_no_universal_file(tmp_path):
     with pytest.raises(ValueError, match="nothing to write"):
-        write_uff(tmp_path / "empty.uff")
+        cf.uff.write_uff(tmp_path / "empty.uff")
 
 
 INP = "*NODE\n" + "".join(
@@ -180,7 +182,7 @@ def test_a_file_is_refused_with_its_line(name, tmp_path):
     text, words = FILES[name]
     path = tmp_path / "part.inp"
     path.write_text(text)
-    with pytest.raises(ModelError) as caught:
-        read_mesh(path)
+    with pytest.raises(cf.errors.ModelError) as caught:
+        cf.read_mesh(path)
     assert words in str(caught.value)
     assert "part.inp" in str(caught.value)

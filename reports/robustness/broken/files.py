@@ -9,7 +9,7 @@ import numpy as np
 
 import casingfem as cf
 from casingfem.structure.imported.grid import grid_mesh
-from casingfem.study import load_study
+from casingfem.study import load_shell_study
 from reports.robustness.broken.shells import Broken, steel
 
 STUDY = """
@@ -52,7 +52,7 @@ def study(old: str = "", new: str = "", survey: Callable[[str], str] = str) -> C
             path = Path(folder) / "study.toml"
             (path.parent / "survey.csv").write_text(survey("\n".join(SURVEY) + "\n"), encoding="utf-8")
             path.write_text(STUDY.replace(old, new, 1) if old else STUDY + new, encoding="utf-8")
-            found = load_study(path)
+            found = load_shell_study(path)
             return cf.modes(found.shell, found.file.modes.count)
 
     return make

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 
 import contact as ct
 import reports.robustness.diverging as scenes
-from casingfem.study.load import load_any
+from casingfem.study.load import load_study
 from contact.prepared import prepared
 from contact.scene.cycles import load_cycles
 from contact.scene.stability import load_stability
@@ -97,7 +97,7 @@ UNITS = {
     "k": "N/m",
 }  # fmt: skip
 READ: dict[str, Callable[[Path], object]] = {
-    "study": lambda path: load_any(path, wheel=True),
+    "study": lambda path: load_study(path, wheel=True),
     "scene": lambda path: prepared(ct.load_scene(path)),
     "stability": load_stability, "cycles": load_cycles, "sweep": load_sweep,
 }  # fmt: skip

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import contact as ct
 import reports.robustness.diverging as scenes
-from casingfem.study.load import load_any
+from casingfem.study.load import load_study
 from reports.robustness.broken.keys import beside
 from reports.robustness.broken.shells import Broken
 from reports.robustness.broken.sources import WHEEL
@@ -57,7 +57,7 @@ def in_wheel(path: Path) -> object:
     study.write_text(WHEEL.replace("blades.csv", path.name), encoding="utf-8")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of its mesh
-        return load_any(study, wheel=True)
+        return load_study(study, wheel=True)
 
 
 READS = READERS | {"profile.csv": in_scene, "blades.csv": in_wheel}

@@ -13,7 +13,6 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.cli.sweep import result_files
 from casingfem.cli.sweep import words as sweep_words
-from casingfem.study import load_study
 from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import SweepResult
@@ -88,7 +87,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Frequencies of the same model with E = 205 GPa and k_face = 1.2e12 N/m^3."""
     folder = tmp_path_factory.mktemp("truth")
     (folder / "truth.toml").write_text(STUDY.replace("210e9", "205e9").replace("1e12", "1.2e12"))
-    truth = cf.modes(load_study(folder / "truth.toml").shell, 6)
+    truth = cf.modes(cf.load_study(folder / "truth.toml").shell, 6)
     cf.FrequencyTable.from_arrays(
         freq_hz=truth.freq, sigma_hz=0.5, n=truth.nodal_diameters, angle_deg=truth.angle_deg, synthetic=True
     ).to_csv(folder / "table.csv")

@@ -15,7 +15,6 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main, pictures
-from casingfem.modal.campbell import Campbell
 from casingfem.plot.interaction import figure_interactions
 from casingfem.plot.motion import figure_orbit, figure_spectrum, waterfall
 from casingfem.plot.sweep import figure_sweep
@@ -177,7 +176,7 @@ def test_campbell_of_a_blade(tmp_path):
 
 
 def test_a_campbell_diagram_marks_engine_orders():
-    data = Campbell(
+    data = cf.modal.Campbell(
         omega=2.0 * np.pi * np.array([0.0, 50.0]), freq=np.array([[100.0], [110.0]]), southwell=np.array([2.0]),
         overlap=np.ones((2, 1)),
     )  # fmt: skip

@@ -9,14 +9,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.correlation.correlate import correlate
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.export.modes_uff import write_modes_uff
-from casingfem.modal.modes import modes
-from casingfem.structure.edge.bolts import Bolts
-from casingfem.study import load_study
 from tests.casingfem.study.study_texts import THIN
 
 STUDY = (
@@ -42,18 +37,18 @@ def folder(tmp_path_factory):
     """A study, its shapes as a universal file, and tables of a tight casing and of one with bolt 4 loose."""
     where = tmp_path_factory.mktemp("study")
     (where / "casing.toml").write_text(STUDY, encoding="utf-8")
-    shell = load_study(where / "casing.toml").shell
+    shell = cf.load_study(where / "casing.toml").shell
     bolts = shell.supports["base"]
-    assert isinstance(bolts, Bolts)
-    tight = modes(shell, 14, method="shell")
+    assert isinstance(bolts, cf.Bolts)
+    tight = cf.modes(shell, 14, method="shell")
     write_modes_uff(tight, where / "shapes.uff", range(6))
-    write_modes_uff(modes(loosened(shell, bolts), 14), where / "loose.uff", range(10))
-    for name, found in (("tight", tight), ("loose", modes(loosened(shell, bolts), 14))):
+    write_modes_uff(cf.modes(loosened(shell, bolts), 14), where / "loose.uff", range(10))
+    for name, found in (("tight", tight), ("loose", cf.modes(loosened(shell, bolts), 14))):
         n, angle = found.nodal_diameters, found.angle_deg.copy()
         for low, high in found.doublets:
             if np.isnan(angle[low]):
                 angle[[low, high]] = 0.0, 90.0 / n[low]
-        table = FrequencyTable.from_arrays(
+        table = cf.FrequencyTable.from_arrays(
             freq_hz=found.freq[:10], sigma_hz=1e-4 * found.freq[:10], n=n[:10], angle_deg=angle[:10]
         )
         table.to_csv(where / f"{name}.csv")
@@ -96,8 +91,8 @@ def test_correlate_refuses_shapes_that_pair_with_no_mode(folder):
 
 @pytest.mark.slow
 def test_the_line_of_low_comac_stays_a_line(folder):
-    shapes = MeasuredShapes.from_uff(folder / "shapes.uff")
-    found = correlate(modes(load_study(folder / "casing.toml").shell, 10, method="shell"), shapes)
+    shapes = cf.correlation.MeasuredShapes.from_uff(folder / "shapes.uff")
+    found = cf.correlate(cf.modes(cf.load_study(folder / "casing.toml").shell, 10, method="shell"), shapes)
     line = repr(replace(found, comac=np.zeros_like(found.comac))).splitlines()[-1]
     assert re.fullmatch(r"COMAC below 0.9: sensors (\d+, ){11}\d+ and \d+ more", line), line
 
@@ -137,7 +132,7 @@ def test_computed_modes_go_to_locate_and_correlate_as_they_are(folder, tmp_path)
 
 @pytest.mark.slow
 def test_locate_refuses_a_table_without_labels(folder, tmp_path):
-    bare = FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
+    bare = cf.FrequencyTable.from_arrays(freq_hz=[366.0, 367.0], sigma_hz=0.1)
     bare.to_csv(tmp_path / "bare.csv")
     result = invoke("locate", folder / "casing.toml", tmp_path / "bare.csv")
     assert result.exit_code == 2
@@ -168,7 +163,7 @@ def test_what_locate_is_told_reaches_the_search(tmp_path, monkeypatch, words, to
     monkeypatch.chdir(tmp_path)
     (tmp_path / "casing.toml").write_text(STUDY, encoding="utf-8")
     for name, freq in (("now", [400.0, 410.0]), ("before", [500.0, 501.0])):
-        FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=0.1, n=[4, 4]).to_csv(tmp_path / f"{name}.csv")
+        cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=0.1, n=[4, 4]).to_csv(tmp_path / f"{name}.csv")
     heard = []
 
     def model(shell, table, **more):

@@ -11,7 +11,6 @@ import casingfem as cf
 import contact as ct
 from casingfem.cli import main
 from casingfem.cli.schema import roots
-from casingfem.study import load_any
 from contact.io.tables import keys, members
 from tests.casingfem.structure.imported.test_imported import ROTATION, SKIN, SOLID, study
 
@@ -91,7 +90,7 @@ def test_schema_without_a_key_lists_the_tables_of_each_kind_of_file():
 def test_campbell_of_an_imported_part_is_that_of_its_structure(tmp_path):
     file = study(tmp_path, SOLID.replace("[solid]", "[shell]\nthickness = 0.03") + ROTATION, SKIN)
     found = json.loads(call("campbell", file, "--steps", 2, "--count", 2, "--to-hz", 50.0, "--json").stdout)
-    structure = load_any(file).structure
+    structure = cf.load_study(file).structure
     exact = cf.campbell(structure, 2.0 * np.pi * np.array([0.0, 50.0]), 2)
     np.testing.assert_allclose(found["freq_hz"], exact.freq, rtol=1e-9)
     assert found["freq_hz"][1] != found["freq_hz"][0]

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import click
 import pytest
 
+import casingfem as cf
 from casingfem import examples
 from casingfem.cli.new import changes, listed, run_once, stamps, verb_of, write
 from casingfem.cli.schema import explained, roots, walked
-from casingfem.errors import InputError, code_of, with_code
 from casingfem.examples import Example, first_sentence, maker, strings
 
 
@@ -24,7 +24,7 @@ from casingfem.examples import Example, first_sentence, maker, strings
     ],
 )
 def test_an_error_says_only_what_is_known(given, text):
-    error = InputError("a.csv", **given)
+    error = cf.errors.InputError("a.csv", **given)
     assert str(error) == text
     assert {name: getattr(error, name) for name in given} == given
 
@@ -34,8 +34,8 @@ def test_an_error_says_only_what_is_known(given, text):
     [("a [study-value]", "study-value"), ("a [no-such-code]", ""), ("[study-value] a", ""), ("a", "")],
 )
 def test_a_code_stands_at_the_end_and_in_the_catalogue(message, code):
-    assert code_of(message) == code
-    assert with_code("mesh-order", message) == (message if code else f"{message} [mesh-order]")
+    assert cf.errors.code_of(message) == code
+    assert cf.errors.with_code("mesh-order", message) == (message if code else f"{message} [mesh-order]")
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.experiment.frf.files import file_coherence
-from casingfem.experiment.rig.files import write_rig_uff
 
 THETA = np.r_[np.radians(np.arange(12) * 30.0 + 5.0), 0.4]
 RIG = cf.rig.Rig.of(
@@ -23,7 +22,7 @@ RIG = cf.rig.Rig.of(
 def records(tmp_path_factory):
     tap = cf.rig.Impact(peak=40.0, width=2.5e-3, delay=0.05)
     test = cf.rig.record(RIG, [tap], drives=[12], sensors=range(12), fs=2048.0, block=4096, blocks=3, seed=2)
-    return write_rig_uff(tmp_path_factory.mktemp("records") / "records.uff", RIG, test.functions())
+    return cf.rig.write_rig_uff(tmp_path_factory.mktemp("records") / "records.uff", RIG, test.functions())
 
 
 def invoke(*arguments):

@@ -9,10 +9,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.identify.identification import identify
-from casingfem.experiment.rig.rig import Probe, Rig, noisy
-from casingfem.experiment.uff.nodes import Nodes
-from casingfem.experiment.uff.write import write_uff
 from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
@@ -23,9 +19,9 @@ def frfs():
     """A pair of n = 3 and a single n = 0."""
     at = np.r_[THETA, 0.4]
     rows = np.column_stack([np.cos(3 * (at - 0.1)), np.cos(3 * (at - 0.1) - np.pi / 2), np.ones(13)])
-    probes = [Probe(k + 1, 1, (np.cos(a), np.sin(a), 0.0), a) for k, a in enumerate(at)]
-    rig = Rig.of(omega=2 * np.pi * np.array([200.0, 201.0, 230.0]), zeta=0.003, rows=rows, probes=probes)
-    return noisy(rig.frfs(np.arange(190.0, 240.0, 0.1), sensors=range(12), drives=[12]), 40.0, seed=61)
+    probes = [cf.rig.Probe(k + 1, 1, (np.cos(a), np.sin(a), 0.0), a) for k, a in enumerate(at)]
+    rig = cf.rig.Rig.of(omega=2 * np.pi * np.array([200.0, 201.0, 230.0]), zeta=0.003, rows=rows, probes=probes)
+    return cf.rig.noisy(rig.frfs(np.arange(190.0, 240.0, 0.1), sensors=range(12), drives=[12]), 40.0, seed=61)
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +29,8 @@ def uff(frfs, tmp_path_factory):
     path = tmp_path_factory.mktemp("uff") / "frfs.uff"
     points = np.column_stack([0.5 * np.cos(THETA), 0.5 * np.sin(THETA), np.zeros(12)])
     zeros = np.zeros(12, np.int64)
-    nodes = Nodes(labels=np.arange(1, 13), points=points, systems=zeros, motions=zeros)
-    return write_uff(path, nodes=nodes, functions=frfs.functions(), binary=True)
+    nodes = cf.uff.Nodes(labels=np.arange(1, 13), points=points, systems=zeros, motions=zeros)
+    return cf.uff.write_uff(path, nodes=nodes, functions=frfs.functions(), binary=True)
 
 
 def invoke(*arguments):
@@ -105,7 +101,7 @@ def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
     replace(frfs, kind="spectrum", responses=np.full(frfs.responses.shape, 0.9), unit="").save(tmp_path / "c.npz")
     assert invoke(path, "--coherence", tmp_path / "c.npz", "--out", tmp_path / "out").exit_code == 0
     assert (tmp_path / "out" / "fit.png").read_bytes()[:4] == b"\x89PNG"
-    found = identify(frfs)
+    found = cf.identify(frfs)
     assert len(figure_fit(found).axes) == 2
     upper, middle, lower = figure_fit(found, cf.frf.FrfSet.load(tmp_path / "c.npz")).axes
     assert sum(line.get_label() == "sure mode" for line in upper.lines) == 3
@@ -157,7 +153,7 @@ def test_a_window_without_a_time_constant_ends_with_2(frfs, tmp_path):
 
 @pytest.mark.slow
 def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
-    found = identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
+    found = cf.identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
     figure = figure_stabilisation(found)
     axes = next(axes for axes in figure.axes if axes.get_ylabel() == "model order")
     drawn = {line.get_label(): line for line in axes.lines}

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import casingfem as cf
 from casingfem.cli import matrices, mode_files, running, study
-from casingfem.errors import ModelWarning
 
 
 @pytest.mark.parametrize(("text", "found"), [(None, None), ("3", (3,)), ("2, 1,2", (2, 1)), ("10,1", (10, 1))])
@@ -160,8 +160,8 @@ def test_a_doubt_is_told_once_and_three_of_a_kind_at_most(capsys):
     with running.collecting():
         assert running.collected() == []
         for text in ("a", "b", "a", "c", "d"):
-            warnings.warn(ModelWarning("shell-free", text), stacklevel=1)
-        warnings.warn(ModelWarning("mesh-coarse", "e"), stacklevel=1)
+            warnings.warn(cf.errors.ModelWarning("shell-free", text), stacklevel=1)
+        warnings.warn(cf.errors.ModelWarning("mesh-coarse", "e"), stacklevel=1)
         with pytest.warns(DeprecationWarning, match="old"):
             warnings.warn("old", DeprecationWarning, stacklevel=1)
     found = running.collected()

@@ -143,7 +143,7 @@ def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
     def pressed(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("casingfem.study.load_any", pressed)
+    monkeypatch.setattr("casingfem.study.load_study", pressed)
     monkeypatch.setattr("contact.sweep.plan.load_sweep", pressed)
     arguments = [command, "file.toml", *(["--out", str(tmp_path / out)] if out else [])]
     result = CliRunner().invoke(main, arguments)

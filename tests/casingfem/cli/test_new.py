@@ -9,9 +9,9 @@ import pytest
 from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
+import casingfem as cf
 from casingfem.cli import main
 from casingfem.cli.new import changes, stamps
-from casingfem.study import load_study
 from contact.scene.load import read_scene
 from tests.casingfem.study.study_texts import STEEL_PLATE
 
@@ -38,7 +38,7 @@ def test_a_new_folder_is_whole_and_says_what_to_type(here):
     names = {"casing.toml", "blade.toml", "rub.toml", "survey.csv", "frequencies.csv"}
     assert {path.name for path in (here / "mine").iterdir()} == names
     assert document["next"][0] == "cd mine"
-    studies = {name: load_study(here / "mine" / f"{name}.toml") for name in ("casing", "blade")}
+    studies = {name: cf.load_study(here / "mine" / f"{name}.toml") for name in ("casing", "blade")}
     assert studies["casing"].table.path.endswith("frequencies.csv")
     scene, _ = read_scene(here / "mine" / "rub.toml")
     bases = {name: study.file.reduce.out for name, study in studies.items()}

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.circle.record import ScanRecord
-from casingfem.experiment.frf.files import read_frfs
-from casingfem.experiment.identify.identified import Identified
+import casingfem as cf
 from casingfem.structure.field.survey.points import read_points
 from contact.io.npz import load_npz
 from reports.robustness.sample_files import frfs
@@ -26,8 +23,8 @@ SCAN = {"fs": np.array(100.0), "velocity": np.ones(4), "angle": np.arange(4.0), 
 )
 def test_a_scan_of_other_shapes(changes, message, tmp_path):
     np.savez(tmp_path / "a.npz", **SCAN | changes)
-    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
-        ScanRecord.load(tmp_path / "a.npz")
+    with pytest.raises(cf.errors.InputError, match=rf"a\.npz: .*{message}"):
+        cf.circle.ScanRecord.load(tmp_path / "a.npz")
 
 
 @pytest.mark.parametrize(
@@ -44,8 +41,8 @@ def test_a_scan_of_other_shapes(changes, message, tmp_path):
 def test_identified_modes_of_other_kinds(changes, message, tmp_path):
     with np.load(DATA / "experiments" / "bench.npz") as stored:
         np.savez(tmp_path / "a.npz", **dict(stored) | changes)
-    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
-        Identified.load(tmp_path / "a.npz")
+    with pytest.raises(cf.errors.InputError, match=rf"a\.npz: .*{message}"):
+        cf.Identified.load(tmp_path / "a.npz")
 
 
 @pytest.mark.slow
@@ -65,8 +62,8 @@ def test_responses_of_other_kinds_in_hdf5(changes, message, tmp_path):
         for name in ("x", "responses", "response_point"):
             file[name] = changes.get(name, getattr(whole, name))
         file.attrs["unit"] = "m/N"
-    with pytest.raises(InputError, match=rf"a\.h5: .*{message}"):
-        read_frfs(tmp_path / "a.h5")
+    with pytest.raises(cf.errors.InputError, match=rf"a\.h5: .*{message}"):
+        cf.frf.read_frfs(tmp_path / "a.h5")
 
 
 def test_text_of_characters_that_are_none(tmp_path):
@@ -81,5 +78,5 @@ def test_text_of_characters_that_are_none(tmp_path):
 def test_a_radius_beyond_all_others_is_no_stray_point(tmp_path):
     rows = [f"{a},0.0,{0.5 if a else '1e300'}" for a in range(0, 360, 10)]
     (tmp_path / "s.csv").write_text("theta_deg,z_m,radius_m\n" + "\n".join(rows) + "\n")
-    with pytest.raises(InputError, match=r"s\.csv, line 2.*found 1e300; expected a value like the others"):
+    with pytest.raises(cf.errors.InputError, match=r"s\.csv, line 2.*found 1e300; expected a value like the others"):
         read_points(tmp_path / "s.csv")

@@ -4,20 +4,14 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.record import ScanRecord, from_tacho
+from casingfem.experiment.circle.record import from_tacho
 from casingfem.experiment.correlation.mac import paired
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.sensor_grid import form_of
 from casingfem.experiment.identify.exponential import window_time
 from casingfem.experiment.identify.identification import _picked
 from casingfem.experiment.identify.usable import LEAST_LINES, usable
 from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random, StepSine
-from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Converter, Rig, noise
-from casingfem.experiment.rig.scan import Turning
-from casingfem.experiment.rig.troubles import Troubles
+from casingfem.experiment.rig.rig import noise
 
 NAN, INF = float("nan"), float("inf")
 BAND = (20.0, 180.0)
@@ -25,24 +19,26 @@ OUT = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
 
 
 def scan(**changes):
-    return ScanRecord(**{"fs": 10.0, "velocity": [1.0, 2.0], "angle": [0.0, 1.0], "tones": (3.0, 4.0)} | changes)
+    return cf.circle.ScanRecord(
+        **{"fs": 10.0, "velocity": [1.0, 2.0], "angle": [0.0, 1.0], "tones": (3.0, 4.0)} | changes
+    )
 
 
 def shapes(**changes):
     """Two modes on two channels."""
     given = {"freq_hz": [1.0, 2.0], "values": [[1.0, 2.0], [3.0, 4.0]], "points": OUT, "directions": OUT}
-    return MeasuredShapes.from_arrays(**given | changes)
+    return cf.correlation.MeasuredShapes.from_arrays(**given | changes)
 
 
 def stored(**changes):
     """Two modes on two channels, as they are kept."""
     given = {"freq_hz": [1.0, 2.0], "values": np.eye(2), "points": OUT, "directions": OUT, "labels": [1, 2]}
-    return MeasuredShapes(**{name: np.array(value) for name, value in (given | changes).items()})
+    return cf.correlation.MeasuredShapes(**{name: np.array(value) for name, value in (given | changes).items()})
 
 
 def frfs(lines=3, **changes):
     given = {"kind": "frf", "x": 10.0 * np.arange(lines), "responses": np.full((1, lines), 1.0 - 1.0j), "unit": "m/N"}
-    return FrfSet.from_arrays(**given | changes)
+    return cf.frf.FrfSet.from_arrays(**given | changes)
 
 
 def spoilt(value, kind="frf"):
@@ -50,9 +46,9 @@ def spoilt(value, kind="frf"):
 
 
 def estimated(drives=1, overlap=0.0, **options):
-    rig = Rig.of(omega=[600.0], zeta=[0.02], rows=[[1.0], [0.5]])
-    force = [BurstRandom(rms=1.0, band=BAND)] * drives
-    test = record(rig, force, drives=list(range(drives)), sensors=[0], fs=512.0, block=256, blocks=4, seed=11)
+    rig = cf.rig.Rig.of(omega=[600.0], zeta=[0.02], rows=[[1.0], [0.5]])
+    force = [cf.rig.BurstRandom(rms=1.0, band=BAND)] * drives
+    test = cf.rig.record(rig, force, drives=list(range(drives)), sensors=[0], fs=512.0, block=256, blocks=4, seed=11)
     return estimate(test, overlap=overlap, **options)
 
 
@@ -105,7 +101,8 @@ BOUNDS = {
     "window": (lambda k: window_time(frfs(), (1e-9, 0.0)[k]), "expected the window's time constant .s., above 0"),
     "window.inf": (lambda k: window_time(frfs(), (1e9, INF)[k]), "expected the window's time constant .s., above 0"),
     "window.card": (
-        lambda k: window_time(frfs(card=[f"exponential_window_s: {('2', 'two')[k]}"]), None), "window_s two; expected"
+        lambda k: window_time(frfs(card=[f"exponential_window_s: {('2', 'two')[k]}"]), None),
+        "window_s two; expected",
     ),
     "pick.low": (lambda k: _picked("f", [(1.1, 1.0)[k]], np.array([1.0, 3.0])), "1 Hz picked; expected .* 1 and 3 Hz"),
     "pick.high": (lambda k: _picked("f", [2.0, (2.9, 3.0)[k]], np.array([1.0, 3.0])), "3 Hz picked; expected .* 1 and"),
@@ -117,43 +114,86 @@ BOUNDS = {
     "usable.silent": (lambda k: read(frfs(40, responses=np.full((1, 40), (1e-9j, 0.0j)[k]))), "expected a signal"),
     "usable.phase": (lambda k: read(frfs(40, responses=np.full((1, 40), (1.0 + 1e-9j, 1.0)[k]))), "without phase"),
     "usable.even": (
-        lambda k: read(frfs(40, x=np.r_[0.0:39.0, (39.0, 39.1)[k]])), "steps from 1 to 1.1 Hz; expected even steps"
+        lambda k: read(frfs(40, x=np.r_[0.0:39.0, (39.0, 39.1)[k]])),
+        "steps from 1 to 1.1 Hz; expected even steps",
     ),
-    "band": (lambda k: Random(rms=1.0, band=(0.0, (1e-9, 0.0)[k])), "band: found 0.0 to 0.0 Hz, expected from lower"),
-    "band.below": (lambda k: Random(rms=1.0, band=((0.0, -1.0)[k], 9.0)), "band: found -1.0 to 9.0 Hz, expected from"),
-    "band.inf": (lambda k: BurstRandom(rms=1.0, band=(1.0, (9.0, INF)[k])), "band: found 1.0 to inf Hz, expected fro"),
-    "rms": (lambda k: Random(rms=(1e-9, 0.0)[k], band=BAND), "rms: found 0.0, expected a number above 0"),
-    "part.none": (lambda k: BurstRandom(rms=1.0, band=BAND, part=(1e-9, 0.0)[k]), "part: found 0.0, expected a part"),
-    "part.all": (lambda k: BurstRandom(rms=1.0, band=BAND, part=(0.99, 1.0)[k]), "part: found 1.0, expected a part of"),
-    "peak": (lambda k: Impact(peak=(1.0, -1.0)[k], width=1e-3), "peak: found -1.0, expected a number above 0"),
-    "width": (lambda k: Impact(peak=1.0, width=(1e-9, 0.0)[k]), "width: found 0.0, expected a number above 0"),
-    "delay": (lambda k: Impact(peak=1.0, width=1e-3, delay=(0.0, -1e-9)[k]), "delay: found -1e-09, expected a number"),
-    "sine": (lambda k: StepSine(amplitude=1.0, freq=(3.0, (1e-9, 0.0)[k])), r"freq: found \(3\.0, 0\.0\), expected fr"),
-    "sine.none": (lambda k: StepSine(amplitude=1.0, freq=((3.0,), ())[k]), r"freq: found \(\), expected frequencies"),
+    "band": (
+        lambda k: cf.rig.Random(rms=1.0, band=(0.0, (1e-9, 0.0)[k])),
+        "band: found 0.0 to 0.0 Hz, expected from lower",
+    ),
+    "band.below": (
+        lambda k: cf.rig.Random(rms=1.0, band=((0.0, -1.0)[k], 9.0)),
+        "band: found -1.0 to 9.0 Hz, expected from",
+    ),
+    "band.inf": (
+        lambda k: cf.rig.BurstRandom(rms=1.0, band=(1.0, (9.0, INF)[k])),
+        "band: found 1.0 to inf Hz, expected fro",
+    ),
+    "rms": (lambda k: cf.rig.Random(rms=(1e-9, 0.0)[k], band=BAND), "rms: found 0.0, expected a number above 0"),
+    "part.none": (
+        lambda k: cf.rig.BurstRandom(rms=1.0, band=BAND, part=(1e-9, 0.0)[k]),
+        "part: found 0.0, expected a part",
+    ),
+    "part.all": (
+        lambda k: cf.rig.BurstRandom(rms=1.0, band=BAND, part=(0.99, 1.0)[k]),
+        "part: found 1.0, expected a part of",
+    ),
+    "peak": (lambda k: cf.rig.Impact(peak=(1.0, -1.0)[k], width=1e-3), "peak: found -1.0, expected a number above 0"),
+    "width": (lambda k: cf.rig.Impact(peak=1.0, width=(1e-9, 0.0)[k]), "width: found 0.0, expected a number above 0"),
+    "delay": (
+        lambda k: cf.rig.Impact(peak=1.0, width=1e-3, delay=(0.0, -1e-9)[k]),
+        "delay: found -1e-09, expected a number",
+    ),
+    "sine": (
+        lambda k: cf.rig.StepSine(amplitude=1.0, freq=(3.0, (1e-9, 0.0)[k])),
+        r"freq: found \(3\.0, 0\.0\), expected fr",
+    ),
+    "sine.none": (
+        lambda k: cf.rig.StepSine(amplitude=1.0, freq=((3.0,), ())[k]),
+        r"freq: found \(\), expected frequencies",
+    ),
     "snr": (lambda k: noise(np.ones((1, 4)), (1e3, INF)[k], np.random.default_rng(7)), "snr_db: found inf, expected"),
-    "bits.low": (lambda k: Converter(bits=(4, 3)[k], full_scale=1.0), "bits: found 3, expected 4 to 32"),
-    "bits.high": (lambda k: Converter(bits=(32, 33)[k], full_scale=1.0), "bits: found 33, expected 4 to 32"),
-    "full_scale": (lambda k: Converter(bits=8, full_scale=(1e-9, 0.0)[k]), "full_scale: found 0.0, expected the large"),
-    "full_scale.inf": (lambda k: Converter(bits=8, full_scale=(1e9, INF)[k]), "full_scale: found inf, expected the"),
+    "bits.low": (lambda k: cf.rig.Converter(bits=(4, 3)[k], full_scale=1.0), "bits: found 3, expected 4 to 32"),
+    "bits.high": (lambda k: cf.rig.Converter(bits=(32, 33)[k], full_scale=1.0), "bits: found 33, expected 4 to 32"),
+    "full_scale": (
+        lambda k: cf.rig.Converter(bits=8, full_scale=(1e-9, 0.0)[k]),
+        "full_scale: found 0.0, expected the large",
+    ),
+    "full_scale.inf": (
+        lambda k: cf.rig.Converter(bits=8, full_scale=(1e9, INF)[k]),
+        "full_scale: found inf, expected the",
+    ),
     "overlap": (lambda k: estimated(overlap=(0.9, 0.91)[k]), "overlap: found 0.91, expected 0 to 0.9"),
     "overlap.below": (lambda k: estimated(overlap=(0.0, -0.01)[k]), "overlap: found -0.01, expected 0 to 0.9"),
     "H2": (lambda k: estimated(1 + k, estimator="H2"), "estimator: found H2 with 2 drives, expected H1, or one drive"),
     "estimator": (lambda k: estimated(estimator=("H1", "H3")[k]), "estimator: found 'H3', expected H1 or H2"),
     "window.name": (lambda k: estimated(window=("hann", "han")[k]), "window: found 'han', expected "),
     "estimate.lines": (lambda k: estimated(band=((90.0, 94.0), (90.1, 90.2))[k]), "90.1 to 90.2 Hz with no line in it"),
-    "scan.wander": (lambda k: Turning(mirror=2.0, wander=(0.1, 0.101)[k]), r"wander 0\.101, speckle 0\.0: expected"),
-    "scan.back": (lambda k: Turning(mirror=2.0, wander=(0.0, -1e-9)[k]), "wander -1e-09, speckle 0.0: expected"),
-    "scan.speckle": (lambda k: Turning(mirror=2.0, speckle=(0.0, -1e-9)[k]), "wander 0.0, speckle -1e-09: expected"),
-    "scan.casing": (lambda k: Turning(mirror=2.0, wander=0.01, casing=float(k)), "0 where the casing turns"),
-    "unkind.coherent": (lambda k: Troubles(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
-    "unkind.shift": (lambda k: Troubles(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
-    "unkind.double": (lambda k: Troubles(double_hit=(0.99, 1.0)[k]), "double_hit: found 1.0, expected 0 to 0.99"),
-    "unkind.phase": (lambda k: Troubles(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
-    "unkind.setups": (lambda k: Troubles(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
-    "unkind.dead": (lambda k: Troubles(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
-    "unkind.fixture": (lambda k: Troubles(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
-    "unkind.window": (lambda k: Troubles(exponential=(0.0, -0.1)[k]), "exponential: found -0.1, expected none, or how"),
-}  # fmt: skip
+    "scan.wander": (
+        lambda k: cf.rig.Turning(mirror=2.0, wander=(0.1, 0.101)[k]),
+        r"wander 0\.101, speckle 0\.0: expected",
+    ),
+    "scan.back": (lambda k: cf.rig.Turning(mirror=2.0, wander=(0.0, -1e-9)[k]), "wander -1e-09, speckle 0.0: expected"),
+    "scan.speckle": (
+        lambda k: cf.rig.Turning(mirror=2.0, speckle=(0.0, -1e-9)[k]),
+        "wander 0.0, speckle -1e-09: expected",
+    ),
+    "scan.casing": (lambda k: cf.rig.Turning(mirror=2.0, wander=0.01, casing=float(k)), "0 where the casing turns"),
+    "unkind.coherent": (lambda k: cf.rig.Troubles(coherent=(1.0, 1.01)[k]), "coherent: found 1.01, expected 0 to 1"),
+    "unkind.shift": (lambda k: cf.rig.Troubles(shift=(0.05, 0.051)[k]), "shift: found 0.051, expected 0 to 0.05"),
+    "unkind.double": (
+        lambda k: cf.rig.Troubles(double_hit=(0.99, 1.0)[k]),
+        "double_hit: found 1.0, expected 0 to 0.99",
+    ),
+    "unkind.phase": (lambda k: cf.rig.Troubles(phase_deg=(0.0, -1.0)[k]), "phase_deg: found -1.0, expected 0 to 90"),
+    "unkind.setups": (lambda k: cf.rig.Troubles(setups=(1, 0)[k]), "setups: found 0, expected none, or how much"),
+    "unkind.dead": (lambda k: cf.rig.Troubles(dead=(0, -1)[k]), "dead: found -1, expected none, or how much"),
+    "unkind.fixture": (lambda k: cf.rig.Troubles(fixture=(0, -1)[k]), "fixture: found -1, expected none, or how much"),
+    "unkind.window": (
+        lambda k: cf.rig.Troubles(exponential=(0.0, -0.1)[k]),
+        "exponential: found -0.1, expected none, or how",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", BOUNDS)

@@ -4,20 +4,15 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.record import ScanRecord, turning
-from casingfem.experiment.circle.scan import demodulate
-from casingfem.experiment.correlation.measured_shapes import MeasuredShapes
+from casingfem.experiment.circle.record import turning
 from casingfem.experiment.correlation.sensors import sensors_of
 from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.excitation import BurstRandom, Impact, Random
-from casingfem.experiment.rig.record import measured, record
-from casingfem.experiment.rig.rig import Rig
-from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
+from casingfem.experiment.rig.record import measured
 from tests.casingfem.experiment.identify.test_identification import THETA, ring_rig
 from tests.probed import probed
 
 PAIRS = [(6, 330.0, 0.004, 11.0), (7, 345.0, 0.01, 3.0)]
-SMALL = Rig.of(
+SMALL = cf.rig.Rig.of(
     omega=2.0 * np.pi * np.array([151.3, 153.0, 402.7]),
     zeta=[0.004, 0.006, 0.01],
     rows=[[1.0, 0.2, 0.7], [-0.4, 0.9, 0.5], [0.3, 0.3, -1.1]],
@@ -31,7 +26,7 @@ def rig():
 
 
 def test_numbers_of_troubles(rig, held):
-    what = Troubles(
+    what = cf.rig.Troubles(
         snr_db=45.0,
         colour=0.5,
         coherent=0.2,
@@ -48,7 +43,7 @@ def test_numbers_of_troubles(rig, held):
         fixture=1,
         phase_deg=3.0,
     )
-    test = troubled_frfs(
+    test = cf.rig.troubled_frfs(
         rig, np.arange(322.0, 354.0, 0.5), what, sensors=range(len(THETA)), drives=[len(THETA)], seed=29
     )
     truth = test.truth
@@ -66,15 +61,15 @@ def test_numbers_of_troubles(rig, held):
 @pytest.mark.parametrize(
     "excitation",
     [
-        Random(rms=1.0, band=(60.0, 700.0)),
-        BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25),
-        Impact(peak=10.0, width=4e-3),
+        cf.rig.Random(rms=1.0, band=(60.0, 700.0)),
+        cf.rig.BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25),
+        cf.rig.Impact(peak=10.0, width=4e-3),
     ],
     ids=lambda e: type(e).__name__,
 )
 @pytest.mark.parametrize("quantity", ["receptance", "accelerance"])
 def test_numbers_of_records(excitation, quantity, held):
-    test = record(
+    test = cf.rig.record(
         SMALL, [excitation], drives=[0], sensors=[0, 1], fs=2048.0, block=1024, blocks=3, seed=5, quantity=quantity
     )
     noisy_test = measured(test, snr_db=40.0, seed=6)
@@ -90,7 +85,7 @@ def test_numbers_of_circle_scans(held):
     seen = np.cos(8 * (theta - 0.11)) * np.cos(2.0 * np.pi * 371.3 * t + 0.4) + 0.2 * np.cos(
         2.0 * np.pi * 371.3 * t + 5 * theta
     )
-    found = demodulate(ScanRecord(fs=fs, velocity=seen + noise, angle=theta, tones=(371.3,)), 10)
+    found = cf.circle.demodulate(cf.circle.ScanRecord(fs=fs, velocity=seen + noise, angle=theta, tones=(371.3,)), 10)
     waves = found.waves()
     held(
         1e-5,
@@ -115,7 +110,9 @@ def test_numbers_of_correlation(frustum, held):
     points = np.real(casing.geometry(z, theta).surface.x).T
     values = sensors_of(test, points, out).shapes(test.fields)
     noise = 0.02 * np.abs(values).max() * np.cos(np.arange(values.size) ** 2).reshape(values.shape)
-    shapes = MeasuredShapes.from_arrays(freq_hz=test.freq, values=values + noise, points=points, directions=out)
+    shapes = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=test.freq, values=values + noise, points=points, directions=out
+    )
     result = cf.correlate(found, shapes)
     held(
         1e-4,

@@ -5,13 +5,12 @@ import re
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError, ModelWarning
+import casingfem as cf
 from casingfem.experiment.correlation.matches import other_unit, refuse_unpaired, require_hz
-from casingfem.experiment.frequency_table import FrequencyTable
 
 
 def table(freq, **more):
-    return FrequencyTable.from_arrays(freq_hz=freq, **{"sigma_hz": 0.1} | more)
+    return cf.FrequencyTable.from_arrays(freq_hz=freq, **{"sigma_hz": 0.1} | more)
 
 
 ENDS = {  # column: the last values that are taken, the first that are not
@@ -27,11 +26,11 @@ def test_values_are_taken_up_to_their_ends(column):
              "zeta": [0.1, 0.2]}  # fmt: skip
     taken, refused = ENDS[column]
     for value in taken:
-        found = FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
+        found = cf.FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
         np.testing.assert_array_equal(getattr(found, column), [given[column][0], value])
     for value in refused:
-        with pytest.raises(InputError, match=f"{column} = {value} in row 2; expected "):
-            FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
+        with pytest.raises(cf.errors.InputError, match=f"{column} = {value} in row 2; expected "):
+            cf.FrequencyTable.from_arrays(**given | {column: [given[column][0], value]})
 
 
 def test_arrays_are_read_only_and_modes_counted_from_1():
@@ -86,8 +85,8 @@ def test_leaving_out_rows_keeps_what_belongs_to_the_others(tmp_path):
     (tmp_path / "t.csv").write_text(
         '# lab\nmode,freq_hz,sigma_hz,zeta,remark\n4,1.5,0.1,0.01,one\n7,2.5,0.2,0.02,"a, b"\n'
     )
-    with pytest.warns(ModelWarning, match="remark.*table-columns"):
-        whole = FrequencyTable.from_csv(tmp_path / "t.csv")
+    with pytest.warns(cf.errors.ModelWarning, match="remark.*table-columns"):
+        whole = cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     found = whole.without(4)
     assert (found.mode.tolist(), found.freq_hz.tolist(), found.sigma_hz.tolist(), found.zeta.tolist()) == (
         [7],
@@ -116,8 +115,8 @@ def test_leaving_out_rows_keeps_what_belongs_to_the_others(tmp_path):
 ])  # fmt: skip
 def test_a_column_without_its_unit_or_misspelt_is_refused(header, words, tmp_path):
     (tmp_path / "t.csv").write_text(header + "\n" + ",".join(["1"] * header.count(",")) + ",1\n")
-    with pytest.raises(InputError, match="line 1, .*" + re.escape(words)):
-        FrequencyTable.from_csv(tmp_path / "t.csv")
+    with pytest.raises(cf.errors.InputError, match="line 1, .*" + re.escape(words)):
+        cf.FrequencyTable.from_csv(tmp_path / "t.csv")
 
 
 @pytest.mark.parametrize(
@@ -129,7 +128,7 @@ def test_a_column_without_its_unit_or_misspelt_is_refused(header, words, tmp_pat
 def test_columns_are_found_by_words_and_units_are_converted(freq, factor, tmp_path):
     rows = [f"Mode;Nodal diameter;{freq};Sigma [Hz];Damping [%];Angle [rad]", "# lower pair", "1;8;2,5;0,001;0,2;0,5"]
     (tmp_path / "t.csv").write_bytes("\r\n".join([*rows, ""]).encode("utf-8-sig"))
-    found = FrequencyTable.from_csv(tmp_path / "t.csv")
+    found = cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     np.testing.assert_allclose(found.freq_hz, [2.5 * factor], rtol=1e-14)
     np.testing.assert_allclose([found.zeta[0], found.angle_deg[0]], [0.002, np.degrees(0.5)], rtol=1e-14)
     assert (found.mode.tolist(), found.n.tolist(), found.card) == ([1], [8], ("lower pair",))
@@ -139,8 +138,8 @@ def test_a_table_of_a_laboratory_keeps_its_remarks(tmp_path):
     """Byte-order mark, semicolons, decimal commas, `Mode` in capitals, a remark, a row without n."""
     text = "Mode;n;freq_hz;Bemerkung;;\r\n1;3;107,9;;;\r\n7;;231,6;unsauber;;\r\n"
     (tmp_path / "t.csv").write_bytes(text.encode("utf-8-sig"))
-    with pytest.warns(ModelWarning, match="Bemerkung.*table-columns"):
-        found = FrequencyTable.from_csv(tmp_path / "t.csv", sigma=0.003)
+    with pytest.warns(cf.errors.ModelWarning, match="Bemerkung.*table-columns"):
+        found = cf.FrequencyTable.from_csv(tmp_path / "t.csv", sigma=0.003)
     assert (found.freq_hz.tolist(), found.n.tolist()) == ([107.9, 231.6], [3, -1])
     assert found.extra == {"Bemerkung": ("", "unsauber")}
 
@@ -148,38 +147,40 @@ def test_a_table_of_a_laboratory_keeps_its_remarks(tmp_path):
 def test_all_problems_of_a_table_are_named_at_once_up_to_a_bound(tmp_path):
     rows = ["1,107.9,0.1", "x,1o9.2,0.1", "3,159.7,-1", "3,0,0.1"]
     (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", *rows, ""]))
-    with pytest.raises(InputError) as caught:
-        FrequencyTable.from_csv(tmp_path / "t.csv")
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     assert [line.split(": ")[0].split(", ", 1)[1] for line in str(caught.value).splitlines()] == [
         "line 3, column 'mode'", "line 3, column 'freq_hz'",
     ]  # fmt: skip
     (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", rows[0], *rows[2:], ""]))
-    with pytest.raises(InputError) as caught:
-        FrequencyTable.from_csv(tmp_path / "t.csv")
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     assert len(str(caught.value).splitlines()) == 4
     (tmp_path / "t.csv").write_text("\n".join(["mode,freq_hz,sigma_hz", *["1,x,0.1"] * 50, ""]))
-    with pytest.raises(InputError, match="30 further problems of this kind"):
-        FrequencyTable.from_csv(tmp_path / "t.csv")
+    with pytest.raises(cf.errors.InputError, match="30 further problems of this kind"):
+        cf.FrequencyTable.from_csv(tmp_path / "t.csv")
 
 
 @pytest.mark.parametrize(("name", "expected"), [("zeta", None), ("zeta [%]", 0.008), ("zeta [-]", 0.8)])
 def test_damping_ratios_that_look_like_per_cent_need_a_unit(name, expected, tmp_path):
     (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,100,0.1,0.8\n2,120,0.1,0.7\n")
     if expected is None:
-        with pytest.raises(InputError, match=r"median damping ratio of 0\.75, as in per cent; expected a ratio; name"):
-            FrequencyTable.from_csv(tmp_path / "t.csv")
+        with pytest.raises(
+            cf.errors.InputError, match=r"median damping ratio of 0\.75, as in per cent; expected a ratio; name"
+        ):
+            cf.FrequencyTable.from_csv(tmp_path / "t.csv")
         return
-    found = FrequencyTable.from_csv(tmp_path / "t.csv")
+    found = cf.FrequencyTable.from_csv(tmp_path / "t.csv")
     assert found.zeta[0] == pytest.approx(expected, rel=1e-15)
     found.to_csv(tmp_path / "again.csv")
-    assert FrequencyTable.from_csv(tmp_path / "again.csv").zeta.tolist() == found.zeta.tolist()
+    assert cf.FrequencyTable.from_csv(tmp_path / "again.csv").zeta.tolist() == found.zeta.tolist()
 
 
 @pytest.mark.parametrize("name", ["f", "sigma_rel", "Bemerkung", "(x)"])
 def test_another_column_beside_the_right_ones_is_kept(name, tmp_path):
     (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,3.5,0.1,7\n")
-    with pytest.warns(ModelWarning, match="table-columns"):
-        assert FrequencyTable.from_csv(tmp_path / "t.csv").extra == {name: ("7",)}
+    with pytest.warns(cf.errors.ModelWarning, match="table-columns"):
+        assert cf.FrequencyTable.from_csv(tmp_path / "t.csv").extra == {name: ("7",)}
 
 
 FREQ = np.array([100.0, 200.0, 450.0])
@@ -213,10 +214,10 @@ def test_a_table_in_another_unit_is_refused_with_its_first_row_and_the_first_mod
     words = (
         r"t\.csv, column 'freq_hz': found 6000 to 27000, where the lowest computed mode has 100 Hz: in every row about"
     )
-    with pytest.raises(InputError, match=words + " 60 times what is computed, as of 1/min; expected Hz"):
+    with pytest.raises(cf.errors.InputError, match=words + " 60 times what is computed, as of 1/min; expected Hz"):
         require_hz(wrong, FREQ, None)
-    with pytest.raises(InputError, match="as of 1/min"):
+    with pytest.raises(cf.errors.InputError, match="as of 1/min"):
         refuse_unpaired(wrong, FREQ, None, 0.5)
     words = r"no row of t\.csv pairs .* within 20%: measured 7\.0 to 9\.0 Hz, computed 100\.0 to 450\.0 Hz"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         refuse_unpaired(table([9.0, 7.0], path="t.csv"), FREQ, None, 0.2)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from casingfem.errors import InputError, ModelWarning
-from casingfem.experiment.frequency_table import COLUMNS, FrequencyTable
+import casingfem as cf
+from casingfem.experiment.frequency_table import COLUMNS
 from casingfem.experiment.grouping import Doublet, Single
 from casingfem.io.strict_csv import read
 
@@ -27,7 +27,7 @@ mode,n,freq_hz,sigma_hz,angle_deg,zeta
 def test_reads_the_format_of_the_documentation(tmp_path):
     path = tmp_path / "rig.csv"
     path.write_text(GOOD)
-    table = FrequencyTable.from_csv(path)
+    table = cf.FrequencyTable.from_csv(path)
     assert len(table) == 3
     assert table.synthetic
     assert table.card == ("SYNTHETIC: made for a test", "sensor: laser")
@@ -42,7 +42,7 @@ def test_reads_the_format_of_the_documentation(tmp_path):
 def test_optional_columns_may_be_absent_and_in_any_order(tmp_path):
     path = tmp_path / "short.csv"
     path.write_text("freq_hz,mode,sigma_hz\n20,2,0.1\n10,1,0.1\n")
-    table = FrequencyTable.from_csv(path)
+    table = cf.FrequencyTable.from_csv(path)
     assert table.mode.tolist() == [2, 1]
     assert table.n.tolist() == [-1, -1]
     assert not table.synthetic
@@ -115,8 +115,8 @@ def test_malformed_tables_are_refused_with_their_place(tmp_path, name):
     text, message = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(text.encode())
-    with pytest.raises(InputError, match=message) as caught:
-        FrequencyTable.from_csv(path)
+    with pytest.raises(cf.errors.InputError, match=message) as caught:
+        cf.FrequencyTable.from_csv(path)
     assert "bad.csv" in str(caught.value)
     assert caught.value.expected
 
@@ -128,20 +128,20 @@ def test_tables_of_spreadsheets_with_decimal_commas(tmp_path, mark, encoding):
     path, same = tmp_path / "excel.csv", tmp_path / "same.csv"
     path.write_bytes(rows.replace(",", mark).replace(".", ",").replace("\n", "\r\n").encode(encoding))
     same.write_text(rows)
-    found, expected = FrequencyTable.from_csv(path), FrequencyTable.from_csv(same)
+    found, expected = cf.FrequencyTable.from_csv(path), cf.FrequencyTable.from_csv(same)
     assert found.card == expected.card
     assert (found.to_dataframe().fillna(-1) == expected.to_dataframe().fillna(-1)).all(axis=None)
     path.write_bytes(rows.replace(",", mark).encode(encoding))
-    assert (FrequencyTable.from_csv(path).freq_hz == [371.2, 373.9]).all()
+    assert (cf.FrequencyTable.from_csv(path).freq_hz == [371.2, 373.9]).all()
 
 
 def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
     path = tmp_path / "latin.csv"
     path.write_bytes(b"# ok\n# mesur\xe9\n" + (HEAD + ROW).encode())
-    with pytest.raises(InputError, match=r"line 2: found byte 0xe9"):
-        FrequencyTable.from_csv(path)
+    with pytest.raises(cf.errors.InputError, match=r"line 2: found byte 0xe9"):
+        cf.FrequencyTable.from_csv(path)
     path.write_bytes(b"\xef\xbb\xbf" + (HEAD + ROW).replace("\n", "\r\n").encode())
-    assert len(FrequencyTable.from_csv(path)) == 1
+    assert len(cf.FrequencyTable.from_csv(path)) == 1
 
 
 tables = st.integers(1, 8).flatmap(
@@ -164,9 +164,9 @@ tables = st.integers(1, 8).flatmap(
 @pytest.mark.slow
 def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
     folder = tmp_path_factory.mktemp("round")
-    table = FrequencyTable.from_arrays(**arguments)
+    table = cf.FrequencyTable.from_arrays(**arguments)
     table.to_csv(folder / "a.csv")
-    again = FrequencyTable.from_csv(folder / "a.csv")
+    again = cf.FrequencyTable.from_csv(folder / "a.csv")
     for name in COLUMNS:
         assert getattr(again, name).tobytes() == getattr(table, name).tobytes(), name
     assert again.card == table.card
@@ -177,13 +177,13 @@ def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
 
 @pytest.mark.parametrize("space", ["\u00a0", "\u1680", "\u2009", "\u3000"])
 def test_spaces_of_other_scripts_stand_in_a_card(tmp_path, space):
-    table = FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
     table.to_csv(tmp_path / "a.csv")
-    assert FrequencyTable.from_csv(tmp_path / "a.csv").card == table.card
+    assert cf.FrequencyTable.from_csv(tmp_path / "a.csv").card == table.card
 
 
 def test_writing_leaves_the_old_file_or_the_new_one(tmp_path, monkeypatch):
-    table = FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], sigma_hz=0.1)
     table.to_csv(tmp_path / "t.csv")
     before = (tmp_path / "t.csv").read_bytes()
 
@@ -198,13 +198,13 @@ def test_writing_leaves_the_old_file_or_the_new_one(tmp_path, monkeypatch):
 
 
 def test_without_leaves_out_and_names_what_is_missing():
-    table = FrequencyTable.from_arrays(freq_hz=[1.0, 2.0, 3.0], sigma_hz=0.1, card=["lab"])
+    table = cf.FrequencyTable.from_arrays(freq_hz=[1.0, 2.0, 3.0], sigma_hz=0.1, card=["lab"])
     assert table.without(2).mode.tolist() == [1, 3]
     assert table.without(1, 3).freq_hz.tolist() == [2.0]
     assert table.without(2).card == ("lab",)
     with pytest.raises(ValueError, match="has no mode 7"):
         table.without(7)
-    with pytest.raises(InputError, match="length >= 1"):
+    with pytest.raises(cf.errors.InputError, match="length >= 1"):
         table.without(1, 2, 3)
 
 
@@ -223,12 +223,12 @@ def test_without_leaves_out_and_names_what_is_missing():
     ],
 )
 def test_arrays_are_checked_like_files(arguments, message):
-    with pytest.raises(InputError, match=message):
-        FrequencyTable.from_arrays(**({"freq_hz": [1.0, 2.0], "sigma_hz": 0.1} | arguments))
+    with pytest.raises(cf.errors.InputError, match=message):
+        cf.FrequencyTable.from_arrays(**({"freq_hz": [1.0, 2.0], "sigma_hz": 0.1} | arguments))
 
 
 def groups_of(n, freq, angle=np.nan):
-    return [g.rows for g in FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()]
+    return [g.rows for g in cf.FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()]
 
 
 def test_doublets_are_neighbours_of_one_n():
@@ -236,7 +236,7 @@ def test_doublets_are_neighbours_of_one_n():
     assert groups_of([0, 0, -1, -1], [10.0, 10.1, 20.0, 20.1]) == [(0,), (1,), (2,), (3,)]
     assert groups_of([4, 5], [100.0, 100.1]) == [(0,), (1,)]
     assert groups_of([4, 4], [100.0, 130.0]) == [(0,), (1,)]
-    table = FrequencyTable.from_arrays(n=[4, 4, 0], freq_hz=[1.0, 1.01, 3.0], sigma_hz=0.1)
+    table = cf.FrequencyTable.from_arrays(n=[4, 4, 0], freq_hz=[1.0, 1.01, 3.0], sigma_hz=0.1)
     assert table.groups() == (Doublet((0, 1), 4), Single(2, 0))
 
 
@@ -253,7 +253,7 @@ def test_orientations_decide_where_they_are_known():
 
 
 def test_the_measured_blade_reads():
-    table = FrequencyTable.from_csv(DATA / "experiments/olson_lindberg.csv")
+    table = cf.FrequencyTable.from_csv(DATA / "experiments/olson_lindberg.csv")
     assert table.freq_hz.tolist() == [86.6, 135.5, 258.9, 350.6, 395.2, 531.1, 743.2]
     assert set(table.sigma_hz) == {1.0}
     assert not table.synthetic
@@ -283,22 +283,22 @@ def test_reference_tables_read_and_carry_their_card(name, rows, column, first):
 def test_further_columns_are_kept_and_said_to_be_used_by_nobody(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text(HEAD.strip() + ",remark,n_share\n" + ROW.strip() + ',"loud, twice",0.9\n')
-    with pytest.warns(ModelWarning, match=r"table.csv: remark, n_share.*table-columns"):
-        table = FrequencyTable.from_csv(path)
+    with pytest.warns(cf.errors.ModelWarning, match=r"table.csv: remark, n_share.*table-columns"):
+        table = cf.FrequencyTable.from_csv(path)
     assert dict(table.extra) == {"remark": ("loud, twice",), "n_share": ("0.9",)}
     table.to_csv(tmp_path / "again.csv")
-    with pytest.warns(ModelWarning, match="remark, n_share"):
-        assert FrequencyTable.from_csv(tmp_path / "again.csv").extra == table.extra
+    with pytest.warns(cf.errors.ModelWarning, match="remark, n_share"):
+        assert cf.FrequencyTable.from_csv(tmp_path / "again.csv").extra == table.extra
 
 
 def test_a_default_sigma_stands_where_a_row_or_the_file_says_nothing(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text("mode,freq_hz\n1,100.0\n2,200.0\n")
-    assert FrequencyTable.from_csv(path, sigma=1e-3).sigma_hz.tolist() == [0.1, 0.2]
+    assert cf.FrequencyTable.from_csv(path, sigma=1e-3).sigma_hz.tolist() == [0.1, 0.2]
     path.write_text("mode,freq_hz,sigma_hz\n1,100.0,\n2,200.0,0.5\n")
-    assert FrequencyTable.from_csv(path, sigma=1e-3).sigma_hz.tolist() == [0.1, 0.5]
-    with pytest.raises(InputError, match="column 'sigma_hz': found an empty cell"):
-        FrequencyTable.from_csv(path)
+    assert cf.FrequencyTable.from_csv(path, sigma=1e-3).sigma_hz.tolist() == [0.1, 0.5]
+    with pytest.raises(cf.errors.InputError, match="column 'sigma_hz': found an empty cell"):
+        cf.FrequencyTable.from_csv(path)
     path.write_text("mode,freq_hz\n1,100.0\n")
-    with pytest.raises(InputError, match="column 'sigma_hz': found 200 by default"):
-        FrequencyTable.from_csv(path, sigma=2.0)
+    with pytest.raises(cf.errors.InputError, match="column 'sigma_hz': found 200 by default"):
+        cf.FrequencyTable.from_csv(path, sigma=2.0)

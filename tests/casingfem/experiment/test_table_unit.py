@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 from casingfem.experiment.correlation.matches import other_unit
 
 N = np.array([8, 8, 7, 7, 9, 9, 6, 6, 8, 8])
@@ -40,7 +39,7 @@ def test_an_update_refuses_them_before_it_computes_all_modes_below(unit, factor)
     found = cf.modes(shell, 8)
     freq = 1.03 * factor * found.freq
     table = cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=1e-3 * freq, n=found.nodal_diameters, path="t.csv")
-    with pytest.raises(InputError, match=f"t.csv, column 'freq_hz': found .* as of {unit}; expected Hz"):
+    with pytest.raises(cf.errors.InputError, match=f"t.csv, column 'freq_hz': found .* as of {unit}; expected Hz"):
         cf.update(shell, table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)])
 
 

@@ -14,10 +14,8 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import ModelError, ModelWarning, code_of, warn
 from casingfem.faults import CATALOGUE, PARTS
 from casingfem.modal.modes import FINEST, finest_shares
-from casingfem.study import StudyError, load_study
 from reports.robustness.broken import table as broken_models
 from reports.robustness.broken.files import STUDY
 
@@ -32,7 +30,7 @@ def test_no_broken_model_computes_in_silence(model):
     happened, messages = broken_models.outcome(model)
     assert happened in ("refused", "warned"), messages
     assert all(name in "\n".join(messages) for name in model.names), messages
-    said = {code_of(message): message for message in messages}
+    said = {cf.errors.code_of(message): message for message in messages}
     assert model.code in (*said, "")
     if model.code and not model.code.startswith(("study-", "survey-")) and not model.name.startswith("study"):
         assert CATALOGUE[model.code].remedy in said[model.code]
@@ -40,11 +38,14 @@ def test_no_broken_model_computes_in_silence(model):
 
 def test_a_refusal_keeps_the_doubts_that_came_before_it():
     def make():
-        warn("shell-thin", "a foil")
-        raise ModelError("shell-thickness", "no wall")
+        cf.errors.warn("shell-thin", "a foil")
+        raise cf.errors.ModelError("shell-thickness", "no wall")
 
     happened, messages = broken_models.outcome(broken_models.Broken("foil", make, "shell-thin"))
-    assert (happened, [code_of(message) for message in messages]) == ("refused", ["shell-thin", "shell-thickness"])
+    assert (happened, [cf.errors.code_of(message) for message in messages]) == (
+        "refused",
+        ["shell-thin", "shell-thickness"],
+    )
 
 
 TUBE = """
@@ -154,9 +155,9 @@ def test_every_code_of_the_package_stands_in_the_catalogue_with_words():
         assert "|" not in fault.cause + fault.remedy
     assert sum(map(len, PARTS)) == len(CATALOGUE), "a code stands twice"
     with pytest.raises(KeyError):
-        ModelError("no-such-code", "message")
-    with pytest.warns(ModelWarning, match="shell-thin"):
-        warn("shell-thin", "message")
+        cf.errors.ModelError("no-such-code", "message")
+    with pytest.warns(cf.errors.ModelWarning, match="shell-thin"):
+        cf.errors.warn("shell-thin", "message")
 
 
 def test_the_page_of_codes_is_current():
@@ -179,8 +180,8 @@ PLAIN = STUDY[: STUDY.index("[[imperfection]]")] + STUDY[STUDY.index("[support.b
 
 def test_a_study_error_has_a_code_for_each_problem(tmp_path):
     text = PLAIN.replace("nu = 0.3", "nu = 0.9").replace("order = 6", "order = 60").replace("thickness", "thicknes")
-    with pytest.raises(StudyError) as caught:
-        load_study(written(tmp_path, text))
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.load_study(written(tmp_path, text))
     assert set(caught.value.codes) == {"material-poisson", "mesh-order", "study-key", "study-missing"}
 
 

@@ -11,7 +11,6 @@ from openpyxl import Workbook
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.frf.files import read_picks, read_places
 from casingfem.extras import remedy
 
 TABLE = [
@@ -67,8 +66,8 @@ def test_angles_and_picks_are_read_from_workbooks(tmp_path):
         angles=[["point", "angle [rad]"], [1, 0.5], [2, 1.5]],
         picks=[["f [rpm]"], [6000], [6060.0]],
     )
-    assert read_places(f"{book}#angles")[0] == pytest.approx({1: 28.64788975654116, 2: 85.94366926962348})
-    assert read_picks(f"{book}#picks").tolist() == pytest.approx([100.0, 101.0])
+    assert cf.frf.read_places(f"{book}#angles")[0] == pytest.approx({1: 28.64788975654116, 2: 85.94366926962348})
+    assert cf.frf.read_picks(f"{book}#picks").tolist() == pytest.approx([100.0, 101.0])
 
 
 def test_cells_that_do_not_fit_are_refused_with_sheet_row_and_column(tmp_path):
@@ -128,9 +127,9 @@ def test_workbooks_that_unpack_to_too_much_or_expand_are_refused(tmp_path, monke
         for name in source.namelist():
             entity = b'<!DOCTYPE x [<!ENTITY a "aaaa">]>' if "sheet1" in name else b""
             target.writestr(name, entity + source.read(name))
-    refused(path, "found a document type or UTF-16 in its part 'xl/worksheets/sheet1.xml'", read_picks)
+    refused(path, "found a document type or UTF-16 in its part 'xl/worksheets/sheet1.xml'", cf.frf.read_picks)
     monkeypatch.setattr("casingfem.io.workbook.MOST_TEXT", 2e3)
-    refused(good, "found a workbook that unpacks to", read_picks)
+    refused(good, "found a workbook that unpacks to", cf.frf.read_picks)
 
 
 def test_without_openpyxl_the_extra_is_named(tmp_path, monkeypatch):

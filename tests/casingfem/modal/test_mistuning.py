@@ -18,9 +18,7 @@ from casingfem.cli.sweep import files_of_draws, words_of_draws
 from casingfem.modal import mistuning
 from casingfem.modal.mistuning import Pair, drawn_modes, mean_modes, mean_shell, redrawn_shell
 from casingfem.modal.neighbour import guarded, restarted_modes
-from casingfem.study import load_study
 from casingfem.study.mistuning import MistuneRun, run_mistune
-from casingfem.study.problems import StudyError
 from tests.casingfem.study.study_texts import STEEL
 
 COUNT = 12
@@ -269,10 +267,10 @@ def alive(pid):
 
 @pytest.mark.slow
 def test_draws_of_another_study_are_not_mixed_in(study, tmp_path):
-    loaded = load_study(study)
+    loaded = cf.load_study(study)
     first = run_mistune(loaded, 2, processes=1, folder=tmp_path / "draws")
     alone = cf.mistune(loaded.shell, 2, count=6)
     np.testing.assert_array_equal(first.found.freq, alone.freq)
     study.write_text(STUDY.replace("seed = 7", "seed = 8"))
-    with pytest.raises(StudyError, match=r"study\.toml: .*draws holds draws of another study or version"):
-        run_mistune(load_study(study), 2, processes=1, folder=tmp_path / "draws")
+    with pytest.raises(cf.errors.InputError, match=r"study\.toml: .*draws holds draws of another study or version"):
+        run_mistune(cf.load_study(study), 2, processes=1, folder=tmp_path / "draws")

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.scan import CircleScan
 from casingfem.plot.correlation import figure_comac, figure_located, figure_mac
 from casingfem.plot.experiment import figure_deflections, figure_scan
 from casingfem.plot.modes import figure_splits
@@ -76,12 +75,14 @@ def test_splits_are_drawn_in_per_cent_with_their_quantiles():
     assert np.allclose(axes.lines[1].get_ydata(), 0.099)
 
 
-def scan_of(psi_deg: float, amplitude: float, n: int = 3) -> CircleScan:
+def scan_of(psi_deg: float, amplitude: float, n: int = 3) -> cf.circle.CircleScan:
     """A standing wave of one tone: A cos n(theta - psi)."""
     turned = np.exp(1j * n * np.radians(psi_deg))
     V = np.exp(0.7j) * np.array([[0.5 * amplitude * turned, 0.5 * amplitude * np.conj(turned)]])
     small = np.full((1, 2), 1e-6 * amplitude)
-    return CircleScan(tones=np.array([300.0]), n=np.array([-n, n]), V=V, sigma=small, floor=small, rate=4.0, left=1.0)
+    return cf.circle.CircleScan(
+        tones=np.array([300.0]), n=np.array([-n, n]), V=V, sigma=small, floor=small, rate=4.0, left=1.0
+    )
 
 
 def test_the_spectrum_of_a_scan_has_the_height_of_its_lines():

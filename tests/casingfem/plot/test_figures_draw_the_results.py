@@ -18,8 +18,6 @@ from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
 from casingfem.plot.records import figure_peaks
 from casingfem.plot.sweep import figure_sweep
 from casingfem.plot.update import Paired, figure_errors
-from contact.model.bodies.patch import Patch
-from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
 from tests.casingfem.plot.drawings import drawn, require_units, same
@@ -46,7 +44,7 @@ def test_a_run_of_rods_shows_forces_in_newtons_gaps_and_displacements_in_mm_over
 @pytest.mark.slow
 def test_a_run_of_modes_shows_modal_coordinates_as_such():
     body = ct.ModalBody(omega=[40.0, 60.0], zeta=[0.01] * 2, channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
-    patch = Patch(body=body, normal=("y",), load=[0.3, -1.0])
+    patch = ct.Patch(body=body, normal=("y",), load=[0.3, -1.0])
     result = ct.run(patch, t_end=0.05, dt=1e-3, record=ct.Record(state_every=1))
     figure = figure_contact(result)
     require_units(SimpleNamespace(axes=figure.axes[:3]))
@@ -90,8 +88,8 @@ def test_an_orbit_is_drawn_in_micrometres_along_the_rim_and_outwards():
 
 @pytest.mark.slow
 def test_growth_over_speed_is_that_of_the_map_and_of_the_table():
-    pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
-                    blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)  # fmt: skip
+    pair = ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+                    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)  # fmt: skip
     found = ct.interactions(pair, np.linspace(52.0, 54.0, 11))
     closed = found.peaks.map
     for figure, speed, values in (

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import ModelWarning
 from casingfem.plot.contact import rub_film
 from casingfem.plot.modes import figure_frequencies
 from casingfem.plot.page import Picture, Section, Table, Verdict, render_page
@@ -35,7 +34,7 @@ def surveyed(frustum, coarse) -> cf.Modes:
     noise = np.random.default_rng(771).normal(0.0, 1e-6, theta.size)
     radius = (0.5 - 0.2 * z) * (1.0 + 1e-3 * np.cos(3.0 * theta)) + noise
     radius[80] += 5e-4
-    with pytest.warns(ModelWarning, match="survey-outliers"):
+    with pytest.warns(cf.errors.ModelWarning, match="survey-outliers"):
         field = cf.SurveyField.from_points(theta, z, radius, n_max=4, degree=1, robust=True)
     return cf.modes(frustum(thickness=20e-3, mesh=coarse, radius_defect=field), 4)
 

@@ -24,7 +24,6 @@ from casingfem.plot.hover import hover_values
 from casingfem.plot.page import Section, Table, render_page
 from casingfem.plot.pages.sections import mesh_rows, structure_rows
 from casingfem.plot.style import embed, know_in_notebook, new_figure, png
-from casingfem.structure.imported.grid import grid_mesh
 from contact.io.outfiles import json_text, write_atomic, write_files
 from tests.casingfem.plot.browser import browser, found_browser
 from tests.casingfem.plot.page_gate import faults_of, page_faults
@@ -284,7 +283,7 @@ def test_inputs_name_every_ply_and_what_is_attached():
     rows = dict(structure_rows(plate))
     assert rows["ply 1"] == "1 mm of the material"
     assert rows["ply 2"] == "2 mm at 45°: E1 140, E2 10, G12 5, G13 5, G23 3.8 GPa, nu12 0.3, rho 1600 kg/m³"
-    block = grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
+    block = cf.imported.grid_mesh("hexahedron20", (1, 1, 1), lambda u: u)
     hung = cf.imported.Attachments(masses=(cf.imported.PointMass(node=3, mass=2.0),))
     solid = cf.Solid(mesh=replace(block, attachments=hung), material=steel)
     assert dict(mesh_rows(solid))["attached"] == "1 point mass"

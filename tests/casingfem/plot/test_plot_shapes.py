@@ -14,7 +14,6 @@ from casingfem.plot.modes import around, figure_rim, groups, most_moving
 from casingfem.plot.shapes import PHASES, Painter, figure_shapes, frames, moving_picture, moving_shapes, view_from
 from casingfem.plot.surface import skin, surface_of
 from casingfem.plot.turning import turning_shapes
-from casingfem.structure.imported.grid import grid_mesh, revolved
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +106,9 @@ def test_shapes_to_be_turned_are_those_of_the_modes(casing):
 
 
 def test_an_imported_part_is_drawn_by_its_skin():
-    wall = grid_mesh("hexahedron20", (2, 24, 3), revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1)
+    wall = cf.imported.grid_mesh(
+        "hexahedron20", (2, 24, 3), cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.04), wrap=1
+    )
     whole = skin(wall)
     assert len(whole.triangles) == 2 * (2 * 24 * 3 + 2 * 24 * 2)  # inside, outside, two ends
     a, b, c = (whole.points[whole.triangles[:, k]] for k in range(3))

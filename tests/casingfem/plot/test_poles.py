@@ -10,8 +10,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.frf.files import read_picks
-from casingfem.experiment.identify.identified import Identified
 from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 from casingfem.plot.page import SIXTEEN
 from casingfem.plot.pages.identification import identification_page
@@ -33,7 +31,7 @@ def frfs():
 
 
 @pytest.fixture(scope="module")
-def found(frfs) -> Identified:
+def found(frfs) -> cf.Identified:
     return cf.identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
 
 
@@ -123,7 +121,7 @@ def test_poles_clicked_in_a_browser_are_those_that_identify_takes(html, found, f
         tab.look(canvas)
         assert tab.run("document.documentElement.scrollWidth") <= 1000
         assert tab.heard == []
-    assert read_picks(tmp_path / "picks.csv") == pytest.approx(found.freq[[0, 2]], abs=0.5)
+    assert cf.frf.read_picks(tmp_path / "picks.csv") == pytest.approx(found.freq[[0, 2]], abs=0.5)
     result = CliRunner().invoke(
         main, ["identify", str(frfs.save(tmp_path / "f.npz")), "--pick", str(tmp_path / "picks.csv"), "--json"]
     )

@@ -8,8 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
+import casingfem as cf
 from casingfem.modal.mistuning import Pair
-from casingfem.study import StudyError, mistuning
+from casingfem.study import mistuning
 from casingfem.study.mistuning import chunk_name, compute_chunk, open_store, pair_of, read, result_of, run_mistune
 
 
@@ -81,7 +82,9 @@ def test_a_folder_belongs_to_one_study_and_one_count_of_modes(tmp_path):
     assert open_store(study(), tmp_path) == tmp_path
     assert open_store(study(), tmp_path) == tmp_path
     for other in (study(digest="abd"), study(count=7)):
-        with pytest.raises(StudyError, match=r"s.toml: .* holds draws of another study or version: give another --out"):
+        with pytest.raises(
+            cf.errors.InputError, match=r"s.toml: .* holds draws of another study or version: give another --out"
+        ):
             open_store(other, tmp_path)
 
 
@@ -124,7 +127,7 @@ def test_every_fiftieth_draw_is_checked_unless_it_was_solved_from_nothing(monkey
 
 
 def test_a_worker_refuses_a_study_that_changed_meanwhile(monkeypatch):
-    monkeypatch.setattr(mistuning, "load_study", lambda path: study())
+    monkeypatch.setattr(mistuning, "load_shell_study", lambda path: study())
     monkeypatch.setattr(mistuning, "mean_modes", lambda shell, count: (shell, count))
     monkeypatch.setattr(mistuning, "perfect_pairs", lambda mean, count: [mean, count])
     monkeypatch.setattr(mistuning, "_worker", [])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from casingfem.study import StudyError, load_study
+import casingfem as cf
 
 STUDY = """
 [material]
@@ -40,8 +40,8 @@ WRONG = [
 
 def problems_of(file):
     try:
-        load_study(file)
-    except StudyError as error:
+        cf.load_study(file)
+    except cf.errors.InputError as error:
         return str(error)
     return ""
 
@@ -51,8 +51,8 @@ def problems_of(file):
 def test_a_number_in_another_unit_is_refused_with_the_slip_and_taken_where_allowed(tmp_path, old, new, name, key, slip):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.replace(old, new))
-    with pytest.raises(StudyError) as caught:
-        load_study(file)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.load_study(file)
     found = str(caught.value)
     assert key in found
     assert slip in found
@@ -64,5 +64,7 @@ def test_a_number_in_another_unit_is_refused_with_the_slip_and_taken_where_allow
 def test_a_percentage_that_the_schema_refuses_is_named_too(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.replace("= 0.002", "= 2.0"))
-    with pytest.raises(StudyError, match=r"reduce.zeta: found 2.0, expected less than 1 .*2 percent are 0.02"):
-        load_study(file)
+    with pytest.raises(
+        cf.errors.InputError, match=r"reduce.zeta: found 2.0, expected less than 1 .*2 percent are 0.02"
+    ):
+        cf.load_study(file)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from casingfem.errors import ModelError
+import casingfem as cf
 from casingfem.study.load import validated
 from casingfem.study.problems import Problems, StudyError, shown, table_of
 
@@ -181,7 +181,7 @@ def test_a_study_error_has_the_code_of_each_line():
 def test_a_model_error_keeps_its_code_in_a_study():
     problems = Problems(Path("s.toml"))
     with problems.at("support"):
-        raise ModelError("shell-thickness", "shell.thickness must be above 0, found -3.0")
+        raise cf.errors.ModelError("shell-thickness", "shell.thickness must be above 0, found -3.0")
     (problem,) = problems
     assert problem.startswith("s.toml: shell: shell.thickness must be above 0, found -3.0: ")
     assert problem.endswith("[shell-thickness]")

@@ -7,10 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.ring import Stiffener
-from casingfem.structure.edge.section import Section
-from casingfem.structure.geometry.blade import Blade
-from casingfem.structure.geometry.revolved import Arc
 from casingfem.study.build import build_chart, build_field, build_mesh, build_random, build_shell
 from casingfem.study.problems import Problems
 from casingfem.study.tables.fields import ImperfectionTable
@@ -103,8 +99,12 @@ def test_what_stands_in_the_tables_stands_in_the_shell():
     assert (shell.thickness, shell.wall, shell.taper.along) == (4e-3, "linear", (1.0, 0.5))
     first, second = shell.stiffeners
     aluminium = cf.Material(**ALUMINIUM)
-    assert first == Stiffener(at=0.1, offset=(0.01, -0.02), section=Section.circle(diameter=0.006), material=aluminium)
-    assert second == Stiffener(at=0.2, offset=(0.03, 0.0), section=Section.rectangle(width=0.01, depth=0.02))
+    assert first == cf.edge.Stiffener(
+        at=0.1, offset=(0.01, -0.02), section=cf.edge.Section.circle(diameter=0.006), material=aluminium
+    )
+    assert second == cf.edge.Stiffener(
+        at=0.2, offset=(0.03, 0.0), section=cf.edge.Section.rectangle(width=0.01, depth=0.02)
+    )
     masses = {edge: [(round(m.angle, 12), m.mass) for m in held] for edge, held in shell.masses.items()}
     quarter, half = round(0.5 * np.pi, 12), round(np.pi, 12)
     assert masses == {"top": [(quarter, 0.1), (half, 0.3)], "base": [(round(-0.25 * np.pi, 12), 0.2)]}
@@ -124,12 +124,12 @@ def test_a_shell_on_no_support_is_doubted(support, said):
 
 def test_a_dome_and_a_blade_have_radians():
     dome = build_chart(DomeTable(kind="dome", radius=0.2, start_deg=-30.0, end_deg=90.0, r0=0.05)).profile
-    assert isinstance(dome, Arc)
+    assert isinstance(dome, cf.geometry.Arc)
     assert (dome.radius, dome.r0) == (0.2, 0.05)
     assert (dome.start, dome.end) == pytest.approx((-np.pi / 6, np.pi / 2), rel=1e-15)
     blade = build_chart(BladeTable(kind="blade", length=0.2, chord=[0.1, 0.08], camber_deg=30.0, sweep=0.01,
                                    twist_deg=[0.0, 45.0], lean=[0.0, 0.02]))  # fmt: skip
-    assert isinstance(blade, Blade)
+    assert isinstance(blade, cf.Blade)
     assert (blade.length, blade.chord, blade.sweep, blade.lean) == (0.2, (0.1, 0.08), 0.01, (0.0, 0.02))
     assert blade.camber == pytest.approx(np.pi / 6, rel=1e-15)
     assert blade.twist == pytest.approx((0.0, np.pi / 4), rel=1e-15)

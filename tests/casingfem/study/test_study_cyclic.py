@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.modal.cyclic.mistuned import mistuned_modes
-from casingfem.modal.cyclic.modes import cyclic_modes
-from casingfem.study import StudyError, load_any
 from reports.modes.cyclic import bladed_disk
 from reports.modes.mesh_files import write_inp
 from tests.casingfem.study.study_texts import STEEL
@@ -67,10 +65,10 @@ def test_modes_and_basis_of_a_file_are_those_of_python(write, disk, tmp_path):
     answer = run("modes", write(), "--json", "--out", tmp_path / "out", "--vtu", "--modes", "1")
     assert answer.exit_code == 0, answer.output
     document = json.loads(answer.stdout)
-    exact = cyclic_modes(disk, 2)
+    exact = cf.modal.cyclic_modes(disk, 2)
     assert [(row["n"], row["doublet"] is None) for row in document["modes"][:4]] == [(0, True)] * 2 + [(1, False)] * 2
     np.testing.assert_allclose(sorted({row["freq_hz"] for row in document["modes"]}), np.sort(exact.freq), rtol=1e-9)
-    mistuned = mistuned_modes(disk, DEVIATIONS, 2, blade="blade")
+    mistuned = cf.modal.mistuned_modes(disk, DEVIATIONS, 2, blade="blade")
     np.testing.assert_allclose([row["freq_hz"] for row in document["mistuned"]], mistuned.freq, rtol=1e-9)
     assert (tmp_path / "out" / "vtu" / "mode_001.vtu").is_file()
     assert (tmp_path / "out" / "modes.csv").read_text().count("False") == 12
@@ -96,7 +94,7 @@ TURNING = '[rotation]\nspeed_hz = 100.0\naxis = "z"\n'
 def test_a_band_of_a_tuned_wheel_at_rest_holds_the_modes_of_its_diameters_within(write, disk):
     answer = run("modes", write(MISTUNED + COUNTED, f"nodal_diameters = [0, 1]\n{BAND}"), "--json")
     assert answer.exit_code == 0, answer.output
-    freq = np.array([row["freq_hz"] for row in cyclic_modes(disk, 2, diameters=[0, 1]).records()])
+    freq = np.array([row["freq_hz"] for row in cf.modal.cyclic_modes(disk, 2, diameters=[0, 1]).records()])
     inside = freq[(freq > 1395.0) & (freq < 1469.5)]
     assert len(inside) == 4  # two pairs of n = 1
     found = json.loads(answer.stdout)["modes"]
@@ -133,8 +131,8 @@ def test_a_band_of_a_mistuned_or_a_whirling_wheel_is_refused(write, old, new):
     ],
 )
 def test_bad_wheels_are_named_by_key(write, old, new, words):
-    with pytest.raises(StudyError) as caught:
-        load_any(write(old, new), wheel=True)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.load_study(write(old, new), wheel=True)
     assert words in str(caught.value)
 
 
@@ -147,8 +145,8 @@ def test_bad_wheels_are_named_by_key(write, old, new, words):
     ],
 )
 def test_bad_tables_of_blades_are_named_by_line(write, table, words):
-    with pytest.raises(StudyError) as caught:
-        load_any(write(table=table), wheel=True)
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.load_study(write(table=table), wheel=True)
     assert words in str(caught.value)
 
 

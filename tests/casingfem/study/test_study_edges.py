@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casingfem.study.load import load_study, tables_of
-from casingfem.study.problems import StudyError
+import casingfem as cf
+from casingfem.study.load import tables_of
 from casingfem.study.updated import perfect, updated_toml
-from casingfem.updating.addresses import get_value
 from tests.casingfem.study.study_texts import STEEL, THIN, written
 
 PLATE = STEEL + "[chart]\n{}[shell]\nthickness = 3.0e-3\n"
@@ -30,7 +29,7 @@ def study(tmp_path):
     """Load a study from the casing and more tables."""
 
     def load(more, chart=None):
-        return load_study(written(tmp_path, (PLATE.format(chart) if chart else THIN) + more))
+        return cf.load_study(written(tmp_path, (PLATE.format(chart) if chart else THIN) + more))
 
     return load
 
@@ -56,7 +55,7 @@ def test_bolts_of_a_study(study):
     ],
 )
 def test_problems_of_bolts_name_their_key(study, old, new, message):
-    with pytest.raises(StudyError, match=message):
+    with pytest.raises(cf.errors.InputError, match=message):
         study(BOLTS.replace(old, new))
 
 
@@ -68,7 +67,7 @@ def test_an_updated_study_says_what_was_found(study, tmp_path, k):
     tomllib.loads(text)
     again = study(text[text.index("[support.base]") :])
     for name, value in values.items():
-        assert get_value(again.shell, name) == pytest.approx(value, rel=1e-12)
+        assert cf.updating.get_value(again.shell, name) == pytest.approx(value, rel=1e-12)
 
 
 RING = """
@@ -103,15 +102,15 @@ def test_a_ring_on_bolts_and_a_mass_of_a_study(study, tmp_path):
     np.testing.assert_allclose([mass.angle, mass.mass], [np.pi / 2, 0.25], rtol=1e-14)
     text = updated_toml(study(RING), {"support.base.k": 4e8, "bolts.3.k": 1e8}, tmp_path)
     again = study(text[text.index("[[mass]]") :]).shell
-    assert get_value(again, "bolts.3.k") == pytest.approx(1e8)
-    assert get_value(again, "support.base.k") == pytest.approx(4e8)
+    assert cf.updating.get_value(again, "bolts.3.k") == pytest.approx(1e8)
+    assert cf.updating.get_value(again, "support.base.k") == pytest.approx(4e8)
     assert again.supports["base"].section == ring.section
 
 
 def test_a_ring_on_an_elastic_bed_is_a_parameter_too(study, tmp_path):
     bed = RING.replace('kind = "bolts"\ncount = 24\nk = 2e8', 'kind = "elastic"\nk_face = 1e12')
     given = study(bed)
-    assert get_value(given.shell, "support.base.k_face") == 1e12
+    assert cf.updating.get_value(given.shell, "support.base.k_face") == 1e12
     text = updated_toml(given, {"support.base.k_face": 3e12}, tmp_path)
     assert study(text[text.index("[[mass]]") :]).shell.supports["base"].support.k_face == 3e12
 
@@ -128,13 +127,13 @@ def test_a_ring_on_an_elastic_bed_is_a_parameter_too(study, tmp_path):
     ],
 )
 def test_problems_of_rings_and_masses_name_their_key(study, old, new, message):
-    with pytest.raises(StudyError, match=message):
+    with pytest.raises(cf.errors.InputError, match=message):
         study(RING.replace(old, new))
 
 
 def test_the_example_of_a_bolted_ring():
-    shell = load_study(Path(__file__).parents[3] / "data" / "studies" / "bolted_ring.toml").shell
-    assert get_value(shell, "bolts.3.k") == pytest.approx(6e7)
+    shell = cf.load_study(Path(__file__).parents[3] / "data" / "studies" / "bolted_ring.toml").shell
+    assert cf.updating.get_value(shell, "bolts.3.k") == pytest.approx(6e7)
     assert shell.mesh.around == 24
 
 
@@ -147,7 +146,7 @@ def test_the_example_of_a_bolted_ring():
 )
 def test_degrees_on_the_straight_edge_of_a_plate_are_refused(study, more, key):
     """They were taken for metres times 180/pi."""
-    with pytest.raises(StudyError, match="an edge without angles") as caught:
+    with pytest.raises(cf.errors.InputError, match="an edge without angles") as caught:
         study(more, chart='kind = "plate"\nlength = 0.2\nwidth = 0.04\n')
     assert key in str(caught.value)
 
@@ -155,5 +154,5 @@ def test_degrees_on_the_straight_edge_of_a_plate_are_refused(study, more, key):
 @pytest.mark.parametrize(("text", "line"), [(b"\xff", 1), (b"\n\xff", 2), (b"a = 1\n\nb = '\xe9'\n", 3)])
 def test_a_byte_that_is_no_text_is_named_with_its_line(tmp_path, text, line):
     (tmp_path / "study.toml").write_bytes(text)
-    with pytest.raises(StudyError, match=rf"study\.toml: line {line}: found byte 0x\w\w, which is not UTF-8"):
+    with pytest.raises(cf.errors.InputError, match=rf"study\.toml: line {line}: found byte 0x\w\w, which is not UTF-8"):
         tables_of(tmp_path / "study.toml")

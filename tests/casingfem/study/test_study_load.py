@@ -8,13 +8,10 @@ import pytest
 
 import casingfem as cf
 from casingfem.linalg.krylov import START_SEED
-from casingfem.modal.interface.kinds import AtNodes, Rim, Tip, TipNodes
-from casingfem.structure.edge.support import Clamped, ElasticEdge
-from casingfem.structure.imported.cells.support import Fixed
 from casingfem.study.cyclic import read_deviations
 from casingfem.study.imported import build_supports, is_imported, mesh_interface
 from casingfem.study.load import load_interface, load_update, source, tables_of, with_start_value
-from casingfem.study.problems import Problems, StudyError
+from casingfem.study.problems import Problems
 from casingfem.study.tables.tasks import ParameterTable, ReduceTable, StudyFile
 from tests.casingfem.study.study_texts import named
 
@@ -31,11 +28,11 @@ def problems():
 @pytest.mark.parametrize(
     ("keys", "chart", "interface"),
     [
-        ({"interface": "top"}, FRUSTUM, Rim("top", 40)),
+        ({"interface": "top"}, FRUSTUM, cf.Rim("top", 40)),
         ({"interface": "base", "n_max": 3, "axial": True, "lines": [0.1, 0.2]}, FRUSTUM,
-         Rim("base", 3, axial=True, lines=(0.1, 0.2))),
-        ({"interface": "tip"}, PLATE, Tip("tip")),
-        ({"interface": "tip", "nodes": 4}, PLATE, TipNodes("tip", 4)),
+         cf.Rim("base", 3, axial=True, lines=(0.1, 0.2))),
+        ({"interface": "tip"}, PLATE, cf.Tip("tip")),
+        ({"interface": "tip", "nodes": 4}, PLATE, cf.TipNodes("tip", 4)),
     ],
 )  # fmt: skip
 def test_the_interface_of_a_chart(problems, keys, chart, interface):
@@ -77,17 +74,17 @@ def test_there_is_no_interface_without_a_table_or_a_chart(problems):
 @pytest.mark.parametrize(
     ("keys", "interface", "words"),
     [
-        ({"at": [3, 1]}, AtNodes((3, 1)), []),
-        ({"interface": "rim"}, Tip("rim"), []),
-        ({"interface": "rim", "nodes": 3}, TipNodes("rim", 3), []),
-        ({"interface": "rim", "axial": True}, Rim("rim", 40, axial=True), []),
+        ({"at": [3, 1]}, cf.modal.AtNodes((3, 1)), []),
+        ({"interface": "rim"}, cf.Tip("rim"), []),
+        ({"interface": "rim", "nodes": 3}, cf.TipNodes("rim", 3), []),
+        ({"interface": "rim", "axial": True}, cf.Rim("rim", 40, axial=True), []),
         ({"interface": "rim", "n_max": 5, "axis": "x", "point": [1.0, 2.0, 3.0]},
-         Rim("rim", 5, axis=(1.0, 0.0, 0.0), point=(1.0, 2.0, 3.0)), []),
-        ({"at": [3], "nodes": 2, "axial": False}, AtNodes((3,)),
+         cf.Rim("rim", 5, axis=(1.0, 0.0, 0.0), point=(1.0, 2.0, 3.0)), []),
+        ({"at": [3], "nodes": 2, "axial": False}, cf.modal.AtNodes((3,)),
          ["reduce.axial: found False, expected no such key here [study-key]",
           "reduce.nodes: found it beside at, expected the nodes alone [study-key]",
           "reduce.axial: found it beside at, expected the nodes alone [study-key]"]),
-        ({"interface": "rim", "lines": []}, Tip("rim"),
+        ({"interface": "rim", "lines": []}, cf.Tip("rim"),
          ["reduce.lines: found [], expected no such key here [study-key]"]),
     ],
 )  # fmt: skip
@@ -118,8 +115,11 @@ def test_a_mesh_is_held_by_groups(problems):
     }  # fmt: skip
     held = build_supports(StudyFile.model_validate({"support": tables}).support, problems)
     assert held == {
-        "a": Fixed(directions=("z", "x")), "b": ElasticEdge(k_face=2.0), "c": Clamped(), "g": Clamped()
-    }  # fmt: skip
+        "a": cf.imported.Fixed(directions=("z", "x")),
+        "b": cf.ElasticEdge(k_face=2.0),
+        "c": cf.Clamped(),
+        "g": cf.Clamped(),
+    }
     assert [problem.partition(" [")[0] for problem in named(problems)][:2] == [
         "support.d.kind: found 'symmetry', expected clamped, fixed or elastic on an imported mesh",
         "support.e: found k_z, expected k_face alone on a mesh",
@@ -203,7 +203,7 @@ def test_a_file_that_is_no_study_has_its_code(tmp_path, content, code):
     file = tmp_path / "study.toml"
     if content is not None:
         file.write_bytes(content)
-    with pytest.raises(StudyError) as caught:
+    with pytest.raises(cf.errors.InputError) as caught:
         tables_of(file)
     assert (caught.value.codes, str(caught.value).startswith(f"{file}: ")) == ((code,), True)
 

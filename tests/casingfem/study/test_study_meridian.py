@@ -3,8 +3,6 @@
 import pytest
 
 import casingfem as cf
-from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
-from casingfem.study import StudyError, load_study
 from tests.casingfem.study.study_texts import STEEL
 
 CASING = f"""{STEEL}[chart]
@@ -30,10 +28,14 @@ kind = "clamped"
 
 def test_pieces_of_the_file_are_those_of_the_shell(tmp_path):
     (tmp_path / "casing.toml").write_text(CASING)
-    shell = load_study(tmp_path / "casing.toml").shell
-    made = PiecewiseMeridian(
+    shell = cf.load_study(tmp_path / "casing.toml").shell
+    made = cf.geometry.PiecewiseMeridian(
         start=(0.30, 0.0),
-        pieces=(Piece(to=(0.30, 0.15)), Piece(to=(0.22, 0.30), fillet=6e-3), Piece(to=(0.25, 0.34), radius=-0.1)),
+        pieces=(
+            cf.geometry.Piece(to=(0.30, 0.15)),
+            cf.geometry.Piece(to=(0.22, 0.30), fillet=6e-3),
+            cf.geometry.Piece(to=(0.25, 0.34), radius=-0.1),
+        ),
         fillet=3e-3,
     )
     assert shell.chart.profile.lines == pytest.approx(made.lines)
@@ -53,7 +55,7 @@ def test_pieces_of_the_file_are_those_of_the_shell(tmp_path):
 def test_a_piece_has_a_wall_of_its_own_by_thickness_or_material_alone(tmp_path, left_out, thickness, density):
     assert left_out in CASING
     (tmp_path / "casing.toml").write_text(CASING.replace(left_out, "", 1))
-    shell = load_study(tmp_path / "casing.toml").shell
+    shell = cf.load_study(tmp_path / "casing.toml").shell
     (wall,) = shell.strips
     assert (wall.start, wall.end) == pytest.approx(shell.chart.profile.owners[1])
     assert (wall.thickness, wall.material and wall.material.rho) == (thickness, density)
@@ -74,6 +76,6 @@ def test_a_piece_has_a_wall_of_its_own_by_thickness_or_material_alone(tmp_path, 
 def test_bad_meridians_are_named_by_key(tmp_path, old, new, words):
     assert old in CASING
     (tmp_path / "casing.toml").write_text(CASING.replace(old, new, 1))
-    with pytest.raises(StudyError) as caught:
-        load_study(tmp_path / "casing.toml")
+    with pytest.raises(cf.errors.InputError) as caught:
+        cf.load_study(tmp_path / "casing.toml")
     assert words in str(caught.value)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from casingfem.study import load_any
+import casingfem as cf
 from tests.probed import numbers_in
 
 STUDIES = sorted((Path(__file__).parents[3] / "data" / "studies").glob("*.toml"))
@@ -15,4 +15,4 @@ STUDIES = [file for file in STUDIES if file.stem != "rig"]  # a chain of studies
 @pytest.mark.filterwarnings("ignore::casingfem.errors.ModelWarning")
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
 def test_numbers_of_studies(file, held):
-    held(said=list(numbers_in(load_any(file))))
+    held(said=list(numbers_in(cf.load_study(file))))

@@ -10,9 +10,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.circle.record import ScanRecord
 from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
-from casingfem.study import StudyError, load_study
 from casingfem.study.rig import run_rig
 from tests.casingfem.study.study_texts import STEEL, THIN, written
 
@@ -71,13 +69,13 @@ def study(tmp_path):
 
 @pytest.mark.slow
 def test_exact_responses_carry_the_truth(study):
-    test = run_rig(load_study(study(CASING + EXACT)))
+    test = run_rig(cf.load_study(study(CASING + EXACT)))
     assert len(test.frfs) == 24
     assert test.frfs.card[0].startswith("SYNTHETIC")
     assert any("seed 4711" in line for line in test.frfs.card)
     found = test.truth
     assert found.card[0].startswith("SYNTHETIC")
-    bare = cf.modes(load_study(study(CASING)).shell, 10)
+    bare = cf.modes(cf.load_study(study(CASING)).shell, 10)
     assert sorted(found.n.tolist()) == sorted(bare.nodal_diameters.tolist())
     assert np.all(found.freq_hz <= bare.freq * (1.0 + 1e-12))
     assert found.freq_hz[0] < bare.freq[0] * (1.0 - 1e-4)
@@ -90,15 +88,15 @@ def test_exact_responses_carry_the_truth(study):
 @pytest.mark.slow
 def test_records_give_nearly_the_same_responses(study):
     plain = CASING.replace("mass = 0.01", "")
-    exact = run_rig(load_study(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5")))).frfs
-    test = run_rig(load_study(study(plain + BURST)))
+    exact = run_rig(cf.load_study(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5")))).frfs
+    test = run_rig(cf.load_study(study(plain + BURST)))
     assert np.linalg.norm(test.frfs.responses - exact.responses) < 0.01 * np.linalg.norm(exact.responses)
     assert np.median(test.coherence.responses.real) > 0.99
 
 
 @pytest.mark.slow
 def test_a_scan_finds_the_orders_of_the_modes(study):
-    test = run_rig(load_study(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23"))))
+    test = run_rig(cf.load_study(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23"))))
     largest = [np.abs(V).argmax() for V in test.waves.V]
     seen = [abs(test.waves.n[k]) for k in largest]
     nearest = [test.truth.n[np.abs(test.truth.freq_hz - tone).argmin()] for tone in (370.1, 384.3)]
@@ -108,10 +106,10 @@ def test_a_scan_finds_the_orders_of_the_modes(study):
 
 @pytest.mark.slow
 def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
-    one, two = (run_rig(load_study(study(CASING + EXACT + SCAN))) for _ in range(2))
+    one, two = (run_rig(cf.load_study(study(CASING + EXACT + SCAN))) for _ in range(2))
     assert np.array_equal(one.frfs.responses, two.frfs.responses)
     assert np.array_equal(one.scan.record.velocity, two.scan.record.velocity)
-    other = run_rig(load_study(study((CASING + EXACT).replace("4711", "4712"))))
+    other = run_rig(cf.load_study(study((CASING + EXACT).replace("4711", "4712"))))
     assert not np.array_equal(one.rig.zeta, other.rig.zeta)
     assert not np.array_equal(one.frfs.responses, other.frfs.responses)
 
@@ -140,7 +138,7 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     assert len(cf.frf.FrfSet.from_uff(out / "responses.uff", "time")) == 24
     assert cf.frf.FrfSet.from_uff(out / "forces.uff", "time").unit == "N"
     assert cf.frf.FrfSet.load(out / "frfs.npz").card[0].startswith("SYNTHETIC")
-    assert ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
+    assert cf.circle.ScanRecord.load(out / "scan.npz").card[0].startswith("SYNTHETIC")
     assert cf.FrequencyTable.from_csv(out / "truth.csv").card[0].startswith("SYNTHETIC")
     words = CliRunner().invoke(main, ["rig", str(path)]).stdout
     assert words.startswith("SYNTHETIC")
@@ -149,7 +147,7 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
 
 @pytest.mark.slow
 def test_pictures_of_what_nobody_measured_say_so(study):
-    test = run_rig(load_study(study(CASING + EXACT + SCAN)))
+    test = run_rig(cf.load_study(study(CASING + EXACT + SCAN)))
     drawn = [
         figure_responses(test.frfs, marks=test.truth.freq_hz),
         figure_scan(test.scan.record, test.waves),
@@ -209,7 +207,7 @@ resolution_hz = 4.0
 blocks = 2
 """
     )
-    test = run_rig(load_study(study(plate)))
+    test = run_rig(cf.load_study(study(plate)))
     assert test.truth.n.tolist() == [-1] * 4
     assert abs(test.frfs.x[np.abs(test.frfs.responses[0]).argmax()] - test.truth.freq_hz[0]) <= 4.0
 
@@ -238,8 +236,8 @@ blocks = 2
     ],
 )
 def test_what_cannot_be_is_refused_with_its_key(study, text, words):
-    with pytest.raises(StudyError, match=words):
-        run_rig(load_study(study(text)))
+    with pytest.raises(cf.errors.InputError, match=words):
+        run_rig(cf.load_study(study(text)))
 
 
 @pytest.mark.slow

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.study.load import load_study
-from casingfem.study.problems import StudyError
 from tests.casingfem.study.study_texts import written
 
 STUDY = Path(__file__).parents[3] / "data" / "studies" / "rotating_blade.toml"
@@ -16,7 +14,7 @@ HUB = "hub_radius = 0.3\nstagger_deg = 30.0\n"
 
 
 def loaded(tmp_path, text):
-    return load_study(written(tmp_path, text))
+    return cf.load_study(written(tmp_path, text))
 
 
 def domed(start, end):
@@ -27,7 +25,7 @@ def domed(start, end):
 
 @pytest.mark.slow
 def test_the_blade_of_the_data_turns(tmp_path):
-    study = load_study(STUDY)
+    study = cf.load_study(STUDY)
     assert study.shell.rotation.omega == pytest.approx(200.0 * np.pi)
     np.testing.assert_allclose(study.shell.rotation.axis, [0.0, np.sqrt(0.75), 0.5], atol=1e-15)
     still = loaded(tmp_path, BLADE.partition("[rotation]")[0])
@@ -56,7 +54,7 @@ def test_the_angles_of_a_dome_stay_within_one_turn(tmp_path):
         ((300.0, 360.5), "chart.end_deg: found 360.5"),
         ((-300.0, -360.5), "chart.end_deg: found -360.5"),
     ):
-        with pytest.raises(StudyError, match=message):
+        with pytest.raises(cf.errors.InputError, match=message):
             loaded(tmp_path, domed(*ends))
 
 
@@ -72,7 +70,7 @@ def test_the_angles_of_a_dome_stay_within_one_turn(tmp_path):
     ],
 )
 def test_refused_by_key(tmp_path, change, message):
-    with pytest.raises(StudyError) as caught:
+    with pytest.raises(cf.errors.InputError) as caught:
         loaded(tmp_path, BLADE.replace(*change))
     assert message in str(caught.value)
 
@@ -80,5 +78,5 @@ def test_refused_by_key(tmp_path, change, message):
 def test_a_rotating_part_is_not_updated(tmp_path):
     (tmp_path / "table.csv").write_text("# SYNTHETIC\nmode,n,freq_hz,sigma_hz,angle_deg,zeta\n1,,140.0,1.0,,\n")
     update = '[update]\ntable = "table.csv"\n[[update.parameter]]\nname = "material.E"\nlower = 1e11\nupper = 3e11\n'
-    with pytest.raises(StudyError, match="a test at rest"):
+    with pytest.raises(cf.errors.InputError, match="a test at rest"):
         loaded(tmp_path, BLADE + update)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.section import Section
 from casingfem.study.problems import Problems
 from casingfem.study.supports import (
     build_masses,
@@ -90,10 +89,15 @@ def test_angles_are_for_edges_that_run_around_an_axis(chart, edge, angles):
 def test_a_ring_has_its_section_offset_foot_and_support():
     ring = support(RingTable(kind="ring", width=0.04, depth=0.03, offset=[0.01, -0.02], foot=[0.03, 0.04],
                              support=ElasticTable(kind="elastic", k_z=5.0)))  # fmt: skip
-    assert (ring.section, ring.material) == (Section.rectangle(width=0.04, depth=0.03), None)
+    assert (ring.section, ring.material) == (cf.edge.Section.rectangle(width=0.04, depth=0.03), None)
     assert (ring.offset, ring.foot, ring.support) == ((0.01, -0.02), (0.03, 0.04), cf.ElasticEdge(k_z=5.0))
     bare = support(RingTable(kind="ring", diameter=0.02))
-    assert (bare.section, bare.offset, bare.foot, bare.support) == (Section.circle(diameter=0.02), None, None, None)
+    assert (bare.section, bare.offset, bare.foot, bare.support) == (
+        cf.edge.Section.circle(diameter=0.02),
+        None,
+        None,
+        None,
+    )
 
 
 def test_springs_of_an_elastic_edge_go_by_their_names():

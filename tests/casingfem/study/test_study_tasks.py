@@ -5,13 +5,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from casingfem.modal.interface.output import Displacement
+import casingfem as cf
 from casingfem.study import tasks
 from casingfem.study.imported import MeshStudy
 from casingfem.study.problems import StudyError
 from casingfem.study.tables.tasks import ReduceTable, UpdateTable
 from casingfem.study.tasks import judge_update, run_reduce, run_update
-from casingfem.updating.regularisation import Regularisation
 
 PARAMETER = {"name": "material.E", "lower": 1.0, "upper": 2.0}
 
@@ -68,7 +67,7 @@ def test_an_update_is_given_the_keys_of_its_table(told):
     assert run_update(study(update=table), "progress") == "fit"
     assert told["update"] == (("start", "table", [1, 2]), {
         "count": 7, "reach": 0.3, "model_error": 0.01, "shapes": "shapes", "progress": "progress", "outliers": "keep",
-        "regularise": Regularisation(rule="l-curve", names=("a",)),
+        "regularise": cf.updating.Regularisation(rule="l-curve", names=("a",)),
     })  # fmt: skip
     run_update(study(update=UpdateTable(table="t.csv", parameter=[PARAMETER])))
     assert told["update"][1]["regularise"] is None
@@ -77,7 +76,7 @@ def test_an_update_is_given_the_keys_of_its_table(told):
 @pytest.mark.parametrize("missing", [{"table": None}, {"update": None}])
 def test_an_update_wants_its_table(told, missing):
     keys = {"update": UpdateTable(table="t.csv", parameter=[PARAMETER])} | missing
-    with pytest.raises(StudyError, match=r"s.toml: update: found nothing"):
+    with pytest.raises(cf.errors.InputError, match=r"s.toml: update: found nothing"):
         run_update(study(**keys))
     assert told == {}
 
@@ -88,7 +87,7 @@ def test_a_reduction_is_given_the_keys_of_its_table(told):
     assert run_reduce(study(reduce=table)) == {"by": "hand", "source": {"study": "s.toml"}}
     assert told["reduce"] == (("own", "rim"), {
         "modes": 9, "method": "craig-bampton", "zeta": 0.1, "recovery": True,
-        "outputs": [Displacement(name="a", at=(0.0, 1.0), direction="x")],
+        "outputs": [cf.modal.Displacement(name="a", at=(0.0, 1.0), direction="x")],
     })  # fmt: skip
     run_reduce(study(reduce=table), "updated")
     assert told["reduce"][0] == ("updated", "rim")
@@ -96,7 +95,7 @@ def test_a_reduction_is_given_the_keys_of_its_table(told):
 
 @pytest.mark.parametrize("missing", [{"interface": None}, {"reduce": None}])
 def test_a_reduction_wants_its_table(told, missing):
-    with pytest.raises(StudyError, match=r"s.toml: reduce: found nothing"):
+    with pytest.raises(cf.errors.InputError, match=r"s.toml: reduce: found nothing"):
         run_reduce(study(**{"reduce": ReduceTable(interface="top")} | missing))
     assert told == {}
 
@@ -111,7 +110,9 @@ def test_a_wheel_is_reduced_by_its_diameters(told, keys, modes):
 
 @pytest.mark.parametrize(("key", "value"), [("method", "free"), ("output", [])])
 def test_a_wheel_has_neither_method_nor_outputs(told, key, value):
-    with pytest.raises(StudyError, match=rf"s.toml: reduce.{key}: found it beside \[cyclic\], expected no such key"):
+    with pytest.raises(
+        cf.errors.InputError, match=rf"s.toml: reduce.{key}: found it beside \[cyclic\], expected no such key"
+    ):
         run_reduce(wheel_study(ReduceTable(interface="tip", **{key: value})))
     assert told == {}
 
@@ -123,12 +124,12 @@ def test_what_cannot_be_computed_is_told_with_study_and_task(monkeypatch):
     for name in ("update", "reduce", "leave_one_out", "laplace"):
         monkeypatch.setattr(tasks, name, fails)
     whole = study(update=UpdateTable(table="t", parameter=[PARAMETER]), reduce=ReduceTable(interface="top"))
-    with pytest.raises(StudyError, match=r"^s.toml: update: too few rows$"):
+    with pytest.raises(cf.errors.InputError, match=r"^s.toml: update: too few rows$"):
         run_update(whole)
-    with pytest.raises(StudyError, match=r"^s.toml: reduce: too few rows$"):
+    with pytest.raises(cf.errors.InputError, match=r"^s.toml: reduce: too few rows$"):
         run_reduce(whole)
     for asked in ({"left_out": True, "posterior": None}, {"left_out": False, "posterior": "laplace"}):
-        with pytest.raises(StudyError, match=r"^s.toml: update: too few rows$"):
+        with pytest.raises(cf.errors.InputError, match=r"^s.toml: update: too few rows$"):
             judge_update(whole, None, say=lambda what: None, **asked)
 
 

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from casingfem.modal.interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
+import casingfem as cf
 from casingfem.study.tables.fields import CyclicTable, ImperfectionTable
 from casingfem.study.tables.rig import PlaceTable, ResponsesTable
 from casingfem.study.tables.shapes import RotationTable, ShellTable
@@ -116,13 +116,19 @@ def test_these_keys_do_not_go_together(table, keys, words):
 @pytest.mark.parametrize(
     ("keys", "output"),
     [
-        ({"node": 0, "direction": "y"}, NodeDisplacement(name="a", node=0, direction="y")),
-        ({"node": 7, "strain": "yz"}, NodeStrain(name="a", node=7, component="yz")),
-        ({"node": 7, "stress": "xx"}, NodeStress(name="a", node=7, component="xx")),
-        ({"at": [0.1, 0.2], "direction": "normal"}, Displacement(name="a", at=(0.1, 0.2), direction="normal")),
-        ({"at": [0.1, 0.2], "strain": "22"}, Strain(name="a", at=(0.1, 0.2), component="22", side=1.0)),
-        ({"at": [0.1, 0.2], "strain": "12", "side": 0.0}, Strain(name="a", at=(0.1, 0.2), component="12", side=0.0)),
-        ({"at": [0.1, 0.2], "strain": "11", "side": -1.0}, Strain(name="a", at=(0.1, 0.2), component="11", side=-1.0)),
+        ({"node": 0, "direction": "y"}, cf.modal.NodeDisplacement(name="a", node=0, direction="y")),
+        ({"node": 7, "strain": "yz"}, cf.modal.NodeStrain(name="a", node=7, component="yz")),
+        ({"node": 7, "stress": "xx"}, cf.modal.NodeStress(name="a", node=7, component="xx")),
+        ({"at": [0.1, 0.2], "direction": "normal"}, cf.modal.Displacement(name="a", at=(0.1, 0.2), direction="normal")),
+        ({"at": [0.1, 0.2], "strain": "22"}, cf.modal.Strain(name="a", at=(0.1, 0.2), component="22", side=1.0)),
+        (
+            {"at": [0.1, 0.2], "strain": "12", "side": 0.0},
+            cf.modal.Strain(name="a", at=(0.1, 0.2), component="12", side=0.0),
+        ),
+        (
+            {"at": [0.1, 0.2], "strain": "11", "side": -1.0},
+            cf.modal.Strain(name="a", at=(0.1, 0.2), component="11", side=-1.0),
+        ),
     ],
 )
 def test_an_output_is_what_its_keys_say(keys, output):

@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.edge.ring import Ring
-from casingfem.structure.edge.section import Section
-from casingfem.structure.geometry.strip import Strip
 from casingfem.study.tables.tasks import StudyFile
 from casingfem.study.updated import (
     add_harmonic,
@@ -101,10 +98,12 @@ def test_a_change_of_a_harmonic_adds_to_where_it_stands():
 
 
 def test_every_kind_of_parameter_goes_to_its_key():
-    ring = Ring(section=Section.rectangle(width=0.04, depth=0.03), material=STEEL, support=cf.ElasticEdge(k_face=1e12))
+    ring = cf.Ring(
+        section=cf.edge.Section.rectangle(width=0.04, depth=0.03), material=STEEL, support=cf.ElasticEdge(k_face=1e12)
+    )
     shell = replace(
         CASING, supports={"base": ring, "top": cf.ElasticEdge(k_r=1e8, around=WAVE)},
-        strips=(Strip(start=0.0, end=0.25, thickness=4e-3, material=STEEL),), radius_defect=WAVE,
+        strips=(cf.Strip(start=0.0, end=0.25, thickness=4e-3, material=STEEL),), radius_defect=WAVE,
         masses={"top": [cf.edge.EdgeMass(angle=0.0, mass=0.1), cf.edge.EdgeMass(angle=1.0, mass=0.2)]},
     )  # fmt: skip
     tables = {
@@ -157,12 +156,12 @@ def test_paths_are_seen_from_the_new_folder_and_starts_are_gone():
 def test_even_takes_the_variation_of_each_support_and_nothing_else():
     elastic = cf.ElasticEdge(k_r=1e8, around=WAVE)
     bolts = cf.Bolts(count=4, k=1e8, loose={2: 0.5})
-    section = Section.circle(diameter=0.02)
+    section = cf.edge.Section.circle(diameter=0.02)
     assert even(elastic) == cf.ElasticEdge(k_r=1e8)
     assert dict(even(bolts).loose) == {}
     assert even(cf.Clamped()) == cf.Clamped()
-    assert dict(even(Ring(section=section, support=bolts)).support.loose) == {}
-    assert even(Ring(section=section)).support is None
+    assert dict(even(cf.Ring(section=section, support=bolts)).support.loose) == {}
+    assert even(cf.Ring(section=section)).support is None
     shell = replace(CASING, supports={"base": elastic}, radius_defect=WAVE, density_defect=WAVE)
     same = perfect(shell)
     assert (same.radius_defect, same.density_defect, same.supports["base"].around) == (None, None, None)

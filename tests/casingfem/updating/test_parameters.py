@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import casingfem as cf
-from casingfem.structure.field.field import FieldValues
 
 PATHS = {
     "material.E": 210e9,
@@ -141,7 +140,7 @@ def test_names_that_are_none(casing, name, message):
 class Ripple:
     def derivatives(self, z, theta):
         zero = np.zeros(np.broadcast(z, theta).shape)
-        return FieldValues(*[zero] * 6)
+        return cf.field.FieldValues(*[zero] * 6)
 
     def rotated(self, angle):
         return self

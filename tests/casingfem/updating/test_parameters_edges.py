@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.study import load_study
 from casingfem.study.updated import updated_toml
 from tests.casingfem.study.study_texts import THIN, written
 
@@ -37,7 +36,7 @@ mass = 0.02
 
 @pytest.fixture
 def study(tmp_path):
-    return load_study(written(tmp_path, STUDY))
+    return cf.load_study(written(tmp_path, STUDY))
 
 
 def test_a_rectangle_stays_one():
@@ -68,7 +67,7 @@ def test_a_section_by_its_numbers_changes_one_of_them():
 def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
     assert cf.updating.get_value(cf.updating.with_value(study.shell, name, value), name) == value
     (tmp_path / "new.toml").write_text(updated_toml(study, {name: value}, tmp_path))
-    assert cf.updating.get_value(load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
+    assert cf.updating.get_value(cf.load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.experiment.correlation.sensors import sensors_at_nodes
-from casingfem.study import load_any
 from casingfem.updating.numbers import mesh_numbers
 from casingfem.updating.sensitivity import of_mesh
 from reports.modes.mesh_files import write_inp
@@ -187,7 +186,7 @@ def test_update_and_correlate_on_the_command_line(tmp_path):
     ran = CliRunner().invoke(main, ["update", str(path), "--json", "--out", str(tmp_path / "out")])
     assert ran.exit_code == 0, ran.stderr
     assert json.loads(ran.stdout)["parameters"][0]["value"] == pytest.approx(210e9, rel=1e-6)
-    again = load_any(tmp_path / "out" / "study_updated.toml").structure
+    again = cf.load_study(tmp_path / "out" / "study_updated.toml").structure
     assert again.material.E == pytest.approx(210e9, rel=1e-6)
     assert len(again.mesh.points) == len(twin.mesh.points)
 
@@ -202,9 +201,9 @@ def test_updated_studies_keep_groups(tmp_path):
     path = tmp_path / "study.toml"
     own = "[solid.material.outer]\nE = 70e9\nnu = 0.33\nrho = 2700.0\n"
     path.write_text(STUDY.partition("[update]")[0] + own)
-    study = load_any(path)
+    study = cf.load_study(path)
     path.write_text(updated_toml(study, {"solid.material.outer.E": 72e9}, tmp_path))
-    assert load_any(path).structure.materials["outer"].E == 72e9
+    assert cf.load_study(path).structure.materials["outer"].E == 72e9
 
 
 def test_shapes_measured_beside_nodes_correlate_with_their_modes():

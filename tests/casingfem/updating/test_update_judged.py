@@ -10,7 +10,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.extras import remedy
-from casingfem.study import StudyError, tasks
+from casingfem.study import tasks
 from casingfem.updating.identifiability import identifiability
 from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, trade_off
 from casingfem.updating.result import weak_priors
@@ -258,7 +258,7 @@ def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monk
 def test_what_a_study_asks_beyond_its_fit_is_refused_with_its_file(fit, monkeypatch):
     study = SimpleNamespace(path="blade.toml")
     monkeypatch.setattr(tasks, "laplace", lambda fit: cf.updating.laplace(fit, bent(fit, 2.0)))
-    with pytest.raises(StudyError, match=r"^blade\.toml: update: posterior: the fit is no minimum"):
+    with pytest.raises(cf.errors.InputError, match=r"^blade\.toml: update: posterior: the fit is no minimum"):
         tasks.judge_update(study, fit, left_out=False, posterior="laplace", say=lambda _: None)
     assert tasks.judge_update(study, fit, left_out=False, posterior=None, say=lambda _: None) == {}
 

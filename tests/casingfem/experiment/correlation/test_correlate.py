@@ -16,7 +16,6 @@ from casingfem.experiment.correlation.expansion import (
 from casingfem.experiment.correlation.mac import comac, ecomac
 from casingfem.experiment.correlation.measured_shapes import uff_shapes
 from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
-from casingfem.experiment.uff.nodes import Nodes
 from casingfem.export.modes_uff import write_modes_uff
 
 HEIGHTS = (0.12, 0.25)
@@ -254,7 +253,7 @@ def scalars(shape):
             "found shapes with values at different nodes",
         ),
         (
-            lambda nodes: Nodes(**{field.name: getattr(nodes, field.name)[1:] for field in fields(nodes)}),
+            lambda nodes: cf.uff.Nodes(**{field.name: getattr(nodes, field.name)[1:] for field in fields(nodes)}),
             lambda shape: shape,
             "found values at node 1, which has no point; expected its point",
         ),

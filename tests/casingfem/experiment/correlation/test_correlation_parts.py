@@ -13,8 +13,6 @@ from casingfem.experiment.correlation.mac import comac, ecomac, nearest_in_plane
 from casingfem.experiment.correlation.matches import Match
 from casingfem.experiment.correlation.measured_shapes import uff_shapes
 from casingfem.experiment.correlation.sensors import refuse_far
-from casingfem.experiment.uff.nodes import Nodes
-from casingfem.experiment.uff.set_55 import Shape
 
 RNG_SEED = 2231
 
@@ -185,13 +183,22 @@ def test_measured_shapes_have_unit_directions_numbers_and_a_table():
 
 
 def shape(values, analysis=2, reals=(50.0, 1.0, 0.0, 0.0), nodes=(4, 2)):
-    return Shape(text=("",) * 5, model=1, analysis=analysis, characteristic=2, quantity=8, integers=(1, 1), reals=reals,
-                 nodes=np.array(nodes), values=np.array(values))  # fmt: skip
+    return cf.uff.Shape(
+        text=("",) * 5,
+        model=1,
+        analysis=analysis,
+        characteristic=2,
+        quantity=8,
+        integers=(1, 1),
+        reals=reals,
+        nodes=np.array(nodes),
+        values=np.array(values),
+    )
 
 
 def test_a_file_s_channels_are_the_directions_in_which_a_mode_moves():
     """From a billionth of the largest value on; real and complex modes, not those of 0 Hz or of another analysis."""
-    nodes = Nodes(
+    nodes = cf.uff.Nodes(
         labels=np.array([2, 3, 4]),
         points=np.arange(9.0).reshape(3, 3),
         systems=np.zeros(3),

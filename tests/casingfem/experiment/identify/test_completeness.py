@@ -7,8 +7,6 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.identify.spectra import line_noise, visible_peaks
-from casingfem.experiment.rig.rig import Probe, Rig, noisy
-from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 
 THETA = 2.0 * np.pi * np.arange(16) / 16 + 0.03
 ANGLES = dict(enumerate(np.degrees(THETA)))
@@ -159,10 +157,10 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
     orders = (4, 4, 2, 2, 5, 5, 3, 3, 6, 6)
     freqs = np.array([300.0, 301.5, 320.0, 321.0, 345.0, 347.0, 366.0, 366.8, 390.0, 392.0])
     rows = np.array([np.cos(n * (at - 0.1) - k % 2 * np.pi / 2) for k, n in enumerate(orders)]).T
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
-    rig = Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
-    what = Troubles(snr_db=45.0, setups=3, shift=2e-3)
-    test = troubled_frfs(rig, np.arange(290.0, 402.0, 0.1), what, sensors=range(16), drives=[16], seed=5)
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
+    rig = cf.rig.Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
+    what = cf.rig.Troubles(snr_db=45.0, setups=3, shift=2e-3)
+    test = cf.rig.troubled_frfs(rig, np.arange(290.0, 402.0, 0.1), what, sensors=range(16), drives=[16], seed=5)
     found = cf.identify(test.frfs, angles={k + 1: float(np.degrees(a)) for k, a in enumerate(THETA)})
     assert found.n.tolist() == list(orders)
     mean = test.truth.freq.mean(axis=0)
@@ -180,9 +178,9 @@ def test_two_references_that_each_drive_one_member_of_every_pair_are_one_set_up(
     orders = (2, 6, 10, 2, 6, 10, 3, 5)
     freqs = np.array([309.0 * 1.03**k * (1.0 + side) for k in range(8) for side in (-1e-3, 1e-3)])
     rows = np.array([np.cos(n * at - k * np.pi / 2) for n in orders for k in (0, 1)]).T
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
-    rig = Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
-    frfs = noisy(rig.frfs(np.arange(295.0, 395.0, 0.1), sensors=range(12), drives=[12, 13]), 40.0, seed=3)
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(a)) for k, a in enumerate(at)]
+    rig = cf.rig.Rig.of(omega=2 * np.pi * freqs, zeta=2e-3, rows=rows, probes=probes)
+    frfs = cf.rig.noisy(rig.frfs(np.arange(295.0, 395.0, 0.1), sensors=range(12), drives=[12, 13]), 40.0, seed=3)
     found = cf.identify(frfs, angles={k + 1: float(np.degrees(a)) for k, a in enumerate(theta)})
     np.testing.assert_allclose(found.freq, freqs, atol=0.01)
     assert found.sure.all()

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.frf.frf_set import FrfSet
+import casingfem as cf
 from casingfem.experiment.identify.exponential import window_note, window_time, without_window
 from casingfem.experiment.identify.mode import Mode
 
@@ -40,11 +39,11 @@ def test_damping_is_clear_above_two_standard_deviations():
 
 def test_the_time_of_a_window_is_given_or_read_from_the_last_line_of_the_card():
     card = ["exponential_window_s: 2.0", "other: 3", " exponential_window_s : 4.0 "]
-    frfs = FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N", card=card)
+    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N", card=card)
     assert window_time(frfs, None) == 4.0
     assert window_time(frfs, 0.5) == 0.5
-    bare = FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N")
+    bare = cf.frf.FrfSet.from_arrays(kind="frf", x=[1.0], responses=[[1j]], unit="m/N")
     assert window_time(bare, None) is None
     for wrong in (0.0, -1.0, np.inf, np.nan):
-        with pytest.raises(InputError, match="above 0"):
+        with pytest.raises(cf.errors.InputError, match="above 0"):
             window_time(bare, wrong)

@@ -8,7 +8,6 @@ import pytest
 import casingfem as cf
 from casingfem.experiment.identify.spectra import line_noise, visible_peaks
 from casingfem.experiment.identify.suspects import suspected
-from casingfem.experiment.rig.troubles import Troubles, troubled_frfs
 
 X = np.arange(90.0, 130.0, 0.1)
 TAU = 1.5
@@ -21,8 +20,8 @@ def windowed():
     rig = cf.rig.Rig.of(
         omega=2 * np.pi * np.array([110.0]), zeta=3e-3, rows=np.array([[1.0], [0.7], [-0.6], [0.4], [1]])
     )
-    what = Troubles(snr_db=50.0, exponential=TAU)
-    return troubled_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
+    what = cf.rig.Troubles(snr_db=50.0, exponential=TAU)
+    return cf.rig.troubled_frfs(rig, X, what, sensors=range(4), drives=[4], seed=41).frfs
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,7 @@ import pytest
 
 import casingfem as cf
 from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.excitation import Random
 from casingfem.experiment.rig.record import measured as with_noise
-from casingfem.experiment.rig.record import record
-from casingfem.experiment.rig.rig import Probe, Rig, noisy
 
 SEED = 1917
 
@@ -22,14 +19,14 @@ def ring_rig(pairs, *, theta, drives, zeta=0.002):
             place = np.radians(angle) + k * np.pi / (2 * n) if n else 0.0
             modes.append((freq * (1 + side * split), np.cos(n * (at - place))))
     modes.sort(key=lambda mode: mode[0])
-    probes = [Probe(k + 1, 1, (0.0, 0.0, 0.0), angle) for k, angle in enumerate(at)]
+    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), angle) for k, angle in enumerate(at)]
     freq, rows = zip(*modes, strict=True)
-    return Rig.of(omega=2 * np.pi * np.array(freq), zeta=zeta, rows=np.array(rows).T, probes=probes)
+    return cf.rig.Rig.of(omega=2 * np.pi * np.array(freq), zeta=zeta, rows=np.array(rows).T, probes=probes)
 
 
 def measured(rig, lines, sensors, drives, snr=40.0, seed=SEED):
     frfs = rig.frfs(lines, sensors=range(sensors), drives=range(sensors, sensors + drives))
-    return noisy(frfs, snr, seed=seed) if snr else frfs
+    return cf.rig.noisy(frfs, snr, seed=seed) if snr else frfs
 
 
 def numeric(result):
@@ -184,9 +181,11 @@ def test_responses_estimated_from_random_forces_of_two_shakers():
     """Noise on the peaks, alike on neighbouring lines: no spurious modes, and sigma knows."""
     pairs = [(6, 130.0, 0.012, 11.0), (7, 145.0, 0.02, 3.0), (5, 152.0, 0.008, 20.0)]
     rig = ring_rig(pairs, theta=THETA, drives=[0.3, 2.0], zeta=0.004)
-    force = Random(rms=1.0, band=(90.0, 190.0))
+    force = cf.rig.Random(rms=1.0, band=(90.0, 190.0))
     sensors, drives = range(len(THETA)), range(len(THETA), len(THETA) + 2)
-    clean = record(rig, [force, force], drives=drives, sensors=sensors, fs=500.0, block=4096, blocks=16, seed=SEED)
+    clean = cf.rig.record(
+        rig, [force, force], drives=drives, sensors=sensors, fs=500.0, block=4096, blocks=16, seed=SEED
+    )
     frfs = estimate(with_noise(clean, seed=SEED, snr_db=40.0, bits=16), band=(110.0, 175.0)).frfs
     found = cf.identify(frfs, angles=ANGLES)
     assert found.n.tolist() == [6, 6, 7, 7, 5, 5]

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
+import casingfem as cf
 from casingfem.experiment.frf.sensor_grid import SensorGrid
-from casingfem.experiment.identify.identified import Identified
 from casingfem.experiment.identify.lscf import Stabilisation
 
 LINES = np.array([90.0, 100.0, 110.0])
@@ -32,7 +31,7 @@ def identified(**changes):
         "measured": measured, "diagram": diagram, "reasons": ("", "", "why"), "notes": ("a", "b"), "card": ("c",),
         "seconds": 3.5, "shift": 4e-3,
     }  # fmt: skip
-    return Identified(**given | changes)
+    return cf.Identified(**given | changes)
 
 
 def test_numbers_of_pairs_set_ups_and_what_is_sure():
@@ -66,17 +65,17 @@ def test_records_and_the_table_have_the_numbers_of_each_mode():
 
 def test_every_field_of_the_file_comes_back(tmp_path):
     found = identified()
-    again = Identified.load(found.save(tmp_path / "found.npz"))
+    again = cf.Identified.load(found.save(tmp_path / "found.npz"))
     assert repr(again) == repr(found)
     for name in ("doublets", "unresolved", "reasons", "notes", "card", "seconds", "shift"):
         assert getattr(again, name) == getattr(found, name)
     assert again.diagram.stable.tolist() == [True]
     assert again.sensors.points.tolist() == [4, 7]
-    bare = Identified.load(found.save(tmp_path / "bare.npz", responses=False))
+    bare = cf.Identified.load(found.save(tmp_path / "bare.npz", responses=False))
     assert (bare.measured.shape, bare.fitted.shape, bare.lines.size, bare.diagram.order.size) == ((2, 0), (2, 0), 0, 0)
     assert (bare.diagram.order.dtype.kind, bare.diagram.stable.dtype.kind) == ("i", "b")
     alone = replace(found, doublets=(), unresolved=(), reasons=(), notes=())
-    assert Identified.load(alone.save(tmp_path / "alone.npz")).doublets == ()
+    assert cf.Identified.load(alone.save(tmp_path / "alone.npz")).doublets == ()
 
 
 @pytest.mark.parametrize(
@@ -107,5 +106,5 @@ def test_a_file_that_does_not_fit_is_refused(tmp_path, arrays, words):
     with np.load(path) as archive:
         stored = {name: archive[name] for name in archive.files}
     np.savez(path, **stored | arrays)
-    with pytest.raises(InputError, match=words):
-        Identified.load(path)
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.Identified.load(path)

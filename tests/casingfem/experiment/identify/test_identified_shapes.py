@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.errors import InputError
 
 THETA = 0.2 + 2.0 * np.pi * np.arange(12) / 12
 COUNT = len(THETA)
@@ -83,16 +82,16 @@ def spoilt(path, found, **arrays):
 )
 def test_a_file_that_does_not_fit_is_refused(found, tmp_path, arrays, words):
     path = spoilt(tmp_path / "found.npz", found, **arrays)
-    with pytest.raises(InputError, match=words) as caught:
+    with pytest.raises(cf.errors.InputError, match=words) as caught:
         cf.Identified.load(path)
     assert str(path) in str(caught.value)
 
 
 def test_other_files_are_refused(found, tmp_path):
     (tmp_path / "text.npz").write_text("mode,freq_hz\n", encoding="utf-8")
-    with pytest.raises(InputError, match="no readable npz file"):
+    with pytest.raises(cf.errors.InputError, match="no readable npz file"):
         cf.Identified.load(tmp_path / "text.npz")
-    with pytest.raises(InputError, match="casingfem identify --out"):
+    with pytest.raises(cf.errors.InputError, match="casingfem identify --out"):
         cf.Identified.load(responses().save(tmp_path / "frfs.npz"))
     with pytest.raises(OSError, match="nowhere"):
         cf.Identified.load(tmp_path / "nowhere.npz")
@@ -113,7 +112,7 @@ def test_shapes_stand_at_their_sensors_with_n_and_noise(found, tmp_path):
 
 def test_no_mode_has_no_shape(found):
     none = replace(found, freq=found.freq[:0], shapes=found.shapes[:, :0], sigma_shapes=found.sigma_shapes[:, :0])
-    with pytest.raises(InputError, match=r"found\.npz: found no mode; expected at least one"):
+    with pytest.raises(cf.errors.InputError, match=r"found\.npz: found no mode; expected at least one"):
         cf.correlation.identified_shapes(none, "found.npz")
 
 

@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.errors import InputError
 from casingfem.experiment.identify.output_only.output_only import identify_output_only
 
 FS = 640.0
@@ -143,7 +142,7 @@ def test_what_has_no_modes_is_refused():
         (lambda: identify_output_only(records(y), seconds=3.0), "lags of 3 s in a record of 6.25 s"),
         (lambda: cf.identify(records(y), band=(500.0, 600.0)), "band 500 to 600 Hz"),
     ):
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(cf.errors.InputError, match=words):
             call()
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.errors import InputError
-from casingfem.experiment.frf.frf_set import FrfSet
+import casingfem as cf
 from casingfem.experiment.identify.usable import _coherent, _ends_cut, _filled, _same_places, usable
 
 X = 100.0 + 0.1 * np.arange(60)
@@ -15,7 +14,7 @@ def frfs(responses=None, x=X, channels=3, **changes):
     data = rng.standard_normal((channels, len(x))) + 1j * rng.standard_normal((channels, len(x)))
     given = {"kind": "frf", "x": x, "responses": data if responses is None else responses, "unit": "m/N",
              "response_point": np.arange(channels) + 11}  # fmt: skip
-    return FrfSet.from_arrays(**given | changes)
+    return cf.frf.FrfSet.from_arrays(**given | changes)
 
 
 def test_lines_of_a_band_are_used_with_both_ends():
@@ -34,19 +33,19 @@ def test_lines_of_a_band_are_used_with_both_ends():
 
 @pytest.mark.parametrize(("band", "words"), [((-1.0, 9.0), "band -1 to 9 Hz"), ((5.0, 5.0), "from < to")])
 def test_bands_ascend_from_zero(band, words):
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(cf.errors.InputError, match=words):
         usable(frfs(), band, None, None)
     assert len(usable(frfs(), (0.0, 1e9), None, None).freq) == 60
 
 
 def test_other_functions_than_frequency_responses_are_refused():
-    with pytest.raises(InputError, match="found kind 'spectrum'; expected frequency responses"):
+    with pytest.raises(cf.errors.InputError, match="found kind 'spectrum'; expected frequency responses"):
         usable(frfs(kind="spectrum"), None, None, None)
 
 
 def test_thirty_lines_are_enough():
     assert len(usable(frfs(), (100.0, 102.91), None, None).freq) == 30
-    with pytest.raises(InputError, match="found 29 lines in the band; expected at least 30"):
+    with pytest.raises(cf.errors.InputError, match="found 29 lines in the band; expected at least 30"):
         usable(frfs(), (100.0, 102.85), None, None)
 
 
@@ -57,7 +56,7 @@ def test_lines_are_even_within_a_twentieth_of_a_step(off, even):
     if even:
         np.testing.assert_allclose(usable(frfs(x=x), None, None, None).freq, X, rtol=1e-12)
     else:
-        with pytest.raises(InputError, match=r"found steps from .* expected even steps"):
+        with pytest.raises(cf.errors.InputError, match=r"found steps from .* expected even steps"):
             usable(frfs(x=x), None, None, None)
 
 
@@ -91,7 +90,9 @@ def test_a_sensor_with_one_silent_channel_goes_with_all_its_channels():
     single = usable(frfs(data[[1, 3]], channels=2), None, None, None)
     assert single.notes == ("nan in channel 1: 1 of 60 lines left out, at 100.7 Hz",)
     data[:3, 20:40], data[3] = np.nan, 0.0
-    with pytest.raises(InputError, match="zero on every line: channel 4; left out: point 14; nan on more than 20 %"):
+    with pytest.raises(
+        cf.errors.InputError, match="zero on every line: channel 4; left out: point 14; nan on more than 20 %"
+    ):
         usable(frfs(data, channels=4), None, None, None)
 
 

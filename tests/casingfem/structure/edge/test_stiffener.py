@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.study import load_any
 from tests.casingfem.study.study_texts import STEEL
 
 BAR = cf.edge.Section.rectangle(width=0.012, depth=0.004)
@@ -110,9 +109,9 @@ material = {{E = 70e9, nu = 0.33, rho = 2700.0}}
 def test_a_study_has_stiffeners(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.replace("AT", "0.16"))
-    bar, wire = load_any(file).structure.stiffeners
+    bar, wire = cf.load_study(file).structure.stiffeners
     assert (bar.at, bar.section, bar.offset, bar.material) == (0.08, BAR, OUTSIDE, None)
     assert (wire.section, wire.material.E) == (cf.edge.Section.circle(diameter=0.01), 70e9)
     file.write_text(STUDY.replace("AT", "0.5"))
     with pytest.raises(ValueError, match=r"stiffener\[2\].at: found 0.5 m.*stiffener-place"):
-        load_any(file)
+        cf.load_study(file)

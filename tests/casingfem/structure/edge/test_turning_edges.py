@@ -10,7 +10,7 @@ import contact as ct
 from casingfem.linalg.factor import solve_held
 from casingfem.structure.mesh.edge_form import EdgeForm
 from casingfem.structure.mesh.kinematics import frame
-from casingfem.structure.shell.assembly import assemble, turning
+from casingfem.structure.shell.assembly import turning
 from reports.verification.rotation import ring_waves
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -51,7 +51,7 @@ CASES = {"ring": ((0.0, 0.0), ()), "eccentric ring": ((0.012, 0.008), ()), "mass
 def test_a_rigid_turn_of_a_ringed_shell_costs_what_its_springs_cost(name, axis):
     """The inner energy is unchanged to second order: v K_sigma v = -2 f_inner.v2, without what the loads do."""
     shell = casing(*CASES[name])
-    system, free = assemble(shell), assemble(replace(shell, supports={"top": shell.supports["top"]}))
+    system, free = cf.shell.assemble(shell), cf.shell.assemble(replace(shell, supports={"top": shell.supports["top"]}))
     part = turning(system, cf.Rotation(omega=1.0))
     u = solve_held(system.stiffness, part.load)
     v, second = rigid(system, axis)
@@ -71,7 +71,7 @@ def test_a_rigid_turn_of_a_ringed_shell_costs_what_its_springs_cost(name, axis):
 def test_inertia_of_rotation_is_that_of_the_mass(name):
     """Of translations across the axis S = M and G = 2 M a x; the turn about it feels S = M of edges, and the load."""
     offset, masses = CASES.get(name, (None, MASSES))
-    system = assemble(casing(offset, masses))
+    system = cf.shell.assemble(casing(offset, masses))
     part = turning(system, cf.Rotation(omega=1.0))
     soft, coriolis = part.edges.inertia
     assert part.edges.rings or part.edges.masses
@@ -81,7 +81,7 @@ def test_inertia_of_rotation_is_that_of_the_mass(name):
     mass = x @ (system.M @ x)
     assert [x @ (S @ x), y @ (S @ y), y @ (G @ x), -(x @ (G @ y))] == pytest.approx([mass, mass, 2 * mass, 2 * mass])
     v, _ = rigid(system, (0.0, 0.0, 1.0))
-    plain = assemble(casing())
+    plain = cf.shell.assemble(casing())
     still, _ = rigid(plain, (0.0, 0.0, 1.0))
     of_edges = v @ (system.M @ v) - still @ (plain.M @ still)
     assert v @ (part.edges.on_unknowns(soft) @ v) == pytest.approx(of_edges, rel=1e-9)

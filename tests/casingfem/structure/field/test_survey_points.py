@@ -7,7 +7,6 @@ import pytest
 
 import casingfem as cf
 from casingfem.structure.field.survey.points import SurveyPoints, read_points
-from casingfem.study import load_study
 
 
 def measured(theta, z, value, **changes):
@@ -231,10 +230,10 @@ def test_a_survey_of_a_part_of_the_height_says_what_holds_outside(heights, rule,
     (tmp_path / "study.toml").write_text(STUDY + rule + "\n")
     if words.startswith("refused"):
         with pytest.raises(ValueError, match=words.removeprefix("refused")):
-            load_study(tmp_path / "study.toml")
+            cf.load_study(tmp_path / "study.toml")
         return
     with pytest.warns(cf.errors.ModelWarning, match=words) if words else nullcontext():
-        study = load_study(tmp_path / "study.toml")
+        study = cf.load_study(tmp_path / "study.toml")
     assert study.shell.radius_defect.outside == outside
 
 
@@ -248,7 +247,7 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
     ]
     table(tmp_path, "\n".join(["theta_deg,z_m,radius_m", *rows, ""]))
     (tmp_path / "study.toml").write_text(text)
-    assert load_study(tmp_path / "study.toml").shell.radius_defect.outside == "fit"
+    assert cf.load_study(tmp_path / "study.toml").shell.radius_defect.outside == "fit"
 
 
 def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
