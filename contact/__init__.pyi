@@ -1,4 +1,4 @@
-from . import growth, record, scene, scheme
+from . import cycles, record, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -55,8 +55,8 @@ __all__ = [
     "Unilateral",
     "Wall",
     "bodies",
+    "cycles",
     "gaps",
-    "growth",
     "interactions",
     "laws",
     "load_scene",
@@ -66,4 +66,5 @@ __all__ = [
     "run_many",
     "scene",
     "scheme",
+    "stability",
 ]

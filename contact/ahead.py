@@ -15,9 +15,8 @@ from functools import partial
 import numpy as np
 
 from contact.base.errors import InputError
-from contact.growth.cycles.driven import DrivenBody
-from contact.growth.cycles.shooting import orbit
-from contact.growth.split_casing import floquet_growth
+from contact.cycles.driven import DrivenBody
+from contact.cycles.shooting import orbit
 from contact.io.names import hint
 from contact.io.workers import worker_pool
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
@@ -42,6 +41,7 @@ from contact.scheme.linear.massless_boundary import MasslessBoundary
 from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, ProjectedAlpha
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
+from contact.stability.split_casing import floquet_growth
 
 COATING = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3, mu=0.1)
 FEW = 4  # steps of a tiny run

@@ -7,8 +7,6 @@ import math
 import numpy as np
 
 from contact.base.errors import InputError
-from contact.growth.closed_contact import floor_of, growth
-from contact.growth.split_casing import mean_contact
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.permanent import ClosedContact
 from contact.model.gaps.rub import Rub, rub_of
@@ -16,6 +14,8 @@ from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import RunGrowth
 from contact.result import Result
 from contact.scheme.protocol import Problem
+from contact.stability.closed_contact import floor_of, growth
+from contact.stability.split_casing import mean_contact
 
 IN_REALITY = (
     "In reality a coating that wears ([coating]), a blade that gives way backwards (less friction, lean_deg towards or "

@@ -105,7 +105,7 @@ def with_growth(
     Where `marks` are given, a run that passed a limit before its growth can be fitted is repeated with denser states.
     It goes on to a tenth of the radius, for LONGER times its steps at most. A motion that reaches this grows.
     """
-    from contact.growth.of_run import of_run
+    from contact.stability.of_run import of_run
 
     with np.errstate(all="ignore"):
         growth, far = of_run(ready.problem, result), limit is not None and limit[0] == "radius"

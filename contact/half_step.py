@@ -12,7 +12,6 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
-from contact.growth.envelope import envelope, slope_of
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, TIP
@@ -22,6 +21,7 @@ from contact.record.growth import RunGrowth
 from contact.record.record import Record, samples
 from contact.scheme.modal.rub_stepper import RubStepper
 from contact.scheme.protocol import Problem, Scheme, Stepper
+from contact.stability.envelope import envelope, slope_of
 
 MARKS = 16  # of a run, from which a part of it can be repeated
 STATES = 400  # stored of what is repeated

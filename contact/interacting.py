@@ -1,6 +1,6 @@
 """One table of dangerous speeds: closed contact proposes them, runs of the scene decide.
 
-The growth of closed contact (`contact.growth.peaks`) says at which speeds contact can feed a motion, and which motion.
+The growth of closed contact (`contact.stability.peaks`) says at which speeds contact can feed a motion, and which one.
 Clearance, out-of-roundness and impacts decide whether it does: the scene is run at each peak, and at speeds evenly over
 the range, where contact that opens may feed a motion that closed contact does not (`contact.speed_runs`).
 """
@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.base.errors import InputError
-from contact.growth.peaks import Peak, Peaks, growth_at, peaks
 from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
 from contact.io.reported import Reported
@@ -27,6 +26,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.law import Unilateral
 from contact.prepared import Scene
 from contact.speed_runs import SpeedRun, Verdict, speed_runs
+from contact.stability.peaks import Peak, Peaks, growth_at, peaks
 
 VERDICTS: tuple[Verdict, ...] = ("unstable", "not decided", "resonance", "safe")  # the worst first
 RUNS = 60  # speeds evenly over the range
@@ -181,7 +181,7 @@ def interactions(
     runs
         Number of runs evenly over the range, at least 2, beside one at each peak.
     closed
-        The same bodies with the springs of a law at the tips (`ct.growth.on_springs`); the scene's if left out.
+        The same bodies with the springs of a law at the tips (`ct.stability.on_springs`); the scene's if left out.
 
     Raises
     ------

@@ -65,7 +65,7 @@ class Result(Reported):
     `channels` = R is not empty, `state` is R (u, tip_force), (ns, c), and `tip_force` has no columns.
     `every`: of how many steps one was stored as a sample, 0 when the record asked for instants. `tracks`: what
     each track of an abradable coating lost. `divergence`: why the run ended before its time, None where it did not.
-    `growth` of the motion of a rim, a rub or a disk whose states are stored (`ct.growth.of_run`), None elsewhere.
+    `growth` of the motion of a rim, a rub or a disk whose states are stored (`ct.stability.of_run`), None elsewhere.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
     """

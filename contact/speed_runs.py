@@ -1,7 +1,7 @@
 """Runs of one scene at many constant speeds, and the verdict of each: unstable, resonance, safe or not decided.
 
-The verdict is the growth of the run (`contact.growth.of_run`). A run that is too short for it is repeated longer. The
-last stretch of one that grows is repeated with half the step (`contact.half_step`).
+The verdict is the growth of the run (`contact.stability.of_run`). A run that is too short for it is repeated longer.
+The last stretch of one that grows is repeated with half the step (`contact.half_step`).
 """
 
 from __future__ import annotations

@@ -37,11 +37,11 @@ RESULTS = {
     "Added masses": "casingfem.locate.located.MASSES",
     "Contacts of a run": "contact.result.CONTACTS",
     "Bars of a coating": "contact.record.wear.COLUMNS",
-    "Motions reached from random starts": "contact.growth.cycles.basins.MOTIONS",
-    "Growth over speed": "contact.growth.growth_map.COLUMNS",
+    "Motions reached from random starts": "contact.cycles.basins.MOTIONS",
+    "Growth over speed": "contact.stability.growth_map.COLUMNS",
     "Whirl of a rotor": "contact.model.rotor.whirl.WHIRL",
     "Unbalance response of a rotor": "contact.model.rotor.whirl.RESPONSE",
-    "Periodic motions": "contact.growth.cycles.columns.POINTS",
+    "Periodic motions": "contact.cycles.columns.POINTS",
 }
 
 

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 import casingfem as cf
 import contact as ct
 from casingfem.plot.style import AFTER, BEFORE, PERFECT, new_figure, png, styled
-from contact.growth.closed_contact import growth
-from contact.growth.waves import waves_of
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import ClosedContact, rim_contact
+from contact.stability.closed_contact import growth
+from contact.stability.waves import waves_of
 
 HERE = Path(__file__).parent
 N, MU, TURN = 8, 0.1, 2.0 * np.pi

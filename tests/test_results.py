@@ -26,9 +26,9 @@ from casingfem.structure.imported.grid import grid_mesh
 from casingfem.updating.uncertainty.posterior import Laplace
 from casingfem.updating.uncertainty.prediction import LeftOut, Prediction
 from casingfem.updating.uncertainty.sampling import PosteriorSamples
-from contact.growth.cycles.basins import Attractor, Basins
-from contact.growth.cycles.result import Branch, Cycles, Special
-from contact.growth.cycles.shooting import Orbit
+from contact.cycles.basins import Attractor, Basins
+from contact.cycles.result import Branch, Cycles, Special
+from contact.cycles.shooting import Orbit
 from contact.io.reported import Reported
 from contact.io.stored import StoredError, load_value, read_only, save_value
 from contact.model.gaps.permanent import HandPair, ModalPair

@@ -13,9 +13,9 @@ from contact.io.outfiles import Content, json_text
 
 if TYPE_CHECKING:
     from contact import NumericsError, Result, Scene
-    from contact.growth.cycles.basins import Basins
-    from contact.growth.cycles.result import Cycles
-    from contact.growth.cycles.traced import Trace
+    from contact.cycles.basins import Basins
+    from contact.cycles.result import Cycles
+    from contact.cycles.traced import Trace
     from contact.scene.cycles import CyclesScene
 
 STABILITY = (
@@ -187,7 +187,7 @@ def traces_of(scene: "CyclesScene", found: "Cycles") -> "list[Trace]":
     from itertools import groupby
 
     from contact import NumericsError
-    from contact.growth.cycles import traced
+    from contact.cycles import traced
 
     channel = next(iter(found.branches[0].points[0].amplitude))
     parts = [list(part) for branch in found.branches for _, part in groupby(branch.points, key=lambda one: one.stable)]

@@ -94,8 +94,8 @@ def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -
 
 def pairs_of(what: object) -> list[tuple[int, float]]:
     """Nodal diameters and frequency [Hz] of the casing's modes, one of each pair; none of what has no rim."""
-    from contact.growth.of_run import casing_diameters
     from contact.model.gaps.rub import rub_of
+    from contact.stability.of_run import casing_diameters
 
     rub: Rub | None = rub_of(what)
     if rub is None:

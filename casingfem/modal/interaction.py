@@ -144,7 +144,7 @@ def interactions(
         First and last speed f [Hz], 0 <= first < last; with a `Campbell` cut to its speeds.
     turning
         What turns: "blade" in a fixed "casing", or the reverse. A casing that turns has the frequencies of ring theory,
-        from those at rest; `contact.growth.interactions` takes the matrices of its reduced basis.
+        from those at rest; `contact.stability.interactions` takes the matrices of its reduced basis.
 
     Raises
     ------

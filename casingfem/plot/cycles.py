@@ -75,7 +75,7 @@ def _branch(axes: Any, rows: list[Mapping[str, Any]], parameter: str, name: str,
 def figure_multipliers(found: Any) -> Figure:
     """Floquet multipliers of all orbits in the complex plane, and the largest magnitude over the parameter.
 
-    `found` is a `contact.growth.cycles.Cycles`. An orbit is stable where all its multipliers lie inside the circle.
+    `found` is a `contact.cycles.Cycles`. An orbit is stable where all its multipliers lie inside the circle.
     The LARGEST of each orbit are drawn, those up to the magnitude PLANE in the plane.
     """
     figure = new_figure(8.2, 3.9)
@@ -117,7 +117,7 @@ def largest(multipliers: Any) -> Any:
 def figure_orbits(traces: Sequence[Any]) -> Figure:
     """Displacement over the period and velocity over displacement of the first channel, one colour an orbit.
 
-    `traces` are `contact.growth.cycles.Trace`; unstable orbits are dashed.
+    `traces` are `contact.cycles.Trace`; unstable orbits are dashed.
     """
     figure = new_figure(8.2, 3.7)
     over_time, portrait = figure.subplots(1, 2, width_ratios=(1.25, 1.0))

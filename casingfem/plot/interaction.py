@@ -168,7 +168,7 @@ def _engine_orders(axes: Any, speed: FloatArray, top: float, orders: int) -> Non
 
 @styled
 def figure_stability(found: Any) -> Figure:
-    """Growth of a closed contact over speed, a `contact.growth.StabilityMap`, bands that diverge shaded."""
+    """Growth of a closed contact over speed, a `contact.stability.StabilityMap`, bands that diverge shaded."""
     figure = new_figure(7.6, 3.6)
     axes: Any = figure.add_subplot()
     _growth(axes, found)

@@ -178,13 +178,11 @@ PICTURES: dict[str, Draw] = {
     "contact.result.Result": run,
     "contact.record.wear.Wear": by_name("contact", "figure_wear"),
     "contact.sweep.sweep.SweepResult": sweep,
-    "contact.growth.growth_map.StabilityMap": by_name("interaction", "figure_stability"),
-    "contact.growth.peaks.Peaks": partial(
+    "contact.stability.growth_map.StabilityMap": by_name("interaction", "figure_stability"),
+    "contact.stability.peaks.Peaks": partial(
         columns, x="speed_hz", y="growth", labels=("speed [turns/s]", "growth of closed contact [1/s]")
     ),
     "contact.interacting.Interactions": by_name("interaction", "figure_interactions"),
-    "contact.growth.cycles.result.Cycles": cycles,
-    "contact.growth.cycles.basins.Basins": partial(
-        columns, x="periods", y="share", labels=("periods", "share of the starts")
-    ),
+    "contact.cycles.result.Cycles": cycles,
+    "contact.cycles.basins.Basins": partial(columns, x="periods", y="share", labels=("periods", "share of the starts")),
 }

@@ -12,11 +12,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from contact.base.errors import InputError
-from contact.growth.cycles.basins import Basins, basins
-from contact.growth.cycles.driven import DrivenBody, ForcedFamily, Parameter
-from contact.growth.cycles.follow import Progress, follow
-from contact.growth.cycles.result import Cycles
-from contact.growth.cycles.rubbing import RimFamily
+from contact.cycles.basins import Basins, basins
+from contact.cycles.driven import DrivenBody, ForcedFamily, Parameter
+from contact.cycles.follow import Progress, follow
+from contact.cycles.result import Cycles
+from contact.cycles.rubbing import RimFamily
 from contact.io.toml import entries
 from contact.model.bodies.patch import Patch
 from contact.model.law import Law
@@ -28,7 +28,7 @@ from contact.scene.scheme import Amplitude, CheckedFile, Coordinate, Frequency, 
 from contact.scene.turning import TURNING, BasinsTable, ContinuationTable, TurningFile
 
 if TYPE_CHECKING:
-    from contact.growth.cycles.rubbing import Parameter as RimParameter
+    from contact.cycles.rubbing import Parameter as RimParameter
     from contact.model.gaps.gap import RotatingRim
     from contact.model.gaps.rub import Rub
 

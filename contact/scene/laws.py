@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from contact.growth.on_springs import slope_of
 from contact.io.tables import NotNegative, Positive, table_of, value_of
 from contact.model.law import Abradable, Coulomb, Law, Unilateral
 from contact.model.laws.force_law import ForceLaw, ForceTable, Hertz, Response, spring
 from contact.scene.scheme import Table
+from contact.stability.on_springs import slope_of
 
 
 @table_of(Abradable)

@@ -10,9 +10,6 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.growth.growing import rim_stability, stability
-from contact.growth.growth_map import StabilityMap
-from contact.growth.on_springs import Turning, on_springs
 from contact.interacting import RUNS, Interactions, interactions
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair, ModalPair
@@ -22,6 +19,9 @@ from contact.prepared import Scene
 from contact.scene.load import load_scene, read_scene
 from contact.scene.plausible import require_plausible
 from contact.scene.problems import SceneError
+from contact.stability.growing import of_contact, of_rim
+from contact.stability.growth_map import StabilityMap
+from contact.stability.on_springs import Turning, on_springs
 
 if TYPE_CHECKING:
     from contact.scene.laws import AnyLaw
@@ -42,8 +42,8 @@ class StabilityScene:
     def solve(self) -> StabilityMap:
         """Growth map over the speeds."""
         if isinstance(self.what, HandPair):
-            return stability(self.what.contact(), self.speed_hz)
-        return rim_stability(self.what, self.speed_hz, mu=self.mu)
+            return of_contact(self.what.contact(), self.speed_hz)
+        return of_rim(self.what, self.speed_hz, mu=self.mu)
 
 
 def load_stability(path: str | Path) -> StabilityScene:

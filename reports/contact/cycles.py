@@ -21,9 +21,9 @@ import contact as ct
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.style import png
-from contact.growth.cycles import Branch, Cycles, DrivenBody, Orbit
-from contact.growth.cycles.driven import Family
-from contact.growth.cycles.shooting import map_of
+from contact.cycles import Branch, Cycles, DrivenBody, Orbit
+from contact.cycles.driven import Family
+from contact.cycles.shooting import map_of
 from contact.io.outfiles import write_atomic
 from reports.tables import Row, check, command_line, show, write
 
@@ -84,14 +84,14 @@ def upper(found: Branch, value: float) -> Orbit:
 def at_omega(family: Family, found: Branch, omega: float) -> Orbit:
     """The orbit at omega [rad/s] where a branch first passes it."""
     near = upper(found, omega / TURN)
-    return ct.growth.cycles.orbit(family, omega / TURN, guess=np.array(near.x), start=near.start)
+    return ct.cycles.orbit(family, omega / TURN, guess=np.array(near.x), start=near.start)
 
 
 def published(out: Path, quick: bool) -> Iterator[Row]:
     """E1 and E2: amplitudes at published frequencies, folds."""
     for ratio, values in E1.items():
         family = rod(ratio).over("freq_hz", freq_hz=10e3)
-        cycles = ct.growth.cycles.follow(family, (9500.0, 10600.0 if ratio < 1.0 else 11300.0))
+        cycles = ct.cycles.follow(family, (9500.0, 10600.0 if ratio < 1.0 else 11300.0))
         found = cycles.branches[0]
         for omega, amplitude in values:
             here = at_omega(family, found, omega).amplitude["x"]
@@ -102,7 +102,7 @@ def published(out: Path, quick: bool) -> Iterator[Row]:
         write_atomic(out / f"rod_{ratio:g}.png", png(figure_cycles(cycles.records(), cycles.marks())))
     for stiffness, amplitudes in E2.items():
         family = mass_on_stop(stiffness).over("freq_hz", freq_hz=0.2)
-        found = ct.growth.cycles.follow(family, (0.15, 0.25 if stiffness == 100.0 else 0.245)).branches[0]
+        found = ct.cycles.follow(family, (0.15, 0.25 if stiffness == 100.0 else 0.245)).branches[0]
         for omega, amplitude in zip(E2_OMEGA, amplitudes, strict=True):
             here = at_omega(family, found, omega).amplitude["x"]
             yield check(f"E2 k = {stiffness:g}, {omega:g} rad/s", "table", amplitude, here, 0.2)
@@ -116,10 +116,10 @@ def wall(out: Path) -> Iterator[Row]:
     """E3: amplitudes on which runs from rest settle; then all branches from 1900 to 3400 rad/s, as text and picture."""
     family = rod_on_wall().over("freq_hz", freq_hz=400.0)
     for omega, amplitude in E3:
-        here = ct.growth.cycles.orbit(family, omega / TURN).amplitude["x"]
+        here = ct.cycles.orbit(family, omega / TURN).amplitude["x"]
         yield check(f"E3, {omega:.1f} rad/s", "200 periods, Lagrange", amplitude, here, 0.02)
     omega, amplitude = THREE
-    thrice = ct.growth.cycles.orbit(family, omega / TURN, periods=3)
+    thrice = ct.cycles.orbit(family, omega / TURN, periods=3)
     period, x, sizes = map_of(family, thrice.value, thrice.start), np.array(thrice.x), list[float]()
     for _ in range(3):
         passed = period(x)
@@ -128,7 +128,7 @@ def wall(out: Path) -> Iterator[Row]:
     here = min(sizes, key=lambda size: abs(size - amplitude))
     yield check(f"E3, {omega:.1f} rad/s, one of 3 periods", "200 periods, Lagrange", amplitude, here, 0.02)
     for begin, end in ((2400.0, 1900.0), (2400.0, 3400.0)):
-        found = ct.growth.cycles.follow(family, (begin / TURN, end / TURN), longest=0.04)
+        found = ct.cycles.follow(family, (begin / TURN, end / TURN), longest=0.04)
         print(f"\nE3 from {begin:g} to {end:g} rad/s, in Hz\n{found!r}")
         write_atomic(out / f"rod_wall_{end:g}.png", png(figure_cycles(found.records(), found.marks())))
 
@@ -155,7 +155,7 @@ def left(family: Family, at: Orbit, periods: int, until: float = 1e-3) -> tuple[
 def unstable(quick: bool) -> list[Row]:
     """E1, r = 4: orbits that a published curve draws and no run keeps."""
     family = rod(4.0).over("freq_hz", freq_hz=10e3)
-    found = ct.growth.cycles.follow(family, (10.0e3, 10.6e3)).branches[0]
+    found = ct.cycles.follow(family, (10.0e3, 10.6e3)).branches[0]
     start, stop = (special.orbit.value for special in found.of("Neimark-Sacker"))
     inside = [point for point in found.points if start < point.value < stop]
     rows: list[Row] = []
@@ -199,16 +199,16 @@ def times(quick: bool) -> list[Row]:
         ("20 modes, 1 contact", rod(4.0), 1e4, 8.0), ("60 modes, 16 contacts", many_contacts(), 0.25, 300.0)
     ):  # fmt: skip
         family = driven.over("freq_hz", freq_hz=value, looks=4096)
-        near = ct.growth.cycles.orbit(family, value)
+        near = ct.cycles.orbit(family, value)
         guess, start = np.array(near.x), near.start
-        orbit = ct.growth.cycles.orbit(family, 1.001 * value, guess=guess, start=start)
-        spent = best(lambda: ct.growth.cycles.orbit(family, 1.001 * value, guess=guess, start=start))  # noqa: B023
+        orbit = ct.cycles.orbit(family, 1.001 * value, guess=guess, start=start)
+        spent = best(lambda: ct.cycles.orbit(family, 1.001 * value, guess=guess, start=start))  # noqa: B023
         rows.append({"what": f"an orbit: {name}", "orbits": 1, "Newton steps": orbit.iterations,
                      "events": 2 * sum(orbit.closings), "ms": spent, "allowed ms": allowed})  # fmt: skip
     family = rod(4.0).over("freq_hz", freq_hz=1e4)
     found: list[Cycles] = []
     between = 9500.0, 11300.0
-    spent = best(lambda: found.append(ct.growth.cycles.follow(family, between, longest=0.04)), 1 if quick else 3)
+    spent = best(lambda: found.append(ct.cycles.follow(family, between, longest=0.04)), 1 if quick else 3)
     points = found[0].branches[0].points
     newton, events = sum(point.iterations for point in points), 2 * sum(sum(point.closings) for point in points)
     rows.append({"what": "a branch: E1, r = 4", "orbits": len(points), "Newton steps": newton, "events": events,

@@ -17,10 +17,10 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from contact.growth.cycles import Branch, DrivenBody, Orbit
-from contact.growth.cycles.branch import Course, Tangent, begun, followed
-from contact.growth.cycles.driven import Family
-from contact.growth.cycles.shooting import map_of, settled
+from contact.cycles import Branch, DrivenBody, Orbit
+from contact.cycles.branch import Course, Tangent, begun, followed
+from contact.cycles.driven import Family
+from contact.cycles.shooting import map_of, settled
 from reports.contact.cycles import left
 from reports.tables import Row, command_line, show, write
 
@@ -57,7 +57,7 @@ def reached(family: Family, value: float) -> Orbit | None:
         for periods in range(1, 9):
             after = period(after, tangent=False).x
             if np.linalg.norm(after - x) <= CLOSES * np.linalg.norm(x):
-                found = ct.growth.cycles.orbit(family, value, guess=x, start=start, periods=periods)
+                found = ct.cycles.orbit(family, value, guess=x, start=start, periods=periods)
                 return found if np.linalg.norm(found.x - x) <= 1e3 * CLOSES * np.linalg.norm(x) else None
     return None
 

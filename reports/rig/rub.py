@@ -14,11 +14,11 @@ from casingfem.modal.modes import Modes
 from casingfem.plot.pages.scene import Ran
 from casingfem.study import Study
 from casingfem.study.tasks import run_reduce
-from contact.growth.split_casing import perfect_mean
 from contact.histories import RubFilm, rub_film
 from contact.interacting import Interactions
 from contact.io.outfiles import write_atomic
 from contact.rim_motion import rim_motion
+from contact.stability.split_casing import perfect_mean
 from reports.rig.tuning import RubPlan, Tuning, band_of_n, leading, tuned
 from reports.rub.rim_levels import excess_db, rim_levels
 from reports.tables import Row

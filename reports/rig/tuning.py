@@ -1,7 +1,7 @@
 """Where the rig's blade is tuned to: frequencies at which n nodal diameters lead the motion of a contact that grows.
 
 The bodies are those of the run, reduced, and the casing turns. The growth of a contact that stays closed is the real
-part of its leading pole, and the motion that grows is the shape of that pole (`contact.growth.closed_contact`).
+part of its leading pole, and the motion that grows is the shape of that pole (`contact.stability.closed_contact`).
 """
 
 from dataclasses import dataclass, replace
@@ -13,8 +13,8 @@ from scipy.optimize import root_scalar
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import BoolArray, FloatArray
-from contact.growth.closed_contact import first_order
-from contact.growth.split_casing import perfect_mean
+from contact.stability.closed_contact import first_order
+from contact.stability.split_casing import perfect_mean
 
 REACH, STEPS, HALVINGS = 0.06, 121, 20  # of the free coincidence to both sides; frequencies; halvings of a step
 

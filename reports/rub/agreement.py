@@ -1,6 +1,6 @@
 """Do interactions, poles and runs agree? Three casings and blades, each at sixty speeds.
 
-`python -m reports.rub.agreement [--quick] [--out DIR]`. The bands of `ct.growth.peaks` (from its map of 301
+`python -m reports.rub.agreement [--quick] [--out DIR]`. The bands of `ct.stability.peaks` (from its map of 301
 speeds), eigenvalues of the full state matrix, and runs in time whose contact is pressed closed. One row a pair: at how
 many speeds all three have the same sign, by how much the growth of runs is off where it shows (|growth| > 0.5 1/s).
 Signs of a growth below 0.05 1/s cannot be told by a run of two seconds: they are counted apart.
@@ -15,11 +15,11 @@ import casingfem as cf
 import contact as ct
 from casingfem.plot.interaction import figure_stability
 from casingfem.plot.style import png
-from contact.growth.closed_contact import poles
-from contact.growth.peaks import Peaks
-from contact.growth.split_casing import mean_contact
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import HandPair
+from contact.stability.closed_contact import poles
+from contact.stability.peaks import Peaks
+from contact.stability.split_casing import mean_contact
 from reports.rub.bases import casing, steel_strip
 from reports.rub.closed_run import confirming_run
 from reports.rub.section_44 import make_casing
@@ -85,7 +85,7 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     folder.mkdir(parents=True, exist_ok=True)
     rows: list[Row] = []
     for number, (name, (what, mu, (low, high))) in enumerate(pairs(folder).items(), 1):
-        found = ct.growth.peaks(what, np.linspace(low, high, 61 if quick else 301), mu=mu)
+        found = ct.stability.peaks(what, np.linspace(low, high, 61 if quick else 301), mu=mu)
         speeds = np.linspace(low, high, (6 if quick else SPEEDS) + 2)[1:-1]
         every = compared(what, mu, found, speeds)
         write(folder / f"speeds_{number}.csv", every)

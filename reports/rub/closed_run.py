@@ -9,8 +9,6 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
-from contact.growth.closed_contact import first_order, poles_each
-from contact.growth.split_casing import mean_contact, perfect_mean
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.gap import RotatingRim
@@ -22,6 +20,8 @@ from contact.record.record import Record
 from contact.run import run
 from contact.scheme.modal.coupled import poles
 from contact.scheme.modal.exact_modal import ExactModal
+from contact.stability.closed_contact import first_order, poles_each
+from contact.stability.split_casing import mean_contact, perfect_mean
 
 PRESS, PUSHED = 1e-5, 1e-3  # of the radius, how much contacts overlap, small beside what slips in a period; of the
 # force, how much vibrates at first

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from casingfem.modal.interaction import interactions
-from contact.growth.closed_contact import growth
-from contact.growth.coincidence import coincidences, loaded
 from contact.io.outfiles import write_atomic
+from contact.stability.closed_contact import growth
+from contact.stability.coincidence import coincidences, loaded
 from reports.rub.closed_run import confirming_run
 from reports.tables import Row, command_line, show, write
 from reports.verification.interaction import B6, OTHERS, around, digging

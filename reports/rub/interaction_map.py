@@ -19,10 +19,10 @@ import contact as ct
 from casingfem.plot.style import DIVERGING, PERFECT, new_figure, styled
 from casingfem.study import load_shell_study
 from casingfem.study.tasks import run_reduce
-from contact.growth.closed_contact import growth
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.permanent import rim_contact
 from contact.scene.load import scene_of
+from contact.stability.closed_contact import growth
 from contact.sweep.plan import SweepPlan, load_sweep
 from contact.sweep.sweep import run_sweep, table
 from reports.tables import DATA, Row, command_line, show, write

@@ -17,7 +17,7 @@ import contact as ct
 from casingfem.io.arrays import FloatArray
 from casingfem.plot.cycles import figure_cycles
 from casingfem.plot.style import png
-from contact.growth.cycles import Cycles, Orbit, RimFamily, Special, as_worn
+from contact.cycles import Cycles, Orbit, RimFamily, Special, as_worn
 from contact.io.outfiles import write_atomic
 from contact.model.gaps.rub import rub_of
 from reports.rub.bases import steel_strip
@@ -129,11 +129,11 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     for count in HARMONICS:
         worn, stiffness = as_worn(rub, COATING, result.wear, count)
         family = RimFamily(rim=worn, mu=COATING.mu, stiffness=stiffness)
-        told |= {f"orbit, {count} harmonics [N]": float(ct.growth.cycles.orbit(family, WORN_AT).force[0])}
+        told |= {f"orbit, {count} harmonics [N]": float(ct.cycles.orbit(family, WORN_AT).force[0])}
     show("Worn in at 100 turns/s", [told])
     closed = replace(worn, clearance=worn.clearance - CLOSES)
     family = replace(family, rim=closed)
-    found = ct.growth.cycles.follow(family, BETWEEN, longest=0.1 if quick else 0.05, most=300)
+    found = ct.cycles.follow(family, BETWEEN, longest=0.1 if quick else 0.05, most=300)
     force = max(float(point.force[0]) for part in found.branches for point in part.points)
     print(f"\n{found!r}\nlargest force {force:.0f} N: what is beyond the yield force would wear the coating on")
     rate, dt = (0.25, 4e-6) if quick else (0.1, 2e-6)

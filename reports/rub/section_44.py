@@ -18,8 +18,8 @@ import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import Array
 from casingfem.plot.style import AFTER, PERFECT, new_figure, png, styled
-from contact.growth.closed_contact import growth
 from contact.io.outfiles import write_atomic
+from contact.stability.closed_contact import growth
 from reports.rub.bases import casing, steel_strip
 from reports.rub.harmonic_basis import harmonic_basis
 from reports.rub.rim_levels import excess_db, level_history, rim_levels

@@ -22,7 +22,7 @@ import numpy as np
 import casingfem as cf
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from contact.growth.closed_contact import growth
+from contact.stability.closed_contact import growth
 from reports.tables import Row, command_line, show, write
 
 LEAN_DEG, FRICTION = 10.0, 0.3

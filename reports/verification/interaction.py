@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 import contact as ct
-from contact.growth.closed_contact import growth
-from contact.growth.coincidence import loaded
-from contact.growth.growth_map import StabilityMap
 from contact.model.gaps.permanent import disk_contact
+from contact.stability.closed_contact import growth
+from contact.stability.coincidence import loaded
+from contact.stability.growth_map import StabilityMap
 from reports.tables import Row, check
 
 
@@ -33,12 +33,12 @@ OTHERS = {
 
 def around(pair: ct.gaps.HandPair, steps: int = 401) -> StabilityMap:
     """Growth map within 2 % of the loaded sum."""
-    return ct.growth.stability(pair.contact(), loaded(pair).speed_hz * np.linspace(0.98, 1.02, steps))
+    return ct.stability.of_contact(pair.contact(), loaded(pair).speed_hz * np.linspace(0.98, 1.02, steps))
 
 
 def rows(quick: bool) -> list[Row]:
     """B6 and its neighbours; all are quick."""
-    found = ct.growth.stability(B6.contact(), np.linspace(52.0, 54.0, 401))
+    found = ct.stability.of_contact(B6.contact(), np.linspace(52.0, 54.0, 401))
     six = "6-state eigenvalues"
     low, high = found.bands_hz[0]
     lines = [
@@ -61,7 +61,7 @@ def rows(quick: bool) -> list[Row]:
         modal_mass=1.0),
         stiffness=1e3, blades=22,
     )  # fmt: skip
-    peak = ct.growth.stability(disk, np.linspace(80.0, 88.0, 401))
+    peak = ct.stability.of_contact(disk, np.linspace(80.0, 88.0, 401))
     lines.append(
         check("Legrand disk in casing, n = 5, unstable speed [Hz]", "f_c + f_b = n f", 84.0, peak.peak_speed_hz, 0.5)
     )

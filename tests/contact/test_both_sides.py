@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.cycles.driven import DrivenBody
+from contact.cycles.driven import DrivenBody
 from contact.model.gaps.gap import require_term
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.model.gaps.rub_laws import Closing, Whirl
@@ -104,7 +104,7 @@ def pair(n=2, of_blade=0, lean_deg=0.0):
 
 def turning(S):
     rim = ct.RotatingRim(ring(S=S), blade(S=0.0), clearance=0.0, speed_hz=5.0)
-    return ct.growth.rim_stability(rim, np.array([5.0, 6.0]))
+    return ct.stability.of_rim(rim, np.array([5.0, 6.0]))
 
 
 def characteristics(**changes):

@@ -7,7 +7,7 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.permanent import HandPair, ModalPair
-from tests.contact.growth.cycles.bodies import random_body
+from tests.contact.cycles.bodies import random_body
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -86,12 +86,12 @@ TAKEN_REFUSED = {
     "restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 1.0, ABOVE),
     "least restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 0.0, -1e-9),
     "speeds": (
-        lambda x: ct.growth.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
+        lambda x: ct.stability.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
         1e-3,
         0.0,
     ),
     "order of speeds": (
-        lambda x: ct.growth.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [50.0, x]),
+        lambda x: ct.stability.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [50.0, x]),
         50.1,
         50.0,
     ),

@@ -11,7 +11,6 @@ import pytest
 import contact as ct
 from contact.collect import _intervals
 from contact.diverged import AT_ONCE, IN_REALITY, SHORT, divergence, theory_of
-from contact.growth.closed_contact import growth
 from contact.model.gaps.permanent import rim_contact
 from contact.model.gaps.rub import rub_of
 from contact.prepared import prepared
@@ -20,6 +19,7 @@ from contact.record.energy import EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
 from contact.record.record import NO_STEPS, Record, samples
 from contact.result import Result
+from contact.stability.closed_contact import growth
 from tests.contact.synthetic_rim import blade, ring
 
 RUN = importlib.import_module("contact.run")

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.coincidence import loaded
 from contact.interacting import COLUMNS, Interactions
 from contact.io.columns import table_lines
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.speed_runs import LONGER, SpeedRun, at_speed
+from contact.stability.coincidence import loaded
 from tests.contact.synthetic_rim import blade, ring
 
 PAIR = HandPair(

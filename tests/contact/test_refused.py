@@ -14,7 +14,7 @@ from contact.recovery import rub_forces
 from contact.scene.roundness import Roundness
 from contact.scheme.linear.leapfrog import CONSISTENT
 from contact.solver.unilateral.active_set import unilateral
-from tests.contact.growth.cycles.bodies import random_body
+from tests.contact.cycles.bodies import random_body
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -165,7 +165,7 @@ REFUSED = {
         "name: found 'mass', expected 'freq_hz', 'amplitude' or 'clearance'",
     ),
     "what a rub varies over": (
-        lambda: ct.growth.cycles.RimFamily(rim=RIM, name="mass"),
+        lambda: ct.cycles.RimFamily(rim=RIM, name="mass"),
         "name: found 'mass', expected 'speed_hz', 'clearance' or 'friction'",
     ),
     "dangerous speeds of a bare rim": (

@@ -9,13 +9,13 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.growth.closed_contact import first_order, poles
-from contact.growth.split_casing import mean_contact
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.permanent import HandPair, ModalPair
+from contact.stability.closed_contact import first_order, poles
+from contact.stability.split_casing import mean_contact
 from reports.rub.closed_run import ConfirmingRun, _start, _step, closed_rub, confirming_run, exponent
-from tests.contact.growth.test_closed_poles import TWO_BLADES, rim
-from tests.contact.growth.test_turning_bodies import turning_ring
+from tests.contact.stability.test_closed_poles import TWO_BLADES, rim
+from tests.contact.stability.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 

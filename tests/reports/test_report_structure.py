@@ -94,7 +94,7 @@ def test_a_duplicate_is_six_lines_that_stand_twice():
         ("import casingfem.linalg.factor", ["casingfem.linalg.factor"]),
         ("from casingfem.cli import tables", ["casingfem.cli.tables"]),
         ("import casingfem as cf\ncf.edge.ring.Ring", ["casingfem.edge.ring.Ring", "casingfem.edge.ring"]),
-        ("import contact as ct\nct.growth.cycles.follow; ct.solver", ["contact.solver"]),
+        ("import contact as ct\nct.cycles.follow; ct.solver", ["contact.solver"]),
         ("monkeypatch.setattr('casingfem.io.npz.np', None)", ["casingfem.io.npz.np"]),
     ],
 )

@@ -54,7 +54,7 @@ def test_updating_closes_most_of_the_gap_that_it_can(chain):
 
 
 def test_band_in_which_n_leads_is_that_of_a_weak_coincidence():
-    """Two poles that meet over a stiff contact: half width 2 sqrt(a b)/S of `contact.growth.coincidence`."""
+    """Two poles that meet over a stiff contact: half width 2 sqrt(a b)/S of `contact.stability.coincidence`."""
     n, still, speed, S = 4, 300.0, 5.0, 3e-6
     casing = pair_rim(ct.gaps.ModalPair(n=n, freq_hz=still, modal_mass=2.0, zeta=1e-3), radius=0.45)
     blade = ct.ModalBody(

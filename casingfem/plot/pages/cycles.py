@@ -31,9 +31,9 @@ NAMED = 4
 def cycles_page(
     name: str, found: Any, source: Mapping[str, Any], traces: Sequence[Any] = (), reached: Rows = ()
 ) -> str:
-    """HTML of the page on branches, `found` of class `contact.growth.cycles.Cycles`.
+    """HTML of the page on branches, `found` of class `contact.cycles.Cycles`.
 
-    `traces` are orbits over their period, `contact.growth.cycles.Trace`; `reached` the motions that random starts end
+    `traces` are orbits over their period, `contact.cycles.Trace`; `reached` the motions that random starts end
     on, with their share.
     """
     rows, marks = found.records(), found.marks()

@@ -256,7 +256,7 @@ def rub_contact(what: Rub | RotatingRim, *, mu: float = 0.0) -> ClosedContact:
     Profile, closing and whirl only force the vibration and are left out. Every pair must be equal to 1e-8 and turn into
     itself but for 1e-3, what its damping, stiffness and rotation do must be the same at all angles, and so must S.
 
-    Raises SplitError where it does not: the coefficients are then periodic in time (`contact.growth.split_casing`).
+    Raises SplitError where it does not: the coefficients are then periodic in time (`contact.stability.split_casing`).
     """
     rub: Rub = rub_of(what)
     system = rub_system(rub, 2)

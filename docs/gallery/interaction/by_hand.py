@@ -16,7 +16,7 @@ pair = ct.gaps.HandPair(
     blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
     compliance=1e-4,  # m/N
 )
-found = ct.growth.stability(pair.contact(), np.linspace(52.0, 54.0, 201))
+found = ct.stability.of_contact(pair.contact(), np.linspace(52.0, 54.0, 201))
 print(found.words)
 figure = figure_stability(found)
 

@@ -59,5 +59,5 @@ assert 0.0 < worst.at.growth < worst.at.closed
 # On a rig that turns the casing before a fixed blade, Coriolis forces keep every wave ahead of the blade: the sum is
 # never met (:doc:`theory </theory/interaction>`).
 
-rig = ct.growth.peaks(replace(rub, turning="casing"), np.linspace(60.0, 220.0, 161), mu=0.1)
+rig = ct.stability.peaks(replace(rub, turning="casing"), np.linspace(60.0, 220.0, 161), mu=0.1)
 assert max([row.growth for row in rig.rows], default=0.0) < 0.5 * worst.at.closed

@@ -13,9 +13,9 @@ import contact as ct
 
 mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
 patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
-driven = ct.growth.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=3.0, shown=("x",))
+driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=3.0, shown=("x",))
 family = driven.over("freq_hz", freq_hz=0.15)
-found = ct.growth.cycles.follow(family, (0.15, 0.26), longest=0.05)
+found = ct.cycles.follow(family, (0.15, 0.26), longest=0.05)
 (branch, *_) = found.branches
 
 figure, axes = plt.subplots(layout="constrained")

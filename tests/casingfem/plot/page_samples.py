@@ -66,30 +66,30 @@ def run_rows(status: str = "done", motion: str = "bounded", count: int = 4) -> l
     return rows
 
 
-def orbit_sample(value: float, multiplier: complex) -> ct.growth.cycles.Orbit:
+def orbit_sample(value: float, multiplier: complex) -> ct.cycles.Orbit:
     """An orbit of one channel x whose amplitude grows with the value."""
-    return ct.growth.cycles.Orbit(
+    return ct.cycles.Orbit(
         name="freq_hz", value=value, period=1.0 / value, periods=1, start=0.0, x=np.zeros(2),
         multipliers=np.array([multiplier, np.conj(multiplier)]), amplitude={"x": 1e-5 * value}, gap=np.array([1e-6]),
         force=np.array([2.0 * value]), closings=(1,), rests=(0,), touching=(), M=np.eye(2), iterations=3,
     )  # fmt: skip
 
 
-def cycles_sample() -> ct.growth.cycles.Cycles:
+def cycles_sample() -> ct.cycles.Cycles:
     """A branch from 10 to 16 Hz that folds at 13 Hz, where it loses its stability."""
     points = [orbit_sample(10.0 + k, (0.4 + 0.2 * k) * np.exp(0.3j)) for k in range(7)]
-    fold = ct.growth.cycles.Special(kind="fold", orbit=points[3], before=points[2])
-    graze = ct.growth.cycles.Special(kind="grazing", orbit=points[1], before=points[0])
-    return ct.growth.cycles.Cycles(
-        name="freq_hz", branches=(ct.growth.cycles.Branch(points=tuple(points), specials=(graze, fold)),), seconds=1.0
+    fold = ct.cycles.Special(kind="fold", orbit=points[3], before=points[2])
+    graze = ct.cycles.Special(kind="grazing", orbit=points[1], before=points[0])
+    return ct.cycles.Cycles(
+        name="freq_hz", branches=(ct.cycles.Branch(points=tuple(points), specials=(graze, fold)),), seconds=1.0
     )
 
 
-def trace_samples() -> list[ct.growth.cycles.Trace]:
+def trace_samples() -> list[ct.cycles.Trace]:
     """A stable and an unstable orbit over their period."""
     time = np.linspace(0.0, 1.0, 241)
     return [
-        ct.growth.cycles.Trace(orbit=orbit_sample(value, size), time=time / value,
+        ct.cycles.Trace(orbit=orbit_sample(value, size), time=time / value,
               displacement={"x": 1e-5 * value * np.cos(2.0 * np.pi * time)})
         for value, size in ((12.0, 0.8), (14.0, 1.2))
     ]  # fmt: skip

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.growth.closed_contact import growth
 from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
 from contact.model.gaps.permanent import SplitError, disk_contact, rim_contact, rub_contact
+from contact.stability.closed_contact import growth
 from tests.contact.synthetic_rim import ring
 
 SCENE = Path(__file__).parents[3] / "data" / "scenes" / "bladed_disk.toml"

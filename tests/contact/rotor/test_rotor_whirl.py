@@ -108,7 +108,7 @@ def test_unbalance_response_on_unequal_supports_has_a_backward_part():
 
 def test_stability_map_finds_the_threshold_of_internal_damping():
     inner = R.Jeffcott(mass=2.0, stiffness=8e4, zeta=0.03, zeta_internal=0.02)
-    found = ct.growth.rotor_stability(R.Rotor.of(inner, 1.0), np.linspace(1.0, 150.0, 30))
+    found = ct.stability.of_rotor(R.Rotor.of(inner, 1.0), np.linspace(1.0, 150.0, 30))
     exact = inner.omega * (1.0 + 0.03 / 0.02) / (2.0 * np.pi)
     assert found.bands_hz[0][0] == pytest.approx(exact, rel=1e-6)
 

@@ -92,7 +92,7 @@ def test_stability_has_the_slope_of_the_law_as_a_spring_at_the_tip(folder):
     a = np.radians(12.0)
     normal = np.array([np.cos(a), np.sin(a)])
     softer = replace(rigid.blade, S=rigid.blade.S + np.outer(normal, normal) / 3e7)
-    expected = ct.growth.rim_stability(replace(rigid, blade=softer), np.linspace(2.0, 40.0, 39), mu=0.1)
+    expected = ct.stability.of_rim(replace(rigid, blade=softer), np.linspace(2.0, 40.0, 39), mu=0.1)
     depth = (3e7 / (1.5 * 1e10)) ** 2
     for law in (SPRING, f'[law]\nkind = "hertz"\nk = 1e10\nclosed_depth = {depth!r}\n'):
         found = ct.scene.load_stability(scene(folder, RIM + law)).solve()

@@ -474,7 +474,7 @@ def test_every_column_of_a_row_is_that_of_the_recorded_run(scene):
     levels = np.sqrt(waves.mean(axis=1) * np.where(np.arange(33) % 32, 2.0, 1.0))
     lean = np.radians(what.lean_deg)
     tip = result.state_of("blade") @ (np.cos(lean) * what.blade.rows[0] + np.sin(lean) * what.blade.rows[1])
-    grown = ct.growth.of_run(what, result)
+    grown = ct.stability.of_run(what, result)
     expected = {
         "status": "done", "steps": 2000, "contact_fraction": np.mean(force > 0.0),
         "closings": np.count_nonzero(np.diff(np.r_[0, force > 0.0]) == 1), "impulse_N_s": force.sum() * 2e-5,

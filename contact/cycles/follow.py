@@ -1,0 +1,181 @@
+"""All branches over a range: the one that runs settle on, those beyond its ends, of doubled period; kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import astuple, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from contact.base.arrays import require_count, require_finite, require_positive
+from contact.base.checkpoint import Checkpoint
+from contact.base.errors import InputError, NumericsError
+from contact.cycles.branch import Course, Tangent, Way, begun, followed
+from contact.cycles.driven import Family
+from contact.cycles.result import Branch, Cycles, Special
+from contact.cycles.shooting import Orbit, orbit, settled
+from contact.io import notebook
+
+TRIES = 100  # values in the range at which a run looks for orbits beyond the end of a branch
+SETTLE = 200  # periods of such a run
+Progress = Callable[[int, float, int], None]
+Go = Callable[[Course, Orbit, Tangent], Branch]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Found:
+    """What was asked for, as a digest, the branches that are done, and the one under way."""
+
+    asked: str
+    done: tuple[Branch, ...] = ()
+    way: Way | None = None
+
+    def begins(self, number: int) -> Orbit | None:
+        """First orbit of a branch, counted from 0, if it was found."""
+        if number < len(self.done):
+            return self.done[number].points[0]
+        return self.way.points[0] if self.way is not None and number == len(self.done) else None
+
+
+def digest(family: Family, between: tuple[float, float], first: Orbit | None, *how: float) -> str:
+    """What is asked for, in 64 letters: the range, its motion at both ends, the first orbit and how to continue."""
+    text = hashlib.sha256(repr((family.name, between, how)).encode())
+    for value in between:
+        motion, period = family.at(value)
+        arrays = [*astuple(motion.plant), *motion.drive.b, *motion.drive.c, *motion.drive.d, period, motion.step]
+        for part in arrays:
+            text.update(np.ascontiguousarray(part).tobytes())
+    text.update(b"" if first is None else np.ascontiguousarray(first.x).tobytes())
+    return text.hexdigest()
+
+
+def follow(
+    family: Family, between: tuple[float, float], *, first: Orbit | None = None, longest: float = 0.02,
+    most: int = 1000, doublings: int = 0, checkpoint: str | Path | None = None, progress: Progress | None = None,
+) -> Cycles:  # fmt: skip
+    """Follow the orbits of a family from one value of its parameter to the other, and past folds until they leave both.
+
+    `first` is an orbit at the first value, by default the one a run settles on; `longest` the longest step, 1 being a
+    change of the state by its own size, or the range; `most` the number of orbits of a branch. Where a branch ends
+    inside the range (a rigid contact grazes), a run from its last stable orbit goes on, a hundredth of the range at a
+    time, until it settles on an orbit, which is followed as another branch. From each flip the branch of doubled
+    period is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; where it
+    exists the search goes on from there, and finds the same to the last bit. `progress` is told branch, value, orbits.
+    Raises InputError, and NumericsError where no orbit is found.
+    """
+    require_finite(start=between[0], end=between[1])
+    require_positive(longest=longest)
+    progress = progress or notebook.notebook_progress("follow", "branch {} at {:.6g}, {} orbits".format)
+    require_count(2, most=most)
+    require_count(0, doublings=doublings)
+    if between[0] == between[1]:
+        raise InputError(f"{family.name}: found {between[0]:g} to {between[1]:g}, expected a range")
+    started = time.perf_counter()
+    asked = digest(family, between, first, longest, most, doublings) if checkpoint else ""
+    kept = None if checkpoint is None else Checkpoint(checkpoint, asked, Found)
+    before = (kept and kept.found) or Found(asked=asked)
+    found: list[Branch] = []
+
+    def keep(way: Way | None = None) -> None:
+        if kept is not None:
+            kept.keep(lambda: Found(asked=asked, done=tuple(found), way=way), now=way is None)
+
+    def go(course: Course, begin: Orbit, ahead: Tangent) -> Branch:
+        number = len(found)
+
+        def told(way: Way) -> None:
+            keep(way)
+            if progress is not None:
+                progress(number + 1, way.points[-1].value, len(way.points))
+
+        if number < len(before.done):
+            found.append(before.done[number])
+            return found[-1]
+        way = before.way if number == len(before.done) else None
+        way = way or begun(course, begin, ahead, longest)
+        found.append(followed(course, way, longest=longest, most=most, progress=told))
+        keep()
+        return found[-1]
+
+    def looking(value: float) -> None:
+        if progress is not None:
+            progress(len(found) + 1, value, 0)
+
+    _main(family, between, first, go, looking, lambda: before.begins(len(found)))
+    for branch in list(found):
+        _doubled(family, between, branch, doublings, longest, go)
+    return Cycles(name=family.name, branches=tuple(found), seconds=time.perf_counter() - started)
+
+
+def _main(
+    family: Family, between: tuple[float, float], first: Orbit | None, go: Go, looking: Callable[[float], None],
+    known: Callable[[], Orbit | None],
+) -> None:  # fmt: skip
+    """From the first value to the other end, by runs where a branch ends inside; `known` is where the next begins."""
+    begin, sense = first, float(np.sign(between[1] - between[0]))
+    if begin is None:
+        begin = known() or orbit(family, between[0])
+    while begin is not None:
+        course = _course(family, between, begin)
+        found = go(course, begin, Tangent(np.zeros_like(begin.x), sense))
+        reached = max(found.points, key=lambda point: sense * point.value)
+        kept = [point for point in found.points if point.stable]
+        begin = None
+        if found.end and kept and sense * (between[1] - reached.value) > 0.0:
+            last = max(kept, key=lambda point: sense * point.value)
+            begin = known()
+            if begin is None or begin.periods > 1:  # of a branch of doubled period
+                begin = _beyond(family, between, last, reached.value, looking)
+
+
+def _beyond(
+    family: Family, between: tuple[float, float], kept: Orbit, reached: float, looking: Callable[[float], None]
+) -> Orbit | None:
+    """The next orbit that a run from a kept one settles on, further along the range than what is reached."""
+    step = (between[1] - between[0]) / TRIES
+    value, x, start = reached + 0.1 * step, np.array(kept.x), kept.start
+    while abs(value - between[0]) < abs(between[1] - between[0]):
+        looking(value)
+        try:
+            x, start = settled(family, value, SETTLE, x=x, at=start)
+            return orbit(family, value, guess=x, start=start)
+        except NumericsError:
+            value += step
+    return None
+
+
+def _doubled(
+    family: Family, between: tuple[float, float], branch: Branch, doublings: int, longest: float, go: Go
+) -> None:
+    """Branches of doubled period from the flips of a branch, and from theirs."""
+    if doublings == 0:
+        return
+    for flip in branch.of("flip"):
+        course = _course(family, between, flip.orbit)
+        start = _beside(course, flip, longest)
+        if start is not None:
+            _doubled(family, between, go(course, *start), doublings - 1, longest, go)
+
+
+def _beside(course: Course, flip: Special, longest: float) -> tuple[Orbit, Tangent] | None:
+    """An orbit of doubled period beside a flip, and the way away from it; None where none is found."""
+    at = flip.orbit
+    values, vectors = np.linalg.eig(at.M)
+    across = vectors[:, int(np.argmin(np.abs(values + 1.0)))].real
+    along = course.unit(Tangent(across, 0.0), at.x)
+    double = at.twice()
+    for part in (0.5, 0.25, 1.0, 0.1):
+        try:
+            begin = course.next(double, along, part * longest)
+        except (NumericsError, np.linalg.LinAlgError):
+            continue
+        return begin, Tangent(begin.x - at.x, begin.value - at.value)
+    return None
+
+
+def _course(family: Family, between: tuple[float, float], begin: Orbit) -> Course:
+    size = 1e-3 * float(np.linalg.norm(begin.x)) or 1.0
+    return Course(family=family, low=min(between), high=max(between), size=size)

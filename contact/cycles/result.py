@@ -1,0 +1,162 @@
+"""What a continuation found: branches of orbits, special points, as a table, JSON and npz."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.cycles.columns import point_columns
+from contact.cycles.shooting import Orbit
+from contact.io.brief import brief
+from contact.io.columns import Columns, records_of
+from contact.io.reported import Reported
+from contact.io.stored import save_value
+
+FORMAT = "casingfem-cycles-1"
+FEW = 4  # grazing points that are told one by one
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Special:
+    """A point where something changes: "fold", "flip", "Neimark-Sacker", "branch point" or "grazing".
+
+    `orbit` is the first orbit after the change, `before` the last one before it, 1e-5 of a step apart.
+    """
+
+    kind: str
+    orbit: Orbit
+    before: Orbit
+
+    __repr__ = brief
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Branch:
+    """Orbits in the order of the branch, its special points, and why it ended inside the range, if it did."""
+
+    points: tuple[Orbit, ...]
+    specials: tuple[Special, ...]
+    end: str = ""
+
+    __repr__ = brief
+
+    @property
+    def value(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Parameter of each point."""
+        return np.array([point.value for point in self.points])
+
+    @property
+    def stable(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Which points are kept."""
+        return np.array([point.stable for point in self.points])
+
+    @property
+    def multiplier(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Largest |Floquet multiplier| of each point."""
+        return np.array([point.multiplier for point in self.points])
+
+    def amplitude(self, channel: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Amplitude of a channel over the points [m]."""
+        return np.array([point.amplitude[channel] for point in self.points])
+
+    def of(self, kind: str) -> tuple[Special, ...]:
+        """Special points of a kind."""
+        return tuple(special for special in self.specials if special.kind == kind)
+
+    @property
+    def stretches(self) -> tuple[tuple[bool, float, float], ...]:
+        """Stable or not, from which value to which, in the order of the branch."""
+        spans = [(kept, list(part)) for kept, part in groupby(self.points, key=lambda point: point.stable)]
+        return tuple((kept, part[0].value, part[-1].value) for kept, part in spans)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class Cycles(Reported):
+    """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it."""
+
+    name: str
+    branches: tuple[Branch, ...]
+    seconds: float = 0.0
+
+    def __repr__(self) -> str:
+        lines = []
+        for number, part in enumerate(self.branches, 1):
+            first = part.points[0]
+            times = "" if first.periods == 1 else f", closing after {first.periods} periods"
+            lines.append(f"branch {number}: {len(part.points)} orbits over {self.name}{times}")
+            for kept, start, stop in part.stretches:
+                lines.append(f"  {'stable' if kept else 'UNSTABLE':8} {start:.8g} to {stop:.8g}")
+            grazings = len(part.of("grazing"))
+            for special in part.specials:
+                if special.kind == "grazing" and grazings > FEW:
+                    continue
+                size = ", ".join(f"{name} {value:.6g} m" for name, value in special.orbit.amplitude.items())
+                lines.append(f"  {special.kind} at {special.orbit.value:.8g}: {size}")
+            if grazings > FEW:
+                lines.append(f"  {grazings} times a contact begins or ceases to close (grazing)")
+            if part.end:
+                lines.append(f"  ends at {part.points[-1].value:.8g}: {part.end}")
+        return "\n".join(lines)
+
+    def described(self) -> Columns:
+        """The columns of the points: the parameter and the channels have names of the scene."""
+        return point_columns(self.name, tuple(self.branches[0].points[0].amplitude))
+
+    def records(self) -> list[dict[str, Any]]:
+        """One plain dictionary for each point, branch by branch."""
+        points = [(number, point) for number, part in enumerate(self.branches, 1) for point in part.points]
+        return records_of(self.described(), points)
+
+    def marks(self) -> list[dict[str, object]]:
+        """One row for each special point: kind, branch, parameter and amplitudes."""
+        return [
+            {"kind": special.kind, "branch": number, self.name: special.orbit.value,
+             **{f"amplitude_{name}": size for name, size in special.orbit.amplitude.items()}}
+            for number, part in enumerate(self.branches, 1)
+            for special in part.specials
+        ]  # fmt: skip
+
+    def to_dict(self) -> dict[str, object]:
+        """The document of `casingfem cycles --json`: the first branch, then the others."""
+        main, *others = self.branches
+        return {
+            "parameter": self.name, **self._branch(main),
+            "branches": [{"periods": part.points[0].periods, **self._branch(part)} for part in others],
+            "seconds": self.seconds,
+        }  # fmt: skip
+
+    def _branch(self, part: Branch) -> dict[str, object]:
+        folds = [self._point(special.orbit) for special in part.of("fold")]
+        return {
+            "points": [self._point(point) for point in part.points], "folds": folds,
+            "events": [{"kind": special.kind, **self._point(special.orbit)} for special in part.specials],
+            "end": part.end,
+        }  # fmt: skip
+
+    def _point(self, point: Orbit) -> dict[str, object]:
+        return {
+            self.name: point.value, "amplitude": point.amplitude, "multiplier": point.multiplier,
+            "stable": point.stable, "contacts": point.contacts,
+        }  # fmt: skip
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write npz without pickle; states, multipliers, amplitudes of every point beside the value itself."""
+        points = [point for part in self.branches for point in part.points]
+        specials = [(number, special) for number, part in enumerate(self.branches, 1) for special in part.specials]
+        return save_value(path, self, {
+            "format": FORMAT, "parameter": self.name, "channels": np.array(list(points[0].amplitude)),
+            "branch": np.array([n for n, part in enumerate(self.branches, 1) for _ in part.points]),
+            "value": np.array([p.value for p in points]), "period": np.array([p.period for p in points]),
+            "start": np.array([p.start for p in points]), "x": np.array([p.x for p in points]),
+            "multipliers": np.array([p.multipliers for p in points]),
+            "amplitude": np.array([list(p.amplitude.values()) for p in points]),
+            "gap": np.array([p.gap for p in points]), "force": np.array([p.force for p in points]),
+            "special": np.array([special.kind for _, special in specials], dtype=np.str_),
+            "special_branch": np.array([number for number, _ in specials], dtype=np.int64),
+            "special_value": np.array([special.orbit.value for _, special in specials]),
+        })  # fmt: skip

@@ -1,5 +1,0 @@
-"""Does a contact that stays closed diverge? Poles, coincidences, Floquet, maps of growth."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,22 @@
+from .closed_contact import poles
+from .growing import of_contact, of_rim
+from .growth_map import StabilityMap
+from .of_run import of_run
+from .on_springs import on_springs, slope_of
+from .peaks import Peaks, peaks
+from .rotor import of_rotor
+from .split_casing import perfect_mean
+
+__all__ = [
+    "Peaks",
+    "StabilityMap",
+    "of_contact",
+    "of_rim",
+    "of_rotor",
+    "of_run",
+    "on_springs",
+    "peaks",
+    "perfect_mean",
+    "poles",
+    "slope_of",
+]

@@ -1,0 +1,189 @@
+"""Speeds at which a wave of the casing meets a mode of the blades, and the width of what they disturb: closed forms.
+
+A wave e^(i k theta) of frequency w in the casing's frame is seen by the blade at nu = +-w - k Omega. Of a body that
+turns w depends on the speed, on the stiffening and on the sense of the wave: it is taken as it is at each speed. Near
+it the receptance is a/(s - i nu), of a blade mode b/(s - i w_b). With S all that is left,
+S + a/(s - i nu) + b/(s - i w_b) = 0 is a quadratic: growth where a b > 0, at most sqrt(a b)/S, in a band of half width
+2 sqrt(a b)/S of the difference of the two frequencies, its centre where nu + i a/S = w_b + i b/S.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.model.gaps.permanent import ClosedContact, HandPair
+from contact.stability.waves import FreePoles, Waves, waves_of
+
+REACH = 4.0  # times the fastest speed: coincidences up to there, whose bands may extend into the range
+LOOKS = 65  # speeds at which frequencies are compared up to there
+AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are equal there
+SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
+SEEN = 1e-9  # of the largest residue: one contact does not see less
+ALIKE = 0.05  # of two bodies seen alike: less is what meshes and round-off add
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coincidence:
+    """One wave of n diameters meets one blade mode.
+
+    `branch` "sum" f_b = n f - f_c, "backward" f_b = f_c - n f or "forward" f_b = f_c + n f; `free_hz` the speed without
+    contact, `speed_hz` with it, `half_hz` the half width of what it disturbs (of several contacts the speed without
+    contact, and 0).
+    """
+
+    n: int
+    branch: str
+    casing_hz: float
+    blade_hz: float
+    free_hz: float
+    speed_hz: float
+    half_hz: float
+
+
+class Loaded(NamedTuple):
+    """Loaded frequencies [Hz] of casing and blade, the speed [Hz] of their sum, and the growth there [1/s]."""
+
+    casing_hz: float
+    blade_hz: float
+    speed_hz: float
+    growth: float
+
+
+def loaded(pair: HandPair) -> Loaded:
+    """The frictionless hand calculation: each body on the contact's spring k, then f_c' + f_b' = n f.
+
+    w_b'^2 = w_b^2 + k/m_b, w_c'^2 = w_c^2 + k/(2 m_c), s = k/sqrt(8 m_b m_c w_b' w_c'), and with damping
+    growth = -(a + b)/2 + sqrt(((a - b)/2)^2 + s^2), a = zeta_b w_b, b = zeta_c w_c.
+
+    >>> from contact.model.gaps.permanent import ModalPair
+    >>> found = loaded(HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    ...                         blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4))
+    >>> round(found.growth, 4), round(found.speed_hz, 3)
+    (3.7868, 52.844)
+    """
+    k, casing, blade = 1.0 / pair.compliance, pair.casing, pair.blade
+    w_c = math.sqrt(casing.omega**2 + 0.5 * k / casing.modal_mass)
+    w_b = math.sqrt(blade.omega**2 + k / blade.modal_mass)
+    s = k / math.sqrt(8.0 * blade.modal_mass * casing.modal_mass * w_b * w_c)
+    a, b = blade.zeta * blade.omega, casing.zeta * casing.omega
+    growth = -0.5 * (a + b) + math.hypot(0.5 * (a - b), s)
+    turn = 2.0 * math.pi
+    return Loaded(w_c / turn, w_b / turn, (w_c + w_b) / turn / casing.n, growth)
+
+
+def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, ...]:
+    """Every meeting of a wave of the casing with a mode of the blades, ascending, at the senses of these speeds [Hz].
+
+    They are looked for up to `REACH` times the fastest speed, by the frequencies that both have at each speed. Several
+    contacts meet a wave and a mode that they see alike, |sum of products| above `ALIKE` of the largest there can be,
+    which by n diameters a disk's tuned modes do only with theirs; what happens there, poles tell.
+    """
+    seen = waves_of(contact)
+    top = REACH * 2.0 * math.pi * float(np.abs(speed_hz).max())
+    found = []
+    for sense in (1.0, -1.0):
+        if not np.any(np.sign(speed_hz) == sense):
+            continue
+        for speed, wave, mode in _crossings(seen, sense, top):
+            free = seen.poles(np.array([speed]), sense)
+            if free is not None and _met(free, wave, mode):
+                found.append(_meeting(contact, free, wave, mode, speed, _slope(seen, sense, speed, wave, mode)))
+    return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
+
+
+def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, int]]:
+    """(speed [rad/s], wave, mode) at which a wave's frequency in the blade's frame is a mode's, up to a speed `top`."""
+    at = sense * np.linspace(0.0, top, LOOKS)
+    free = seen.poles(at, sense)
+    if free is None:
+        return []
+    waves = np.flatnonzero(free.casing & (free.order != 0.0))
+    modes = np.flatnonzero(~free.casing & (free.sign > 0.0))
+
+    def frequencies(found: FreePoles, speed: Array) -> tuple[Array, Array]:
+        """Of waves and of what they shall meet, (speeds, waves), (speeds, modes)."""
+        met = found.met(speed)
+        return met[:, waves], met[:, modes]
+
+    one, other = frequencies(free, at)
+    apart = one[:, :, None] - other[:, None, :]
+    apart[0][np.abs(apart[0]) < AT_REST * np.abs(other[0])] = 0.0  # equal at rest, which is no speed
+    k, i, j = np.nonzero((apart[:-1] * apart[1:] < 0.0) | ((apart[1:] == 0.0) & (apart[:-1] != 0.0)))
+    if not k.size:
+        return []
+    row, speed = np.arange(k.size), at[k]
+    low, high, below, above = at[k], at[k + 1], apart[k, i, j], apart[k + 1, i, j]
+    for _ in range(SECANTS):
+        speed = (low * above - high * below) / (above - below)
+        found = seen.poles(speed, sense)
+        if found is None:
+            return []
+        one, other = frequencies(found, speed)
+        middle = one[row, i] - other[row, j]
+        if np.all(np.abs(middle) <= MET * np.abs(free.s.imag).max()):
+            break
+        before = middle * below > 0.0
+        low, below = np.where(before, speed, low), np.where(before, middle, below)
+        high, above = np.where(before, high, speed), np.where(before, above, middle)
+    return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
+
+
+def _slope(seen: Waves, sense: float, speed: float, wave: int, mode: int) -> float:
+    """Derivative of the wave's frequency less the mode's by the speed [-]; -k where neither depends on it."""
+    step = 1e-4 * abs(speed)
+    at = np.array([speed - step, speed + step])
+    free = seen.poles(at, sense)
+    if free is None:
+        return math.nan
+    apart = free.met(at)[:, wave] - free.met(at)[:, mode]
+    return float(apart[1] - apart[0]) / (2.0 * step)
+
+
+def _met(free: FreePoles, wave: int, mode: int) -> bool:
+    """Whether the contacts see both: one contact by their residues, several where both move them alike."""
+    if free.seen.shape[1] == 1:
+        size = np.abs(free.residues[0])
+        return bool(size[[wave, mode]].min() > SEEN * float(size.max()))
+    one, other = free.seen[0, :, wave], free.seen[0, :, mode]
+    return bool(abs(np.vdot(one, other)) > ALIKE * np.linalg.norm(one) * np.linalg.norm(other))
+
+
+def _meeting(contact: ClosedContact, free: FreePoles, wave: int, mode: int, speed: float, slope: float) -> Coincidence:
+    """The quadratic of one wave and one mode, everything else a compliance S."""
+    turn, order, sign = 2.0 * math.pi, float(free.order[wave]), float(free.sign[wave])
+    own = free.own(np.array([speed]))[0]
+    known: dict[str, Any] = {
+        "n": round(abs(order)), "branch": _branch(sign, speed * order), "casing_hz": abs(float(own[wave])) / turn,
+        "blade_hz": float(own[mode]) / turn, "free_hz": speed / turn,
+    }  # fmt: skip
+    if len(contact.Q) > 1:
+        return Coincidence(**known, speed_hz=speed / turn, half_hz=0.0)
+    s, a, others = free.s[0], free.residues[0], np.ones(free.order.size, dtype=bool)
+    others[[wave, mode]] = False
+    S = float(contact.compliance(np.sign(speed))[0, 0])
+    S += float(np.sum(a[others] / (1j * own[mode] - s[others])).real)
+    coupling = complex(a[wave] * a[mode]) / S**2
+    centre = speed - float((a[mode] - a[wave]).imag) / S / slope
+    return Coincidence(**known, speed_hz=centre / turn, half_hz=2.0 * abs(coupling) ** 0.5 / abs(slope) / turn)
+
+
+def _each_once(found: list[Coincidence]) -> list[Coincidence]:
+    """Meetings of modes of one frequency, such as a disk's pairs, count once."""
+    return list(
+        {(c.n, c.branch, round(c.casing_hz, 6), round(c.blade_hz, 6), c.free_hz > 0.0): c for c in found}.values()
+    )
+
+
+def _branch(sign: float, turned: float) -> str:
+    return "sum" if sign < 0.0 else "backward" if turned > 0.0 else "forward"
+
+
+def close_speeds(met: tuple[Coincidence, ...]) -> Array:
+    """Speeds [Hz] at and around each coincidence that show its band."""
+    steps = np.linspace(-2.0, 2.0, 17)
+    return np.concatenate([np.zeros(0), *(c.speed_hz + c.half_hz * steps for c in met)])

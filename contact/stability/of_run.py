@@ -1,0 +1,302 @@
+"""Growth of the motion that a run really makes: windows of its modal energy, the wave that has it, what feeds it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.base.arrays import Array, Indices, readonly
+from contact.base.remembered import remembered
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.limits import WALL
+from contact.model.gaps.rub import ContactPoint, Rub
+from contact.record.energy import Divergence, EnergyBudget
+from contact.record.growth import Cause, Ending, RunGrowth
+from contact.stability.envelope import Envelope, Fit, envelope, growth_of
+
+SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that the whole interval must have
+VAGUE = 1.0  # e-folds over the last stretch by which an interval that tells nothing is wide
+Some = NDArray[np.bool_]
+ONE = (ContactPoint(),)
+EVEN = 1e-6  # of a turn
+ANGLE = 0.5  # radians by which a wave's phase may be uncertain from one state to the next
+CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
+
+
+class Ran(Protocol):
+    """What is read of a result."""
+
+    @property
+    def state_time(self) -> Array:
+        """Instants of the states [s], (ns,)."""
+        ...
+
+    @property
+    def state(self) -> Array:
+        """Modal coordinates, then forces, (ns, N)."""
+        ...
+
+    @property
+    def channels(self) -> Array:
+        """Rows stored in place of states."""
+        ...
+
+    @property
+    def contact_steps(self) -> Array:
+        """Steps in which each contact was closed, (K,)."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """Steps taken."""
+        ...
+
+    @property
+    def dt(self) -> float:
+        """Step [s]."""
+        ...
+
+    @property
+    def energy(self) -> EnergyBudget:
+        """The ledger."""
+        ...
+
+    @property
+    def divergence(self) -> Divergence | None:
+        """Why the run ended before its time."""
+        ...
+
+
+class Groups(NamedTuple):
+    """Number of the group of each mode (m,); body and nodal diameters of each group."""
+
+    of: Indices
+    named: tuple[tuple[str, int | None], ...]
+
+
+class Parts(NamedTuple):
+    """Frequencies [rad/s], groups and reach of the modes, (m,) and (lines, casing's modes)."""
+
+    omega: Array
+    groups: Groups
+    reach: Array
+
+
+class Seen(NamedTuple):
+    """What is read of a problem: its casing and modes, the first tip's rim line, the speed [rad/s], the wall [m]."""
+
+    casing: ModalBody
+    parts: Parts
+    line: int
+    speed: float
+    wall: float
+
+
+def of_run(what: object, result: Ran) -> RunGrowth | None:
+    """Growth of the motion of a run of a rim, a rub or a disk; None of other problems, and without stored states.
+
+    The states may be few, about 200, and far apart (`contact.stability.envelope` has the equations): the row of a sweep
+    is made from 256. Deflection is sqrt(sum (r_i q_i)^2) over the casing's modes, r_i the most that unit motion of
+    mode i moves the rim: what the limit of half the wall is held against.
+
+    >>> import contact as ct
+    >>> from contact.model.gaps.bladed_disk import pair_rim
+    >>> pair = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.01)
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], channels=("span", "flap"), rows=[[0.0], [1.0]], S=np.eye(2))
+    >>> rim = ct.RotatingRim(
+    ...     pair_rim(pair, radius=0.5), blade, clearance=1e-2, speed_hz=5.0, casing_velocity=[1e-3, 0.0]
+    ... )
+    >>> result = ct.run(rim, t_end=0.3, dt=1e-4, record=ct.Record(state_every=10))
+    >>> found = ct.stability.of_run(rim, result)
+    >>> found.state, round(found.energy_rate, 2), found.body, found.nodal_diameters  # -2 zeta omega
+    ('decays', -12.57, 'casing', 4)
+    """
+    seen = _seen(what, result.steps * result.dt)
+    if seen is None or result.channels.size or not len(result.state):
+        return None
+    parts = seen.parts
+    q = result.state[:, : parts.omega.size]
+    turn = 2.0 * math.pi / abs(seen.speed) if seen.speed else math.inf
+    found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn)
+    if found is None:
+        return None
+    swing = (q[:, : seen.casing.omega.size] ** 2) @ (parts.reach**2).T
+    return _verdict(seen, result, q, found, np.sqrt(swing.max(axis=1)))
+
+
+def _seen(what: object, end: float) -> Seen | None:
+    """What is read of a problem whose run ended at `end` [s]; None of what is no rim and no rub."""
+    if isinstance(what, RotatingRim):
+        parts = _parts((what.casing, what.blade), ONE)
+        return Seen(what.casing, parts, 0, what.speed, what.casing.line_wall(0) or math.inf)
+    if isinstance(what, Rub):
+        return Seen(what.casing, _parts(what.bodies, what.tips), what.tips[0].line, what.speed.omega(end), what.wall)
+    return None
+
+
+@remembered
+def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...]) -> Parts:
+    """What runs of the same bodies have in common."""
+    return Parts(
+        readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips), reach_of(bodies[0], tips)
+    )
+
+
+def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Array) -> RunGrowth:
+    total = found.energy.sum(axis=1)
+    fit = growth_of(found.time, total)
+    first = 0 if fit is None else fit.first
+    since = float(found.start[first])
+    late = result.state_time >= since
+    amplitude, steady = _amplitude(result.state_time, deflection, found.start[first:])
+    moved = np.isfinite(total[-1]) and total[-1] > 0.0
+    cause = _cause(seen, result, q, found.energy[first:], late) if moved else None
+    if fit is None:
+        none = math.nan
+        state: Ending = "undecided" if moved else "at rest"
+        return RunGrowth(
+            rate=none, low=none, high=none, state=state, amplitude=amplitude, steady=steady, since=since,
+            time_to_half_wall=_stopped(result), cause=cause,
+        )  # fmt: skip
+    state = _state(fit, float(result.state_time[-1]) - since)
+    reaches = _half_wall(seen, result, fit.rate, deflection, late) if state == "grows" else _stopped(result)
+    return RunGrowth(
+        rate=fit.rate, low=fit.low, high=fit.high, state=state, amplitude=amplitude, steady=steady, since=since,
+        time_to_half_wall=reaches, cause=cause,
+    )  # fmt: skip
+
+
+def _state(fit: Fit, span: float) -> Ending:
+    """What the last stretch of `span` seconds does."""
+    if fit.rate * span > SLIGHT and fit.low * span > SURE:
+        return "grows"
+    if -fit.rate * span > SLIGHT and -fit.high * span > SURE:
+        return "decays"
+    return "bounded" if fit.scatter * span < VAGUE else "undecided"
+
+
+def _stopped(result: Ran) -> float:
+    """When the run passed half the wall [s]; infinite where it did not."""
+    ended = result.divergence
+    return ended.time if ended is not None and ended.limit == "wall" else math.inf
+
+
+def _half_wall(seen: Seen, result: Ran, rate: float, deflection: Array, late: Some) -> float:
+    """Time at which growth takes the deflection to half the wall [s], from the start of the run."""
+    stopped, allowed = _stopped(result), WALL * seen.wall
+    beyond = np.flatnonzero(deflection > allowed)
+    now = float(deflection[late].max(initial=0.0))
+    if math.isfinite(stopped) or not (math.isfinite(allowed) and now > 0.0):
+        return stopped
+    return float(
+        result.state_time[beyond[0]] if beyond.size else result.state_time[-1] + math.log(allowed / now) / rate
+    )
+
+
+def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, float]:
+    """Largest deflection in the last stretch, and how far the largest of a window lies below it, relatively."""
+    parts = np.searchsorted(time, start)
+    largest = np.maximum.reduceat(deflection, np.minimum(parts, deflection.size - 1))
+    top = float(largest.max())
+    return top, (1.0 - float(largest.min()) / top) if top > 0.0 else 0.0
+
+
+def reach_of(casing: ModalBody, tips: Sequence[ContactPoint]) -> Array:
+    """How far unit motion of each mode of the casing moves the rim lines of the tips at most, (lines, m)."""
+    N, found = casing.n_max, []
+    for line in sorted({tip.line for tip in tips}):
+        first = line * casing.directions * (2 * N + 1)
+        cos, sin = casing.rows[first : first + N + 1], casing.rows[first + N + 1 : first + 2 * N + 1]
+        found.append(np.abs(cos[0]) + np.hypot(cos[1:], sin).sum(axis=0))
+    return readonly(found)
+
+
+def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint]) -> Groups:
+    """Modes by body and nodal diameters: those of the harmonic that moves a rim most, of tips evenly spread around."""
+    casing, *blades = bodies
+    keys: list[tuple[str, int | None]] = [("casing", int(n)) for n in casing_diameters(casing)]
+    for b, body in enumerate(blades):
+        keys += [("blades", n) for n in blade_diameters(body, [tip for tip in tips if tip.blade == b])]
+    named = tuple(dict.fromkeys(keys))
+    number = {key: k for k, key in enumerate(named)}
+    return Groups(np.array([number[key] for key in keys], dtype=np.int64), named)
+
+
+def casing_diameters(body: ModalBody) -> Indices:
+    """Nodal diameters of a rim's modes, (m,): the harmonic with the largest square in all directions on all lines."""
+    N = body.n_max
+    rows = body.rows.reshape(-1, 2 * N + 1, body.omega.size)
+    power = np.sum(rows[:, : N + 1] ** 2, axis=0)
+    power[1:] += np.sum(rows[:, N + 1 :] ** 2, axis=0)
+    return np.asarray(power.argmax(axis=0))
+
+
+def blade_diameters(body: ModalBody, tips: Sequence[ContactPoint]) -> list[int | None]:
+    """Nodal diameters of the modes of one body of several tips evenly around; None of each mode elsewhere."""
+    tips = sorted(tips, key=lambda tip: tip.angle_deg % 360.0)
+    K = len(tips)
+    turned = np.diff([tip.angle_deg % 360.0 for tip in tips]) / 360.0
+    if K < 3 or np.abs(turned - 1.0 / K).max() > EVEN:
+        return [None] * body.omega.size
+    rows = np.array([tip.directions(body)[:2] @ body.rows for tip in tips])  # (K, 2, m)
+    power = np.sum(np.abs(np.fft.rfft(rows, axis=0)) ** 2, axis=1)
+    return [int(n) for n in power.argmax(axis=0)]
+
+
+def _cause(seen: Seen, result: Ran, q: Array, energy: Array, late: Some) -> Cause:
+    """The group with most of the energy at the end."""
+    last = energy[-max(1, len(energy) // 4) :].mean(axis=0)
+    top = int(last.argmax())
+    groups = seen.parts.groups
+    body, n = groups.named[top]
+    source, work = _source(result.energy)
+    return Cause(
+        body=body, n=n, share=float(last[top] / last.sum()), source=source, work=work,
+        travel=_travel(seen, result, q, np.flatnonzero(groups.of == top), n, late) if body == "casing" else math.nan,
+        closed=float(np.max(result.contact_steps, initial=0)) / result.steps if result.steps else 0.0,
+    )  # fmt: skip
+
+
+def _source(energy: EnergyBudget) -> tuple[str, float]:
+    """The largest work that was put in over the run, and who did it."""
+    parts = {
+        "friction": energy.friction, "the turning rim": energy.rotation, "gravity and whirl": energy.body_force,
+        "varying loads": energy.external,
+        "the numerical scheme": energy.algorithmic - energy.lost_in_contact - energy.explained,
+    }  # fmt: skip
+    name = max(parts, key=lambda one: parts[one])
+    return (name, parts[name]) if parts[name] > 0.0 else ("", 0.0)
+
+
+def _travel(seen: Seen, result: Ran, q: Array, modes: Indices, n: int | None, late: Some) -> float:
+    """How much of a casing's wave runs with the blades, from 1 to -1; nan where its states are too far apart.
+
+    With z = a + i b of the rim's a cos n theta + b sin n theta, a wave that runs towards +theta turns z by omega D from
+    one state to the next, one that runs against it by -omega D: two amplitudes by least squares over pairs of states.
+    """
+    speed, time, N = seen.speed, result.state_time, seen.casing.n_max
+    q = q[late]
+    if not n or not speed:
+        return math.nan
+    omega, rows = seen.casing.omega[modes], seen.casing.rows[:, modes]
+    power = np.var(omega * q[:, modes], axis=0)
+    mean = float(power @ omega / power.sum()) if power.sum() > 0.0 else 0.0
+    turned = mean * float(time[-1] - time[0]) / (time.size - 1)
+    every = max(1, round(0.5 * math.pi / turned)) if turned > 0.0 else 1
+    q, turned = q[::every], turned * every
+    if len(q) < 8 or CLOSE * turned > ANGLE or abs(math.sin(turned)) < 0.2:
+        return math.nan
+    line = seen.line * seen.casing.directions * (2 * N + 1)
+    z = q[:, modes] @ (rows[line + n] + 1j * rows[line + N + n])
+    z = z - z.mean()
+    ahead = z[1:-1] - z[:-2] * np.exp(-1j * turned), z[1:-1] - z[:-2] * np.exp(1j * turned)
+    with_theta, against = (float(np.vdot(part, part).real) for part in ahead)
+    both = with_theta + against
+    if not both > 0.0:
+        return math.nan
+    return -math.copysign(1.0, speed) * (with_theta - against) / both

@@ -1,0 +1,48 @@
+"""The map x' = v - x^2 + b y, y' = x (Henon, 1976) as a family of motions: what periodic orbits are tested with."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+
+import contact as ct
+from contact.cycles.branch import Course
+
+B = 0.3
+FOLD, FLIP = -((1.0 - B) ** 2) / 4.0, 3.0 * (1.0 - B) ** 2 / 4.0
+
+
+class Henon:
+    """The map as a family of motions of period 2 s; `asked` is what was followed from where."""
+
+    name = "v"
+    channels = ("x", "y")
+    begin = np.zeros(2)
+
+    def __init__(self):
+        self.asked = []
+
+    def at(self, value):
+        plant = SimpleNamespace(rigid=np.array([True, False]))
+        return SimpleNamespace(v=value, family=self, plant=plant, closed_at=lambda *_: ()), 2.0
+
+
+def followed_map(motion, x, start, period, *, tangent=True, extremes=True):
+    motion.family.asked.append((start, period))
+    x, M, amplitude = np.array(x, dtype=float), np.eye(2), np.zeros(2)
+    for _ in range(round(period / 2.0)):
+        amplitude = np.maximum(amplitude, np.abs(x))
+        M = np.array([[-2.0 * x[0], B], [1.0, 0.0]]) @ M
+        x = np.array([motion.v - x[0] ** 2 + B * x[1], x[0]])
+        if not np.abs(x[0]) < 1e6:
+            raise ct.NumericsError("it leaves")
+    return SimpleNamespace(start=start, x=x, M=M if tangent else None, events=(), gap=np.ones(2), force=np.zeros(2),
+                           amplitude=amplitude, first=())  # fmt: skip
+
+
+def fixed(v, sign=1.0):
+    return (-(1.0 - B) + sign * math.sqrt((1.0 - B) ** 2 + 4.0 * v)) / 2.0
+
+
+def course(family, low=-0.3, high=0.6, size=1e-3):
+    return Course(family=family, low=low, high=high, size=size)

@@ -1,0 +1,255 @@
+"""Branches, folds and stability against published orbits and runs in time."""
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.base import checkpoint
+from contact.cycles import branch as way_along
+from contact.cycles.branch import Signs, Tangent, kinds, signs
+from contact.cycles.driven import DrivenBody
+from contact.cycles.follow import Found
+from contact.cycles.shooting import map_of
+from reports.contact.cycles import mass_on_stop, rod
+
+pytestmark = pytest.mark.slow
+TURN = 2.0 * math.pi
+SCENES = Path(__file__).parents[4] / "data" / "scenes" / "cycles"
+
+
+def crossings(branch, value):
+    """Points of a branch next to where it passes a value."""
+    at = branch.value
+    return [branch.points[k] for k in np.flatnonzero((at[:-1] - value) * (at[1:] - value) <= 0.0)]
+
+
+def test_the_rod_on_a_soft_obstacle_has_the_published_orbits_and_fold():
+    """E1, r = .4: Vadcard, Batailly, Thouverez, J. Sound Vib. 531 (2022) 116950."""
+    family = rod(0.4).over("freq_hz", freq_hz=10e3)
+    found = ct.cycles.follow(family, (9500.0, 10600.0), longest=0.06).branches[0]
+    for omega, amplitude in ((60179.5, 1.0199e-4), (62708.1, 2.7032e-4), (63354.7, 3.3620e-4), (64594.8, 4.9436e-4)):
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=1e-4)
+        assert orbit.stable
+    upper, lower = found.of("fold")
+    assert TURN * upper.orbit.value == pytest.approx(64892.9, abs=0.06)
+    assert upper.orbit.multiplier == pytest.approx(1.0, abs=0.05)
+    assert TURN * lower.orbit.value == pytest.approx(63848.2, abs=1.0)
+    assert [kept for kept, _, _ in found.stretches] == [True, False, True]
+    assert [special.kind for special in found.specials] == ["grazing", "fold", "fold", "grazing"]
+
+
+def test_the_rod_on_a_stiff_obstacle_is_not_kept_over_a_stretch_that_runs_leave():
+    family = rod(4.0).over("freq_hz", freq_hz=10e3)
+    found = ct.cycles.follow(family, (9500.0, 11300.0), longest=0.04).branches[0]
+    for omega, amplitude in ((61817.6, 2.0560e-4), (62718.4, 2.1736e-4), (63325.7, 2.2768e-4), (65774.4, 2.9874e-4),
+                             (68397.7, 3.8436e-4)):  # fmt: skip
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=1e-3)
+    start, stop = found.of("Neimark-Sacker")
+    assert (TURN * start.orbit.value / 62711.9764, TURN * stop.orbit.value / 62711.9764) == pytest.approx(
+        (1.0263, 1.0464), abs=1e-4
+    )
+    inside = [point for point in found.points if start.orbit.value < point.value < stop.orbit.value][3]
+    assert not inside.stable
+    period, rng = map_of(family, inside.value, inside.start), np.random.default_rng(5)
+    x = inside.x * (1.0 + 1e-6 * rng.standard_normal(inside.x.size))
+    away = []
+    for _ in range(300):
+        x = period(x, tangent=False).x
+        away.append(np.linalg.norm(x - inside.x))
+    assert away[-1] > 30.0 * away[0]
+    grown = np.polyfit(np.arange(100, 300), np.log(away[100:]), 1)[0]
+    assert math.exp(grown) == pytest.approx(inside.multiplier, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "expected"),
+    [(100.0, (0.11401, 0.13720, 0.17463, 0.23460, 0.29163)), (1e5, (0.10577, 0.12159, 0.14646, 0.18296, 0.21462))],
+)
+def test_a_mass_on_a_stop_has_its_published_orbits(stiffness, expected):
+    family = mass_on_stop(stiffness).over("freq_hz", freq_hz=0.2)
+    found = ct.cycles.follow(family, (0.15, 0.26), longest=0.06).branches[0]
+    for omega, amplitude in zip((1.07511, 1.19425, 1.31283, 1.42899, 1.50085), expected, strict=True):
+        near = crossings(found, omega / TURN)[0]
+        orbit = ct.cycles.orbit(family, omega / TURN, guess=near.x)
+        assert orbit.amplitude["x"] == pytest.approx(amplitude, rel=2e-3)
+    if stiffness == 100.0:
+        assert TURN * found.of("fold")[0].orbit.value == pytest.approx(1.5579, rel=3e-3)
+
+
+def test_without_damping_rounding_makes_no_special_points_and_no_orbit_is_stable():
+    """A multiplier of 1 in size lies on either side of 1 by rounding: the flips are those of hardly any damping."""
+    found = []
+    for zeta in (0.0, 1e-5):
+        body = ct.ModalBody(
+            omega=[40.0, 60.0], zeta=[zeta] * 2, channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2))
+        )
+        patch = ct.Patch(body=body, normal=("y",), tangent=(("x",),), slide=[[1.0]], clearance=1e-3)
+        driven = DrivenBody(patch=patch, channel="y", amplitude=10.0, stiffness=1e4, mu=0.3)
+        family = driven.over("freq_hz", freq_hz=5.2)
+        found.append(ct.cycles.follow(family, (5.0, 5.15), longest=0.5).branches[0])
+    undamped, damped = found
+    assert [special.kind for special in undamped.specials] == ["flip"] == [special.kind for special in damped.specials]
+    assert undamped.of("flip")[0].orbit.value == pytest.approx(damped.of("flip")[0].orbit.value, rel=1e-9)
+    assert not undamped.stable.any()
+    assert damped.points[-1].stable
+    assert undamped.points[-1].multiplier == pytest.approx(1.0, abs=1e-9)
+
+
+def test_an_orbit_is_found_from_chaos():
+    """A run that does not settle passes near the unstable orbit: where it does, not where it ends, is the guess."""
+    family = mass_on_stop(1e5).over("freq_hz", freq_hz=0.2)
+    for hz in (0.148, 0.1481, 0.14841, 0.15067, 0.15077, 0.15169, 0.1519):
+        found = ct.cycles.orbit(family, hz)
+        assert not found.stable
+        closed = map_of(family, hz, found.start)(found.x, tangent=False).x
+        assert closed == pytest.approx(found.x, rel=1e-5)
+
+
+def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch):
+    """A rigid stop: the branch without contact ends where the mass grazes it, and another begins with touches.
+
+    Stopped on that one, it is not looked for again.
+    """
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    said = []
+    family = mass_on_stop().over("freq_hz", freq_hz=0.15)
+    found = ct.cycles.follow(family, (0.13, 0.16), longest=0.05, progress=lambda *told: said.append(told))
+    first, second = found.branches[:2]
+    assert "graz" in first.end
+    assert first.points[-1].closings == (0,)
+    assert first.points[-1].amplitude["x"] == pytest.approx(0.1, rel=1e-3)
+    assert sum(second.points[0].closings) > 0
+    assert any(orbits == 0 for _, _, orbits in said)
+    file, again = tmp_path / "part.npz", []
+
+    def stopped(number, _value, orbits):
+        if (number, orbits) == (2, 5):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ct.cycles.follow(family, (0.13, 0.16), longest=0.05, checkpoint=file, progress=stopped)
+    monkeypatch.undo()
+    other = ct.cycles.follow(
+        family,
+        (0.13, 0.16),
+        longest=0.05,
+        checkpoint=file,
+        progress=lambda number, _value, orbits: again.append((number, orbits)),
+    )
+    assert other.records() == found.records()
+    rows, points = found.records(), [point for branch in found.branches for point in branch.points]
+    assert [row["force"] for row in rows] == [max(point.force, default=0.0) for point in points]
+    assert [row["gap"] for row in rows] == [min(point.gap, default=np.inf) for point in points]
+    assert again[0][0] == 2
+    assert again[0][1] > 0
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "found"),
+    [
+        ((True, 0, 0, 0), (True, 0, 0, 0), []),
+        ((True, 0, 0, 0), (False, 1, 0, 0), ["fold"]),
+        ((True, 0, 0, 0), (True, 1, 0, 0), ["branch point"]),
+        ((True, 0, 0, 0), (True, 0, 1, 0), ["flip"]),
+        ((True, 0, 1, 0), (True, 0, 1, 2), ["Neimark-Sacker"]),
+        ((True, 2, 0, 0), (True, 0, 0, 2), []),  # two real ones met beyond 1 and went on as a pair
+        ((True, 0, 2, 0), (True, 0, 0, 2), []),
+        ((True, 1, 1, 0), (True, 1, 1, 2), ["Neimark-Sacker"]),
+    ],
+)
+def test_multipliers_that_cross_say_what_lies_between(left, right, found):
+    assert kinds(Signs(*left, (1,)), Signs(*right, (1,))) == found
+    assert kinds(Signs(*left, (1,)), Signs(*right, (2,))) == [*found, "grazing"]
+
+
+def test_series_of_hits_count_as_such_not_by_their_hits():
+    """One contact that closes twice, one whose hits end at rest once; multipliers 1.5, -2 and 0.3 +- 1.1 i."""
+    orbit = SimpleNamespace(multipliers=np.array([1.5, -2.0, 0.3 + 1.1j, 0.3 - 1.1j]), closings=(2, 37), rests=(0, 1))
+    assert signs(orbit, Tangent(np.zeros(4), -0.5)) == Signs(False, 1, 1, 2, (2, -1))
+
+
+def test_a_corner_beyond_the_range_does_not_mislead_the_branch_at_its_edge(monkeypatch):
+    """x = value up to 1.1, where x turns steep: of a step over the corner the branch would end in x = 1.6."""
+
+    def at(value):
+        x = value if value <= 1.1 else 1.1 + 20.0 * (value - 1.1)
+        return SimpleNamespace(
+            value=value, x=np.array([x]), periods=1, start=0.0, iterations=9, multipliers=np.array([0.5]),
+            closings=(1,), rests=(0,),
+        )  # fmt: skip
+
+    def tangent(orbit, _):
+        return Tangent(np.array([1.0]), 1.0) if orbit.value <= 1.1 else Tangent(np.array([1.4]), 0.07)
+
+    def edge(_, value, guess, **__):
+        assert guess == pytest.approx([1.0], abs=1e-12)
+        return at(value)
+
+    monkeypatch.setattr(way_along, "orbit", edge)
+    course = SimpleNamespace(
+        low=0.0, high=1.0, span=1.0, family=None, tangent=tangent,
+        next=lambda start, _, length: at(start.value + length),
+        product=lambda a, b, _: float(a.x @ b.x + a.value * b.value) / 2.0,
+    )  # fmt: skip
+    begin = at(0.9)
+    way = way_along.Way((begin,), (), tangent(begin, None), 0.24)
+    found = way_along.followed(course, way, longest=1.0, most=20)
+    assert [orbit.value for orbit in found.points] == [0.9, 1.0]
+    assert found.end == ""
+
+
+def test_a_range_of_nothing_is_refused():
+    with pytest.raises(ct.InputError, match="expected a range"):
+        ct.cycles.follow(mass_on_stop(100.0).over("freq_hz", freq_hz=0.2), (0.2, 0.2))
+
+
+def test_branches_done_and_under_way_begin_with_their_first_orbits():
+    done, way = (SimpleNamespace(points=(f"{name} 1", f"{name} 2")) for name in ("done", "way"))
+    kept = Found(asked="", done=(done,), way=way)
+    assert [kept.begins(number) for number in range(3)] == ["done 1", "way 1", None]
+    assert Found(asked="", done=(done,)).begins(1) is None
+
+
+@pytest.mark.campaign
+def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
+    """Stopped within its second branch, of doubled period."""
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    file, said = tmp_path / "part.npz", []
+    scene = ct.scene.load_cycles(SCENES / "bouncing_ball.toml")
+
+    def until(branch, count):
+        def progress(number, _value, points):
+            said.append(number)
+            if (number, points) == (branch, count):
+                raise KeyboardInterrupt
+
+        return progress
+
+    whole = scene.solve()
+    with pytest.raises(KeyboardInterrupt):
+        scene.solve(until(2, 4), file)
+    said.clear()
+    monkeypatch.undo()
+    again = scene.solve(until(9, 0), file)
+    assert 1 not in said
+    assert len(said) < sum(len(branch.points) for branch in again.branches[1:])
+    for one, other in zip(again.branches, whole.branches, strict=True):
+        assert np.array_equal([p.x for p in one.points], [p.x for p in other.points])
+        assert np.array_equal([p.multipliers for p in one.points], [p.multipliers for p in other.points])
+        assert [(s.kind, s.orbit.value) for s in one.specials] == [(s.kind, s.orbit.value) for s in other.specials]
+    assert again.records() == whole.records()
+    with pytest.raises(ct.InputError, match="found that of another computation"):
+        ct.cycles.follow(scene.family, scene.between, longest=0.05, checkpoint=file)
+    file.write_bytes(b"not a file of numbers")
+    with pytest.raises(ct.InputError, match="remove it to begin anew"):
+        scene.solve(checkpoint=file)

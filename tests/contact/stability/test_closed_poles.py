@@ -1,0 +1,113 @@
+"""Poles of closed contact by their equation and by eigenvalues, the mean of split pairs, scenes over speeds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import linear_sum_assignment
+
+import contact as ct
+from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact
+from contact.scene.stability import load_interactions
+from contact.stability.closed_contact import closed_poles, growth, poles, poles_each
+from contact.stability.split_casing import mean_contact, perfect_mean
+from contact.stability.waves import waves_of
+from tests.contact.synthetic_rim import blade, ring
+
+B6 = HandPair(
+    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+    compliance=1e-4,
+)  # fmt: skip
+
+
+def rim(casing=None, **more):
+    given = {"clearance": -1e-5, "speed_hz": 5.0, "lean_deg": 10.0} | more
+    return ct.RotatingRim(casing or ring(), blade(), **given)
+
+
+TWO_BLADES = ct.Rub(
+    ring(), (blade(), blade(psi=0.8)),
+    [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=180.0 * k, lean_deg=10.0) for k in range(2)],
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("hz", [0.3, 5.0, 60.0, -20.0])
+def test_the_characteristic_equation_has_the_eigenvalues(mu, hz):
+    contact = rim_contact(rim(), mu=mu)
+    sense = np.sign(hz)
+    found = closed_poles(waves_of(contact), float(contact.compliance(sense)[0, 0]), 2.0 * np.pi * hz)
+    every = poles(contact, np.array([hz]))[0]
+    distance = np.abs(found[:, None] - every)
+    assert distance[linear_sum_assignment(distance)].max() < 1e-9 * np.abs(every).max()
+
+
+def test_many_modes_go_by_the_equation_and_few_or_many_contacts_by_eigenvalues(monkeypatch):
+    contact, speeds = rim_contact(rim(), mu=0.3), np.array([5.0, 60.0])
+    by_eigenvalues = growth(contact, speeds)
+    monkeypatch.setattr("contact.stability.closed_contact.MANY", 1)
+    assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-9)
+    two = mean_contact(TWO_BLADES, mu=0.3)[0]
+    assert growth(two, speeds) == pytest.approx([every.real.max() for every in poles(two, speeds)], rel=1e-12)
+    monkeypatch.setattr("contact.stability.closed_contact.closed_poles", lambda *_: None)  # it did not settle
+    assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-12)
+    assert len(poles_each(contact, speeds)) == 2
+
+
+def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
+    at = np.array([5.0, 20.0, 60.0])
+    own = growth(rim_contact(rim(), mu=0.3), at)
+    assert growth(rim_contact(rim(perfect_mean(ring())), mu=0.3), at) == pytest.approx(own, rel=1e-9)
+    mean, averaged = mean_contact(rim(ring(imperfect=1e-3)), mu=0.3)
+    assert averaged
+    assert growth(mean, at) == pytest.approx([32.159, 27.929, 315.555], rel=0.02)  # Floquet's theory of the split one
+
+
+def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():
+    """Compliances turned by hand through a turn; frequency and damping of a pair are the mean of its two."""
+    casing, N, size = ring(imperfect=0.05), 6, 13
+    mean, turned = perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))
+    for phi in 2.0 * np.pi * np.arange(16) / 16:
+        R = np.eye(size)
+        for n in range(1, N + 1):
+            c, s = np.cos(n * phi), np.sin(n * phi)
+            R[np.ix_([n, N + n], [n, N + n])] = [[c, s], [-s, c]]
+        turned += np.kron(np.eye(2), R) @ casing.S @ np.kron(np.eye(2), R).T / 16
+    assert np.abs(turned[1:7, 20:]).max() > 0.01 * np.abs(turned).max()  # radial cosines move tangential sines
+    np.testing.assert_allclose(mean.S, turned, atol=1e-9 * np.abs(turned).max())
+    assert mean.omega == pytest.approx(np.repeat(casing.omega.reshape(5, 2).mean(axis=1), 2), rel=1e-12)
+    assert mean.zeta == pytest.approx([0.025] * 10, rel=1e-12)
+
+
+def test_a_mode_without_partner_goes_into_the_compliance():
+    cut = ring().truncated(ring().omega[-1] * 0.99)
+    lone = replace(ring(), omega=ring().omega * np.r_[np.ones(9), 1.5]).truncated(ring().omega[-2] * 1.01)
+    assert perfect_mean(lone).omega.size == 8
+    size = 13  # radial compliance at one angle: what the mode of n = 6 gave there, averaged over the angle
+    gone = lone.rows[:size, 8] @ lone.rows[:size, 8] / lone.omega[8] ** 2
+    assert np.trace(perfect_mean(lone).S[:size, :size]) == pytest.approx(np.trace(lone.S[:size, :size]) + gone)
+    assert cut.omega.size == 8
+
+
+def test_scenes_of_four_kinds_have_speeds_and_others_are_refused(tmp_path):
+    file = tmp_path / "pair.toml"
+    pair = (
+        '[scene]\nkind = "pair"\n[casing]\nn = 8\nfreq_hz = 300.0\nmodal_mass = 1.5\n[blade]\nfreq_hz = 120.0\n'
+        "modal_mass = 0.4\n[contact]\ncompliance = 1e-4\n[speed]\nfrom_hz = 52.0\nto_hz = 54.0\nsteps = 5\n"
+    )
+    file.write_text(pair)
+    assert load_interactions(file).speed_hz.tolist() == [52.0, 52.5, 53.0, 53.5, 54.0]
+    disk = (
+        '[scene]\nkind = "disk"\nt_end = 1.0\n[casing.pair]\nn = 3\nfreq_hz = 290.0\nmodal_mass = 2.0\nradius = 0.5\n'
+        "[disk]\nblades = 9\nfreq_hz = 115.0\nmodal_mass = 0.1\n[contact]\nclearance = 0.0\nfriction = 0.1\n[speed]\n"
+        'hz = {}\n[scheme]\nkind = "exact-modal"\ndt = 5e-5\n'
+    )
+    file.write_text(disk.format("10.0"))
+    scene = load_interactions(file)
+    assert (scene.scene.law.mu, scene.speed_hz[-1], scene.speed_hz.size) == (0.1, 20.0, 200)
+    file.write_text(disk.format("0.0"))
+    with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing"):
+        load_interactions(file)
+    file.write_text('[scene]\nkind = "rods"\nt_end = 1.0\n[scheme]\nkind = "penalty"\ncourant = 0.5\nstiffness = 1.0\n')
+    with pytest.raises(ct.scene.SceneError, match=r"found 'rods', expected 'pair', 'rim', 'rub' or 'disk'"):
+        load_interactions(file)

@@ -1,0 +1,119 @@
+"""Peaks of the growth of closed contact: where formulas put them, which motion grows, one peak for one motion."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from contact.model.gaps.permanent import HandPair, ModalPair
+from contact.stability.closed_contact import growth, poles
+from contact.stability.coincidence import loaded
+from contact.stability.peaks import growth_at
+from contact.stability.split_casing import mean_contact
+from tests.contact.synthetic_rim import blade, ring
+
+PAIR = HandPair(
+    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+    compliance=1e-4,
+)  # fmt: skip
+RANGE = np.linspace(20.0, 60.0, 41)
+
+
+def rim(casing=None, **more):
+    return ct.RotatingRim(casing or ring(), blade(), **({"clearance": 0.0, "speed_hz": 5.0, "lean_deg": 10.0} | more))
+
+
+def test_the_peak_of_a_pair_is_that_of_the_formula_with_its_band():
+    (peak,) = ct.stability.peaks(PAIR, RANGE).rows
+    formula = loaded(PAIR)
+    assert (peak.speed_hz, peak.growth) == (
+        pytest.approx(formula.speed_hz, rel=1e-4),
+        pytest.approx(formula.growth, rel=1e-3),
+    )
+    assert (peak.from_hz, peak.to_hz) == pytest.approx((52.693, 52.9945), rel=1e-5)
+    assert (peak.n, peak.wave) == (8, "with")  # the blade overtakes the wave
+    assert peak.freq_hz == pytest.approx(formula.blade_hz, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("casing_hz", "blade_hz", "free_hz", "wave"), [(300.0, 120.0, 22.5, "with"), (120.0, 300.0, 22.5, "against")]
+)
+def test_a_blade_that_digs_in_grows_with_the_wave_of_the_difference_condition(casing_hz, blade_hz, free_hz, wave):
+    """mu > tan(lean): f_b = f_c - n f by the wave ahead of the blade, f_b = f_c + n f by that against it."""
+    casing, blade_ = replace(PAIR.casing, freq_hz=casing_hz), replace(PAIR.blade, freq_hz=blade_hz)
+    pair = replace(PAIR, casing=casing, blade=blade_, friction=0.3, lean_deg=10.0)
+    peak = max(ct.stability.peaks(pair, np.linspace(18.0, 27.0, 41)).rows, key=lambda row: row.growth)
+    assert peak.speed_hz == pytest.approx(free_hz, rel=0.02)
+    assert (peak.n, peak.wave) == (8, wave)
+
+
+@pytest.mark.parametrize("hz", [22.84, 52.84])
+def test_the_motion_of_a_peak_is_the_eigenvector_of_its_pole(hz):
+    """Energy shares from dense eigenvectors in the frame of the casing's cosine and sine."""
+    pair = replace(PAIR, friction=0.3 if hz < 40.0 else 0.0, lean_deg=10.0 if hz < 40.0 else 0.0)
+    peak = min(ct.stability.peaks(pair, RANGE).rows, key=lambda row: abs(row.speed_hz - hz))
+    contact = pair.contact()
+    turn = 2.0 * np.pi * peak.speed_hz * contact.G
+    W, S = contact.Q - contact.mu * contact.T, contact.S_nn
+    D = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.diag(contact.omega**2) - W.T @ contact.Q / S, np.zeros((3, 3))]])
+    D[:3, :3] -= turn
+    D[3:, 3:] -= turn
+    values, vectors = np.linalg.eig(D)
+    k = int(values.real.argmax())
+    assert values[k].real == pytest.approx(peak.growth, rel=1e-4)
+    q, v = vectors[:3, k], vectors[3:, k]
+    energy = np.abs(contact.omega * q) ** 2 + np.abs(v) ** 2
+    assert peak.casing_share == pytest.approx(energy[:2].sum() / energy.sum(), rel=1e-3)
+
+
+def test_growth_at_speeds_is_the_largest_real_part_of_the_poles():
+    at = np.array([5.0, 31.0])
+    contact = mean_contact(rim(), mu=0.3)[0]
+    assert growth_at(rim(), at, mu=0.3) == pytest.approx(poles(contact, at).real.max(axis=1), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_peaks_are_the_local_maxima_of_the_growth_on_a_fine_grid():
+    found = ct.stability.peaks(rim(), np.linspace(2.0, 60.0, 59), mu=0.3)
+    fine = np.linspace(2.0, 60.0, 4001)
+    values = growth(mean_contact(rim(), mu=0.3)[0], fine)
+    padded = np.pad(values, 1)
+    highest = (values > padded[:-2]) & (values > padded[2:]) & (values > 0.0)
+    assert len(found.rows) >= 3
+    for row in found.rows:
+        assert abs(fine[highest] - row.speed_hz).min() < 0.05
+        assert row.from_hz <= row.speed_hz <= row.to_hz
+        near = np.abs(fine - row.speed_hz) < 0.03
+        assert row.growth >= values[near].max() * (1.0 - 1e-3)
+
+
+def test_a_split_pair_of_one_n_gives_one_peak():
+    split = ring(imperfect=1e-3)
+    found = ct.stability.peaks(rim(split), np.linspace(50.0, 70.0, 81), mu=0.0)
+    perfect = ct.stability.peaks(rim(), np.linspace(50.0, 70.0, 81), mu=0.0)
+    assert found.averaged
+    assert not perfect.averaged
+    assert [row.n for row in found.rows] == [row.n for row in perfect.rows]
+
+
+def test_a_disk_and_its_casing_have_one_peak_of_their_n():
+    disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
+    casing = ct.model.gaps.bladed_disk.pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-4)
+    (peak,) = ct.stability.peaks(rub, np.linspace(130.0, 142.0, 61)).rows
+    assert (peak.n, peak.wave) == (3, "with")
+    fine = np.linspace(135.0, 142.0, 701)  # (290 + 115)/3 = 135 without contact, whose stiffness shifts it up
+    assert peak.speed_hz == pytest.approx(fine[growth_at(rub, fine).argmax()], abs=0.01)
+
+
+def test_nothing_grows_where_no_condition_is_met():
+    found = ct.stability.peaks(PAIR, np.linspace(20.0, 30.0, 11))
+    assert found.rows == ()
+    assert not found.map.diverges
+
+
+def test_speeds_ascend_from_above_zero():
+    for speeds in ([0.0, 1.0], [2.0, 1.0], [1.0]):
+        with pytest.raises(ct.InputError, match="speed_hz: found speeds that do not ascend"):
+            ct.stability.peaks(PAIR, speeds)

@@ -1,0 +1,400 @@
+"""Closed contact: B6 and its neighbours by eigenvalues, by formula and by time; friction; split casings by Floquet."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.linalg import expm
+
+import contact as ct
+from casingfem.cli import main
+from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.permanent import SplitError, disk_contact
+from contact.stability import split_casing as floquet
+from contact.stability.closed_contact import floor_of, growth
+from contact.stability.coincidence import coincidences, loaded
+from contact.stability.growth_map import scan
+from contact.stability.split_casing import floquet_growth
+from tests.contact.synthetic_rim import blade, ring
+
+SCENE = Path(__file__).parents[3] / "data" / "scenes" / "pair.toml"
+B6 = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4,
+)  # fmt: skip
+OTHERS = [
+    ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=4, freq_hz=250.0, modal_mass=2.0, zeta=2e-4),
+                blade=ct.gaps.ModalPair(freq_hz=90.0, modal_mass=0.8, zeta=5e-4), compliance=1e-4),
+    ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=12, freq_hz=800.0, modal_mass=0.9),
+                blade=ct.gaps.ModalPair(freq_hz=410.0, modal_mass=0.2, zeta=1e-4), compliance=2e-5),
+]  # fmt: skip
+
+
+def damped(pair, casing=1e-3, zeta=1e-3):
+    return replace(pair, casing=replace(pair.casing, zeta=casing), blade=replace(pair.blade, zeta=zeta))
+
+
+def stationary(pair, speed_hz):
+    """The 6-state matrix of the stationary frame, x, y of the rim and the blade, written out anew by hand."""
+    c, b, k, spin = pair.casing, pair.blade, 1.0 / pair.compliance, pair.casing.n * 2.0 * np.pi * speed_hz
+    d, e, drag = 2.0 * c.zeta * c.omega, k / c.modal_mass, pair.friction / c.n
+    push = pair.kappa * k
+    A = np.zeros((6, 6))
+    A[:3, 3:] = np.eye(3)
+    A[3] = [spin**2 - c.omega**2 - e, -d * spin, e, -d, -2.0 * spin, 0.0]
+    A[4] = [d * spin + drag * e, spin**2 - c.omega**2, -drag * e, 2.0 * spin, -d, 0.0]
+    A[5] = [push, 0.0, -(b.omega**2) - push, 0.0, 0.0, -2.0 * b.zeta * b.omega]
+    return A
+
+
+def moved(A, start, times):
+    """States (size, times) of x' = A x at even times, step by step."""
+    step, states = expm(A * (times[1] - times[0])), [np.asarray(start)]
+    for _ in times[1:]:
+        states.append(step @ states[-1])
+    return np.array(states).T
+
+
+def marched(pair, speed_hz, rate):
+    """Growth [1/s] seen in time over the last 4 of 12 times 1/rate."""
+    A = stationary(pair, speed_hz)
+    times = np.linspace(0.0, 12.0 / rate, 6000)
+    start = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]
+    level = np.abs(moved(A, start, times)[2]).reshape(60, -1).max(axis=1)
+    return np.polyfit(times.reshape(60, -1).mean(axis=1)[40:], np.log(level[40:]), 1)[0]
+
+
+def test_b6_from_its_scene_file():
+    result = CliRunner().invoke(main, ["stability", str(SCENE), "--json"])
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
+    assert document.keys() >= {"speed_hz", "growth", "peak", "bands_hz", "words"}
+    assert len(document["speed_hz"]) == len(document["growth"]) == 401
+    assert document["peak"]["growth"] == pytest.approx(3.7883, abs=5e-5)
+    assert document["peak"]["speed_hz"] == pytest.approx(52.844, abs=5e-4)
+    assert np.round(document["bands_hz"], 3) == pytest.approx(np.array([[52.693, 52.994]]), abs=1e-9)
+    assert "n = 8 grows by 3.788 1/s at 52.844 Hz (3170.6 rpm) and travels with the direction" in document["words"]
+    assert "f_c + f_b = n f. The blade overtakes the wave, n f = 422.7 Hz > f_c." in document["words"]
+
+
+def test_b6_is_stable_at_the_difference_and_at_the_unloaded_sum():
+    assert np.all(growth(B6.contact(), np.array([22.5, 22.192, 52.5])) < 1e-5)
+
+
+def test_a_band_narrower_than_the_grid_is_found():
+    found = ct.stability.of_contact(B6.contact(), np.linspace(0.0, 100.0, 11))
+    assert found.peak_growth == pytest.approx(3.7883, abs=1e-4)
+    assert np.allclose(found.bands_hz, [[52.693, 52.9945]], atol=2e-4)
+
+
+def test_a_band_begins_where_growth_is_1e_8_of_the_highest_frequency():
+    found = scan(lambda speed: 1e-6 * (speed - 50.0), np.linspace(0.0, 100.0, 11), floor=floor_of(B6.contact()))
+    ((begin, end),) = found.bands_hz
+    assert (begin, end) == pytest.approx((50.0 + 1e-8 * 2.0 * np.pi * 300.0 / 1e-6, 100.0), abs=1e-6)
+
+
+def test_a_speed_looked_at_beside_the_grid_counts_in_every_part_of_it():
+    """Growth 1 - (10 (speed - at))^2, a band of width .2 midway between speeds of the grid."""
+    for at in (0.5, 1.5, 2.5):
+        found = scan(lambda f, at=at: 1.0 - (10.0 * (f - at)) ** 2, np.arange(4.0), floor=0.0, seeds=np.array([at]))
+        assert (found.peak_speed_hz, found.peak_growth) == pytest.approx((at, 1.0), abs=1e-9)
+        assert np.array(found.bands_hz) == pytest.approx(np.array([[at - 0.1, at + 0.1]]), abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", [B6, damped(B6), *OTHERS], ids=["B6", "B6 damped", "n = 4", "n = 12"])
+def test_peak_by_formula_and_by_time(pair):
+    formula = loaded(pair)
+    speed = formula.speed_hz * np.linspace(0.98, 1.02, 41)
+    found = ct.stability.of_contact(pair.contact(), speed)
+    assert found.peak_speed_hz == pytest.approx(formula.speed_hz, rel=5e-4)
+    assert found.peak_growth == pytest.approx(formula.growth, rel=0.01)
+    assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
+
+
+def test_damping_of_one_body_alone_slows_and_of_both_stops_the_growth():
+    s = loaded(B6).growth
+    a = 1e-3 * B6.blade.omega
+    one = damped(B6, casing=0.0)
+    assert loaded(one).growth == pytest.approx(-a / 2 + np.hypot(a / 2, s))
+    both = damped(B6, casing=0.02, zeta=0.02)
+    found = ct.stability.of_contact(both.contact(), np.linspace(50.0, 55.0, 101))
+    assert loaded(both).growth < 0.0
+    assert not found.diverges
+    assert found.words == "Closed contact is stable from 50 to 55 Hz (3000 to 3300 rpm): nothing grows."
+
+
+def test_friction_beyond_the_lean_moves_the_growth_from_sum_to_difference():
+    for mu, lean, branch in ((0.3, 10.0, "backward"), (0.1, 10.0, "sum"), (0.3, -10.0, "sum")):
+        pair = damped(replace(B6, friction=mu, lean_deg=lean))
+        met = {c.branch: c for c in coincidences(pair.contact(), np.array([1.0, 60.0])) if c.speed_hz > 0.0}
+        for name, c in met.items():  # f_b = n f - f_c or f_c - n f, of the bodies without contact
+            assert c.free_hz == pytest.approx((300.0 + (120.0 if name == "sum" else -120.0)) / 8.0, rel=1e-9)
+        speeds = {name: np.linspace(c.speed_hz - c.half_hz, c.speed_hz + c.half_hz, 41) for name, c in met.items()}
+        peaks = {name: growth(pair.contact(), at).max() for name, at in speeds.items()}
+        assert {name for name, value in peaks.items() if value > 0.0} == {branch}
+
+
+@pytest.mark.slow
+def test_digging_blade_grows_in_time_as_its_pole():
+    pair = damped(replace(B6, friction=0.3, lean_deg=10.0))
+    found = ct.stability.of_contact(pair.contact(), np.linspace(22.0, 23.5, 61))
+    assert found.peak_growth > 1.5
+    assert marched(pair, found.peak_speed_hz, found.peak_growth) == pytest.approx(found.peak_growth, rel=0.02)
+    assert "f_b = f_c - n f, n f = 182 Hz. Without friction nothing grows in this range." in found.words
+
+
+def of(words, pattern):
+    """The numbers that a pattern with # for each finds in words."""
+    found = re.search(re.escape(pattern).replace(r"\#", r"([-\d.]+)"), words)
+    assert found, words
+    return [float(number) for number in found.groups()]
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_words_name_the_motion_at_each_peak_the_highest_first(sense):
+    """A digging blade at the difference, a trailing one at the sum: n f is that of the two frequencies."""
+    digs = replace(B6, friction=0.3, lean_deg=10.0 * sense)
+    words = ct.stability.of_contact(digs.contact(), sense * 41.0 + np.linspace(-21.0, 21.0, 81)).words
+    first, second = words.index("f_b = f_c - n f"), words.index("f_c + f_b = n f")
+    assert first < second
+    frames = "f_c = # Hz in the casing's frame and f_b = # Hz in the blade's: "
+    casing, blade, turned = of(words, f"{frames}f_b = f_c - n f, n f = # Hz.")
+    assert blade == pytest.approx(casing - turned, abs=0.2)
+    casing, blade, turned = of(words, f"{frames}f_c + f_b = n f. The blade overtakes the wave, n f = # Hz > f_c.")
+    assert casing + blade == pytest.approx(turned, abs=0.2)
+    growth_, speed, rpm = of(words, "Without friction the highest growth is # 1/s at # Hz (# rpm).")
+    assert (growth_, speed, rpm) == pytest.approx((3.788, sense * 52.844, sense * 3170.6), rel=1e-4)
+
+
+def test_a_pattern_that_stays_before_the_blade_travels_with_it_around_the_casing():
+    """Above the critical speed f_c = n f a real pole grows: a pattern fixed to the blade, seen from the casing n f."""
+    soft = ct.RotatingRim(ring(), blade(), clearance=-1e-4, speed_hz=20.0, lean_deg=10.0)
+    words = ct.stability.of_rim(soft, np.linspace(35.0, 45.0, 11)).words
+    assert "at 40.348 Hz (2420.9 rpm) and travels with the direction of the blade." in words
+    assert "It is at rest in the blade's frame, f_c = n f = 80.7 Hz." in words
+    assert "stands" not in words
+
+
+def test_words_of_a_stable_range_name_no_motion_and_no_speed_outside():
+    """Below 300/8 turns/s the blade overtakes nothing; from there to the band at 52.7 it does, and nothing grows."""
+    slow = ct.stability.of_contact(B6.contact(), np.linspace(8.0, 12.0, 41))
+    assert slow.words == (
+        "Closed contact is stable from 8 to 12 Hz (480 to 720 rpm): nothing grows. The blade overtakes no wave of the "
+        "casing in this range: n f = 96 Hz < f_c = 300 Hz. f_c + f_b = n f cannot be met."
+    )
+    assert repr(slow).splitlines()[1] == "no growth from 8 to 12 Hz"
+    fast = ct.stability.of_contact(B6.contact(), np.linspace(30.0, 50.0, 41))
+    assert fast.words == "Closed contact is stable from 30 to 50 Hz (1800 to 3000 rpm): nothing grows."
+
+
+def test_friction_along_the_casing_feeds_a_wave_that_damping_stops():
+    """r = (1 - i mu/n)/(2 m): |Im r|/(2 w S) = .0332 1/s with mu = .3, that of the poles far from any coincidence."""
+    pair, speeds = replace(B6, friction=0.3, lean_deg=10.0), np.linspace(29.0, 31.0, 5)
+    found = ct.stability.of_contact(pair.contact(), speeds)
+    rate = 0.3 / 8.0 / (2.0 * 1.5) / (2.0 * B6.casing.omega * 1e-4)
+    assert found.peak_growth == pytest.approx(rate, rel=0.15)
+    assert "travels against the direction of the blade. The casing has 100 % of the energy." in found.words
+    assert "f_b = f_c + n f, n f = 248 Hz. Without friction nothing grows in this range." in found.words
+    assert not ct.stability.of_contact(
+        damped(pair, casing=1.2 * found.peak_growth / B6.casing.omega).contact(), speeds
+    ).diverges
+    assert repr(found).splitlines()[1] == "diverges from 29 to 31 Hz"
+
+
+def test_what_a_map_prints():
+    first, second, *words = repr(ct.stability.of_contact(B6.contact(), np.linspace(52.0, 54.0, 21))).splitlines()
+    assert first == "largest growth 3.7883 1/s at 52.844 Hz"
+    assert second == "diverges from 52.693 to 52.9945 Hz"
+    assert words[0].startswith(
+        "Closed contact is unstable from 52.693 to 52.994 Hz (3161.6 to 3179.7 rpm). n = 8 grows"
+    )
+
+
+def test_poles_come_in_conjugates_and_sum_to_the_damping():
+    found = ct.stability.poles(damped(B6).contact(), np.array([10.0, 52.844]))
+    assert found.shape == (2, 6)
+    lost = 1e-3 * (2 * B6.casing.omega + B6.blade.omega)
+    assert np.allclose(found.sum(axis=1), -2.0 * lost, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_disk_and_casing_by_their_pairs_meet_the_sum_condition():
+    """The two-dimensional literature model: unstable within 1 % of (f_c + f_b)/n, by eigenvalues and by time."""
+    casing, disk = (
+        ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0),
+        ct.gaps.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
+    )
+    contact = disk_contact(casing, disk, stiffness=1e3, blades=22)
+    found = ct.stability.of_contact(contact, np.linspace(80.0, 88.0, 401))
+    assert found.peak_speed_hz == pytest.approx((300.0 + 120.0) / 5, rel=0.01)
+    spin, k = 5 * 2.0 * np.pi * found.peak_speed_hz, 1e3 * 22 / 2.0
+
+    A = np.zeros((4, 4), complex)  # z, y, z', y': complex amplitudes of casing and disk
+    A[:2, 2:] = np.eye(2)
+    A[2] = [spin**2 - casing.omega**2 - k / 2.0, k / 2.0, 2j * spin, 0.0]
+    A[3] = [k, -(disk.omega**2) - k, 0.0, 0.0]
+    times = np.linspace(0.0, 12.0 / found.peak_growth, 6000)
+    start = np.array([1e-3, 1e-3, 0.0, 0.0], complex)
+    size = np.abs(moved(A, start, times)[1])
+    slope = np.polyfit(times[4000:], np.log(size[4000:]), 1)[0]
+    assert slope == pytest.approx(found.peak_growth, rel=0.02)
+
+
+def rim(speed_hz=20.0, **of_ring):
+    return ct.RotatingRim(ring(**of_ring), blade(), clearance=-1e-4, speed_hz=speed_hz, lean_deg=10.0)
+
+
+@pytest.mark.slow
+def test_floquet_agrees_with_eigenvalues_on_a_perfect_rim_and_converges_with_order_four():
+    speeds = np.array([5.0, -20.0])
+    exact = growth(ct.gaps.rim_contact(rim(), mu=0.3), speeds)
+    errors = [np.abs(floquet_growth(rim(), speeds, mu=0.3, phase=phase) / exact - 1.0).max() for phase in (0.8, 0.4)]
+    assert errors[1] < 2e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.3)
+
+
+def test_a_rim_that_turns_is_the_same_wherever_it_starts():
+    turned = replace(rim(), angle_deg=37.0)
+    speeds = np.array([12.0])
+    assert growth(ct.gaps.rim_contact(turned, mu=0.2), speeds) == pytest.approx(
+        growth(ct.gaps.rim_contact(rim(), mu=0.2), speeds)
+    )
+
+
+@pytest.mark.slow
+def test_ripples_of_a_mesh_do_not_make_a_casing_split():
+    """Harmonics of 2e-4 beside a mode's own are left out of its turn, and change the growth by less."""
+    perfect = rim()
+    rows = perfect.casing.rows.copy()
+    rows[[5, 11], [0, 1]] += 2e-4
+    rippled = replace(perfect, casing=replace(perfect.casing, rows=rows))
+    speeds = np.array([12.0])
+    found = growth(ct.gaps.rim_contact(rippled, mu=0.3), speeds)
+    assert found == pytest.approx(floquet_growth(rippled, speeds, mu=0.3, phase=0.2), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_a_split_casing_goes_to_floquet():
+    split = rim(imperfect=1e-2)
+    with pytest.raises(SplitError, match="expected a perfect casing"):
+        ct.gaps.rim_contact(split)
+    found = ct.stability.of_rim(split, np.array([18.0, 20.0, 22.0]), mu=0.3)
+    assert "Floquet" in found.words
+    assert found.growth == pytest.approx(floquet_growth(split, found.speed_hz, mu=0.3, phase=0.1), rel=1e-4)
+    with pytest.raises(ct.InputError, match="found 0 with a split casing"):
+        floquet_growth(split, np.array([0.0]))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("stiffness = 1e4", "", "contact: neither stiffness nor compliance given"),
+        ("stiffness = 1e4", "stiffness = 1e4\ncompliance = 1e-4", "stiffness and compliance both given"),
+        ("n = 8", "n = 0", "casing.n: found 0"),
+        ("stiffness = 1e4", "stiffness = 1e-309", "contact.stiffness: found 1e-309, expected at least 1e-25"),
+        ("steps = 401", "steps = 1", "speed.steps: found 1"),
+        ("from_hz = 52.0", "from_hz = 55.0", "speed: from_hz = 55.0 and to_hz = 54.0"),
+        ("lean_deg = 0.0", "lean_deg = 95.0", "contact.lean_deg: found 95.0"),
+        ("freq_hz = 120.0", "freq = 120.0", "blade.freq: unknown key"),
+    ],
+)
+def test_a_broken_pair_is_refused_with_file_and_key(tmp_path, old, new, words):
+    file = tmp_path / "pair.toml"
+    file.write_text(SCENE.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(ct.scene.SceneError) as refused:
+        ct.scene.load_stability(file)
+    assert any(str(file) in line and words in line for line in refused.value.problems)
+
+
+RIM_SCENE = """
+[scene]
+kind = "rim"
+t_end = 0.1
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = 1e-4
+friction = 0.3
+[speed]
+hz = 20.0
+scan = {from_hz = 10.0, to_hz = 30.0, steps = 21}
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+"""
+
+
+def test_a_rim_scene_is_scanned_with_its_friction_and_runs_too(tmp_path):
+    ring().save(tmp_path / "casing.npz")
+    blade().save(tmp_path / "blade.npz")
+    file = tmp_path / "rim.toml"
+    file.write_text(RIM_SCENE, encoding="utf-8")
+    found = ct.scene.load_stability(file).solve()
+    exact = growth(ct.gaps.rim_contact(rim(), mu=0.3), np.linspace(10.0, 30.0, 21))
+    assert found.growth == pytest.approx(exact)
+    assert ct.load_scene(file).what.speed_hz == 20.0
+    file.write_text(RIM_SCENE.replace("scan = ", "# "), encoding="utf-8")
+    with pytest.raises(ct.scene.SceneError, match=r"speed\.scan: missing"):
+        ct.scene.load_stability(file)
+
+
+def test_a_pair_does_not_run_and_rods_have_no_poles():
+    with pytest.raises(ct.scene.SceneError, match="found 'pair', which casingfem stability takes"):
+        ct.load_scene(SCENE)
+    with pytest.raises(ct.scene.SceneError, match="found 'rods', expected 'pair' or 'rim'"):
+        ct.scene.load_stability(SCENE.with_name("two_rods.toml"))
+
+
+def still(system):
+    """C and K of bodies at rest."""
+    return np.diag(2.0 * system.zeta * system.omega), np.diag(system.omega**2)
+
+
+def joined(contact, sense):
+    """W^T S^-1 Q, what the closed contact adds to the stiffness."""
+    return contact.pushes(sense).T @ np.linalg.solve(contact.compliance(sense), contact.Q)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_the_bound_of_the_fastest_vibration_has_the_norm_of_what_the_contact_adds(sense):
+    """A perfect rim's contact adds the same stiffness W^T Q/S at every angle; the blade's lean tells the senses."""
+    added = np.linalg.norm(joined(ct.gaps.rim_contact(rim(), mu=0.3), sense), 2)
+    system = rim_system(rim())
+    assert floquet.fastest(system, *still(system), sense * 0.3) == pytest.approx(
+        np.sqrt(system.omega.max() ** 2 + added), rel=1e-6
+    )
+
+
+def test_a_turn_of_too_many_steps_is_refused(monkeypatch):
+    """The slower, the more steps a turn has."""
+    split = ct.RotatingRim(ring(imperfect=0.03), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
+    system = rim_system(split)
+    steps = math.ceil(0.2 * floquet.fastest(system, *still(system), 0.0) / floquet.PHASE)
+    monkeypatch.setattr(floquet, "MOST_STEPS", steps)
+    assert np.isfinite(floquet_growth(split, 5.0)).all()
+    monkeypatch.setattr(floquet, "MOST_STEPS", steps - 1)
+    with pytest.raises(ct.LimitError, match=f"speed_hz: found {steps} steps a turn, expected at most {steps - 1}"):
+        floquet_growth(split, 5.0)
+
+
+@pytest.mark.parametrize("speeds", [[[50.0, 51.0]], [50.0, math.nan], math.inf, -math.inf])
+def test_speeds_of_poles_are_finite_and_in_one_row(speeds):
+    with pytest.raises(ct.InputError, match="speed_hz: found speeds that are not finite, or not in one row, expected"):
+        ct.stability.poles(B6.contact(), speeds)
+    assert np.array_equal(ct.stability.poles(B6.contact(), 50.0), ct.stability.poles(B6.contact(), [50.0]))
+
+
+@pytest.mark.parametrize("speeds", [50.0, [50.0], [51.0, 50.0], [50.0, 51.0, 51.0], [50.0, math.nan], [[50.0, 51.0]]])
+def test_a_map_of_growth_takes_two_or_more_ascending_speeds(speeds):
+    assert ct.stability.of_contact(B6.contact(), [50.0, 51.0]).growth.shape == (2,)
+    with pytest.raises(ct.InputError, match="speed_hz: found no ascending row, expected at least two ascending speeds"):
+        ct.stability.of_contact(B6.contact(), speeds)
