@@ -4,7 +4,7 @@ from .experiment.correlation.correlate import correlate
 from .experiment.frequency_table import FrequencyTable
 from .experiment.identify.identification import identify
 from .experiment.identify.identified import Identified
-from .locate.localisation import locate
+from .locate.localisation import locate, search_model
 from .locate.located import Localisation
 from .modal.basis import ModalBasis
 from .modal.campbell import campbell
@@ -96,6 +96,7 @@ __all__ = [
     "read_mesh",
     "reduce",
     "rig",
+    "search_model",
     "shell",
     "solve_static",
     "uff",

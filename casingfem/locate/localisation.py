@@ -47,12 +47,41 @@ REDUCED = 2.2  # modes in the basis for each mode compared
 def search_model(
     shell: Shell, table: FrequencyTable, *, among: str = "bolts", edge: str | None = None, places: int = PLACES
 ) -> tuple[AffineModel, FloatArray]:
-    """The reduced model that a search needs, and the candidates' angles [rad]; it serves many tables.
+    """The reduced model that `cf.locate` searches, made once for many tables.
+
+    Parameters
+    ----------
+    shell
+        The casing as designed.
+    table
+        A table whose highest frequency is the highest of all tables.
+    among, edge
+        As of `cf.locate`.
+    places
+        Number of candidate angles of a mass.
+
+    Returns
+    -------
+    tuple[AffineModel, FloatArray]
+        The argument `model` of `cf.locate`: the reduced model, and the angles [rad] of the candidates.
 
     Raises
     ------
     ModelError
         locate-among, locate-bolts, locate-edge.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
+    >>> casing = cf.Shell(
+    ...     chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, material=steel,
+    ...     mesh=cf.ShellMesh(order=5, rows=1, around=7), supports={"base": cf.Bolts(count=7, k=2e8)},
+    ... )
+    >>> table = cf.FrequencyTable.from_arrays(freq_hz=[500.0], sigma_hz=0.1)
+    >>> model, angles = cf.search_model(casing, table)
+    >>> angles.size
+    7
     """
     if among not in AMONG:
         raise ModelError("locate-among", f"locate among {among!r}")
@@ -110,7 +139,7 @@ def locate(
     model_error
         What the model may be off by, relative, in each frequency; take the size of its splits without a baseline.
     model
-        What `search_model` gave, when many tables are searched.
+        What `cf.search_model` gave, when many tables are searched.
 
     Raises
     ------
