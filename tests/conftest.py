@@ -11,13 +11,7 @@ from pytest_regressions.num_regression import NumericRegressionFixture
 from xdist.remote import Producer
 from xdist.scheduler import LoadScopeScheduling
 
-from casingfem.modal.modes import Modes, modes
-from casingfem.structure.edge.support import Clamped
-from casingfem.structure.field.fourier import FourierField
-from casingfem.structure.geometry.chart import Frustum
-from casingfem.structure.material import Material
-from casingfem.structure.mesh.shell_mesh import ShellMesh
-from casingfem.structure.shell.shell import Shell
+import casingfem as cf
 
 # On an empty cache a loop takes longer to compile than its tests to run. Files that compile the same loops go to one
 # process and go first, so that no two processes compile the same thing; what comes later finds the loops compiled.
@@ -105,23 +99,23 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(20_000, 20, 100)
 
 
-STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
+STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 
 
-def reference_frustum(**changes: object) -> Shell:
+def reference_frustum(**changes: object) -> cf.Shell:
     """The frustum of data/reference/reference_frustum.csv, with anything replaced."""
     parts = {
-        "chart": Frustum(r_base=0.50, r_top=0.45, height=0.25),
+        "chart": cf.Frustum(r_base=0.50, r_top=0.45, height=0.25),
         "thickness": 3e-3,
         "material": STEEL,
-        "supports": {"base": Clamped()},
+        "supports": {"base": cf.Clamped()},
     }
-    return Shell(**(parts | changes))
+    return cf.Shell(**(parts | changes))
 
 
 @pytest.fixture(scope="session")
-def steel() -> Material:
+def steel() -> cf.Material:
     return STEEL
 
 
@@ -136,26 +130,26 @@ def reference() -> Callable[[str], pd.DataFrame]:
 
 
 @pytest.fixture(scope="session")
-def frustum() -> Callable[..., Shell]:
+def frustum() -> Callable[..., cf.Shell]:
     return reference_frustum
 
 
 @pytest.fixture(scope="session")
-def coarse() -> ShellMesh:
+def coarse() -> cf.ShellMesh:
     """Seven nodes along the meridian, 54 around: 1,890 dofs, good to n = 6."""
-    return ShellMesh(order=6, rows=1, around=9)
+    return cf.ShellMesh(order=6, rows=1, around=9)
 
 
 @pytest.fixture(scope="session")
-def perfect_modes() -> Modes:
+def perfect_modes() -> cf.Modes:
     """First 40 modes of the reference frustum by the two-dimensional shell on the default mesh."""
-    return modes(reference_frustum(), 40, method="shell")
+    return cf.modes(reference_frustum(), 40, method="shell")
 
 
 @pytest.fixture(scope="session")
-def split_modes() -> Modes:
+def split_modes() -> cf.Modes:
     """First 40 modes with cos 8 theta, 0.2 % of the radius."""
-    return modes(reference_frustum(radius_defect=FourierField.of({8: 0.002})), 40)
+    return cf.modes(reference_frustum(radius_defect=cf.FourierField.of({8: 0.002})), 40)
 
 
 @pytest.fixture

@@ -16,22 +16,13 @@ from scipy.sparse import csc_array
 
 import casingfem as cf
 import contact as ct
-from casingfem.experiment.circle import ScanRecord, demodulate
 from casingfem.experiment.circle.record import turning
-from casingfem.experiment.identify.identified import Identified
 from casingfem.modal.harmonics import Rings
-from casingfem.modal.mistuning import Mistuning, Pair
+from casingfem.modal.mistuning import Pair
 from casingfem.plot.results import PICTURES
-from casingfem.structure.imported.grid import grid_mesh
-from casingfem.updating.uncertainty.posterior import Laplace
-from casingfem.updating.uncertainty.prediction import LeftOut, Prediction
-from casingfem.updating.uncertainty.sampling import PosteriorSamples
-from contact.cycles.basins import Attractor, Basins
-from contact.cycles.result import Branch, Cycles, Special
-from contact.cycles.shooting import Orbit
+from casingfem.updating.uncertainty.prediction import Prediction
 from contact.io.reported import Reported
 from contact.io.stored import StoredError, load_value, read_only, save_value
-from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.record.wear import Wear
 from contact.sweep.plan import load_sweep
 from contact.sweep.sweep import run_sweep
@@ -62,7 +53,7 @@ def strip(**changes):
 
 
 def solid():
-    beam = grid_mesh(
+    beam = cf.imported.grid_mesh(
         "hexahedron20", (3, 1, 1), lambda u: u * [1.0, 0.1, 0.1], groups={"root": (0, 0.0), "tip": (0, 1.0)}
     )
     return cf.Solid(mesh=beam, material=STEEL, supports={"root": cf.Clamped()})
@@ -107,24 +98,24 @@ def estimated():
 def scanned():
     theta = turning(3.0, 2000.0, 8000)
     seen = np.cos(5 * (theta - 0.1)) * np.cos(2.0 * np.pi * 401.7 * np.arange(8000) / 2000.0)
-    return demodulate(ScanRecord(fs=2000.0, velocity=seen, angle=theta, tones=(401.7,)), 6)
+    return cf.circle.demodulate(cf.circle.ScanRecord(fs=2000.0, velocity=seen, angle=theta, tones=(401.7,)), 6)
 
 
 def mistuned():
     rows = [Pair(draw, 8, 1, 370.0 + draw, 1e-3 * draw, 10.0) for draw in range(1, 6)]
-    return Mistuning.of(rows, [Pair(0, 8, 1, 371.0, 0.0, np.nan)])
+    return cf.modal.Mistuning.of(rows, [Pair(0, 8, 1, 371.0, 0.0, np.nan)])
 
 
 def sampled():
     samples = np.random.default_rng(3).normal(size=(200, 2))
-    return PosteriorSamples(
+    return cf.updating.PosteriorSamples(
         names=("shell.thickness", "support.base.k_face"), log=(False, True), samples=samples,
         gauss_newton=np.ones(2), acceptance=0.4, autocorrelation=20.0, gap=0.01,
     )  # fmt: skip
 
 
 def orbit(value, size):
-    return Orbit(
+    return ct.cycles.Orbit(
         name="freq_hz", value=value, period=1.0 / value, periods=1, start=0.0, x=np.array([size, 0.0]),
         multipliers=np.array([0.5 + 0.1j, 0.5 - 0.1j]), amplitude={"tip": size}, gap=np.array([0.0]),
         force=np.array([1.0]), closings=(1,), rests=(0,), touching=(), M=np.eye(2), iterations=3,
@@ -133,13 +124,13 @@ def orbit(value, size):
 
 def orbits():
     points = tuple(orbit(value, 0.1 * value) for value in (1.0, 1.1, 1.2))
-    fold = Special(kind="fold", orbit=points[2], before=points[1])
-    return Cycles(name="freq_hz", branches=(Branch(points=points, specials=(fold,)),), seconds=0.1)
+    fold = ct.cycles.Special(kind="fold", orbit=points[2], before=points[1])
+    return ct.cycles.Cycles(name="freq_hz", branches=(ct.cycles.Branch(points=points, specials=(fold,)),), seconds=0.1)
 
 
 def basins():
-    motion = Attractor(states=np.ones((1, 2)), amplitude={"tip": 0.1}, share=1.0)
-    return Basins(name="freq_hz", value=1.0, attractors=(motion,), starts=np.zeros((3, 2)), reached=(0, 0, 0))
+    motion = ct.cycles.Attractor(states=np.ones((1, 2)), amplitude={"tip": 0.1}, share=1.0)
+    return ct.cycles.Basins(name="freq_hz", value=1.0, attractors=(motion,), starts=np.zeros((3, 2)), reached=(0, 0, 0))
 
 
 def worn():
@@ -152,10 +143,11 @@ def worn():
 
 
 def interacting():
-    pair = HandPair(
-        casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+    pair = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+        blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
         compliance=1e-4,
-    )  # fmt: skip
+    )
     return ct.interactions(pair, np.linspace(50.0, 55.0, 11))
 
 
@@ -186,7 +178,7 @@ KINDS = {
     "deflection": lambda: cf.solve_static(strip(), [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 10.0))]),
     "deflection of a mesh": lambda: cf.solve_static(solid(), [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 10.0))]),
     "frequency table": lambda: cf.FrequencyTable.from_arrays(freq_hz=[367.9, 368.4], sigma_hz=0.2, n=[8, 8]),
-    "identified": lambda: Identified.load(DATA / "experiments" / "bench.npz"),
+    "identified": lambda: cf.Identified.load(DATA / "experiments" / "bench.npz"),
     "responses of records": estimated,
     "correlation": correlated,
     "circle scan": scanned,
@@ -194,9 +186,12 @@ KINDS = {
     "identifiability": lambda: updated().identifiability,
     "pairing": lambda: correlated().pairing,
     "samples": sampled,
-    "left out": lambda: LeftOut(rows=(Prediction(mode=1, n=8, measured_hz=371.0, predicted_hz=372.0, sigma_hz=0.5),)),
-    "Laplace": lambda: Laplace(names=("material.E",), log=(False,), covariance=np.eye(1), gauss_newton=np.ones(1),
-                               bend=np.zeros(1)),
+    "left out": lambda: cf.updating.LeftOut(
+        rows=(Prediction(mode=1, n=8, measured_hz=371.0, predicted_hz=372.0, sigma_hz=0.5),)
+    ),
+    "Laplace": lambda: cf.updating.Laplace(
+        names=("material.E",), log=(False,), covariance=np.eye(1), gauss_newton=np.ones(1), bend=np.zeros(1)
+    ),
     "run": run,
     "stability": lambda: interacting().peaks.map,
     "peaks of growth": lambda: interacting().peaks,
@@ -204,7 +199,7 @@ KINDS = {
     "cycles": orbits,
     "basins": basins,
     "wear": worn,
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module", params=[*KINDS, "sweep"])

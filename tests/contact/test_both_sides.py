@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.cycles.driven import DrivenBody
 from contact.model.gaps.gap import require_term
-from contact.model.gaps.permanent import HandPair, ModalPair
-from contact.model.gaps.rub_laws import Closing, Whirl
 from contact.model.law import MOST_BARS
 from contact.reference.exact import bouncing_bar, driven_orbit, stopped_period
 from contact.reference.waves import impact_by_characteristics
@@ -92,13 +89,16 @@ def orbit(**changes):
 def driven(S, stiffness=math.inf, **changes):
     two = body(channels=("x", "y"), rows=[[1.0], [0.5]], S=S)
     patch = ct.Patch(body=two, normal=("x", "y"), clearance=0.1)
-    return DrivenBody(patch=patch, channel="x", amplitude=0.1, **{"stiffness": stiffness} | changes)
+    return ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.1, **{"stiffness": stiffness} | changes)
 
 
 def pair(n=2, of_blade=0, lean_deg=0.0):
-    casing = ModalPair(n=n, freq_hz=300.0, modal_mass=1.5)
-    return HandPair(
-        casing=casing, blade=ModalPair(n=of_blade, freq_hz=120.0, modal_mass=0.4), compliance=1e-4, lean_deg=lean_deg
+    casing = ct.gaps.ModalPair(n=n, freq_hz=300.0, modal_mass=1.5)
+    return ct.gaps.HandPair(
+        casing=casing,
+        blade=ct.gaps.ModalPair(n=of_blade, freq_hz=120.0, modal_mass=0.4),
+        compliance=1e-4,
+        lean_deg=lean_deg,
     )
 
 
@@ -145,17 +145,34 @@ BOUNDS = {
     "modal.rod": (lambda k: modal(mass(), rod(damping=(0.0, 0.1)[k])), "damping: found viscous damping of a body"),
     "modal.force": (lambda k: modal(mass(force=(0.0, 0.1)[k]), rod()), "force: found a varying force, expected none"),
     "modal.fixed": (
-        lambda k: modal(mass(), rod(fixed=("right", "left")[k])), "fixed: found 'left' on the rod's contact end",
+        lambda k: modal(mass(), rod(fixed=("right", "left")[k])),
+        "fixed: found 'left' on the rod's contact end",
     ),
-    "closing": (lambda k: Closing.exponential(1e-4, (1e-3, 0.0)[k]), r"time_constant: found 0\.0, expected seconds"),
-    "closing.inf": (lambda k: Closing.exponential(1e-4, (1e3, math.inf)[k]), "time_constant: found inf"),
-    "closing.sizes": (lambda k: Closing([0.0, 1.0], ([0.0, 1.0], [0.0])[k]), "closing: found .2,. places and .1,."),
-    "closing.order": (lambda k: Closing([0.0, (0.1, 0.0)[k]], [0.0, 1.0]), "closing: found 0 after 0, expected asc"),
-    "closing.nan": (lambda k: Closing([0.0, 1.0], [0.0, (1.0, math.nan)[k]]), "closing: found values that are NaN"),
-    "whirl": (lambda k: Whirl(amplitude=(0.0, -1e-9)[k]), "amplitude: found -1e-09, expected a finite number >= 0"),
+    "closing": (
+        lambda k: ct.gaps.Closing.exponential(1e-4, (1e-3, 0.0)[k]),
+        r"time_constant: found 0\.0, expected seconds",
+    ),
+    "closing.inf": (lambda k: ct.gaps.Closing.exponential(1e-4, (1e3, math.inf)[k]), "time_constant: found inf"),
+    "closing.sizes": (
+        lambda k: ct.gaps.Closing([0.0, 1.0], ([0.0, 1.0], [0.0])[k]),
+        "closing: found .2,. places and .1,.",
+    ),
+    "closing.order": (
+        lambda k: ct.gaps.Closing([0.0, (0.1, 0.0)[k]], [0.0, 1.0]),
+        "closing: found 0 after 0, expected asc",
+    ),
+    "closing.nan": (
+        lambda k: ct.gaps.Closing([0.0, 1.0], [0.0, (1.0, math.nan)[k]]),
+        "closing: found values that are NaN",
+    ),
+    "whirl": (
+        lambda k: ct.gaps.Whirl(amplitude=(0.0, -1e-9)[k]),
+        "amplitude: found -1e-09, expected a finite number >= 0",
+    ),
     "profile": (lambda k: ct.RimProfile((), [0.0, 1.0, 2.0], ([0.0] * 3, None)[k]), "found one of theta and depth"),
     "profile.few": (
-        lambda k: ct.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)), "found 2 angles over 1 rad, expected th"
+        lambda k: ct.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)),
+        "found 2 angles over 1 rad, expected th",
     ),
     "profile.turn": (lambda k: ct.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3), "found 3 angles over 6.29"),
     "stop": (lambda k: stopped_period(1.0, (-1.0, -1.01)[k], 1.0), "gap: found -1.01 m with amplitude 1 m"),
@@ -168,26 +185,31 @@ BOUNDS = {
     "courant.rods": (lambda k: linear(mass(), (rod(), ct.Wall())[k], courant=0.5), "courant: found a scene without"),
     "courant.rigid": (lambda k: modal(mass(), (rod(), ct.Wall())[k]), "dt: found none with rigid bodies only"),
     "energy.zeta": (
-        lambda k: gap(lambda: ct.ExactModal(law="energy"), 0.1, zeta=[(0.0, 1e-9)[k]]), "'energy' with damped modes"
+        lambda k: gap(lambda: ct.ExactModal(law="energy"), 0.1, zeta=[(0.0, 1e-9)[k]]),
+        "'energy' with damped modes",
     ),
     "slow": (
         lambda k: gap(lambda: ct.ExactModal(law="forward"), (1.25, 1.2501)[k], t_end=3.0),
         r"dt = 2.5002, .*take dt <= 1.249 s",
     ),
     "linear": (
-        lambda k: gap((ct.ExactModal, ct.MoreauJean)[k], 0.01), "scheme: found MoreauJean for PointGap, expected Exact"
+        lambda k: gap((ct.ExactModal, ct.MoreauJean)[k], 0.01),
+        "scheme: found MoreauJean for PointGap, expected Exact",
     ),
     "cycles.coupled": (
-        lambda k: driven([[1e-3, (0.0, 1e-12)[k]], [(0.0, 1e-12)[k], 0.0]]), "S: found a contact without compliance"
+        lambda k: driven([[1e-3, (0.0, 1e-12)[k]], [(0.0, 1e-12)[k], 0.0]]),
+        "S: found a contact without compliance",
     ),
     "cycles.depend": (
-        lambda k: driven([[1e-3, 1e-3], [1e-3, 1e-3 * (1.01, 1.0)[k]]]), "S: found contacts whose compliances depend"
+        lambda k: driven([[1e-3, 1e-3], [1e-3, 1e-3 * (1.01, 1.0)[k]]]),
+        "S: found contacts whose compliances depend",
     ),
     "cycles.stiffness": (lambda k: driven(np.eye(2), (1e-9, 0.0)[k]), "stiffness: found 0 N/m, expected > 0"),
     "cycles.above": (lambda k: driven(np.eye(2), restitution=(1.0, 1.01)[k]), "restitution: found .* expected 0 to 1"),
     "cycles.below": (lambda k: driven(np.eye(2), restitution=(0.0, -0.01)[k]), "restitution: found .* expected 0 to 1"),
     "cycles.looks": (
-        lambda k: driven(np.eye(2)).over("freq_hz", freq_hz=1.0, looks=(8, 7)[k]), "looks: found 7, expected a whole"
+        lambda k: driven(np.eye(2)).over("freq_hz", freq_hz=1.0, looks=(8, 7)[k]),
+        "looks: found 7, expected a whole",
     ),
     "pair.n": (lambda k: pair(n=(1, 0)[k]), "casing.n: found 0, expected at least 1"),
     "pair.blade": (lambda k: pair(of_blade=(0, 1)[k]), "blade.n: found 1, expected 0"),
@@ -210,7 +232,8 @@ BOUNDS = {
         r"radius: found 0.492188 m, expected between 0\.492188 and 0\.507812 m for the tip to meet it",
     ),
     "beam.centred": (
-        lambda k: beam(radius=0.505, offset=(0.01, 0.0)[k]).first_contact_angle, r"expected between 0\.5 and 0\.5 m for"
+        lambda k: beam(radius=0.505, offset=(0.01, 0.0)[k]).first_contact_angle,
+        r"expected between 0\.5 and 0\.5 m for",
     ),
     "beam.neither": (lambda k: beam_step(beam(), (1e-6, None)[k], None), "dt: found both or neither of dt and courant"),
     "beam.both": (lambda k: beam_step(beam(), (None, 1e-6)[k], 0.5), "dt: found both or neither of dt and courant"),
@@ -224,28 +247,32 @@ BOUNDS = {
         r"law: found Coulomb\(mu=0\.1\), expected Unilateral\(\) for a beam in a circle$",
     ),
     "elements.waves": (
-        lambda k: rim_elements(4, (4, 5)[k]), "elements: found 4 for n_max = 5, expected at least n_max, and 3$",
+        lambda k: rim_elements(4, (4, 5)[k]),
+        "elements: found 4 for n_max = 5, expected at least n_max, and 3$",
     ),
     "elements.few": (lambda k: rim_elements((3, 2)[k], 1), "elements: found 2 for n_max = 1, expected at least n_max"),
     "linear.skew": (
-        lambda k: linear_body(skew=(1.9e-9, 2.2e-9)[k]), "K: found an asymmetry of 1.1e-09 of the largest entry, expect"
+        lambda k: linear_body(skew=(1.9e-9, 2.2e-9)[k]),
+        "K: found an asymmetry of 1.1e-09 of the largest entry, expect",
     ),
     "linear.gap": (
-        lambda k: linear_body(gap=-(0.9e-12, 1.1e-12)[k]), "gap0: contact 1 penetrates by 1.1e-12 m at t = 0, expected"
+        lambda k: linear_body(gap=-(0.9e-12, 1.1e-12)[k]),
+        "gap0: contact 1 penetrates by 1.1e-12 m at t = 0, expected",
     ),
     "linear.rows": (
-        lambda k: linear_body(row=(-1.0, -math.inf)[k]), "Q: found entries that are NaN or infinite, expected finite"
+        lambda k: linear_body(row=(-1.0, -math.inf)[k]),
+        "Q: found entries that are NaN or infinite, expected finite",
     ),
     "patch.none": (lambda k: patch(("x",)[k:]), "normal: found no channel, expected one for each contact$"),
-    "patch.few": (
-        lambda k: patch(tangent=(("y",), ("x",))[k:]), "tangent: found 1 entries of 1 channels, exp"
-    ),
+    "patch.few": (lambda k: patch(tangent=(("y",), ("x",))[k:]), "tangent: found 1 entries of 1 channels, exp"),
     "patch.no_each": (lambda k: patch(tangent=(("y",)[k:],) * 2), "found 2 entries of 0, 0 channels, exp"),
     "patch.three_each": (
-        lambda k: patch(tangent=(("y", "x") + ("x",) * k,) * 2), "tangent: found 2 entries of 3, 3 channels, exp"
+        lambda k: patch(tangent=(("y", "x") + ("x",) * k,) * 2),
+        "tangent: found 2 entries of 3, 3 channels, exp",
     ),
     "patch.mixed": (
-        lambda k: patch(tangent=(("y",), (("x",), ("x", "y"))[k])), "tangent: found 2 entries of 1, 2 channels, exp"
+        lambda k: patch(tangent=(("y",), (("x",), ("x", "y"))[k])),
+        "tangent: found 2 entries of 1, 2 channels, exp",
     ),
     "bars": (
         lambda k: replace(COATING, bars=MOST_BARS + k),
@@ -266,7 +293,8 @@ BOUNDS = {
         "law: found 'midpoint', expected one of 'auto', 'forward', 'averaged', 'energy'$",
     ),
     "modal.dt": (
-        lambda k: one_gap(dt=(None, 0.1)[k], courant=0.1), "dt: found both dt and courant, expected one of them$",
+        lambda k: one_gap(dt=(None, 0.1)[k], courant=0.1),
+        "dt: found both dt and courant, expected one of them$",
     ),
     "modal.friction": (
         lambda k: one_gap(ct.Coulomb(mu=(0.0, 1e-9)[k])),
@@ -276,7 +304,7 @@ BOUNDS = {
         lambda k: prepared(ct.ExactModal(law=("forward", "energy")[k]), ct.Rub(rim3(), (nodes(1),), tips(1)), dt=1e-5),
         "law: found 'energy' on a turning rim, expected 'auto', 'forward' or 'averaged'$",
     ),
-}  # fmt: skip
+}
 
 
 SLOW = {"coulomb.W"}  # compiles the solver

@@ -7,7 +7,6 @@ import pytest
 
 import contact as ct
 from contact.diverged import theory_of
-from contact.model.gaps.permanent import rim_contact
 from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 
@@ -118,7 +117,7 @@ def test_theory_of_split_pairs_is_their_means():
     assert rate == pytest.approx(315.5, rel=0.01)  # Floquet's theory of the split casing, 315.555
     assert words.startswith("By theory (its pairs' mean)")
     with pytest.raises(ct.InputError, match="turn into themselves"):
-        rim_contact(split, mu=0.3)
+        ct.gaps.rim_contact(split, mu=0.3)
 
 
 @pytest.mark.parametrize(

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.permanent import HandPair, ModalPair
 from tests.contact.cycles.bodies import random_body
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
 BELOW, ABOVE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
-PAIR = ModalPair(n=8, freq_hz=300.0, modal_mass=1.5)
-ONE = ModalPair(freq_hz=120.0, modal_mass=0.4)
+PAIR = ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5)
+ONE = ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4)
 BODY = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.0, 0.0], channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2)))
 ROD = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0)
 RING = ct.bodies.ThinRing(radius=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0)
@@ -58,7 +57,7 @@ TAKEN_REFUSED = {
     "times of a speed": (lambda x: ct.Speed(time=[0.0, x], hz=[1.0, 2.0]), 1e-9, 0.0),
     "time of a closing": (lambda x: ct.gaps.Closing.exponential(1e-5, x), 1e-9, 0.0),
     "mistuning": (lambda x: disk(mistuning=np.r_[x, np.zeros(4)]), -BELOW, -1.0),
-    "diameters of a pair": (lambda x: HandPair(casing=replace(PAIR, n=x), blade=ONE, compliance=1e-4), 1, 0),
+    "diameters of a pair": (lambda x: ct.gaps.HandPair(casing=replace(PAIR, n=x), blade=ONE, compliance=1e-4), 1, 0),
     "damping of a pair": (lambda x: replace(PAIR, zeta=x), BELOW, 1.0),
     "least damping of a pair": (lambda x: replace(PAIR, zeta=x), 0.0, -1e-9),
     "steps of a sample": (lambda x: ct.Record(every=x), 1, 0),
@@ -86,12 +85,12 @@ TAKEN_REFUSED = {
     "restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 1.0, ABOVE),
     "least restitution of a stop": (lambda x: random_body(1, 1, restitution=x), 0.0, -1e-9),
     "speeds": (
-        lambda x: ct.stability.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
+        lambda x: ct.stability.peaks(ct.gaps.HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [x, 60.0]),
         1e-3,
         0.0,
     ),
     "order of speeds": (
-        lambda x: ct.stability.peaks(HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [50.0, x]),
+        lambda x: ct.stability.peaks(ct.gaps.HandPair(casing=PAIR, blade=ONE, compliance=1e-4), [50.0, x]),
         50.1,
         50.0,
     ),

@@ -11,21 +11,18 @@ import pytest
 import contact as ct
 from contact.collect import _intervals
 from contact.diverged import AT_ONCE, IN_REALITY, SHORT, divergence, theory_of
-from contact.model.gaps.permanent import rim_contact
 from contact.model.gaps.rub import rub_of
 from contact.prepared import prepared
 from contact.problem import default_scheme, problem_of
-from contact.record.energy import EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
-from contact.record.record import NO_STEPS, Record, samples
-from contact.result import Result
+from contact.record.record import NO_STEPS, samples
 from contact.stability.closed_contact import growth
 from tests.contact.synthetic_rim import blade, ring
 
 RUN = importlib.import_module("contact.run")
-ENERGY = EnergyBudget(
-    start=Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
-    end=Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
+ENERGY = ct.record.EnergyBudget(
+    start=ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
+    end=ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
     contact=0.0, rotation=3.0, friction=0.0, damping=0.0,
 )  # fmt: skip
 TIME = 0.01 * np.arange(320)
@@ -36,7 +33,7 @@ def result(force=RISING, steps=600, **changes):
     """Two contacts that bear a force, the first more of it."""
     force = np.stack([0.75 * force, 0.25 * force], axis=1)
     none = np.zeros(2)
-    return Result(
+    return ct.Result(
         time=TIME[: len(force)], force=force, gap=force, impulse_history=force, impulse=none, peak_force=none,
         max_penetration=none, residual=none, contact_steps=none, reversals=none, state_time=np.zeros(0),
         state=np.zeros((0, 12)), intervals=((), ()), energy=ENERGY, motions=(), blocks=(), steps=steps, dt=0.005,
@@ -109,7 +106,7 @@ def test_a_limit_passed_at_once_is_put_down_to_the_numbers_given(name, steps, ex
 def test_theory_says_what_the_closed_contact_does_at_the_speed_of_that_instant(hz):
     rim = ct.RotatingRim(ring(), blade(), clearance=0.0, speed_hz=hz, lean_deg=10.0)
     ramp = replace(rub_of(rim), speed=ct.Speed(time=[0.0, 2.0], hz=[0.0, 2.0 * hz]))
-    expected = growth(rim_contact(rim, mu=0.05), np.array([hz]))[0]
+    expected = growth(ct.gaps.rim_contact(rim, mu=0.05), np.array([hz]))[0]
     for what, time in ((rim, 7.0), (ramp, 1.0)):
         rate, words = theory_of(what, 0.05, time)
         assert rate == pytest.approx(expected, rel=1e-9, abs=1e-9)
@@ -140,7 +137,7 @@ def test_a_run_is_cut_at_chunks_and_where_the_energy_is_looked_at(monkeypatch):
     monkeypatch.setattr(RUN, "CHUNK", 4)
     monkeypatch.setattr(RUN, "LEDGER", 10)
     stepper = Counter()
-    chunks = list(RUN.steps(stepper, 23, record=Record(at=[0.0, 0.4, 0.9, 2.2])))
+    chunks = list(RUN.steps(stepper, 23, record=ct.Record(at=[0.0, 0.4, 0.9, 2.2])))
     cuts = [(0, 4), (4, 4), (8, 2), (10, 4), (14, 4), (18, 2), (20, 3)]
     assert [call[:2] for call in stepper.calls] == cuts
     assert [call[2] for call in stepper.calls] == [[0], [4], [9], [], [], [], [22]]
@@ -151,7 +148,7 @@ def test_a_run_is_cut_at_chunks_and_where_the_energy_is_looked_at(monkeypatch):
 
 def test_a_run_ends_at_the_step_that_failed(monkeypatch):
     monkeypatch.setattr(RUN, "CHUNK", 5)
-    chunks = list(RUN.steps(Counter(fails=7), 20, record=Record(every=1, state_every=1)))
+    chunks = list(RUN.steps(Counter(fails=7), 20, record=ct.Record(every=1, state_every=1)))
     assert [(chunk.steps, chunk.failed, chunk.done) for chunk in chunks] == [(5, -1, 0.25), (2, 7, 0.35)]
     part = chunks[0].samples
     assert [len(values) for values in (part.time, part.force, part.gap, part.impulse)] == [2] * 4
@@ -160,16 +157,16 @@ def test_a_run_ends_at_the_step_that_failed(monkeypatch):
 
 
 def test_buffers_hold_what_the_steps_can_produce():
-    found = samples(Record(every=4, state_every=8), 20, 3, 5)
+    found = samples(ct.Record(every=4, state_every=8), 20, 3, 5)
     assert (found.every, found.state_every, len(found.time), found.force.shape) == (4, 8, 6, (6, 3))
     assert (found.gap.shape, found.impulse.shape, found.state_time.shape) == ((6, 3), (6, 3), (3,))
     assert (found.state.shape, found.rows.shape, found.event_time.size) == ((3, 5), (0, 5), 120)
-    assert samples(Record(every=4), 20, 3, 5).state.shape == (0, 5)
+    assert samples(ct.Record(every=4), 20, 3, 5).state.shape == (0, 5)
     at = np.array([3, 7, 9])
-    found = samples(Record(at=[0.1], channels=np.ones((2, 5))), 20, 3, 5, at)
+    found = samples(ct.Record(at=[0.1], channels=np.ones((2, 5))), 20, 3, 5, at)
     assert (found.every, len(found.time), found.state.shape, found.at.tolist()) == (0, 3, (3, 2), [3, 7, 9])
     assert found.rows.shape == (2, 5)
-    assert samples(Record(), 3, 1, 1).at is NO_STEPS
+    assert samples(ct.Record(), 3, 1, 1).at is NO_STEPS
 
 
 def test_what_is_to_run_takes_gravity_where_it_has_bodies():
@@ -221,4 +218,4 @@ def test_what_a_run_is_prepared_with_belongs_to_its_step_and_law():
     assert ready.load_step == pytest.approx(1e-4 * 3.0**2 * 2.0, rel=1e-12)  # h^2 f^T M^-1 f
     assert (ready.record.every, ready.overlap) == (1, 0.0)
     with pytest.raises(ct.InputError, match=r"at: found 0\.4 s, expected at most 0\.3 s"):
-        prepared(ct.Scene(what=bodies, t_end=0.3, dt=0.01, record=Record(at=[0.4])))
+        prepared(ct.Scene(what=bodies, t_end=0.3, dt=0.01, record=ct.Record(at=[0.4])))

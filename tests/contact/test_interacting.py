@@ -10,14 +10,13 @@ import contact as ct
 from contact.interacting import COLUMNS, Interactions
 from contact.io.columns import table_lines
 from contact.model.gaps.bladed_disk import pair_rim
-from contact.model.gaps.permanent import HandPair, ModalPair
 from contact.speed_runs import LONGER, SpeedRun, at_speed
 from contact.stability.coincidence import loaded
 from tests.contact.synthetic_rim import blade, ring
 
-PAIR = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
-    blade=ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=2e-4), compliance=1e-4,
+PAIR = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=2e-4),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=2e-4), compliance=1e-4,
 )  # fmt: skip
 SPEEDS = np.linspace(45.0, 60.0, 61)
 
@@ -117,7 +116,7 @@ def test_the_table_and_a_run_beside_it_agree_at_each_row():
 @pytest.mark.slow
 def test_several_tips_have_rows_of_the_disks_n():
     disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
-    casing = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    casing = pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     kick = ct.gaps.Start(velocity=np.array([1e-2, 0.0]))
     rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-3, casing_start=kick)
     scene = ct.Scene(what=rub, t_end=0.2, dt=1e-4)

@@ -8,14 +8,11 @@ import pytest
 
 import contact as ct
 from contact import histories as film
-from contact.base.errors import InputError
 from contact.histories import force_table, strain_energy, tip_motion
-from contact.record.energy import EnergyBudget, Stored
 from contact.recovery import at_points, rub_forces
-from contact.result import Result
 from tests.contact.synthetic_rub import N_MAX, SIZE, nodes, rim3
 
-STILL = Stored(kinetic=0.0, strain=0.0, potential=0.0, residual=0.0, discrete=0.0)
+STILL = ct.record.Stored(kinetic=0.0, strain=0.0, potential=0.0, residual=0.0, discrete=0.0)
 TIPS = tuple(
     ct.ContactPoint(
         blade=blade, line=line, span=f"node{k}.span", flap=f"node{k}.flap", axial=f"node{k}.chord", angle_deg=angle,
@@ -31,15 +28,32 @@ STATES = 6
 RNG = np.random.default_rng(4)
 TIME = 0.01 * np.arange(11)
 DRAWN = RNG.standard_normal((STATES, 10 + 3 + 3 + 9))
-RESULT = Result(
-    time=TIME, force=RNG.random((11, 3)), gap=RNG.standard_normal((11, 3)),
-    impulse_history=np.cumsum(0.01 * RNG.random((11, 3)), axis=0), impulse=np.ones(3), peak_force=np.ones(3),
-    max_penetration=np.zeros(3), residual=np.zeros(3), contact_steps=np.ones(3), reversals=np.zeros(3),
-    state_time=TIME[::2], state=DRAWN[:, :16], tip_force=DRAWN[:, 16:], intervals=((), (), ()),
-    energy=EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0), motions=(),
-    blocks=(("casing", 0, 10), ("blade 1", 10, 13), ("blade 2", 13, 16)), steps=11, dt=0.01,
-    window=0.05, seconds=0.1, scheme="made up", source={}, channels=np.zeros((0, 25)),
-)  # fmt: skip
+RESULT = ct.Result(
+    time=TIME,
+    force=RNG.random((11, 3)),
+    gap=RNG.standard_normal((11, 3)),
+    impulse_history=np.cumsum(0.01 * RNG.random((11, 3)), axis=0),
+    impulse=np.ones(3),
+    peak_force=np.ones(3),
+    max_penetration=np.zeros(3),
+    residual=np.zeros(3),
+    contact_steps=np.ones(3),
+    reversals=np.zeros(3),
+    state_time=TIME[::2],
+    state=DRAWN[:, :16],
+    tip_force=DRAWN[:, 16:],
+    intervals=((), (), ()),
+    energy=ct.record.EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0),
+    motions=(),
+    blocks=(("casing", 0, 10), ("blade 1", 10, 13), ("blade 2", 13, 16)),
+    steps=11,
+    dt=0.01,
+    window=0.05,
+    seconds=0.1,
+    scheme="made up",
+    source={},
+    channels=np.zeros((0, 25)),
+)
 FORCES = RESULT.tip_force.reshape(STATES, 3, 3)
 PHI = np.radians([25.0, 130.0, 200.0]) - 2.0 * math.pi * 7.0 * TIME[::2, None]  # (states, tips)
 ROUND = np.array([[math.cos(n * a) for n in range(6)] + [math.sin(n * a) for n in range(1, 6)] for a in PHI.ravel()])
@@ -71,16 +85,16 @@ def test_forces_on_a_blade_push_against_its_normal(name, channels, own):
 
 
 def test_names_without_forces_and_results_without_states_are_refused():
-    with pytest.raises(InputError, match="found 'blade 3', expected one of casing, blade 1, blade 2"):
+    with pytest.raises(ct.InputError, match="found 'blade 3', expected one of casing, blade 1, blade 2"):
         rub_forces(RUB, RESULT, "blade 3")
     bare = replace(RESULT, state=RESULT.state[:0], tip_force=RESULT.tip_force[:0], state_time=TIME[:0])
-    with pytest.raises(InputError, match="state: found none stored, expected a record with state_every or at"):
+    with pytest.raises(ct.InputError, match="state: found none stored, expected a record with state_every or at"):
         rub_forces(RUB, bare, "casing")
 
 
 def test_points_move_by_their_modes_and_their_own_compliance():
     body, q, forces = nodes(1), np.array([[1.0, -2.0, 3.0]]), np.array([[10.0, 20.0, -5.0]])
-    with pytest.raises(InputError, match="recovery: found none in this basis"):
+    with pytest.raises(ct.InputError, match="recovery: found none in this basis"):
         at_points(body, q, forces)
     rows = np.array([[1.0, 2.0, 3.0], [0.0, 1.0, -1.0]])
     kept = replace(body, recovery=rows)

@@ -11,13 +11,12 @@ import contact as ct
 from contact.diverged import _fed_words, _limit_words
 from contact.ended import ADDED
 from contact.prepared import prepared
-from contact.record.energy import EnergyBudget, Stored
 from contact.resolved import MOST_STEPS, count_of
 
 RUN = importlib.import_module("contact.run")
 ENDED = importlib.import_module("contact.ended")
-STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
-CALM = EnergyBudget(start=STILL, end=STILL, contact=0.5, rotation=0.25, friction=0.0, damping=0.0)
+STILL = ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
+CALM = ct.record.EnergyBudget(start=STILL, end=STILL, contact=0.5, rotation=0.25, friction=0.0, damping=0.0)
 
 
 def later(added, **changes):

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import casingfem as cf
 import contact as ct
-from contact.base.errors import InputError
+from casingfem.cli import main
 
 TITANIUM = cf.Material(E=114e9, nu=0.34, rho=4430.0)
 LINE, EDGE = 0.58, 0.54  # radii [m] of the wall at z = 0.15 m and at the top
@@ -69,9 +70,9 @@ def test_a_basis_with_one_radius_for_all_lines_still_reads(track, tip):
 
 
 def test_walls_of_lines_fit_the_lines(track):
-    with pytest.raises(InputError, match=r"line_thickness: found shape \(2,\), expected \(1,\)"):
+    with pytest.raises(ct.InputError, match=r"line_thickness: found shape \(2,\), expected \(1,\)"):
         ct.ModalBody.of(Changed(track, line_thickness=np.array([1e-3, 1e-3])))
-    with pytest.raises(InputError, match=r"line_thickness: found 0\.0, expected a finite number > 0"):
+    with pytest.raises(ct.InputError, match=r"line_thickness: found 0\.0, expected a finite number > 0"):
         ct.ModalBody.of(Changed(track, line_thickness=np.zeros(1)))
 
 
@@ -100,13 +101,24 @@ thickness = 3.5e-3
 kind = "clamped"
 [reduce]
 lines = [{at}]
+n_max = 5
+modes = 10
+zeta = 0.01
+[mesh]
+order = 4
+rows = 2
+around = 13
 """
 
 
+@pytest.mark.slow
 def test_lines_alone_name_an_interface_of_a_study(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(STUDY.format(at=0.15))
-    assert cf.study.load_study(file).interface == cf.Rim(n_max=40, lines=(0.15,))
+    done = CliRunner().invoke(main, ["reduce", str(file), "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert ct.ModalBody.load(next(tmp_path.glob("*.npz"))).line_radius(0) == pytest.approx(LINE, rel=1e-12)
     file.write_text(STUDY.format(at=0.35))
-    with pytest.raises(ValueError, match=r"reduce: lines: found 0\.35 m, expected places from 0 to 0\.3 m"):
-        cf.study.load_study(file)
+    refused = CliRunner().invoke(main, ["reduce", str(file), "--out", str(tmp_path)])
+    assert refused.exit_code == 2
+    assert "reduce: lines: found 0.35 m, expected places from 0 to 0.3 m" in " ".join(refused.output.split())

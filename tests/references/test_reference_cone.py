@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from casingfem.structure.mesh.shell_mesh import ShellMesh
+import casingfem as cf
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from reports.verification.cone import cone, elastic_factors, errors
 
@@ -54,7 +54,7 @@ def test_of_narrow_cones_too_few_rows_are_farther_off(found):
 def test_refining_the_mesh_changes_nothing(reference):
     table = reference("cone_love_ritz_irie_set.csv")
     rows = table[(table.n == 4) & (table.alpha_deg == 45)]
-    fine = ShellMesh(order=12, rows=(0.0, 0.01, 0.04, 0.2, 0.5, 0.8, 0.96, 0.99, 1.0), around=1)
+    fine = cf.ShellMesh(order=12, rows=(0.0, 0.01, 0.04, 0.2, 0.5, 0.8, 0.96, 0.99, 1.0), around=1)
     np.testing.assert_allclose(errors(rows, fine).error, errors(rows).error, atol=1e-5)
 
 

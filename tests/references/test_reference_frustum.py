@@ -6,16 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import casingfem as cf
 from casingfem.modal.fourier import lowest
-from casingfem.modal.modes import count_below, modes
-from casingfem.structure.mesh.shell_mesh import ShellMesh
+from casingfem.modal.modes import count_below
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
-from casingfem.structure.shell.shell import Shell
 
 BRANCHES = (1, 2, 3)
 
 
-def three_branches(shell: Shell, harmonics: range) -> Iterator[np.ndarray]:
+def three_branches(shell: cf.Shell, harmonics: range) -> Iterator[np.ndarray]:
     """Lowest three frequencies [Hz] of each harmonic."""
     for n in harmonics:
         yield np.sqrt(lowest(harmonic_matrices(shell, n), 3, 1e4)[0]) / (2 * np.pi)
@@ -28,7 +27,7 @@ def table(reference):
 
 @pytest.fixture(scope="module")
 def fourier_modes(frustum):
-    return modes(frustum(), 40, method="fourier")
+    return cf.modes(frustum(), 40, method="fourier")
 
 
 @pytest.fixture(params=["shell", "fourier"])
@@ -79,10 +78,10 @@ def test_shell_equals_fourier(perfect_modes, fourier_modes):
 def test_shell_approaches_fourier_spectrally_around_the_circle(frustum):
     """n = 7, 8, 9 on order 8: the difference falls by a decade and more for each step 9, 13, 17 elements."""
     meridian = {"order": 8, "rows": 1}
-    exact = modes(frustum(mesh=ShellMesh(**meridian)), 6, method="fourier").freq
+    exact = cf.modes(frustum(mesh=cf.ShellMesh(**meridian)), 6, method="fourier").freq
     errors = []
     for around in (9, 13, 17):
-        found = modes(frustum(mesh=ShellMesh(**meridian, around=around)), 6, method="shell").freq
+        found = cf.modes(frustum(mesh=cf.ShellMesh(**meridian, around=around)), 6, method="shell").freq
         errors.append(np.abs(found / exact - 1).max())
     assert errors[1] < 0.1 * errors[0]
     assert errors[2] < 0.1 * errors[1]
@@ -97,7 +96,7 @@ def test_all_rows_and_branches_by_harmonics(frustum, table):
     others 1.0e-4), a linear one within 2.9e-4. The table's own Naghdi column, which integrates through the wall, is met
     to 1.6e-4 and 3.0e-4.
     """
-    shell = frustum(mesh=ShellMesh(order=8, rows=(0.0, 0.03, 0.97, 1.0), around=1))
+    shell = frustum(mesh=cf.ShellMesh(order=8, rows=(0.0, 0.03, 0.97, 1.0), around=1))
     columns = {kind: table[[f"f{m}_{kind}" for m in BRANCHES]].to_numpy(float) for kind in ("3d", "rm")}
     for wall, within in (("curved", (2.5e-4, 1.7e-4)), ("linear", (3.0e-4, 3.2e-4))):
         found = np.array(list(three_branches(replace(shell, wall=wall), range(21))))
@@ -111,7 +110,7 @@ def test_all_rows_and_branches_by_harmonics(frustum, table):
 def test_kirchhoff_love_limit(frustum, table):
     """A stiff transverse shear leaves thin-shell theory: within 1.7e-4 of the _kl column, which itself lies up to
     4.8e-3 from 3-D; the rest is the transverse rotary inertia that stays."""
-    mesh = ShellMesh(order=10, rows=(0.0, 0.03, 0.5, 0.97, 1.0), around=1)
+    mesh = cf.ShellMesh(order=10, rows=(0.0, 0.03, 0.5, 0.97, 1.0), around=1)
     shell = frustum(shear_correction=1e3, mesh=mesh)
     worst_3d = 0.0
     for n, found in zip(table.index, three_branches(shell, range(21)), strict=True):
@@ -133,9 +132,9 @@ def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
     def frequencies(mesh):
         return np.stack(list(three_branches(frustum(thickness=thickness, mesh=mesh), harmonics)))[:, :2]
 
-    fine = frequencies(ShellMesh(order=12, rows=tuple(edges), around=1))
-    high = np.abs(frequencies(ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()
-    low = np.abs(frequencies(ShellMesh(order=2, rows=16, around=1)) / fine - 1).max()
+    fine = frequencies(cf.ShellMesh(order=12, rows=tuple(edges), around=1))
+    high = np.abs(frequencies(cf.ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()
+    low = np.abs(frequencies(cf.ShellMesh(order=2, rows=16, around=1)) / fine - 1).max()
     assert high < 3e-4
     assert low > 5 * high
 
@@ -143,8 +142,8 @@ def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
 @pytest.mark.campaign
 def test_a_thin_frustum_runs_on_its_default_mesh(frustum):
     """R/t = 1000: 40 modes of the two-dimensional shell, 31,500 dofs, against a fine meridian for each n."""
-    found = modes(frustum(thickness=5e-4), 16, method="shell")
-    fine = ShellMesh(order=12, rows=(0.0, 0.1, 0.5, 0.9, 1.0), around=1)
+    found = cf.modes(frustum(thickness=5e-4), 16, method="shell")
+    fine = cf.ShellMesh(order=12, rows=(0.0, 0.1, 0.5, 0.9, 1.0), around=1)
     for n in np.unique(found.nodal_diameters):
         exact = next(three_branches(frustum(thickness=5e-4, mesh=fine), range(n, n + 1)))
         mine = found.freq[found.nodal_diameters == n]

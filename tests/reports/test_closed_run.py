@@ -10,8 +10,7 @@ from scipy.linalg import expm
 
 import contact as ct
 from contact.model.gaps.bladed_disk import pair_rim
-from contact.model.gaps.permanent import HandPair, ModalPair
-from contact.stability.closed_contact import first_order, poles
+from contact.stability.closed_contact import first_order
 from contact.stability.split_casing import mean_contact
 from reports.rub.closed_run import ConfirmingRun, _start, _step, closed_rub, confirming_run, exponent
 from tests.contact.stability.test_closed_poles import TWO_BLADES, rim
@@ -19,21 +18,22 @@ from tests.contact.stability.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
-PAIR = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
-    blade=ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=0.02), compliance=1e-8, friction=0.2, lean_deg=30.0,
+PAIR = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=0.02), compliance=1e-8, friction=0.2, lean_deg=30.0,
 )  # fmt: skip
-UNDAMPED = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+UNDAMPED = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
     compliance=1e-4,
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize(("hz", "sign"), [(20.0, 1.0), (-20.0, 1.0), (38.0, -1.0)])
 def test_a_confirming_run_starts_at_rest_plus_its_leading_motion(hz, sign):
     """Faster than its waves (37.5 turns/s) the rim gives way outwards, and a gap makes contacts press."""
     contact, press, dt = PAIR.contact(), 1e-5, 2e-5
-    leading = max(poles(contact, np.array([hz]))[0], key=lambda s: (s.real, s.imag))
+    leading = max(ct.stability.poles(contact, np.array([hz]))[0], key=lambda s: (s.real, s.imag))
     found, q, v = _start(contact, hz, leading, press, dt)
     turn, damping, stiffness = 2.0 * np.pi * hz * contact.G, 2.0 * contact.zeta * contact.omega, contact.omega**2
     s = math.copysign(1.0, hz)

@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import casingfem as cf
 from casingfem.linalg import eigen, krylov
-from casingfem.structure.mesh.shell_mesh import ShellMesh
 from reports.modes import imported_relations, locking, sturm
 from reports.speed import child, modal, solid_solvers
 from reports.verification import locking as verify_locking
 from reports.verification.cylinder import REFERENCE, cylinder
 
-LOW = ShellMesh(order=3, rows=2, around=1)
+LOW = cf.ShellMesh(order=3, rows=2, around=1)
 
 
 @pytest.mark.campaign

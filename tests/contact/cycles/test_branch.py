@@ -11,7 +11,6 @@ import contact as ct
 from contact.base import checkpoint
 from contact.cycles import branch as way_along
 from contact.cycles.branch import Signs, Tangent, kinds, signs
-from contact.cycles.driven import DrivenBody
 from contact.cycles.follow import Found
 from contact.cycles.shooting import map_of
 from reports.contact.cycles import mass_on_stop, rod
@@ -92,7 +91,7 @@ def test_without_damping_rounding_makes_no_special_points_and_no_orbit_is_stable
             omega=[40.0, 60.0], zeta=[zeta] * 2, channels=("x", "y"), rows=np.eye(2), S=np.zeros((2, 2))
         )
         patch = ct.Patch(body=body, normal=("y",), tangent=(("x",),), slide=[[1.0]], clearance=1e-3)
-        driven = DrivenBody(patch=patch, channel="y", amplitude=10.0, stiffness=1e4, mu=0.3)
+        driven = ct.cycles.DrivenBody(patch=patch, channel="y", amplitude=10.0, stiffness=1e4, mu=0.3)
         family = driven.over("freq_hz", freq_hz=5.2)
         found.append(ct.cycles.follow(family, (5.0, 5.15), longest=0.5).branches[0])
     undamped, damped = found

@@ -9,14 +9,13 @@ import pytest
 import contact as ct
 from contact.cycles.branch import Tangent, _at_edge, _why, begun, followed
 from contact.cycles.passage import Event
-from contact.cycles.shooting import orbit
 from tests.contact.cycles.henon import FOLD, B, course, fixed, followed_map
 
 along_branch = import_module("contact.cycles.branch")
 
 
 def at_fixed(family, v):
-    return orbit(family, v, guess=np.array([fixed(v)] * 2))
+    return ct.cycles.orbit(family, v, guess=np.array([fixed(v)] * 2))
 
 
 @pytest.fixture
@@ -80,7 +79,7 @@ def test_a_branch_goes_up_to_the_edge_beyond_which_there_is_nothing(family, monk
 
     def guessed(asked, value, *, guess, **more):
         guesses.append(guess)
-        return orbit(asked, value, guess=guess, **more)
+        return ct.cycles.orbit(asked, value, guess=guess, **more)
 
     family.at = inside
     monkeypatch.setattr(along_branch, "orbit", guessed)

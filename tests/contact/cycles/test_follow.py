@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contact.cycles.result import Branch
+import contact as ct
 
 module = import_module("contact.cycles.follow")
 
@@ -32,11 +32,11 @@ def test_a_run_goes_on_where_a_branch_ends_inside_the_range(values, stable, end,
         return SimpleNamespace(value=value, x=np.array(guess), start=start, periods=1, stable=stable)
 
     points = [orbit(None, place(part), (part,), 0.5, stable=kept) for part, kept in zip(values, stable, strict=True)]
-    found = iter([Branch(points=tuple(points), specials=(), end=end)])
+    found = iter([ct.cycles.Branch(points=tuple(points), specials=(), end=end)])
     runs = []
 
     def followed(_, way, **__):
-        other = Branch(points=(way, orbit(None, place(1.0))), specials=(), end="")
+        other = ct.cycles.Branch(points=(way, orbit(None, place(1.0))), specials=(), end="")
         return next(found, other)
 
     def settled(_, value, __, *, x, at):

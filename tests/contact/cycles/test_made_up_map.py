@@ -13,12 +13,12 @@ import pytest
 import contact as ct
 from contact.cycles.branch import Tangent, begun, followed, merged
 from contact.cycles.passage import Event
-from contact.cycles.shooting import map_of, orbit, settled
+from contact.cycles.shooting import map_of, settled
 from tests.contact.cycles.henon import FLIP, FOLD, B, course, fixed, followed_map
 
 
 def test_an_orbit_from_a_guess_has_its_state_and_multipliers(family):
-    found, x = orbit(family, 0.2, guess=np.array([0.5, 0.0])), fixed(0.2)
+    found, x = ct.cycles.orbit(family, 0.2, guess=np.array([0.5, 0.0])), fixed(0.2)
     assert found.x == pytest.approx([x, x], rel=1e-12)
     assert np.sort(found.multipliers.real) == pytest.approx(np.sort(np.roots([1.0, 2.0 * x, -B])), rel=1e-7)
     assert found.M == pytest.approx(np.array([[-2.0 * x, B], [1.0, 0.0]]), rel=1e-7)
@@ -29,13 +29,13 @@ def test_an_orbit_from_a_guess_has_its_state_and_multipliers(family):
     assert found.multiplier == pytest.approx(x + math.sqrt(x * x + B), rel=1e-7)
     assert found.stable
     assert set(family.asked) == {(0.0, 2.0)}
-    at_once = orbit(family, 0.2, guess=found.x)
+    at_once = ct.cycles.orbit(family, 0.2, guess=found.x)
     assert at_once.iterations == 1
     assert 4 <= found.iterations <= 6
 
 
 def test_an_orbit_of_two_periods_and_its_state_elsewhere_in_the_period(family):
-    found = orbit(family, 0.5, guess=np.array([0.85, 0.0]), start=0.25, periods=2)
+    found = ct.cycles.orbit(family, 0.5, guess=np.array([0.85, 0.0]), start=0.25, periods=2)
     root = math.sqrt((1.0 - B) ** 2 - 4.0 * ((1.0 - B) ** 2 - 0.5))
     assert np.sort(found.x) == pytest.approx([(1.0 - B - root) / 2.0, (1.0 - B + root) / 2.0], rel=1e-10)
     assert (found.period, found.periods, found.start) == (4.0, 2, 0.25)
@@ -48,7 +48,7 @@ def test_an_orbit_of_two_periods_and_its_state_elsewhere_in_the_period(family):
 
 
 def test_an_unstable_orbit_says_so(family):
-    found = orbit(family, 0.2, guess=np.array([-1.0, -1.0]))
+    found = ct.cycles.orbit(family, 0.2, guess=np.array([-1.0, -1.0]))
     assert found.x == pytest.approx([fixed(0.2, -1.0)] * 2, rel=1e-12)
     assert not found.stable
     assert repr(found).endswith(f"; unstable, |multiplier| {found.multiplier:.6g}")
@@ -56,7 +56,7 @@ def test_an_unstable_orbit_says_so(family):
 
 
 def test_an_orbit_without_a_guess_is_where_a_run_settles(family):
-    found = orbit(family, 0.2)
+    found = ct.cycles.orbit(family, 0.2)
     assert found.x == pytest.approx([fixed(0.2)] * 2, rel=1e-12)
     assert 20 < len(family.asked) < 150  # as long as it settles
     family.asked.clear()
@@ -68,9 +68,9 @@ def test_an_orbit_without_a_guess_is_where_a_run_settles(family):
         x, _ = settled(family, v, 400)
         assert x == pytest.approx([fixed(v)] * 2, rel=1e-7)
     with pytest.raises(ct.InputError, match="periods: found 0"):
-        orbit(family, 0.2, periods=0)
+        ct.cycles.orbit(family, 0.2, periods=0)
     with pytest.raises(ct.InputError, match="value: found nan"):
-        orbit(family, math.nan)
+        ct.cycles.orbit(family, math.nan)
 
 
 def test_a_run_that_does_not_settle_gives_the_state_nearest_to_itself(family):
@@ -94,7 +94,7 @@ def test_events_count_by_contact(family, monkeypatch):
         return found
 
     monkeypatch.setattr(import_module("contact.cycles.shooting"), "passage", hits)
-    found = orbit(family, 0.2, guess=np.array([0.5, 0.0]))
+    found = ct.cycles.orbit(family, 0.2, guess=np.array([0.5, 0.0]))
     assert (found.closings, found.rests, found.touching, found.contacts) == ((3, 1), (1, 0), (1,), 2)
     assert (found.twice().closings, found.twice().rests) == ((6, 2), (2, 0))
 
@@ -114,7 +114,7 @@ def test_lengths_along_a_branch_count_the_state_by_its_size_and_the_value_by_its
 
 
 def test_the_direction_of_a_branch_is_its_derivative_by_the_value(family):
-    at, along = orbit(family, 0.2, guess=np.array([0.5, 0.0])), course(family, 0.15, 0.25)
+    at, along = ct.cycles.orbit(family, 0.2, guess=np.array([0.5, 0.0])), course(family, 0.15, 0.25)
     rate = 1.0 / math.sqrt((1.0 - B) ** 2 + 0.8)  # dx/dv
     assert along.slope(at) == pytest.approx([1.0, 0.0], abs=1e-7)
     for sense in (1.0, -1.0):
@@ -132,7 +132,7 @@ def test_the_direction_of_a_branch_is_its_derivative_by_the_value(family):
 def test_steps_grow_by_half_until_they_are_the_longest(family):
     """From three tenths of it."""
     along = course(family, 0.0, 0.6)
-    way = begun(along, orbit(family, 0.05, guess=np.array([0.1, 0.1])), Tangent(np.zeros(2), 1.0), 0.02)
+    way = begun(along, ct.cycles.orbit(family, 0.05, guess=np.array([0.1, 0.1])), Tangent(np.zeros(2), 1.0), 0.02)
     assert (way.length, len(way.points), way.specials) == (pytest.approx(0.006), 1, ())
     told = []
     found = followed(along, way, longest=0.02, most=9, progress=told.append)
@@ -183,10 +183,12 @@ def test_the_branch_of_doubled_period_leaves_at_the_flip(family):
 
 def test_a_branch_that_passes_the_one_of_half_its_period_has_joined_it(family):
     root = 0.2
-    high, low = (orbit(family, 0.45, guess=np.array([0.35 + s * root, 0.35 - s * root]), periods=2) for s in (1, -1))
+    high, low = (
+        ct.cycles.orbit(family, 0.45, guess=np.array([0.35 + s * root, 0.35 - s * root]), periods=2) for s in (1, -1)
+    )
     assert merged(course(family), high, low)
     assert not merged(course(family), high, high)
-    single = orbit(family, 0.2, guess=np.array([0.5, 0.5]))
+    single = ct.cycles.orbit(family, 0.2, guess=np.array([0.5, 0.5]))
     assert not merged(course(family), single, single)
     half = map_of(family, 0.45, periods=1)(high.x)
     assert half.x == pytest.approx(low.x, rel=1e-6)

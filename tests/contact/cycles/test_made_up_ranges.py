@@ -8,7 +8,6 @@ import pytest
 
 import contact as ct
 from contact.cycles.branch import Tangent
-from contact.cycles.shooting import orbit
 from tests.contact.cycles.henon import FLIP, course, fixed
 
 
@@ -47,7 +46,7 @@ def test_a_flip_within_the_last_step_before_the_edge_is_located(family):
 
 
 def test_a_search_begins_at_the_orbit_that_is_given(family):
-    other = orbit(family, 0.2, guess=np.array([fixed(0.2, -1.0)] * 2))
+    other = ct.cycles.orbit(family, 0.2, guess=np.array([fixed(0.2, -1.0)] * 2))
     found = ct.cycles.follow(family, (0.2, 0.3), first=other, longest=0.2)
     assert found.branches[0].points[0] is other
     assert found.branches[0].points[-1].x == pytest.approx([fixed(0.3, -1.0)] * 2, rel=1e-9)

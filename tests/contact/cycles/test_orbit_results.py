@@ -9,13 +9,12 @@ import pytest
 import contact as ct
 from contact.cycles.branch import Tangent, passed, signs
 from contact.cycles.passage import Event, Extremes, pressing
-from contact.cycles.result import Branch, Cycles, Special
-from contact.cycles.shooting import Orbit, _free_time, _nearer
+from contact.cycles.shooting import _free_time, _nearer
 
 
 def orbit(value, *, multiplier=0.5, periods=1, closings=(2, 0), touching=(), size=1e-3, **more):
     given = {"M": np.eye(2), "gap": np.array([0.25, -0.5]), "force": np.array([3.0, 7.0]), "rests": (0, 0)} | more
-    return Orbit(
+    return ct.cycles.Orbit(
         name="freq_hz", value=value, period=0.5, periods=periods, start=0.0, x=np.zeros(2), closings=closings,
         multipliers=np.array([multiplier, 0.1j]), amplitude={"tip": size, "rim": 2.0 * size}, touching=touching,
         iterations=1, **given,
@@ -23,15 +22,15 @@ def orbit(value, *, multiplier=0.5, periods=1, closings=(2, 0), touching=(), siz
 
 
 def special(kind, value):
-    return Special(kind=kind, orbit=orbit(value), before=orbit(value - 1e-6))
+    return ct.cycles.Special(kind=kind, orbit=orbit(value), before=orbit(value - 1e-6))
 
 
 def found(grazings=1):
     points = (orbit(1.0), orbit(2.0), orbit(1.5, multiplier=-1.5, closings=(0, 0), touching=(1,)))
     specials = (special("fold", 2.25), *[special("grazing", 1.75)] * grazings)
-    main = Branch(points=points, specials=specials, end="a corner")
-    other = Branch(points=(orbit(3.0, periods=2),), specials=())
-    return Cycles(name="freq_hz", branches=(main, other), seconds=4.0)
+    main = ct.cycles.Branch(points=points, specials=specials, end="a corner")
+    other = ct.cycles.Branch(points=(orbit(3.0, periods=2),), specials=())
+    return ct.cycles.Cycles(name="freq_hz", branches=(main, other), seconds=4.0)
 
 
 def test_an_orbit_is_kept_inside_the_unit_circle_and_counts_the_contacts_that_touch():
@@ -82,7 +81,9 @@ def test_rows_and_marks_of_a_continuation():
         {"kind": kind, "branch": 1, "freq_hz": value, "amplitude_tip": 1e-3, "amplitude_rim": 2e-3}
         for kind, value in (("fold", 2.25), ("grazing", 1.75))
     ]
-    free = Cycles(name="v", branches=(Branch(points=(orbit(1.0, gap=np.zeros(0), force=np.zeros(0)),), specials=()),))
+    free = ct.cycles.Cycles(
+        name="v", branches=(ct.cycles.Branch(points=(orbit(1.0, gap=np.zeros(0), force=np.zeros(0)),), specials=()),)
+    )
     assert (free.records()[0]["gap"], free.records()[0]["force"], free.seconds) == (math.inf, 0.0, 0.0)
 
 

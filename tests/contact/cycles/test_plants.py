@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.cycles.driven import DrivenBody, looks_of
+from contact.cycles.driven import looks_of
 from contact.cycles.switched import Forcing, Plant, phase_of
 
 OMEGA, ZETA = np.array([2.0, 5.0]), np.array([0.01, 0.03])
@@ -23,7 +23,9 @@ def driven(mu=0.0, slide=-3.0, S=COUPLED, **more):
     """One contact with friction, or two without."""
     given = {"normal": ("n1",), "tangent": (("t1",),), "slide": slide} if mu else {"normal": ("n1", "n2")}
     patch = ct.Patch(body=body(S=S), clearance=0.25, load=[0.7, -0.4], pressed=0.125, **given)
-    return DrivenBody(patch=patch, channel="d", amplitude=3.0, mu=mu, **{"stiffness": 8.0, "shown": ("d",)} | more)
+    return ct.cycles.DrivenBody(
+        patch=patch, channel="d", amplitude=3.0, mu=mu, **{"stiffness": 8.0, "shown": ("d",)} | more
+    )
 
 
 def test_the_plant_of_a_driven_body_without_friction():
@@ -95,7 +97,7 @@ def test_frequencies_of_a_drive_are_above_zero():
 
 def test_a_rigid_mode_has_a_frequency_too_low_to_be_felt_and_no_damping():
     patch = ct.Patch(body=body(omega=np.array([0.0, 0.5])), normal=("n1",))
-    family = DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=8.0).over("freq_hz", freq_hz=1.5)
+    family = ct.cycles.DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=8.0).over("freq_hz", freq_hz=1.5)
     scale, slow = 3.0 * math.pi, 1e-6 * 3.0 * math.pi
     np.testing.assert_allclose(family.scale, [scale, 0.5], rtol=1e-14)
     np.testing.assert_allclose(np.diag(family.plant.A[2:, :2]), [-(slow**2) / scale, -0.5], rtol=1e-12)
@@ -106,7 +108,7 @@ def test_a_rigid_mode_has_a_frequency_too_low_to_be_felt_and_no_damping():
 
 def test_runs_begin_where_the_patch_does():
     patch = ct.Patch(body=body(), normal=("n1",), clearance=9.0, displacement=[1.0, -2.0], velocity=[4.0, 10.0])
-    family = DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=8.0).over("freq_hz", freq_hz=1.5)
+    family = ct.cycles.DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=8.0).over("freq_hz", freq_hz=1.5)
     assert family.begin.tolist() == [1.0, -2.0, 2.0, 2.0]
 
 
@@ -123,11 +125,13 @@ def test_looks_in_a_period():
 def test_rigid_contacts_that_follow_from_each_other_are_refused():
     patch = ct.Patch(body=body(S=np.zeros((4, 4))), normal=("n1", "n1"), clearance=1.0)
     with pytest.raises(ct.InputError, match="normal: found rigid contacts that are not independent"):
-        DrivenBody(patch=patch, channel="d", amplitude=1.0)
-    DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=[8.0, math.inf])
+        ct.cycles.DrivenBody(patch=patch, channel="d", amplitude=1.0)
+    ct.cycles.DrivenBody(patch=patch, channel="d", amplitude=1.0, stiffness=[8.0, math.inf])
     for name in ("channel", "shown"):
         with pytest.raises(ct.InputError, match="channel: found 'z'"):
-            DrivenBody(patch=patch, **{"channel": "d", "amplitude": 1.0} | {name: ("z",) if name == "shown" else "z"})
+            ct.cycles.DrivenBody(
+                patch=patch, **{"channel": "d", "amplitude": 1.0} | {name: ("z",) if name == "shown" else "z"}
+            )
 
 
 def test_forcings_add_turn_into_rates_and_are_seen():

@@ -9,9 +9,8 @@ import pytest
 import contact as ct
 from contact.cycles.rubbing import _waves
 from contact.cycles.shooting import map_of
-from contact.model.gaps.permanent import SplitError, rim_contact
+from contact.model.gaps.permanent import SplitError
 from contact.model.gaps.rub import rub_of
-from contact.model.gaps.rub_laws import Whirl
 from contact.record.wear import Wear
 from tests.contact.stability.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
@@ -42,7 +41,7 @@ def test_a_permanent_contact_is_a_fixed_point_with_its_poles(mu, speed, casing):
     )
     found = ct.cycles.orbit(family, speed, guess=held[:states])
     assert found.force == pytest.approx(held[states:], rel=1e-9)
-    poles = ct.stability.poles(rim_contact(pressed, mu=mu), np.array([speed]))[0]
+    poles = ct.stability.poles(ct.gaps.rim_contact(pressed, mu=mu), np.array([speed]))[0]
     expected = np.sort(np.abs(np.exp(poles * found.period)))
     assert np.sort(np.abs(found.multipliers)) == pytest.approx(expected, abs=1e-9)
     assert found.touching == (0,)
@@ -92,7 +91,10 @@ def test_a_blade_that_stiffens_is_what_a_run_settles_on():
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_waves_are_what_passes_each_tip(sense):
     """d(theta) and the whirls at theta = angle of the tip - sense Omega t; opposite waves of one order cancel."""
-    whirls = (Whirl(amplitude=3e-6, per_rev=-3.0, phase_deg=40.0), Whirl(amplitude=2e-6, per_rev=-1.0, phase_deg=25.0))
+    whirls = (
+        ct.gaps.Whirl(amplitude=3e-6, per_rev=-3.0, phase_deg=40.0),
+        ct.gaps.Whirl(amplitude=2e-6, per_rev=-1.0, phase_deg=25.0),
+    )
     profile = ct.RimProfile.fourier([*WAVES, {"p": 0, "cos": 7e-6}, {"p": 5, "cos": 4e-6}, {"p": 5, "cos": -4e-6}])
     rub = replace(rub_of(rim(angle_deg=17.0)), profile=profile, whirl=whirls)
     found = _waves(rub, sense)

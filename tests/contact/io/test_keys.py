@@ -9,7 +9,6 @@ from pydantic import BaseModel, ValidationError
 
 import casingfem as cf
 import contact as ct
-from contact.base.errors import InputError
 from contact.base.keyed import require_keyed
 from contact.io.keys import Key, keyed
 from contact.io.tables import keys, table_of, type_words, value_of
@@ -76,7 +75,7 @@ def test_a_table_has_the_types_ranges_defaults_and_meanings_of_the_fields():
     ],
 )
 def test_a_value_refuses_what_its_key_does_not_allow(wrong, words):
-    with pytest.raises(InputError) as raised:
+    with pytest.raises(ct.InputError) as raised:
         Spring(**{"stiffness": 1.0, **wrong})
     assert str(raised.value) == words
 

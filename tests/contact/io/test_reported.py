@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
+import contact as ct
 from contact.io import npz, outfiles
 from contact.io.npz import compliance_fault, require_kinds, save_npz, whole, write_npz
 from contact.io.reported import Reported, cell, lines_of, names_in, restored
 from contact.io.stored import Packing, StoredError, Unpacking, load_value, read_only, save_value
-from contact.record.energy import Stored
 from contact.record.wear import Wear
 
 
@@ -109,7 +109,7 @@ def kept(value):
     [
         None, True, 3, 2.5, "text", -math.inf, math.inf, 1.5 - 2.5j, complex(math.inf, 2.0), (1, (2.0, "x"), [3, None]),
         {"a": 1, 2: (3.0,)}, MappingProxyType({"b": {"c": 4}}), frozenset({1, 2}), Path("some") / "file.toml",
-        Stored(kinetic=1.0, strain=2.0, potential=3.0, residual=4.0, discrete=math.inf),
+        ct.record.Stored(kinetic=1.0, strain=2.0, potential=3.0, residual=4.0, discrete=math.inf),
     ],
 )  # fmt: skip
 def test_plain_values_are_read_as_they_were(value):

@@ -20,7 +20,6 @@ from contact.model.bodies.band import (
     solve,
     sparse_form,
 )
-from contact.model.bodies.linear import Forcing, LinearBody
 from contact.model.bodies.linear_system import linear_system, omega_max
 
 A = np.array([[4.0, -1.0, 0.0, 0.5], [-1.0, 5.0, 2.0, 0.0], [0.0, 2.0, 7.0, -3.0], [0.5, 0.0, -3.0, 9.0]])
@@ -118,11 +117,14 @@ def structure(**more):
     K = np.array([[9.0, -2.0, 0.0], [-2.0, 7.0, -1.0], [0.0, -1.0, 5.0]])
     Q = np.array([[0.0, 1.5, -0.5], [2.0, 0.0, 0.0]])
     given = {"M": np.array([1.0, 2.0, 4.0]), "K": K, "Q": Q, "gap0": [0.1, 0.2], "load": [1.0, 2.0, 3.0]}
-    return LinearBody(**given | more)
+    return ct.LinearBody(**given | more)
 
 
 def test_a_problem_packed_for_the_loops_is_itself():
-    forcing = (Forcing(shape=np.array([1.0, 0.0, 5.0]), amplitude=np.cos), Forcing(shape=np.ones(3), amplitude=np.sin))
+    forcing = (
+        ct.bodies.Forcing(shape=np.array([1.0, 0.0, 5.0]), amplitude=np.cos),
+        ct.bodies.Forcing(shape=np.ones(3), amplitude=np.sin),
+    )
     body = structure(forcing=forcing)
     system = linear_system(body)
     order = system.order
@@ -170,7 +172,7 @@ def test_a_wide_structure_is_kept_as_entries_and_has_the_same_highest_frequency(
     K[0, 1:] = K[1:, 0] = -2.0
     mass, Q = 1.0 + 0.1 * np.arange(n), np.zeros((1, n))
     Q[0, 3] = 1.0
-    system = linear_system(LinearBody(M=mass, K=csr_array(K), Q=Q, gap0=[0.1]))
+    system = linear_system(ct.LinearBody(M=mass, K=csr_array(K), Q=Q, gap0=[0.1]))
     assert system.K.sparse.start.size == n + 1
     np.testing.assert_array_equal(sparse_form(system.K).toarray(), K[np.ix_(system.order, system.order)])
     top = highest(K, np.diag(mass))
@@ -182,9 +184,9 @@ def test_a_wide_structure_is_kept_as_entries_and_has_the_same_highest_frequency(
     )
     thick = np.diag(mass)
     thick[0, 1:] = thick[1:, 0] = 0.05
-    wide = linear_system(LinearBody(M=csr_array(thick), K=csr_array(K), Q=Q, gap0=[0.1]))
+    wide = linear_system(ct.LinearBody(M=csr_array(thick), K=csr_array(K), Q=Q, gap0=[0.1]))
     assert omega_max(wide) == pytest.approx(highest(K, thick) * math.sqrt(1.0 + 1e-7), rel=2e-8)
     narrow = np.diag(np.full(n, 2.0)) - np.eye(n, k=1) - np.eye(n, k=-1)
-    kept = linear_system(LinearBody(M=mass, K=csr_array(narrow), Q=Q, gap0=[0.1])).K
+    kept = linear_system(ct.LinearBody(M=mass, K=csr_array(narrow), Q=Q, gap0=[0.1])).K
     assert isinstance(kept, Band)
     assert (kept.sparse.start.size, kept.off.shape[0]) == (0, 1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.beam import BeamInCircle, HingedBeam, ring_table
+from contact.model.bodies.beam import ring_table
 from contact.model.bodies.chain import assemble
 from tests.contact.synthetic_rim import ring
 
@@ -132,7 +132,9 @@ def test_what_cannot_be_a_chain():
         assemble([mass, ct.Wall()], gravity=math.nan)
 
 
-HINGED = HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, elements=3, torque=2.0, angle_deg=30.0)
+HINGED = ct.bodies.HingedBeam(
+    length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, elements=3, torque=2.0, angle_deg=30.0
+)
 
 
 def test_a_hinged_beam_by_hand():
@@ -147,7 +149,7 @@ def test_a_hinged_beam_by_hand():
     assert lumped[:, 0] == pytest.approx(0.81 * np.array([0.1, 0.2, 0.2, 0.1]))
     assert lumped[:, 1].tolist() == lumped[:, 0].tolist()
     assert lumped[:, 2] == pytest.approx(2700.0 * 2.5e-9 * np.array([0.1, 0.2, 0.2, 0.1]))
-    plain = HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0)
+    plain = ct.bodies.HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0)
     assert (plain.elements, plain.torque, plain.angle_deg, plain.spin) == (40, 0.0, 0.0, 0.0)
 
 
@@ -165,20 +167,20 @@ def test_the_fastest_vibration_of_an_element_of_a_beam():
 
 
 def test_gaps_and_first_contact_of_a_beam_in_a_circle():
-    scene = BeamInCircle(HINGED, radius=0.605, offset=0.02)
+    scene = ct.bodies.BeamInCircle(HINGED, radius=0.605, offset=0.02)
     nodes = np.array([[0.5, 0.2, 9.0], [-0.1, -0.3, 9.0]])
     assert scene.gaps(nodes) == pytest.approx([0.605 - math.hypot(0.48, 0.2), 0.605 - math.hypot(0.12, 0.3)])
     angle = scene.first_contact_angle
     assert math.hypot(0.6 * math.cos(angle) - 0.02, 0.6 * math.sin(angle)) == pytest.approx(0.605, rel=1e-12)
-    assert BeamInCircle(HINGED, radius=0.605).offset == 0.0
+    assert ct.bodies.BeamInCircle(HINGED, radius=0.605).offset == 0.0
 
 
 @pytest.mark.parametrize(("torque", "spin"), [(2.0, 0.0), (2.0, 3.0), (0.0, 3.0)])
 @pytest.mark.parametrize("angle_deg", [30.0, 390.0, -40.0])
 def test_the_time_to_first_contact_is_that_of_a_rigid_beam(torque, spin, angle_deg):
-    beam = HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, torque=torque, angle_deg=angle_deg,
-                      spin=spin)  # fmt: skip
-    scene = BeamInCircle(beam, radius=0.605, offset=0.02)
+    beam = ct.bodies.HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0,
+                                torque=torque, angle_deg=angle_deg, spin=spin)  # fmt: skip
+    scene = ct.bodies.BeamInCircle(beam, radius=0.605, offset=0.02)
     t = scene.first_contact_time
     start = math.radians(angle_deg - 360.0 if angle_deg > 360.0 else angle_deg)
     assert start + spin * t + 0.5 * torque / beam.inertia * t**2 == pytest.approx(scene.first_contact_angle, rel=1e-12)
@@ -190,9 +192,9 @@ def test_the_time_to_first_contact_is_that_of_a_rigid_beam(torque, spin, angle_d
      (1.0, -2.0, "spin: found -2.0")],
 )  # fmt: skip
 def test_a_beam_that_does_not_turn_to_the_circle_has_no_time(torque, spin, words):
-    beam = HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, torque=torque, spin=spin)
+    beam = ct.bodies.HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, torque=torque, spin=spin)
     with pytest.raises(ct.InputError, match=words):
-        _ = BeamInCircle(beam, radius=0.605, offset=0.02).first_contact_time
+        _ = ct.bodies.BeamInCircle(beam, radius=0.605, offset=0.02).first_contact_time
 
 
 def test_the_radial_part_of_a_ring_is_what_a_beam_meets():
@@ -206,4 +208,4 @@ def test_the_radial_part_of_a_ring_is_what_a_beam_meets():
 @pytest.mark.parametrize("name", ["length", "width", "height", "E", "rho"])
 def test_hinged_beams_have_sizes_above_zero(name):
     with pytest.raises(ct.InputError, match=f"{name}: found 0.0"):
-        HingedBeam(**{"length": 0.6, "width": 0.03, "height": 0.01, "E": 70e9, "rho": 2700.0} | {name: 0.0})
+        ct.bodies.HingedBeam(**{"length": 0.6, "width": 0.03, "height": 0.01, "E": 70e9, "rho": 2700.0} | {name: 0.0})

@@ -8,8 +8,6 @@ from scipy.sparse import block_diag, csc_array, diags_array
 
 import contact as ct
 from contact.io.units import units_of
-from contact.model.bodies.from_matrices import body_of
-from contact.model.bodies.matrices import Matrices
 
 
 def rod(n, fixed, *, E=210e9, rho=7800.0, A=1e-4, L=1.0):
@@ -90,12 +88,14 @@ def test_many_unknowns_by_lanczos_are_as_those_by_all_modes(monkeypatch):
 
 def test_damping_ratios_and_what_they_leave_out():
     M, K, dofs, _ = rod(10, {11})
-    proportional = body_of(Matrices.of(M, K, 1e-6 * K, dofs=dofs), [1], modes=4)
+    proportional = ct.bodies.body_of(ct.bodies.Matrices.of(M, K, 1e-6 * K, dofs=dofs), [1], modes=4)
     np.testing.assert_allclose(proportional[0].zeta, 0.5e-6 * proportional[0].omega, rtol=1e-9)
     assert proportional[1].coupling == pytest.approx(0.0, abs=1e-9)
     C = np.zeros(K.shape)
     C[0, 0] = 100.0
-    assert body_of(Matrices.of(M, K, C, dofs=dofs), [1], modes=4)[1].coupling == pytest.approx(1.0, rel=1e-6)
+    assert ct.bodies.body_of(ct.bodies.Matrices.of(M, K, C, dofs=dofs), [1], modes=4)[1].coupling == pytest.approx(
+        1.0, rel=1e-6
+    )
     assert set(ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], zeta=0.01).zeta) == {0.01}
 
 
@@ -111,12 +111,12 @@ def dumbbell(units):
     dofs = [(node, direction) for node in (5, 9) for direction in range(1, 7)]
     points = {5: np.zeros(3), 9: np.array([3.0, 0, 0]) / system.length}
     given = scale @ M @ scale / system.mass, scale @ K @ scale / system.stiffness
-    return Matrices.of(*given, dofs=dofs, points=points, units=units)
+    return ct.bodies.Matrices.of(*given, dofs=dofs, points=points, units=units)
 
 
 @pytest.mark.parametrize("units", ["m-kg-s", "mm-t-s", "in-lbf-s", "mm-kg-ms"])
 def test_mass_centre_and_inertia_in_any_units(units):
-    body, facts = body_of(dumbbell(units), [9], modes=12)
+    body, facts = ct.bodies.body_of(dumbbell(units), [9], modes=12)
     assert facts.mass == pytest.approx((3.0, 3.0, 3.0), rel=1e-9)
     assert facts.centre == pytest.approx((1.0, 0.0, 0.0), abs=1e-9)
     np.testing.assert_allclose(facts.inertia, np.diag([0.3, 6.3, 6.3]), atol=1e-8)
@@ -127,7 +127,7 @@ def test_mass_centre_and_inertia_in_any_units(units):
 
 
 def test_frequencies_do_not_depend_on_the_units():
-    one, other = (body_of(dumbbell(units), [9], modes=12)[0] for units in ("m-kg-s", "mm-t-s"))
+    one, other = (ct.bodies.body_of(dumbbell(units), [9], modes=12)[0] for units in ("m-kg-s", "mm-t-s"))
     np.testing.assert_allclose(other.omega, one.omega, rtol=1e-7)
     np.testing.assert_allclose(np.abs(other.rows[:, 6:]), np.abs(one.rows[:, 6:]), atol=1e-7)
 
@@ -152,14 +152,14 @@ def test_a_craig_bampton_set_is_diagonalised_and_truncated_into_its_residual():
     M, K, dofs, _ = rod(60, {61})
     mass, stiff = craig_bampton(M, K, [0], 9)
     labels = [(1, "x"), *((100 + k, "q") for k in range(9))]
-    whole, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1], modes=10)
+    whole, facts = ct.bodies.body_of(ct.bodies.Matrices.of(mass, stiff, dofs=labels), [1], modes=10)
     assert not whole.S.any()
     assert "residual compliance: none" in str(facts)
     full = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=10)
     np.testing.assert_allclose(whole.omega[:4], full.omega[:4], rtol=2e-3)
     assert np.all(whole.omega[:4] > full.omega[:4])
     np.testing.assert_allclose(compliance(whole), compliance(full), rtol=1e-9)
-    fewer, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1], modes=6)
+    fewer, facts = ct.bodies.body_of(ct.bodies.Matrices.of(mass, stiff, dofs=labels), [1], modes=6)
     np.testing.assert_allclose(compliance(fewer), compliance(full), rtol=1e-9)
     assert facts.residual > 0.01
     assert f"{100 * facts.residual:.3g} % of the static compliance" in facts.words
@@ -169,7 +169,7 @@ def test_a_free_craig_bampton_set_has_its_whole_mass():
     M, K, dofs, _ = rod(60, set())
     mass, stiff = craig_bampton(M, K, [0], 5)
     labels = [dofs[0], *((100 + k, 0) for k in range(5))]
-    body, facts = body_of(Matrices.of(mass, stiff, dofs=labels), [1])
+    body, facts = ct.bodies.body_of(ct.bodies.Matrices.of(mass, stiff, dofs=labels), [1])
     assert facts.mass == pytest.approx((0.78, 0.0, 0.0), rel=1e-9)
     assert facts.rigid == 1
     assert facts.inertia is None
@@ -280,7 +280,7 @@ def test_round_off_in_rows_without_stiffness_is_no_asymmetry():
     K = np.diag([0.0, 0.0, 1e6, 4e6, 9e6])
     K[:2, :2] = [[1e-9, 2e-9], [-1e-9, 2e-9]]
     dofs = [(1, "x"), (1, "y"), *((100 + k, "q") for k in range(3))]
-    _, facts = body_of(Matrices.of(np.eye(5), K, dofs=dofs), [1], modes=5)
+    _, facts = ct.bodies.body_of(ct.bodies.Matrices.of(np.eye(5), K, dofs=dofs), [1], modes=5)
     assert facts.rigid == 2
 
 
@@ -292,7 +292,9 @@ def test_parts_that_nothing_joins_have_their_rigid_modes_each(dense, monkeypatch
     M, K, dofs, _ = rod(6, set())
     one = ct.ModalBody.from_matrices(M, K, dofs=dofs, contact=[1], modes=3)
     many = [(node + 100 * k, axis) for k in range(9) for node, axis in dofs]
-    body, facts = body_of(Matrices.of(block_diag([M] * 9), block_diag([K] * 9), dofs=many), [1], modes=20)
+    body, facts = ct.bodies.body_of(
+        ct.bodies.Matrices.of(block_diag([M] * 9), block_diag([K] * 9), dofs=many), [1], modes=20
+    )
     assert facts.rigid == 9
     np.testing.assert_allclose(body.omega[9:18], one.omega[1], rtol=1e-6)
     elastic = body.rows[:, 9:] / body.omega[9:]
@@ -443,7 +445,7 @@ def test_round_off_of_the_precision_of_a_free_beam_is_no_negative_mode(stored, l
     h = np.random.default_rng(5).uniform(0.5, 1.5, 37)
     M, K, dofs, points = beam(37, None if lengths == "equal" else h / h.sum())
     M, K = (stored(A).astype(float) for A in (M, K))
-    body, facts = body_of(Matrices.of(M, K, dofs=dofs, points=points), [0, 20], modes=10)
+    body, facts = ct.bodies.body_of(ct.bodies.Matrices.of(M, K, dofs=dofs, points=points), [0, 20], modes=10)
     assert facts.rigid == 6
     exact = 4.730041**2 * np.sqrt(2.1e11 * 0.02**2 / 12 / 7850)
     np.testing.assert_allclose(body.omega[6:8], exact, rtol=2e-4)
@@ -454,7 +456,7 @@ def test_a_stiffness_that_is_negative_beyond_its_precision_is_refused(stored):
     M, K, dofs, points = beam(37)
     K[1, 1] -= 1e4  # a ground spring of -10 N/mm at the first node: omega^2 about -4 k / m = -1.3e4
     with pytest.raises(ct.InputError, match="without negative modes; round-off of K explains"):
-        body_of(Matrices.of(stored(M), stored(K), dofs=dofs, points=points), [0], modes=10)
+        ct.bodies.body_of(ct.bodies.Matrices.of(stored(M), stored(K), dofs=dofs, points=points), [0], modes=10)
 
 
 @pytest.mark.parametrize("stored", STORED)
@@ -463,7 +465,7 @@ def test_a_soft_elastic_mode_within_the_precision_of_the_stiffness_is_not_rigid(
     monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 2)
     M, K, dofs, points = beam(100, clamped=True)
     given = [csc_array(stored(A)) for A in (M, K)]
-    body, facts = body_of(Matrices.of(*given, dofs=dofs, points=points), [100], modes=10)
+    body, facts = ct.bodies.body_of(ct.bodies.Matrices.of(*given, dofs=dofs, points=points), [100], modes=10)
     assert facts.rigid == 0
     np.testing.assert_allclose(body.omega[:2], 1.875104**2 * np.sqrt(2.1e11 * 0.02**2 / 12 / 7850), rtol=1e-2)
 
@@ -472,7 +474,7 @@ def test_rigid_modes_that_the_precision_does_not_separate_from_elastic_ones_are_
     """A free beam of 80 unequal elements in single precision: round-off reaches 0.1 of its lowest frequency."""
     h = np.random.default_rng(0).uniform(0.5, 1.5, 80)
     M, K, dofs, points = beam(80, h / h.sum())
-    assert body_of(Matrices.of(M, K, dofs=dofs, points=points), [0], modes=10)[1].rigid == 6
+    assert ct.bodies.body_of(ct.bodies.Matrices.of(M, K, dofs=dofs, points=points), [0], modes=10)[1].rigid == 6
     given = [np.float32(A) for A in (M, K)]
     with pytest.raises(ct.InputError, match=r"K: found omega\^2 = -.* and .*; give K in double precision"):
-        body_of(Matrices.of(*given, dofs=dofs, points=points), [0], modes=10)
+        ct.bodies.body_of(ct.bodies.Matrices.of(*given, dofs=dofs, points=points), [0], modes=10)

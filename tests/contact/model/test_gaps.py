@@ -8,13 +8,12 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
-from contact.model.gaps.modal_system import point_system, rim_system
-from contact.model.gaps.permanent import ModalPair
-from contact.model.gaps.rod_modes import Cantilever, chain_gap, rod_modes, side
+from contact.model.gaps.modal_system import rim_system
+from contact.model.gaps.rod_modes import chain_gap, side
 from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 
-BEAM = Cantilever(length=0.4, width=0.03, height=0.004, E=70e9, rho=2700.0, zeta=0.02)
+BEAM = ct.gaps.Cantilever(length=0.4, width=0.03, height=0.004, E=70e9, rho=2700.0, zeta=0.02)
 ROD = {"length": 2.0, "area": 0.7, "E": 1.5, "rho": 1.2}
 
 
@@ -73,7 +72,7 @@ def test_sizes_of_beams_are_above_zero(name):
 def test_modes_of_a_rod_solve_its_equation_and_leave_its_static_compliance(fixed, end_mass):
     """Far end free or held; at the other E A u' = omega^2 m u of the mass there; unit mass by quadrature."""
     rod = ct.Rod(**ROD, fixed=fixed, end_mass=end_mass)
-    body = rod_modes(rod, modes=5, zeta=0.03, end="left")
+    body = ct.gaps.rod_modes(rod, modes=5, zeta=0.03, end="left")
     mass, EA, c = 1.2 * 0.7 * 2.0, 1.5 * 0.7, math.sqrt(1.5 / 1.2)
     xi = (np.arange(4000) + 0.5) / 4000
     assert body.zeta.tolist() == [0.03] * 5
@@ -88,20 +87,20 @@ def test_modes_of_a_rod_solve_its_equation_and_leave_its_static_compliance(fixed
         assert low - 1e-9 <= b <= low + math.pi / 2.0 + 1e-9
     elastic = body.omega > 0.0
     assert elastic.tolist() == [fixed != "none", True, True, True, True]
-    many = rod_modes(rod, modes=4000, end="left")
+    many = ct.gaps.rod_modes(rod, modes=4000, end="left")
     whole = np.sum((many.rows[0, many.omega > 0.0] / many.omega[many.omega > 0.0]) ** 2)
     kept = np.sum((body.rows[0, elastic] / body.omega[elastic]) ** 2)
     assert body.S[0, 0] == pytest.approx(whole - kept, rel=5e-3)
-    assert rod_modes(rod, end="left").omega.size == 50
-    assert not rod_modes(rod, end="left").zeta.any()
+    assert ct.gaps.rod_modes(rod, end="left").omega.size == 50
+    assert not ct.gaps.rod_modes(rod, end="left").zeta.any()
 
 
 def test_channels_of_a_rod_are_its_free_end():
-    assert rod_modes(ct.Rod(**ROD, fixed="left"), modes=2).channels == ("right",)
-    assert rod_modes(ct.Rod(**ROD, fixed="right"), modes=2).channels == ("left",)
-    assert rod_modes(ct.Rod(**ROD), modes=2, end="right").channels == ("right",)
+    assert ct.gaps.rod_modes(ct.Rod(**ROD, fixed="left"), modes=2).channels == ("right",)
+    assert ct.gaps.rod_modes(ct.Rod(**ROD, fixed="right"), modes=2).channels == ("left",)
+    assert ct.gaps.rod_modes(ct.Rod(**ROD), modes=2, end="right").channels == ("right",)
     with pytest.raises(ct.InputError, match="expected a rod with one contact end"):
-        rod_modes(ct.Rod(**ROD), modes=2)
+        ct.gaps.rod_modes(ct.Rod(**ROD), modes=2)
 
 
 @pytest.mark.parametrize("fixed", ["none", "right"])
@@ -148,7 +147,7 @@ def test_sides_of_a_gap_are_one_system():
                         S=[[0.5, 0.1], [0.1, 0.25]])  # fmt: skip
     one = ct.gaps.Side(body=body, channel="y", sign=-1, velocity=[5.0, 6.0], load=[7.0, 8.0], potential=2.0, mass=3.0)
     gap = ct.PointGap(sides=(one, ct.gaps.Side(body=body, channel="x", sign=1, potential=0.5)), clearance=0.125)
-    found = point_system(gap)
+    found = ct.gaps.point_system(gap)
     assert found.Q.tolist() == [-3.0, -4.0, 1.0, 2.0]
     assert (found.omega.tolist(), found.zeta.tolist()) == ([1.0, 2.0] * 2, [0.1, 0.2] * 2)
     assert (found.load.tolist(), found.velocity.tolist()) == ([7.0, 8.0, 0.0, 0.0], [5.0, 6.0, 0.0, 0.0])
@@ -196,8 +195,8 @@ def test_rows_of_a_rim_by_the_waves_of_its_casing_and_the_lean_of_its_blade():
 
 
 def test_a_disk_before_its_casing_in_two_dimensions():
-    casing = ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
-    disk = ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.02)
+    casing = ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
+    disk = ct.gaps.ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.02)
     rub = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0, velocity=3.0)
     theta = 2.0 * np.pi * np.arange(5) / 5
     expected = 2.0 * np.stack([np.cos(2 * theta), np.sin(2 * theta)], axis=1)

@@ -7,11 +7,10 @@ import pytest
 from scipy.sparse import csr_array
 
 import contact as ct
-from contact.model.bodies.linear import LinearBody
 
 
 def structure(**more):
-    return LinearBody(**{"M": np.ones(2), "K": 2.0 * np.eye(2), "Q": np.array([[1.0, 0.0]]), "gap0": [0.1]} | more)
+    return ct.LinearBody(**{"M": np.ones(2), "K": 2.0 * np.eye(2), "Q": np.array([[1.0, 0.0]]), "gap0": [0.1]} | more)
 
 
 def test_defaults_of_a_linear_structure():

@@ -8,8 +8,7 @@ import pytest
 from scipy.sparse import csc_array, diags_array
 
 import contact as ct
-from contact.model.bodies.from_matrices import body_of
-from contact.model.bodies.matrices import Matrices, asymmetry, checked_dof, report_of, symmetric_part
+from contact.model.bodies.matrices import asymmetry, checked_dof, report_of, symmetric_part
 from contact.model.bodies.matrix_modes import (
     elastic_compliance,
     lowest_elastic,
@@ -25,7 +24,7 @@ K4 = np.array([[8.0, -1.0, 0.5, 0.0], [-1.0, 9.0, 0.0, 2.0], [0.5, 0.0, 6.0, 0.2
 
 
 def made(M=M4, K=K4, C=None, dofs=DOFS, **more):
-    return Matrices.of(M, K, C, dofs=dofs, **more)
+    return ct.bodies.Matrices.of(M, K, C, dofs=dofs, **more)
 
 
 def test_matrices_in_millimetres_tonnes_and_seconds_are_in_si():
@@ -123,7 +122,7 @@ def test_modes_are_mass_normalised_and_ascending(dense, monkeypatch):
     n = 30
     K = diags_array([np.full(n - 1, -1.0), np.full(n, 2.0), np.full(n - 1, -1.0)], offsets=[-1, 0, 1])
     mass = 1.0 + 0.1 * np.arange(n)
-    matrices = Matrices.of(np.diag(mass), K, dofs=[(k, "x") for k in range(n)])
+    matrices = ct.bodies.Matrices.of(np.diag(mass), K, dofs=[(k, "x") for k in range(n)])
     if not dense:
         monkeypatch.setattr("contact.model.bodies.matrix_modes.DENSE", 29)
     lam, phi, rigid = lowest_modes(matrices, 5)
@@ -137,7 +136,7 @@ def test_modes_are_mass_normalised_and_ascending(dense, monkeypatch):
 def test_compliance_of_a_free_body_is_that_of_its_elastic_modes():
     mass = np.array([1.0, 2.0, 4.0])
     K = np.array([[3.0, -3.0, 0.0], [-3.0, 8.0, -5.0], [0.0, -5.0, 5.0]])
-    matrices, P = Matrices.of(np.diag(mass), K, dofs=[(k, "x") for k in range(3)]), np.eye(3)[:, [0, 2]]
+    matrices, P = ct.bodies.Matrices.of(np.diag(mass), K, dofs=[(k, "x") for k in range(3)]), np.eye(3)[:, [0, 2]]
     R = np.full((3, 1), 1.0 / math.sqrt(7.0))
     root = np.sqrt(mass)
     lam, X = np.linalg.eigh(K / np.outer(root, root))
@@ -178,7 +177,7 @@ def test_a_body_of_all_its_modes_or_of_twenty():
     assert not body["S"].any()
     assert facts.residual == 0.0
     n = 24
-    many = Matrices.of(np.eye(n), np.diag(np.arange(1.0, n + 1)), dofs=[(k, "x") for k in range(n)])
+    many = ct.bodies.Matrices.of(np.eye(n), np.diag(np.arange(1.0, n + 1)), dofs=[(k, "x") for k in range(n)])
     given = {f"u{k}": np.eye(n)[k] for k in (0, 21)}
     body, facts = reduced(many, given)
     assert body["omega"].size == 20
@@ -197,11 +196,11 @@ def point_masses(**more):
     places = {1: (1.0, 0.0, 0.0), 2: (0.0, 2.0, 0.0), 3: (0.0, 0.0, 4.0)}
     dofs = [(node, axis) for node in places for axis in "xyz"]
     mass = np.repeat([2.0, 3.0, 5.0], 3)
-    return Matrices.of(np.diag(mass), np.diag(mass * np.arange(1.0, 10.0)), dofs=dofs, points=places, **more)
+    return ct.bodies.Matrices.of(np.diag(mass), np.diag(mass * np.arange(1.0, 10.0)), dofs=dofs, points=places, **more)
 
 
 def test_mass_centre_and_inertia_of_point_masses():
-    _, facts = body_of(point_masses(), [1])
+    _, facts = ct.bodies.body_of(point_masses(), [1])
     assert facts.mass == pytest.approx((10.0, 10.0, 10.0))
     centre = np.array([0.2, 0.6, 2.0])
     assert facts.centre == pytest.approx(centre)
@@ -215,7 +214,7 @@ def test_mass_centre_and_inertia_of_point_masses():
 
 
 def test_the_lines_that_are_told_of_matrices():
-    _, facts = body_of(point_masses(), [1])
+    _, facts = ct.bodies.body_of(point_masses(), [1])
     changed = replace(
         facts, massless=2, rigid=1, skew=(1e-7, 2e-6), coupling=0.25, gyroscopic=True, cross=True, rigid_motion="",
         structural=(0.01, 0.02), structural_coupling=0.5,
@@ -242,9 +241,9 @@ def test_the_lines_that_are_told_of_matrices():
 
 
 def test_inertia_is_not_known_without_every_place_or_a_mass_along_every_axis():
-    some = Matrices.of(np.eye(2), np.eye(2), dofs=[(1, "x"), (2, "x")], points={1: (0.0, 0.0, 0.0)})
+    some = ct.bodies.Matrices.of(np.eye(2), np.eye(2), dofs=[(1, "x"), (2, "x")], points={1: (0.0, 0.0, 0.0)})
     assert report_of(some, np.ones(2), 0, 2, 0.0, None).centre is None
-    along = Matrices.of(np.eye(1), np.eye(1), dofs=[(1, "x")], points={1: (0.0, 0.0, 0.0)})
+    along = ct.bodies.Matrices.of(np.eye(1), np.eye(1), dofs=[(1, "x")], points={1: (0.0, 0.0, 0.0)})
     assert report_of(along, np.ones(1), 0, 1, 0.0, None).inertia is None
 
 

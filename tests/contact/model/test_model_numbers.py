@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.ring_modes import ring_elements, ring_modes
 from contact.model.gaps.bladed_disk import pair_rim
 from contact.model.gaps.modal_system import rim_system
-from contact.model.gaps.permanent import ModalPair
-from contact.model.gaps.rod_modes import rod_modes
-from contact.model.gaps.rub_system import axial_load, force_at_start, plane_participation, rub_system, settled
+from contact.model.gaps.rub_system import axial_load, force_at_start, plane_participation, rub_system
 from tests.contact.model.test_body_matrices import compliance, rod
 from tests.contact.model.test_rub_forces import rub as turning
 from tests.contact.synthetic_rim import blade, ring
@@ -30,7 +27,7 @@ def numbers_of(value):
 
 def test_numbers_of_rubs_at_rest(held):
     scene = turning(PULLS)
-    rest = settled(scene)
+    rest = ct.gaps.settled(scene)
     held(
         load=force_at_start(scene),
         axial=axial_load(scene),
@@ -74,12 +71,17 @@ def test_numbers_of_rim_tables(held):
 def test_numbers_of_bodies(held):
     thin = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5, zeta=0.01)
     disk = ct.BladedDisk(blades=7, freq_hz=100.0, modal_mass=0.4, coupling=0.05, mistuning=np.linspace(-0.02, 0.03, 7))
-    pair = pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    pair = pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     bars = [
-        rod_modes(ct.Rod(length=2.0, area=0.7, E=1.5, rho=1.2, fixed=fixed, end_mass=mass), modes=6, end="left")
+        ct.gaps.rod_modes(ct.Rod(length=2.0, area=0.7, E=1.5, rho=1.2, fixed=fixed, end_mass=mass), modes=6, end="left")
         for fixed, mass in (("none", 0.0), ("right", 0.0))
     ]
-    found = {"ring": ring_modes(thin, 6), "elements": ring_elements(thin, 12, 4), "disk": disk.body(), "pair": pair}
+    found = {
+        "ring": ct.bodies.ring_modes(thin, 6),
+        "elements": ct.bodies.ring_elements(thin, 12, 4),
+        "disk": disk.body(),
+        "pair": pair,
+    }
     found |= {f"bar {k}": bar for k, bar in enumerate(bars)}
     columns = {}
     for name, body in found.items():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.modal_system import point_system
 
 STEP = {"t_end": 0.02, "dt": 1e-6}
 
@@ -40,7 +39,7 @@ class LeverMode(Lever):
             S=[[0.0]],
         )  # fmt: skip
         side = ct.gaps.Side(body=body, channel="lever", sign=1, velocity=np.array([root * self.velocity]))
-        return point_system(ct.PointGap(sides=(side,), clearance=self.clearance))
+        return ct.gaps.point_system(ct.PointGap(sides=(side,), clearance=self.clearance))
 
 
 @dataclass(frozen=True)

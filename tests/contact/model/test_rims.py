@@ -8,8 +8,7 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.modal_system import _table
-from contact.model.law import Abradable, Coulomb, Penalty, Unilateral, kind, pressure
-from contact.model.laws.augmented import AugmentedLagrangian
+from contact.model.law import kind, pressure
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 
@@ -71,8 +70,14 @@ def test_the_blades_motion_along_the_contact_normal_leans():
 
 
 def test_kinds_of_laws_and_what_they_say_of_themselves():
-    coating = Abradable(E=4.0, yield_stress=5.0, hardening=6.0, thickness=2.0, width=0.5, tip=0.25)
-    laws = (Unilateral(), Penalty(stiffness=1234.5), AugmentedLagrangian(stiffness=2.0), Coulomb(mu=0.0), coating)
+    coating = ct.Abradable(E=4.0, yield_stress=5.0, hardening=6.0, thickness=2.0, width=0.5, tip=0.25)
+    laws = (
+        ct.Unilateral(),
+        ct.Penalty(stiffness=1234.5),
+        ct.laws.AugmentedLagrangian(stiffness=2.0),
+        ct.Coulomb(mu=0.0),
+        coating,
+    )
     assert [kind(law) for law in laws] == ["Unilateral", "Penalty", "AugmentedLagrangian", "Coulomb", "Abradable"]
     assert [law.words for law in laws] == [
         "Lagrange", "penalty 1.23e+03 N/m", "augmented Lagrangian", "Coulomb", "abradable coating",
@@ -97,19 +102,19 @@ def test_kinds_of_laws_and_what_they_say_of_themselves():
 def test_coatings_that_cannot_be_are_refused(name, value):
     given = {"E": 4.0, "yield_stress": 5.0, "hardening": 6.0, "thickness": 2.0, "width": 0.5, "tip": 0.25}
     with pytest.raises(ct.InputError, match=f"{name}: found {value}"):
-        Abradable(**given | {name: value})
-    assert Abradable(**given, machined=2.0).machined == 2.0
+        ct.Abradable(**given | {name: value})
+    assert ct.Abradable(**given, machined=2.0).machined == 2.0
 
 
 @pytest.mark.parametrize("name", ["stiffness", "updates", "tolerance"])
 def test_numbers_of_an_augmented_lagrangian_are_above_zero(name):
     with pytest.raises(ct.InputError, match=f"{name}: found 0"):
-        AugmentedLagrangian(**{"stiffness": 1.0} | {name: 0})
+        ct.laws.AugmentedLagrangian(**{"stiffness": 1.0} | {name: 0})
     if name == "stiffness":
         with pytest.raises(ct.InputError, match="stiffness: found 0"):
-            Penalty(stiffness=0.0)
+            ct.Penalty(stiffness=0.0)
         with pytest.raises(ct.InputError, match=r"mu: found -0\.1"):
-            Coulomb(mu=-0.1)
+            ct.Coulomb(mu=-0.1)
 
 
 @pytest.mark.parametrize("larger", ["radial", "tangential"])

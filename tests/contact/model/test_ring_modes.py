@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.ring_modes import ThinRing, hermite, ring_elements, ring_modes
+from contact.model.bodies.ring_modes import hermite
 
 GIVEN = {"radius": 0.3, "width": 0.02, "height": 0.006, "E": 70e9, "rho": 2700.0}
-HELD = ThinRing(**GIVEN, k_r=3e6, k_t=8e5, zeta=0.01)
-FREE = ThinRing(**GIVEN)
+HELD = ct.bodies.ThinRing(**GIVEN, k_r=3e6, k_t=8e5, zeta=0.01)
+FREE = ct.bodies.ThinRing(**GIVEN)
 
 
 def energies(ring, w, v, n):
@@ -38,7 +38,7 @@ def test_stiffness_is_that_of_the_strain_energy(n):
 
 
 def test_modes_in_closed_form_are_mass_normalised_and_turn_into_each_other():
-    body, size = ring_modes(HELD, 3), 7
+    body, size = ct.bodies.ring_modes(HELD, 3), 7
     assert body.omega.size == 2 + 3 * 4
     assert np.all(np.diff(body.omega) >= 0.0)
     assert (body.kind, body.n_max, body.radius, body.zeta.tolist()) == ("rim", 3, 0.3, [0.01] * 14)
@@ -64,13 +64,13 @@ def test_breathing_and_turning_of_the_whole_ring():
     """EA/R^2 + k_r and k_t, over the line mass."""
     line = 2700.0 * 0.02 * 0.006
     breathing = math.sqrt((70e9 * 0.02 * 0.006 / 0.09 + 3e6) / line)
-    assert ring_modes(HELD, 0).omega == pytest.approx([math.sqrt(8e5 / line), breathing], rel=1e-12)
+    assert ct.bodies.ring_modes(HELD, 0).omega == pytest.approx([math.sqrt(8e5 / line), breathing], rel=1e-12)
 
 
 @pytest.mark.parametrize("ring", [HELD, FREE])
 def test_elements_see_pairs_of_waves_as_the_closed_form_does(ring):
     """Sum over a pair of rows^T rows: free of the pair's orientation, with every sign and scale."""
-    whole, parts = ring_modes(ring, 3), ring_elements(ring, 40, 3)
+    whole, parts = ct.bodies.ring_modes(ring, 3), ct.bodies.ring_elements(ring, 40, 3)
     assert parts.omega.size == 160
     assert parts.zeta.tolist() == [ring.zeta] * 160
     assert parts.omega[:7] == pytest.approx(whole.omega[:7], rel=2e-3, abs=2.0)
@@ -82,17 +82,17 @@ def test_elements_see_pairs_of_waves_as_the_closed_form_does(ring):
 
 
 def test_a_free_ring_has_rigid_motions_exactly():
-    body = ring_modes(FREE, 3)
+    body = ct.bodies.ring_modes(FREE, 3)
     assert body.omega[:3].tolist() == [0.0] * 3
     assert body.omega[3] > 100.0
-    assert ring_elements(FREE, 12, 3).omega[0] == 0.0
+    assert ct.bodies.ring_elements(FREE, 12, 3).omega[0] == 0.0
     assert FREE.frequencies(1)[0] < 1e-3 * FREE.frequencies(2)[0]
 
 
 def test_twenty_waves_are_kept_where_nothing_is_said():
-    assert ring_modes(FREE).n_max == 20
-    assert ring_elements(FREE, 20).n_max == 20
-    assert ring_elements(FREE, 3, 3).omega.size == 12
+    assert ct.bodies.ring_modes(FREE).n_max == 20
+    assert ct.bodies.ring_elements(FREE, 20).n_max == 20
+    assert ct.bodies.ring_elements(FREE, 3, 3).omega.size == 12
 
 
 def test_cubics_of_an_element_take_value_and_slope_at_its_ends():
@@ -118,11 +118,13 @@ def test_cubics_of_an_element_take_value_and_slope_at_its_ends():
 )  # fmt: skip
 def test_rings_that_cannot_be_are_refused(change, words):
     with pytest.raises(ct.InputError, match=words):
-        ThinRing(**GIVEN | change)
-    assert ThinRing(**GIVEN | {"height": 0.299}).line_mass == pytest.approx(2700.0 * 0.02 * 0.299)
+        ct.bodies.ThinRing(**GIVEN | change)
+    assert ct.bodies.ThinRing(**GIVEN | {"height": 0.299}).line_mass == pytest.approx(2700.0 * 0.02 * 0.299)
 
 
-@pytest.mark.parametrize("make", [lambda ring: ring_modes(ring, 5), lambda ring: ring_elements(ring, 40, 5)])
+@pytest.mark.parametrize(
+    "make", [lambda ring: ct.bodies.ring_modes(ring, 5), lambda ring: ct.bodies.ring_elements(ring, 40, 5)]
+)
 def test_a_free_ring_that_turns_has_the_waves_of_ring_theory(make):
     """omega = sqrt(omega_0^2 + a^2 Omega^2) -+ b Omega, b = 2 n/(n^2 + 1), a = n - b, but for its stretch.
 
@@ -144,9 +146,9 @@ def test_a_free_ring_that_turns_has_the_waves_of_ring_theory(make):
 def test_waves_of_a_ring_on_springs_that_turns_are_those_of_its_elements():
     wave, element = (
         replace(body, zeta=np.zeros_like(body.zeta)).poles(400.0).imag
-        for body in (ring_modes(HELD, 3), ring_elements(HELD, 40, 3))
+        for body in (ct.bodies.ring_modes(HELD, 3), ct.bodies.ring_elements(HELD, 40, 3))
     )
     for one in wave[(wave > 0.0) & (wave < 4e4)]:
         assert np.abs(element / one - 1.0).min() < 1e-4
-    still = ring_modes(HELD, 3).omega
+    still = ct.bodies.ring_modes(HELD, 3).omega
     assert max(np.abs(still / one - 1.0).min() for one in wave[wave > 0.0]) > 0.02

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.rub import ContactPoint, Stiffening
 from contact.model.gaps.rub_system import (
     RimTable,
     axial_load,
@@ -16,7 +15,6 @@ from contact.model.gaps.rub_system import (
     plane_force,
     plane_participation,
     rub_system,
-    settled,
     waves_of_tips,
 )
 from tests.contact.synthetic_rim import blade, ring
@@ -27,13 +25,13 @@ def test_directions_of_a_leaning_tip():
     body = ct.ModalBody(omega=[1.0], zeta=[0.0], channels=("u", "chord", "flap", "span"), rows=np.ones((4, 1)),
                         S=np.eye(4))  # fmt: skip
     c, s = math.cos(math.radians(25.0)), math.sin(math.radians(25.0))
-    found = ContactPoint(lean_deg=25.0, axial="chord").directions(body)
+    found = ct.ContactPoint(lean_deg=25.0, axial="chord").directions(body)
     np.testing.assert_allclose(found, [[0, 0, s, c], [0, 0, c, -s], [0, 1, 0, 0]], rtol=1e-14)
-    assert ContactPoint().directions(body).tolist() == [[0, 0, 0, 1], [0, 0, 1, 0]]
-    plain = ContactPoint()
+    assert ct.ContactPoint().directions(body).tolist() == [[0, 0, 0, 1], [0, 0, 1, 0]]
+    plain = ct.ContactPoint()
     assert (plain.blade, plain.line, plain.axial, plain.track) == (0, 0, None, None)
     assert (plain.angle_deg, plain.lean_deg, plain.clearance) == (0.0, 0.0, 0.0)
-    assert ContactPoint(track=0).track == 0
+    assert ct.ContactPoint(track=0).track == 0
 
 
 @pytest.mark.parametrize(
@@ -43,27 +41,31 @@ def test_directions_of_a_leaning_tip():
 )  # fmt: skip
 def test_tips_that_cannot_be_are_refused(name, value):
     with pytest.raises(ct.InputError, match=f"{name}: found {value}"):
-        ContactPoint(**{name: value})
-    assert ContactPoint(lean_deg=89.9).lean_deg == -ContactPoint(lean_deg=-89.9).lean_deg
+        ct.ContactPoint(**{name: value})
+    assert ct.ContactPoint(lean_deg=89.9).lean_deg == -ct.ContactPoint(lean_deg=-89.9).lean_deg
 
 
 def test_a_blade_stiffens_from_the_speed_of_its_own_basis():
     body = replace(blade(), stiffness_by_speed=np.array([[1.5, 0.4], [0.4, 2.5]]), spin=6.0 * math.pi)
-    found = Stiffening.of(body, 2)
+    found = ct.gaps.Stiffening.of(body, 2)
     assert (found.blade, found.at_hz) == (2, pytest.approx(3.0, rel=1e-14))
     assert found.stiffness_by_speed.tolist() == [[1.5, 0.4], [0.4, 2.5]]
-    assert Stiffening.of(body).blade == 0
-    assert (Stiffening().blade, Stiffening().at_hz, Stiffening().stiffness_by_speed.shape) == (0, 0.0, (0, 0))
+    assert ct.gaps.Stiffening.of(body).blade == 0
+    assert (ct.gaps.Stiffening().blade, ct.gaps.Stiffening().at_hz, ct.gaps.Stiffening().stiffness_by_speed.shape) == (
+        0,
+        0.0,
+        (0, 0),
+    )
     with pytest.raises(
         ct.InputError, match=r"blades\[2\]: found a basis without stiffness_by_speed, expected one of a rotating"
     ):
-        Stiffening.of(blade(), 2)
+        ct.gaps.Stiffening.of(blade(), 2)
     with pytest.raises(ct.InputError, match="at_hz: found nan"):
-        Stiffening(at_hz=math.nan)
+        ct.gaps.Stiffening(at_hz=math.nan)
 
 
 def rub(**more):
-    given = {"casing": ring(), "blades": (blade(),), "tips": (ContactPoint(),)} | more
+    given = {"casing": ring(), "blades": (blade(),), "tips": (ct.ContactPoint(),)} | more
     return ct.Rub(given.pop("casing"), given.pop("blades"), given.pop("tips"), **given)
 
 
@@ -73,25 +75,29 @@ def rub(**more):
         ({"clearance": 0.045}, {"clearance": 0.0451}, r"clearance: found 0\.0451 m at tip 0 on a radius of 0\.45 m"),
         ({"clearance": -0.045}, {"clearance": -0.0451}, r"clearance: found -0\.0451 m at tip 0"),
         (
-            {"clearance": 0.02, "tips": [ContactPoint(clearance=0.025)]},
-            {"clearance": 0.02, "tips": [ContactPoint(), ContactPoint(clearance=0.0251)]}, r"found 0\.0451 m at tip 1",
+            {"clearance": 0.02, "tips": [ct.ContactPoint(clearance=0.025)]},
+            {"clearance": 0.02, "tips": [ct.ContactPoint(), ct.ContactPoint(clearance=0.0251)]},
+            r"found 0\.0451 m at tip 1",
         ),
         (
             {"closing": ct.gaps.Closing([0.0, 1.0], [0.0, -0.045])},
-            {"closing": ct.gaps.Closing([0.0, 1.0, 2.0], [0.0, -0.0451, 0.04])}, r"closing: found -0\.0451 m",
+            {"closing": ct.gaps.Closing([0.0, 1.0, 2.0], [0.0, -0.0451, 0.04])},
+            r"closing: found -0\.0451 m",
         ),
         (
-            {"whirl": [ct.gaps.Whirl(amplitude=0.0225)] * 2}, {"whirl": [ct.gaps.Whirl(amplitude=0.0226)] * 2},
+            {"whirl": [ct.gaps.Whirl(amplitude=0.0225)] * 2},
+            {"whirl": [ct.gaps.Whirl(amplitude=0.0226)] * 2},
             r"whirl: found 0\.0452 m",
         ),
         (
             {"profile": ct.RimProfile.fourier([{"p": 2, "cos": 0.045}])},
-            {"profile": ct.RimProfile.fourier([{"p": 2, "cos": 0.0451}])}, r"out_of_roundness: found 0\.0451 m",
+            {"profile": ct.RimProfile.fourier([{"p": 2, "cos": 0.0451}])},
+            r"out_of_roundness: found 0\.0451 m",
         ),
         ({"thickness": 0.045}, {"thickness": 0.0451}, r"thickness: found 0\.0451 m"),
         ({"thickness": math.inf}, {"thickness": math.nan}, "thickness: found nan, expected metres > 0"),
     ],
-)  # fmt: skip
+)
 def test_lengths_up_to_a_tenth_of_the_radius_are_taken(taken, refused, words):
     rub(**taken)
     with pytest.raises(ct.InputError, match=words):
@@ -99,7 +105,7 @@ def test_lengths_up_to_a_tenth_of_the_radius_are_taken(taken, refused, words):
 
 
 def test_names_walls_and_directions_of_a_rub():
-    one, two = rub(), rub(blades=(blade(), blade(psi=0.5)), tips=[ContactPoint(blade=1, lean_deg=30.0)])
+    one, two = rub(), rub(blades=(blade(), blade(psi=0.5)), tips=[ct.ContactPoint(blade=1, lean_deg=30.0)])
     assert (one.names, two.names) == (("casing", "blade"), ("casing", "blade 1", "blade 2"))
     assert (one.wall, one.clearance, one.dimensions) == (math.inf, 0.0, 2)
     assert rub(thickness=2e-3, casing=replace(ring(), thickness=3e-3)).wall == 2e-3
@@ -110,7 +116,7 @@ def test_names_walls_and_directions_of_a_rub():
     np.testing.assert_allclose(row, math.cos(math.pi / 6) * span + 0.5 * flap, rtol=1e-12)
     assert ct.Rub(rim3(), (nodes(1),), tips(1)).dimensions == 3
     assert [len(part) for part in (two.bodies, two.starts)] == [3, 3]
-    assert rub(tips=[ContactPoint()], whirl=[ct.gaps.Whirl(amplitude=0.0)]).tips == (ContactPoint(),)
+    assert rub(tips=[ct.ContactPoint()], whirl=[ct.gaps.Whirl(amplitude=0.0)]).tips == (ct.ContactPoint(),)
 
 
 def test_rows_of_a_rim_by_table():
@@ -176,7 +182,7 @@ CASING_PART = np.arange(30.0).reshape(3, 10)
 
 def pulled(*forces, **more):
     given = {"casing": replace(ring(), participation=CASING_PART), "blades": (replace(blade(), participation=PART),),
-             "tips": [ContactPoint(angle_deg=35.0, lean_deg=20.0)]}  # fmt: skip
+             "tips": [ct.ContactPoint(angle_deg=35.0, lean_deg=20.0)]}  # fmt: skip
     return rub(**given | more, forces=forces)
 
 
@@ -204,13 +210,13 @@ def test_pulls_along_the_axis_are_those_on_the_body():
 
 def test_the_place_of_a_blade_is_the_mean_of_its_tips():
     def stands(*angles, lean=12.0):
-        return place(rub(tips=[ContactPoint(angle_deg=a, lean_deg=lean) for a in angles]), 0)
+        return place(rub(tips=[ct.ContactPoint(angle_deg=a, lean_deg=lean) for a in angles]), 0)
 
     assert stands(40.0, 43.0, 50.0) == pytest.approx((math.radians(133.0 / 3.0), math.radians(12.0)), rel=1e-12)
     assert stands(350.0, 360.0)[0] == pytest.approx(math.radians(355.0), rel=1e-12)
     with pytest.raises(ct.InputError, match=r"tips of blade 1 over 10\.5 degrees and leans that differ by 0, expected"):
         stands(40.0, 50.5)
-    leans = rub(tips=[ContactPoint(lean_deg=10.0), ContactPoint(lean_deg=12.5)])
+    leans = rub(tips=[ct.ContactPoint(lean_deg=10.0), ct.ContactPoint(lean_deg=12.5)])
     with pytest.raises(ct.InputError, match=r"over 0 degrees and leans that differ by 2\.5, expected one blade"):
         place(leans, 0)
 
@@ -246,20 +252,20 @@ def test_a_rub_at_rest_under_what_pulls_at_the_start():
     load = np.concatenate([[0.0, -9.80665] @ plane[:, :10], [felt.real, felt.imag] @ plane[:, 10:]])
     np.testing.assert_allclose(force_at_start(scene), load, rtol=1e-12)
     load = load + 0.5 * np.concatenate([CASING_PART[2], PART[2]])
-    rest = settled(scene)
+    rest = ct.gaps.settled(scene)
     np.testing.assert_allclose(rest.casing_start.displacement, load[:10] / ring().omega ** 2, rtol=1e-12)
     np.testing.assert_allclose(rest.blade_starts[0].displacement, load[10:] / blade().omega ** 2, rtol=1e-12)
-    still = settled(rub(casing_start=ct.gaps.Start(velocity=np.ones(10))))
+    still = ct.gaps.settled(rub(casing_start=ct.gaps.Start(velocity=np.ones(10))))
     assert not still.casing_start.displacement.any()
     assert still.casing_start.velocity.all()
 
 
 def test_each_blade_settles_by_its_own_stiffening():
     two = [replace(blade(), participation=PART)] * 2
-    stiff = Stiffening(blade=1, stiffness_by_speed=1e4 * np.eye(2))
+    stiff = ct.gaps.Stiffening(blade=1, stiffness_by_speed=1e4 * np.eye(2))
     scene = rub(casing=replace(ring(), participation=CASING_PART), blades=two, stiffening=[stiff],
-                tips=[ContactPoint(blade=0), ContactPoint(blade=1)], forces=[ct.gaps.BodyForce(acceleration=1.0)],
+                tips=[ct.ContactPoint(blade=0), ct.ContactPoint(blade=1)], forces=[ct.gaps.BodyForce(acceleration=1.0)],
                 speed=ct.Speed.constant(5.0))  # fmt: skip
-    one, other = (start.displacement for start in settled(scene).blade_starts)
+    one, other = (start.displacement for start in ct.gaps.settled(scene).blade_starts)
     np.testing.assert_allclose(one, PART[0] / blade().omega ** 2, rtol=1e-12)
     np.testing.assert_allclose(other, PART[0] / (blade().omega ** 2 + 1e4 * (10.0 * math.pi) ** 2), rtol=1e-12)

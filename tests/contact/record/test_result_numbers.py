@@ -7,31 +7,30 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import contact as ct
 from casingfem.cli.pictures import force_files, ledger
-from contact.base.errors import InputError
 from contact.io.trust import Flag
-from contact.record.energy import Divergence, EnergyBudget, Stored
+from contact.record.energy import Divergence
 from contact.record.growth import Cause, RunGrowth
-from contact.record.record import BUFFER, MOST_SAMPLES, Record, sparse
-from contact.result import Result
-from contact.scheme.protocol import Motion, Notes
+from contact.record.record import BUFFER, MOST_SAMPLES, sparse
+from contact.scheme.protocol import Notes
 from contact.sweep.row import row_of
 
-START = Stored(kinetic=2.0, strain=3.0, potential=5.0, residual=7.0, discrete=11.0)
-END = Stored(kinetic=13.0, strain=17.0, potential=19.0, residual=23.0, discrete=29.0)
-BUDGET = EnergyBudget(
+START = ct.record.Stored(kinetic=2.0, strain=3.0, potential=5.0, residual=7.0, discrete=11.0)
+END = ct.record.Stored(kinetic=13.0, strain=17.0, potential=19.0, residual=23.0, discrete=29.0)
+BUDGET = ct.record.EnergyBudget(
     start=START, end=END, contact=-31.0, rotation=37.0, friction=-41.0, damping=-43.0, external=47.0, body_force=53.0,
     algorithmic=59.0, load_step=61.0, overlap=67.0,
 )  # fmt: skip
 FORCE = np.array([[0.0, 1.0], [2.0, 0.0], [4.0, 0.0], [0.0, 0.0], [3.0, 7.0]])
-MADE = Result(
+MADE = ct.Result(
     time=0.1 * np.arange(5), force=FORCE,
     gap=np.array([[0.3, -0.1], [-0.2, 0.4], [-0.7, 0.6], [0.5, 0.8], [-0.05, -0.9]]),
     impulse_history=0.1 * np.cumsum(FORCE, axis=0), impulse=0.1 * FORCE.sum(axis=0), peak_force=np.array([6.0, 9.0]),
     max_penetration=np.array([0.75, 0.95]), residual=np.array([0.011, 0.007]), contact_steps=np.array([3, 2]),
     reversals=np.array([4, 5]), state_time=np.array([0.1, 0.3]), state=np.array([[1.0, -8.0], [2.0, 3.0]]),
     intervals=(((0.05, 0.25), (0.35, 0.45)), ((0.0, 0.05),)), energy=BUDGET,
-    motions=(Motion(kind="rod", number=1, mean_velocity=1.5, momentum=2.5),), blocks=(("body 1", 0, 2),),
+    motions=(ct.scheme.Motion(kind="rod", number=1, mean_velocity=1.5, momentum=2.5),), blocks=(("body 1", 0, 2),),
     steps=5, dt=0.1, window=0.2, seconds=0.3, scheme="some scheme", source={}, channels=np.zeros((0, 2)),
     notes=Notes(heat=np.array([1.25, 2.25]), drive=np.array([-3.0, 8.0])),
 )  # fmt: skip
@@ -57,7 +56,7 @@ def test_the_budget_is_summed_by_hand():
         assert replace(BUDGET, start=replace(START, **{name: -97.0})).scale == 97.0
         assert replace(BUDGET, end=replace(END, **{name: 101.0})).scale == 101.0
     assert replace(BUDGET, damping=-1e3, algorithmic=1e3, load_step=1e3, overlap=1e3).scale == 53.0
-    since = BUDGET.since(EnergyBudget(
+    since = BUDGET.since(ct.record.EnergyBudget(
         start=END, end=START, contact=1.0, rotation=2.0, friction=3.0, damping=4.0, external=5.0, body_force=6.0,
         algorithmic=7.0,
     ))  # fmt: skip
@@ -206,20 +205,20 @@ def test_intervals_are_joined_across_pauses_shorter_than_the_window():
 def test_a_chunk_is_as_long_as_its_buffers_allow():
     """Numbers a step: 6 for events of each contact; 1 + 3 a contact every 5 steps, 1 + coordinates every 20."""
     for record, width in (
-        (Record(every=5, state_every=20), 18.0 + 10.0 / 5.0 + 41.0 / 20.0),
-        (Record(every=5), 18.0 + 10.0 / 5.0),
-        (Record(at=[0.1]), 18.0 + 10.0 + 41.0),
-        (Record(every=1, state_every=1, channels=np.ones((7, 40))), 18.0 + 10.0 + 8.0),
+        (ct.Record(every=5, state_every=20), 18.0 + 10.0 / 5.0 + 41.0 / 20.0),
+        (ct.Record(every=5), 18.0 + 10.0 / 5.0),
+        (ct.Record(at=[0.1]), 18.0 + 10.0 + 41.0),
+        (ct.Record(every=1, state_every=1, channels=np.ones((7, 40))), 18.0 + 10.0 + 8.0),
     ):
         assert record.chunk(3, 40) == int(BUFFER / width)
-    assert Record(state_every=1).chunk(3, 10 * BUFFER) == 1
+    assert ct.Record(state_every=1).chunk(3, 10 * BUFFER) == 1
     assert (sparse(MOST_SAMPLES).every, sparse(MOST_SAMPLES + 1).every, sparse(0).every) == (1, 2, 1)
 
 
 def test_instants_are_the_nearest_steps_of_the_run():
-    record = Record(at=[0.0, 0.149, 0.151, 0.5])
+    record = ct.Record(at=[0.0, 0.149, 0.151, 0.5])
     assert record.steps(dt=0.1, count=5).tolist() == [0, 1, 2, 4]  # the end of the run is its last step
-    with pytest.raises(InputError, match=r"at: found 0\.5 s, expected at most 0\.499 s"):
+    with pytest.raises(ct.InputError, match=r"at: found 0\.5 s, expected at most 0\.499 s"):
         record.steps(dt=0.0998, count=5)
     for inside, outside in (
         ({"every": 1}, {"every": 0}), ({"state_every": 0}, {"state_every": -2}),
@@ -227,6 +226,6 @@ def test_instants_are_the_nearest_steps_of_the_run():
         ({"at": [0.0]}, {"at": [-1e-9]}), ({"at": [0.1]}, {"at": [0.1], "state_every": 1}),
         ({"state_every": 1, "channels": [[0.0]]}, {"state_every": 1, "channels": np.zeros((0, 2))}),
     ):  # fmt: skip
-        Record(**inside)
-        with pytest.raises(InputError, match="found"):
-            Record(**outside)
+        ct.Record(**inside)
+        with pytest.raises(ct.InputError, match="found"):
+            ct.Record(**outside)

@@ -8,15 +8,15 @@ import pytest
 
 import contact as ct
 from contact.io.trust import Flag
-from contact.record.energy import Divergence, EnergyBudget, Stored
+from contact.record.energy import Divergence
 from contact.record.wear import Wear
-from contact.result import Result, _listed
+from contact.result import _listed
 from contact.scheme.protocol import Notes
 
-STILL = Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
-ENERGY = EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0)
+STILL = ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
+ENERGY = ct.record.EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0)
 GAP = np.array([[0.5, 0.75], [0.25, 0.125], [0.375, 0.5]])
-CALM = Result(
+CALM = ct.Result(
     time=np.array([0.0, 0.25, 0.5]), force=np.zeros((3, 2)), gap=GAP, impulse_history=np.zeros((3, 2)),
     impulse=np.zeros(2), peak_force=np.zeros(2), max_penetration=np.zeros(2), residual=np.zeros(2),
     contact_steps=np.zeros(2), reversals=np.zeros(2), state_time=np.array([0.25]), state=np.array([[1.0, 2.0, 3.0]]),
@@ -94,7 +94,7 @@ def test_a_saved_result_has_every_part(tmp_path):
         intervals=(((0.0, 0.25),), ((0.25, 0.5),)), source={"numpy": "2"},
         notes=Notes(flags=(THIN, Flag("far", "motion-unbounded", failed=True)), heat=np.ones(1)),
     )  # fmt: skip
-    again = Result.load(full.save(tmp_path / "full.npz"))
+    again = ct.Result.load(full.save(tmp_path / "full.npz"))
     assert repr(again) == repr(full)
     for name in ("sticking", "intervals", "every", "source", "blocks", "steps", "dt", "window", "energy", "scheme"):
         assert getattr(again, name) == getattr(full, name)

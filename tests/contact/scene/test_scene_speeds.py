@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.scene.stability import load_interactions, load_stability
 from contact.scene.turning import BasinsTable
 from tests.contact.synthetic_rim import blade, ring
 
@@ -38,15 +37,15 @@ steps = 3
 def test_a_pair_by_hand_is_looked_at_over_its_speeds(tmp_path):
     file = tmp_path / "pair.toml"
     file.write_text(PAIR)
-    for load in (load_stability, load_interactions):
+    for load in (ct.scene.load_stability, ct.scene.load_interactions):
         scene = load(file)
-        pair = scene.what if load is load_stability else scene.scene
+        pair = scene.what if load is ct.scene.load_stability else scene.scene
         assert scene.speed_hz.tolist() == [10.0, 15.0, 20.0]
         assert (pair.compliance, pair.friction, pair.lean_deg) == (2.5e-7, 0.2, 10.0)
         assert (pair.casing.n, pair.casing.freq_hz, pair.blade.zeta) == (3, 200.0, 0.01)
     file.write_text(PAIR.replace("stiffness = 4e6", "compliance = 3e-7").replace("steps = 3\n", ""))
-    assert load_stability(file).what.compliance == 3e-7
-    assert load_stability(file).speed_hz.size == 401
+    assert ct.scene.load_stability(file).what.compliance == 3e-7
+    assert ct.scene.load_stability(file).speed_hz.size == 401
 
 
 RIM = """
@@ -73,22 +72,22 @@ def test_a_rim_is_looked_at_over_its_scan_or_up_to_twice_its_speed(tmp_path):
     blade().save(tmp_path / "blade.npz")
     file = tmp_path / "rim.toml"
     file.write_text(RIM)
-    scene = load_interactions(file)
+    scene = ct.scene.load_interactions(file)
     np.testing.assert_allclose(scene.speed_hz, 0.05 * np.arange(1, 201), rtol=1e-12)
     assert scene.scene.law.mu == 0.3
     with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing, expected \{from_hz"):
-        load_stability(file)
+        ct.scene.load_stability(file)
     file.write_text(RIM.replace("hz = 5.0", "hz = 0.0"))
     with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing, .* where the scene does not turn"):
-        load_interactions(file)
+        ct.scene.load_interactions(file)
     scan = "hz = 5.0\nscan = {from_hz = 1.0, to_hz = 4.0, steps = 4}"
     file.write_text(RIM.replace("hz = 5.0", scan).replace("friction = 0.3\n", ""))
-    for load in (load_stability, load_interactions):
+    for load in (ct.scene.load_stability, ct.scene.load_interactions):
         assert load(file).speed_hz.tolist() == [1.0, 2.0, 3.0, 4.0]
-    assert load_stability(file).mu == 0.0
+    assert ct.scene.load_stability(file).mu == 0.0
     file.write_text(RIM.replace("hz = 5.0", "hz = -5.0"))
     with pytest.raises(ct.scene.SceneError, match=r"speed.hz: found -5 turns/s, expected no speed below 0"):
-        load_interactions(file)
+        ct.scene.load_interactions(file)
 
 
 def test_the_source_of_a_scene_is_the_hash_of_its_file_and_bases_in_their_order(tmp_path):

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 
 import contact as ct
 from contact.model.trig import harmonics
-from contact.record.record import Record, samples
+from contact.record.record import samples
 from contact.scheme.beam.beam_stepper import beam_step, prepare_beam, prepare_beam_newmark
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
@@ -19,7 +19,7 @@ CIRCLE = ct.bodies.BeamInCircle(BEAM, radius=0.502, offset=6e-3)
 RING = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
 
 
-def advanced(stepper, t_end, record=Record(every=1)):  # noqa: B008
+def advanced(stepper, t_end, record=ct.Record(every=1)):  # noqa: B008
     """Run a stepper itself, to read what a Result does not carry."""
     steps = math.ceil(t_end / stepper.dt)
     contacts = stepper.sums.closed.size
@@ -33,7 +33,7 @@ def before_and_after():
     """An explicit run to 1.4 times the first contact."""
     stepper = prepare_beam(CIRCLE, None, 0.5)
     start = stepper.stored()
-    out, steps = advanced(stepper, 1.4 * CIRCLE.first_contact_time, Record(every=1, state_every=1))
+    out, steps = advanced(stepper, 1.4 * CIRCLE.first_contact_time, ct.Record(every=1, state_every=1))
     return stepper, start, out, steps
 
 
@@ -156,7 +156,7 @@ def impulse(ring, t_end):
     beam = replace(BEAM, elements=10)
     stepper = prepare_beam(ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
     start = stepper.stored()
-    advanced(stepper, t_end, Record(every=100))
+    advanced(stepper, t_end, ct.Record(every=100))
     end = stepper.stored()
     assert abs(end.discrete - start.discrete - stepper.sums.work.sum()) <= 1e-12 * end.kinetic
     assert stepper.sums.residual.max() <= 1e-15
@@ -179,7 +179,7 @@ def test_residual_compliance_of_the_ring_yields_with_its_modes():
     stepper = prepare_beam(ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring), None, 0.5)
     pressed = 0
     for step in range(4000):
-        out = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+        out = samples(ct.Record(), 1, stepper.sums.closed.size, stepper.size)
         stepper.sums.filled[:] = 0
         assert stepper.advance(out, step, 1) == -1
         x, force = stepper.state.x[1:], out.force[0]
@@ -206,7 +206,7 @@ def test_nodes_that_press_together_all_end_on_the_rim(pressing):
     out = s.x[1:, :2] - [CIRCLE.offset, 0.0]
     far = 0.502 - np.linalg.norm(out, axis=1)
     s.d[-pressing:, :2] = (out * (1.0 + 1e-3 / far[:, None]) * (far / np.linalg.norm(out, axis=1))[:, None])[-pressing:]
-    found = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+    found = samples(ct.Record(), 1, stepper.sums.closed.size, stepper.size)
     assert stepper.advance(found, 0, 1) == -1
     force = found.force[0]
     assert np.flatnonzero(force > 0.0).tolist() == list(range(10 - pressing, 10))
@@ -233,7 +233,7 @@ def test_a_node_that_others_relieve_has_its_gap_and_no_force():
     r = np.linalg.norm(out, axis=1)
     for node, beyond in ((-1, 1e-4), (-2, 1e-9)):
         s.d[node, :2] = out[node] / r[node] * (0.502 - r[node] + beyond)
-    found = samples(Record(), 1, stepper.sums.closed.size, stepper.size)
+    found = samples(ct.Record(), 1, stepper.sums.closed.size, stepper.size)
     assert stepper.advance(found, 0, 1) == -1
     away = s.x[1:, :2] - [CIRCLE.offset, 0.0]
     waves = np.array([harmonics(4, angle) for angle in np.arctan2(away[:, 1], away[:, 0])])

@@ -10,7 +10,7 @@ import contact as ct
 from contact.model.bodies.band import band
 from contact.model.bodies.chain import assemble
 from contact.model.bodies.linear_system import linear_system
-from contact.record.record import Record, samples
+from contact.record.record import samples
 from contact.scheme.linear.alpha import newmark_limit
 from contact.scheme.linear.stepper import FAINT, linear_step, parts_of, require_stable
 
@@ -104,7 +104,7 @@ def stepped(run, first, steps, *, failed=-1):
         return failed
 
     run = replace(run, loop=loop)
-    out = samples(Record(every=1, state_every=1), steps, 1, run.size)
+    out = samples(ct.Record(every=1, state_every=1), steps, 1, run.size)
     return run, run.advance(out, first, steps), out, calls[0]
 
 

@@ -9,7 +9,6 @@ from scipy.linalg import expm
 
 import contact as ct
 from contact.model.bodies.chain import assemble
-from contact.model.gaps.modal_system import point_system
 from contact.scheme.modal.exact_modal import _require_slow_turn, _step
 from contact.scheme.modal.modal_stepper import modal_stepper
 from contact.scheme.modal.propagator import propagator, window
@@ -114,7 +113,7 @@ def test_options_of_the_scheme_are_taken_up_to_their_bounds():
 
 def test_a_point_starts_with_its_gap_now_and_one_step_before_and_weights_of_damping():
     velocity = np.array([1.0, -2.0, 5.0])
-    system = point_system(point(zeta=0.1, velocity=velocity, load=LOAD))
+    system = ct.gaps.point_system(point(zeta=0.1, velocity=velocity, load=LOAD))
     parts = propagator(system.omega, system.zeta, system.load, H)
     run = modal_stepper(system, parts, averaged=False, law=ct.Unilateral(), label="")
     state, d = getclosurevars(run.velocity).nonlocals["state"], parts.backward(np.zeros(3), velocity)
@@ -136,7 +135,7 @@ def test_a_point_starts_with_its_gap_now_and_one_step_before_and_weights_of_damp
 
 
 def test_the_energy_law_starts_from_the_exact_motion_and_counts_what_the_overlap_stores():
-    system = point_system(point(velocity=np.array([1.0, -2.0, 5.0]), load=LOAD))
+    system = ct.gaps.point_system(point(velocity=np.array([1.0, -2.0, 5.0]), load=LOAD))
     run = ct.ExactModal(law="energy").prepare(
         point(velocity=[1.0, -2.0, 5.0], load=LOAD), ct.Unilateral(), dt=H, courant=None
     )

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.body import PointMass, Wall
 from contact.scene.scheme import SCHEMES
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
@@ -20,7 +19,7 @@ def test_a_contact_opens_within_half_a_step_neither_early_nor_late(name):
     late = []
     for part in np.linspace(0.03, 0.97, 12):  # where in a step the force ends
         scene = ct.Scene(
-            what=[PointMass(mass=1.0, force=1.0, force_hz=1.0), Wall()], t_end=0.4, dt=OPENS / (40.0 + part),
+            what=[ct.PointMass(mass=1.0, force=1.0, force_hz=1.0), ct.Wall()], t_end=0.4, dt=OPENS / (40.0 + part),
             scheme=SCHEMES[name][0](),
         )  # fmt: skip
         result = ct.run(scene)
@@ -41,9 +40,9 @@ def test_a_contact_closes_in_the_step_that_has_its_first_force(name, speed):
     if name == "massless-boundary":
         ball = ct.Rod(length=0.1, area=1.0, E=1e3, rho=20.0, elements=2, x=0.01, velocity=speed)
     else:
-        ball = PointMass(mass=2.0, x=0.01, velocity=speed)
+        ball = ct.PointMass(mass=2.0, x=0.01, velocity=speed)
     dt = 0.1 if name != "massless-boundary" else 0.005
-    result = ct.run([Wall(), ball], scheme=SCHEMES[name][0](), t_end=0.3, dt=dt, gravity=10.0)
+    result = ct.run([ct.Wall(), ball], scheme=SCHEMES[name][0](), t_end=0.3, dt=dt, gravity=10.0)
     ((begin, _), *_) = result.intervals[0]
     first = result.time[result.force[:, 0] > 0.0][0]
     assert abs(begin - first) <= 1.5 * dt
@@ -55,7 +54,7 @@ def test_a_contact_closes_in_the_step_that_has_its_first_force(name, speed):
 @pytest.mark.parametrize(("speed", "gravity"), [(-1.0, 0.0), (0.0, 10.0)], ids=["struck", "pressed"])
 def test_a_contact_that_is_closed_from_the_start_closes_at_zero(name, speed, gravity):
     bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=10, velocity=speed)
-    result = ct.run([Wall(), bar], scheme=SCHEMES[name][0](), t_end=0.5, dt=0.01, gravity=gravity,
+    result = ct.run([ct.Wall(), bar], scheme=SCHEMES[name][0](), t_end=0.5, dt=0.01, gravity=gravity,
                     on_limit="flag")  # fmt: skip
     assert result.intervals[0][0][0] == pytest.approx(0.0, abs=1e-12)
     assert all(begin < end for begin, end in result.intervals[0])

@@ -7,8 +7,6 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.rub import rub_of
-from contact.model.gaps.rub_laws import Closing, Whirl
-from contact.model.laws.force_law import Hertz
 from tests.contact.plain_step import PlainPatch, PlainRub
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, round_rim, tips
@@ -98,11 +96,11 @@ def test_tips_with_a_law_on_a_rim_that_whirls_closes_and_changes_speed(law, mu):
     steps = 100
     rub = three_tips(
         rim3(), speed=ct.Speed(time=[0.0, steps * H], hz=[20.0, 26.0]), turning="blades",
-        whirl=[Whirl(amplitude=3e-5, per_rev=1.0), Whirl(amplitude=2e-5, hz=40.0, phase_deg=30.0)],
-        closing=Closing(time=[0.0, steps * H], by=[0.0, 1e-5]),
+        whirl=[ct.gaps.Whirl(amplitude=3e-5, per_rev=1.0), ct.gaps.Whirl(amplitude=2e-5, hz=40.0, phase_deg=30.0)],
+        closing=ct.gaps.Closing(time=[0.0, steps * H], by=[0.0, 1e-5]),
     )  # fmt: skip
     rigid = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
-    contact = rigid if law == "rigid" else Hertz(k=3e9, mu=mu)
+    contact = rigid if law == "rigid" else ct.laws.Hertz(k=3e9, mu=mu)
     found = ct.run(
         rub, law=contact, scheme=ct.ExactModal(law="averaged"), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
         record=ct.Record(every=1),
@@ -127,7 +125,7 @@ def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_say(law, tangents)
     )  # fmt: skip
     mu = 0.3 if tangents else 0.0
     rigid = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
-    contact = rigid if law == "rigid" else Hertz(k=300.0, mu=mu)
+    contact = rigid if law == "rigid" else ct.laws.Hertz(k=300.0, mu=mu)
     found = ct.run(patch, law=contact, dt=h, t_end=(steps - 0.5) * h, record=ct.Record(every=1), on_limit="flag")
     compare(found, PlainPatch(patch, law=contact, h=h, averaged=law == "Hertz"), steps)
 

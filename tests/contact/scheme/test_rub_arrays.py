@@ -8,7 +8,6 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.limits import motion_limits
-from contact.model.gaps.rub import Start, Stiffening
 from contact.model.gaps.rub_system import rub_system
 from contact.model.trig import fourier
 from contact.scheme.modal import rub_arrays, rub_delassus, rub_stepper
@@ -126,7 +125,7 @@ def test_speed_stiffens_the_modes_of_each_blade_by_its_own_basis():
     rub = scene()
     system, _ = arrays(rub, 1)
     assert [part.shape for part in rub_arrays._stiffening(rub, system)] == [(0, 0), (0, 0)]
-    rub = replace(rub, stiffening=(Stiffening(blade=1, stiffness_by_speed=K, at_hz=hz),))
+    rub = replace(rub, stiffening=(ct.gaps.Stiffening(blade=1, stiffness_by_speed=K, at_hz=hz),))
     plain, squared = rub_arrays._stiffening(rub, system)
     exact = np.zeros((6, 6))
     exact[3:, 3:] = K
@@ -166,8 +165,8 @@ def test_the_overlap_at_the_start_is_that_of_the_deepest_tip():
     more = {
         "profile": ct.RimProfile.fourier(waviness), "whirl": (whirl,),
         "closing": ct.gaps.Closing([0.0, 1.0], [2e-6, 0.0]),
-        "blade_starts": (Start(displacement=q), Start(displacement=-q)),
-        "casing_start": Start(displacement=1e-6 * np.arange(10.0)),
+        "blade_starts": (ct.gaps.Start(displacement=q), ct.gaps.Start(displacement=-q)),
+        "casing_start": ct.gaps.Start(displacement=1e-6 * np.arange(10.0)),
     }  # fmt: skip
     rub = scene(**more)
     run = ct.ExactModal().prepare(rub, ct.Unilateral(), dt=H, courant=None)
@@ -207,7 +206,7 @@ def test_a_rub_names_its_bodies_and_their_coordinates():
 
 def test_a_rub_starts_with_weights_of_damping_and_the_limit_of_its_smaller_rim():
     load = np.arange(10.0)
-    rub = scene(casing_start=Start(load=load))
+    rub = scene(casing_start=ct.gaps.Start(load=load))
     system, parts = arrays(rub, 1)
     narrow = replace(system, radius=np.array([0.5, 0.4, 0.45]))
     s = rub_arrays.rub_state(rub, narrow, parts, 0.3, 1)

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.ring_modes import ring_modes
 from contact.model.gaps.bladed_disk import pair_rim
-from contact.model.gaps.permanent import ModalPair
 from tests.contact.held_runs import numbers_of
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
@@ -167,7 +165,9 @@ def test_numbers_of_a_modal_rod(law, held):
 def test_numbers_of_a_beam(ring, held):
     beam = ct.bodies.HingedBeam(length=0.5, width=0.02, height=0.005, E=210e9, rho=7800.0, torque=1.0, elements=8)
     around = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5)
-    circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3, ring=ring_modes(around, 8) if ring else None)
+    circle = ct.bodies.BeamInCircle(
+        beam, radius=0.502, offset=6e-3, ring=ct.bodies.ring_modes(around, 8) if ring else None
+    )
     held(
         1e-5,
         **numbers_of(ct.run(circle, t_end=1.05 * circle.first_contact_time, courant=0.5, record=ct.Record(every=200))),
@@ -198,7 +198,7 @@ def test_numbers_of_a_disk(held):
         lean_deg=30.0,
         zeta=1e-3,
     )
-    casing = pair_rim(ModalPair(n=2, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    casing = pair_rim(ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=1.5), radius=0.5)
     scene = ct.Rub(
         casing,
         (disk.body(),),

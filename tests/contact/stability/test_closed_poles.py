@@ -7,17 +7,16 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 import contact as ct
-from contact.model.gaps.permanent import HandPair, ModalPair, rim_contact
-from contact.scene.stability import load_interactions
-from contact.stability.closed_contact import closed_poles, growth, poles, poles_each
-from contact.stability.split_casing import mean_contact, perfect_mean
+from contact.stability.closed_contact import closed_poles, growth, poles_each
+from contact.stability.split_casing import mean_contact
 from contact.stability.waves import waves_of
 from tests.contact.synthetic_rim import blade, ring
 
-B6 = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+B6 = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
     compliance=1e-4,
-)  # fmt: skip
+)
 
 
 def rim(casing=None, **more):
@@ -34,21 +33,23 @@ TWO_BLADES = ct.Rub(
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("hz", [0.3, 5.0, 60.0, -20.0])
 def test_the_characteristic_equation_has_the_eigenvalues(mu, hz):
-    contact = rim_contact(rim(), mu=mu)
+    contact = ct.gaps.rim_contact(rim(), mu=mu)
     sense = np.sign(hz)
     found = closed_poles(waves_of(contact), float(contact.compliance(sense)[0, 0]), 2.0 * np.pi * hz)
-    every = poles(contact, np.array([hz]))[0]
+    every = ct.stability.poles(contact, np.array([hz]))[0]
     distance = np.abs(found[:, None] - every)
     assert distance[linear_sum_assignment(distance)].max() < 1e-9 * np.abs(every).max()
 
 
 def test_many_modes_go_by_the_equation_and_few_or_many_contacts_by_eigenvalues(monkeypatch):
-    contact, speeds = rim_contact(rim(), mu=0.3), np.array([5.0, 60.0])
+    contact, speeds = ct.gaps.rim_contact(rim(), mu=0.3), np.array([5.0, 60.0])
     by_eigenvalues = growth(contact, speeds)
     monkeypatch.setattr("contact.stability.closed_contact.MANY", 1)
     assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-9)
     two = mean_contact(TWO_BLADES, mu=0.3)[0]
-    assert growth(two, speeds) == pytest.approx([every.real.max() for every in poles(two, speeds)], rel=1e-12)
+    assert growth(two, speeds) == pytest.approx(
+        [every.real.max() for every in ct.stability.poles(two, speeds)], rel=1e-12
+    )
     monkeypatch.setattr("contact.stability.closed_contact.closed_poles", lambda *_: None)  # it did not settle
     assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-12)
     assert len(poles_each(contact, speeds)) == 2
@@ -56,8 +57,10 @@ def test_many_modes_go_by_the_equation_and_few_or_many_contacts_by_eigenvalues(m
 
 def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
     at = np.array([5.0, 20.0, 60.0])
-    own = growth(rim_contact(rim(), mu=0.3), at)
-    assert growth(rim_contact(rim(perfect_mean(ring())), mu=0.3), at) == pytest.approx(own, rel=1e-9)
+    own = growth(ct.gaps.rim_contact(rim(), mu=0.3), at)
+    assert growth(ct.gaps.rim_contact(rim(ct.stability.perfect_mean(ring())), mu=0.3), at) == pytest.approx(
+        own, rel=1e-9
+    )
     mean, averaged = mean_contact(rim(ring(imperfect=1e-3)), mu=0.3)
     assert averaged
     assert growth(mean, at) == pytest.approx([32.159, 27.929, 315.555], rel=0.02)  # Floquet's theory of the split one
@@ -66,7 +69,7 @@ def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
 def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():
     """Compliances turned by hand through a turn; frequency and damping of a pair are the mean of its two."""
     casing, N, size = ring(imperfect=0.05), 6, 13
-    mean, turned = perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))
+    mean, turned = ct.stability.perfect_mean(replace(casing, zeta=np.tile([0.01, 0.04], 5))), np.zeros((26, 26))
     for phi in 2.0 * np.pi * np.arange(16) / 16:
         R = np.eye(size)
         for n in range(1, N + 1):
@@ -82,10 +85,12 @@ def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_sta
 def test_a_mode_without_partner_goes_into_the_compliance():
     cut = ring().truncated(ring().omega[-1] * 0.99)
     lone = replace(ring(), omega=ring().omega * np.r_[np.ones(9), 1.5]).truncated(ring().omega[-2] * 1.01)
-    assert perfect_mean(lone).omega.size == 8
+    assert ct.stability.perfect_mean(lone).omega.size == 8
     size = 13  # radial compliance at one angle: what the mode of n = 6 gave there, averaged over the angle
     gone = lone.rows[:size, 8] @ lone.rows[:size, 8] / lone.omega[8] ** 2
-    assert np.trace(perfect_mean(lone).S[:size, :size]) == pytest.approx(np.trace(lone.S[:size, :size]) + gone)
+    assert np.trace(ct.stability.perfect_mean(lone).S[:size, :size]) == pytest.approx(
+        np.trace(lone.S[:size, :size]) + gone
+    )
     assert cut.omega.size == 8
 
 
@@ -96,18 +101,18 @@ def test_scenes_of_four_kinds_have_speeds_and_others_are_refused(tmp_path):
         "modal_mass = 0.4\n[contact]\ncompliance = 1e-4\n[speed]\nfrom_hz = 52.0\nto_hz = 54.0\nsteps = 5\n"
     )
     file.write_text(pair)
-    assert load_interactions(file).speed_hz.tolist() == [52.0, 52.5, 53.0, 53.5, 54.0]
+    assert ct.scene.load_interactions(file).speed_hz.tolist() == [52.0, 52.5, 53.0, 53.5, 54.0]
     disk = (
         '[scene]\nkind = "disk"\nt_end = 1.0\n[casing.pair]\nn = 3\nfreq_hz = 290.0\nmodal_mass = 2.0\nradius = 0.5\n'
         "[disk]\nblades = 9\nfreq_hz = 115.0\nmodal_mass = 0.1\n[contact]\nclearance = 0.0\nfriction = 0.1\n[speed]\n"
         'hz = {}\n[scheme]\nkind = "exact-modal"\ndt = 5e-5\n'
     )
     file.write_text(disk.format("10.0"))
-    scene = load_interactions(file)
+    scene = ct.scene.load_interactions(file)
     assert (scene.scene.law.mu, scene.speed_hz[-1], scene.speed_hz.size) == (0.1, 20.0, 200)
     file.write_text(disk.format("0.0"))
     with pytest.raises(ct.scene.SceneError, match=r"speed.scan: missing"):
-        load_interactions(file)
+        ct.scene.load_interactions(file)
     file.write_text('[scene]\nkind = "rods"\nt_end = 1.0\n[scheme]\nkind = "penalty"\ncourant = 0.5\nstiffness = 1.0\n')
     with pytest.raises(ct.scene.SceneError, match=r"found 'rods', expected 'pair', 'rim', 'rub' or 'disk'"):
-        load_interactions(file)
+        ct.scene.load_interactions(file)

@@ -5,14 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from contact.model.gaps.permanent import ClosedContact, HandPair, ModalPair, disk_contact, turning
+import contact as ct
+from contact.model.gaps.permanent import ClosedContact, disk_contact, turning
 from contact.stability.coincidence import Coincidence, close_speeds, coincidences, loaded
 
 TURN = 2.0 * math.pi
 BOTH = np.array([-150.0, 150.0])  # senses of rotation
-PAIR = HandPair(
-    casing=ModalPair(n=3, freq_hz=310.0, modal_mass=1.7, zeta=3e-3),
-    blade=ModalPair(freq_hz=130.0, modal_mass=0.3, zeta=7e-3), compliance=9e-6, friction=0.4, lean_deg=35.0,
+PAIR = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=3, freq_hz=310.0, modal_mass=1.7, zeta=3e-3),
+    blade=ct.gaps.ModalPair(freq_hz=130.0, modal_mass=0.3, zeta=7e-3), compliance=9e-6, friction=0.4, lean_deg=35.0,
 )  # fmt: skip
 
 
@@ -103,7 +104,7 @@ def test_several_contacts_meet_what_they_see_alike_by_a_twentieth():
 
 
 def test_modes_of_one_frequency_count_once_and_the_disk_only_its_own_diameters():
-    casing, disk = (ModalPair(n=5, freq_hz=hz, modal_mass=2.0) for hz in (300.0, 120.0))
+    casing, disk = (ct.gaps.ModalPair(n=5, freq_hz=hz, modal_mass=2.0) for hz in (300.0, 120.0))
     met = coincidences(disk_contact(casing, disk, stiffness=1e3, blades=22), BOTH)
     assert [(c.branch, round(c.free_hz, 9)) for c in met] == [
         ("sum", -84.0), ("backward", -36.0), ("backward", 36.0), ("sum", 84.0),

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.permanent import HandPair, ModalPair, disk_contact, rim_contact, rub_contact
-from contact.stability.closed_contact import growth, poles
-from contact.stability.split_casing import floquet_growth, perfect_mean
+from contact.model.gaps.permanent import disk_contact, rub_contact
+from contact.stability.closed_contact import growth
+from contact.stability.split_casing import floquet_growth
 from tests.contact.cycles.bodies import random_body
 from tests.contact.synthetic_rim import blade, ring
 
-B6 = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
-    blade=ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=2e-3),
+B6 = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5, zeta=1e-3),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4, zeta=2e-3),
     compliance=1e-4,
 )
 SPEEDS = np.linspace(2.0, 60.0, 30)
@@ -29,11 +29,11 @@ def two_blades():
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_numbers_of_closed_contact(mu, held):
-    of_rim, of_rub = rim_contact(rim(), mu=mu), rub_contact(two_blades(), mu=mu)
-    every = np.stack([np.sort_complex(p) for p in poles(of_rim, np.array([5.0, 40.0]))])
+    of_rim, of_rub = ct.gaps.rim_contact(rim(), mu=mu), rub_contact(two_blades(), mu=mu)
+    every = np.stack([np.sort_complex(p) for p in ct.stability.poles(of_rim, np.array([5.0, 40.0]))])
     disk = disk_contact(
-        ModalPair(n=5, freq_hz=300.0, modal_mass=2.0),
-        ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
+        ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0),
+        ct.gaps.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
         stiffness=1e4,
         blades=22,
     )
@@ -42,7 +42,7 @@ def test_numbers_of_closed_contact(mu, held):
         rub=growth(of_rub, SPEEDS[::5]),
         disk=growth(disk, np.linspace(80.0, 90.0, 11)),
         size=np.abs(every),
-        mean=perfect_mean(ring(imperfect=0.05)).omega,
+        mean=ct.stability.perfect_mean(ring(imperfect=0.05)).omega,
     )
 
 

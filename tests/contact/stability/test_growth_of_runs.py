@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.bladed_disk import BladedDisk, pair_rim
+from contact.model.gaps.bladed_disk import pair_rim
 from contact.stability.envelope import envelope, growth_of
 from contact.stability.of_run import groups_of
 from tests.contact.synthetic_rim import blade, ring
@@ -121,7 +121,7 @@ def test_an_approach_to_an_end_state_is_no_growth():
 
 
 def test_modes_are_grouped_by_the_nodal_diameters_of_rim_and_disk():
-    disk = BladedDisk(blades=6, freq_hz=300.0, modal_mass=0.5, coupling=0.1)
+    disk = ct.BladedDisk(blades=6, freq_hz=300.0, modal_mass=0.5, coupling=0.1)
     groups = groups_of((ring(), disk.body()), disk.tips())
     assert [groups.named[k] for k in groups.of[:10:2]] == [("casing", n) for n in range(2, 7)]
     assert [groups.named[k][1] for k in groups.of[10:]] == [0, 1, 1, 2, 2, 3]

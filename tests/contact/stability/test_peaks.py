@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.permanent import HandPair, ModalPair
-from contact.stability.closed_contact import growth, poles
+from contact.stability.closed_contact import growth
 from contact.stability.coincidence import loaded
 from contact.stability.peaks import growth_at
 from contact.stability.split_casing import mean_contact
 from tests.contact.synthetic_rim import blade, ring
 
-PAIR = HandPair(
-    casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5), blade=ModalPair(freq_hz=120.0, modal_mass=0.4),
+PAIR = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
     compliance=1e-4,
-)  # fmt: skip
+)
 RANGE = np.linspace(20.0, 60.0, 41)
 
 
@@ -70,7 +70,7 @@ def test_the_motion_of_a_peak_is_the_eigenvector_of_its_pole(hz):
 def test_growth_at_speeds_is_the_largest_real_part_of_the_poles():
     at = np.array([5.0, 31.0])
     contact = mean_contact(rim(), mu=0.3)[0]
-    assert growth_at(rim(), at, mu=0.3) == pytest.approx(poles(contact, at).real.max(axis=1), rel=1e-9)
+    assert growth_at(rim(), at, mu=0.3) == pytest.approx(ct.stability.poles(contact, at).real.max(axis=1), rel=1e-9)
 
 
 @pytest.mark.slow
@@ -99,7 +99,7 @@ def test_a_split_pair_of_one_n_gives_one_peak():
 
 def test_a_disk_and_its_casing_have_one_peak_of_their_n():
     disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
-    casing = ct.model.gaps.bladed_disk.pair_rim(ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    casing = ct.model.gaps.bladed_disk.pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-4)
     (peak,) = ct.stability.peaks(rub, np.linspace(130.0, 142.0, 61)).rows
     assert (peak.n, peak.wave) == (3, "with")

@@ -8,25 +8,16 @@ import pytest
 
 import contact as ct
 from contact.model.bodies.modal_body import rim_channels
-from contact.model.gaps.permanent import (
-    ClosedContact,
-    HandPair,
-    ModalPair,
-    disk_contact,
-    equal_modes,
-    rub_contact,
-    turning,
-)
-from contact.stability.closed_contact import closed_poles, first_order, floor_of, growth, poles, poles_each
-from contact.stability.growing import of_rim
-from contact.stability.growth_map import StabilityMap, scan
-from contact.stability.split_casing import mean_contact, perfect_mean
+from contact.model.gaps.permanent import ClosedContact, disk_contact, equal_modes, rub_contact, turning
+from contact.stability.closed_contact import closed_poles, first_order, floor_of, growth, poles_each
+from contact.stability.growth_map import scan
+from contact.stability.split_casing import mean_contact
 from contact.stability.waves import waves_of
 from tests.contact.synthetic_rim import blade, ring
 
-PAIR = HandPair(
-    casing=ModalPair(n=3, freq_hz=310.0, modal_mass=1.7, zeta=3e-3),
-    blade=ModalPair(freq_hz=130.0, modal_mass=0.3, zeta=7e-3), compliance=9e-6, friction=0.4, lean_deg=35.0,
+PAIR = ct.gaps.HandPair(
+    casing=ct.gaps.ModalPair(n=3, freq_hz=310.0, modal_mass=1.7, zeta=3e-3),
+    blade=ct.gaps.ModalPair(freq_hz=130.0, modal_mass=0.3, zeta=7e-3), compliance=9e-6, friction=0.4, lean_deg=35.0,
 )  # fmt: skip
 TURN = 2.0 * math.pi
 
@@ -44,8 +35,11 @@ def test_a_pair_by_hand_as_a_closed_contact():
     assert contact.G.tolist() == [[0, 3, 0], [-3, 0, 0], [0, 0, 0]]
     assert (contact.S_nn.tolist(), contact.S_nt.tolist()) == ([[9e-6]], [[0.0]])
     assert (contact.casing, contact.mu) == (2, 0.4)
-    plain = HandPair(casing=ModalPair(n=1, freq_hz=1.0, modal_mass=1.0), blade=ModalPair(freq_hz=1.0, modal_mass=1.0),
-                     compliance=1.0)  # fmt: skip
+    plain = ct.gaps.HandPair(
+        casing=ct.gaps.ModalPair(n=1, freq_hz=1.0, modal_mass=1.0),
+        blade=ct.gaps.ModalPair(freq_hz=1.0, modal_mass=1.0),
+        compliance=1.0,
+    )
     assert (plain.friction, plain.lean_deg, plain.kappa) == (0.0, 0.0, 1.0)
     for change in ({"compliance": 0.0}, {"friction": -0.1}, {"lean_deg": math.nan}):
         with pytest.raises(ct.InputError, match=f"{next(iter(change))}: found"):
@@ -59,13 +53,16 @@ def test_a_pair_by_hand_as_a_closed_contact():
 )  # fmt: skip
 def test_pairs_that_cannot_be_are_refused(change, words):
     with pytest.raises(ct.InputError, match=words):
-        ModalPair(**{"freq_hz": 1.0, "modal_mass": 1.0} | change)
-    assert (ModalPair(freq_hz=1.0, modal_mass=1.0).n, ModalPair(freq_hz=1.0, modal_mass=1.0).zeta) == (0, 0.0)
+        ct.gaps.ModalPair(**{"freq_hz": 1.0, "modal_mass": 1.0} | change)
+    assert (ct.gaps.ModalPair(freq_hz=1.0, modal_mass=1.0).n, ct.gaps.ModalPair(freq_hz=1.0, modal_mass=1.0).zeta) == (
+        0,
+        0.0,
+    )
 
 
 def test_a_disk_in_its_casing_as_two_contacts():
-    casing = ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
-    disk = ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.03)
+    casing = ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
+    disk = ct.gaps.ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.03)
     found = disk_contact(casing, disk, stiffness=50.0, blades=5)
     np.testing.assert_allclose(found.omega, TURN * np.array([300.0, 300.0, 120.0, 120.0]), rtol=1e-14)
     assert found.zeta.tolist() == [0.01, 0.01, 0.03, 0.03]
@@ -97,7 +94,7 @@ def written_out(contact, hz):
 def test_poles_are_eigenvalues_at_either_sense(make):
     contact = replace(make(), S_nt=0.3 * make().S_nn)
     speeds = np.array([-80.0, 0.0, 60.0])
-    found = poles(contact, speeds)
+    found = ct.stability.poles(contact, speeds)
     for hz, every in zip(speeds, found, strict=True):
         expected = written_out(contact, hz)
         size = np.abs(expected).max()
@@ -111,11 +108,11 @@ def test_poles_are_eigenvalues_at_either_sense(make):
 
 def test_poles_of_many_speeds_come_in_batches(monkeypatch):
     speeds = np.linspace(-50.0, 90.0, 7)
-    whole = poles(PAIR.contact(), speeds)
+    whole = ct.stability.poles(PAIR.contact(), speeds)
     monkeypatch.setattr("contact.stability.closed_contact.BATCH", 2 * 36)
-    np.testing.assert_array_equal(poles(PAIR.contact(), speeds), whole)
+    np.testing.assert_array_equal(ct.stability.poles(PAIR.contact(), speeds), whole)
     monkeypatch.setattr("contact.stability.closed_contact.BATCH", 1)
-    np.testing.assert_array_equal(poles(PAIR.contact(), speeds), whole)
+    np.testing.assert_array_equal(ct.stability.poles(PAIR.contact(), speeds), whole)
 
 
 def two_blades():
@@ -198,7 +195,7 @@ def test_speeds_to_look_at_count_inside_the_range_alone():
 
 
 def test_a_map_as_a_table_a_document_and_words():
-    found = StabilityMap(speed_hz=np.array([1.0, 2.0]), growth=np.array([0.5, -1.0]), peak_speed_hz=1.5,
+    found = ct.stability.StabilityMap(speed_hz=np.array([1.0, 2.0]), growth=np.array([0.5, -1.0]), peak_speed_hz=1.5,
                          peak_growth=0.75, bands_hz=((1.0, 1.75),))  # fmt: skip
     assert found.columns() == {
         "speed_hz": [1.0, 2.0], "growth_1_s": [0.5, -1.0],
@@ -216,7 +213,7 @@ def test_a_map_as_a_table_a_document_and_words():
 def test_a_rim_without_friction_is_a_perfect_contact_where_nothing_is_said():
     rim = ct.RotatingRim(ring(), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=10.0)
     speeds = np.array([5.0, 60.0])
-    np.testing.assert_array_equal(of_rim(rim, speeds).growth, growth(rub_contact(rim, mu=0.0), speeds))
+    np.testing.assert_array_equal(ct.stability.of_rim(rim, speeds).growth, growth(rub_contact(rim, mu=0.0), speeds))
     assert mean_contact(rim)[0].mu == 0.0
     assert not mean_contact(rim)[1]
 
@@ -229,7 +226,7 @@ def test_a_band_of_a_split_casing_begins_at_1e_8_of_the_highest_frequency_of_bot
     casing, tip = ring(imperfect=0.01), blade()
     tip = replace(tip, omega=[TURN * 0.5 * blade_hz, TURN * blade_hz])
     rim = ct.RotatingRim(casing, tip, clearance=-1e-5, speed_hz=5.0)
-    found = of_rim(rim, [0.0, 100.0], mu=0.5)
+    found = ct.stability.of_rim(rim, [0.0, 100.0], mu=0.5)
     floor = 1e-8 * max(casing.omega.max(), TURN * blade_hz)
     assert np.array(found.bands_hz) == pytest.approx(np.array([[50.0 + floor / 0.5e-5, 100.0]]), abs=1e-6)
     assert found.words.startswith(f"Closed contact is unstable from {found.bands_hz[0][0]:.5g} to 100 Hz")
@@ -258,7 +255,7 @@ def split(pairs, n_max):
 def test_the_mean_of_a_pair_moves_by_the_mean_of_both_amplitudes():
     """n = 2 of 2: radial cos 4, tangential sin 1 of one; radial sin 2, tangential cos -2 of the other."""
     body = split([(3.0, 0.1, {2: 4.0, 9: 1.0}), (5.0, 0.3, {4: 2.0, 7: -2.0})], 2)
-    mean = perfect_mean(body)
+    mean = ct.stability.perfect_mean(body)
     assert (mean.omega.tolist(), mean.zeta.tolist()) == ([4.0, 4.0], [0.2, 0.2])
     expected = np.zeros((10, 2))
     expected[[2, 9], 0], expected[[4, 7], 1] = [3.0, 1.5], [3.0, -1.5]
@@ -270,7 +267,7 @@ def test_modes_belong_to_the_waves_they_have_most_of_and_stand_by_frequency():
     body = split([
         (7.0, 0.1, {0: 3.0, 1: 0.5, 3: 0.25}), (2.0, 0.0, {1: 2.0, 0: 0.5}), (4.0, 0.0, {2: 2.0}), (9.0, 0.0, {1: 6.0}),
     ], 1)  # fmt: skip
-    mean = perfect_mean(body)
+    mean = ct.stability.perfect_mean(body)
     assert mean.omega.tolist() == [3.0, 3.0, 7.0]
     assert mean.zeta.tolist() == [0.0, 0.0, 0.1]
     np.testing.assert_allclose(mean.rows[:, 2], [3.0, 0, 0, 0.25, 0, 0], atol=1e-14)

@@ -8,8 +8,8 @@ import pytest
 
 import contact as ct
 from contact.model.gaps.modal_system import rim_system
-from contact.model.gaps.permanent import rim_contact, rub_contact
-from contact.stability.closed_contact import growth, poles, poles_each
+from contact.model.gaps.permanent import rub_contact
+from contact.stability.closed_contact import growth, poles_each
 from contact.stability.coincidence import coincidences
 from contact.stability.split_casing import floquet_growth
 from contact.stability.waves import waves_of
@@ -43,7 +43,7 @@ def rim(casing, hz=5.0):
 
 @pytest.mark.parametrize("hz", [3.0, 40.0, -40.0])
 def test_waves_of_a_ring_that_turns_have_its_whirling_frequencies(hz):
-    contact, omega = rim_contact(rim(turning_ring(zeta=0.0)), mu=0.0), TURN * hz
+    contact, omega = ct.gaps.rim_contact(rim(turning_ring(zeta=0.0)), mu=0.0), TURN * hz
     free = waves_of(contact).poles(np.array([omega]), math.copysign(1.0, hz))
     found = sorted(free.own(np.array([omega]))[0, free.casing & (free.sign > 0.0)])
     expected = []
@@ -57,11 +57,11 @@ def test_waves_of_a_ring_that_turns_have_its_whirling_frequencies(hz):
 def test_poles_are_zeros_of_the_receptances_of_whirling_waves(mu):
     """S + H_c + H_b = 0 with D(s) = 1/(omega^2 + K2 Omega^2 + s^2 + (2 zeta omega -+ i g Omega) s) of each sense."""
     casing, tip = turning_ring(), blade()
-    contact = rim_contact(rim(casing), mu=mu)
+    contact = ct.gaps.rim_contact(rim(casing), mu=mu)
     a = math.radians(10.0)
     normal, tangent = (np.array(row) @ tip.rows for row in ((math.cos(a), math.sin(a)), (-math.sin(a), math.cos(a))))
     for hz in SPEEDS:
-        omega, s = TURN * hz, poles(contact, np.array([hz]))[0]
+        omega, s = TURN * hz, ct.stability.poles(contact, np.array([hz]))[0]
         pull, H = mu * math.copysign(1.0, hz), np.full(s.size, 0.0j)
         for k in range(0, 10, 2):
             n, w = float(ORDERS[k]), casing.omega[k]
@@ -96,8 +96,8 @@ def test_the_mean_of_turned_and_mirrored_pairs_is_the_perfect_casing():
     casing = turned_pairs(turning_ring(), [0.3, 1.1, -2.0, 0.0, 2.5])
     mean = ct.stability.perfect_mean(casing)
     for one in (casing, mean):
-        assert growth(rim_contact(rim(one), mu=0.3), SPEEDS) == pytest.approx(
-            growth(rim_contact(rim(turning_ring()), mu=0.3), SPEEDS), rel=1e-9, abs=1e-9
+        assert growth(ct.gaps.rim_contact(rim(one), mu=0.3), SPEEDS) == pytest.approx(
+            growth(ct.gaps.rim_contact(rim(turning_ring()), mu=0.3), SPEEDS), rel=1e-9, abs=1e-9
         )
 
 
@@ -147,14 +147,14 @@ def test_growth_of_a_split_casing_is_that_of_its_motion_integrated_over_a_turn(h
 @pytest.mark.slow
 def test_floquet_growth_of_a_perfect_casing_that_turns_is_that_of_its_poles():
     what = rim(turning_ring())
-    expected = growth(rim_contact(what, mu=0.3), SPEEDS[3::5])
+    expected = growth(ct.gaps.rim_contact(what, mu=0.3), SPEEDS[3::5])
     assert floquet_growth(what, SPEEDS[3::5], mu=0.3) == pytest.approx(expected, rel=1e-3)
 
 
 def test_one_contact_of_many_modes_has_the_same_poles(monkeypatch):
-    contact = rim_contact(rim(turning_ring()), mu=0.3)
+    contact = ct.gaps.rim_contact(rim(turning_ring()), mu=0.3)
     monkeypatch.setattr("contact.stability.closed_contact.MANY", 1)
-    for every, expected in zip(poles_each(contact, SPEEDS), poles(contact, SPEEDS), strict=True):
+    for every, expected in zip(poles_each(contact, SPEEDS), ct.stability.poles(contact, SPEEDS), strict=True):
         distance = np.abs(every[:, None] - expected)
         assert max(distance.min(axis=0).max(), distance.min(axis=1).max()) < 1e-8 * np.abs(expected).max()
 
@@ -162,7 +162,7 @@ def test_one_contact_of_many_modes_has_the_same_poles(monkeypatch):
 def test_the_blade_overtakes_no_wave_of_a_ring_that_turns():
     """Seen from the blade a wave against the rotation has sqrt(omega_0^2 + a^2 Omega^2) - a Omega > 0."""
     speeds = np.linspace(5.0, 60.0, 12)
-    contact, still = (rim_contact(rim(casing)) for casing in (turning_ring(), ring()))
+    contact, still = (ct.gaps.rim_contact(rim(casing)) for casing in (turning_ring(), ring()))
     assert {c.branch for c in coincidences(contact, speeds)} == {"backward", "forward"}
     assert {c.branch for c in coincidences(still, speeds)} == {"backward", "forward", "sum"}
     overtakes_none = "The blade overtakes no wave of the casing in this range"
@@ -172,7 +172,7 @@ def test_the_blade_overtakes_no_wave_of_a_ring_that_turns():
 
 def test_a_coincidence_of_a_casing_that_turns_stands_at_its_whirling_frequency():
     """omega - n Omega = omega_b with omega = sqrt(omega_0^2 + a^2 Omega^2) -+ b Omega, n = 4."""
-    contact = rim_contact(rim(turning_ring(zeta=0.0)), mu=0.3)
+    contact = ct.gaps.rim_contact(rim(turning_ring(zeta=0.0)), mu=0.3)
     met = [c for c in coincidences(contact, np.array([1.0, 60.0])) if c.n == 4 and c.branch == "backward"]
     still, n, b = TURN * 300.0, 4.0, 8.0 / 17.0
     assert len(met) == 1

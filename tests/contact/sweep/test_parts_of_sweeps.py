@@ -9,9 +9,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.record.energy import EnergyBudget, Stored
-from contact.result import Result
-from contact.scene.problems import SceneError
 from contact.sweep import sweep
 from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import (
@@ -54,13 +51,15 @@ def test_other_values_stand_in_copies_of_the_tables_that_hold_them():
 def test_a_place_that_is_not_there_is_refused_with_its_part(key):
     part = key.split(".")[-2]
     words = f"scene.toml: sweep.vary.key: found {key!r}, but the scene has no {part!r} there"
-    with pytest.raises(SceneError, match=re.escape(words)):
+    with pytest.raises(ct.scene.SceneError, match=re.escape(words)):
         _place(BASE, key, FILE)
 
 
 @pytest.mark.parametrize("key", ["hz", "speed.h z", "speed.", "speed.hz[1]"])
 def test_a_key_that_names_no_entry_of_a_table_is_refused(key):
-    with pytest.raises(SceneError, match=re.escape(f"sweep: sweep.vary.key: found {key!r}, expected table.key of the")):
+    with pytest.raises(
+        ct.scene.SceneError, match=re.escape(f"sweep: sweep.vary.key: found {key!r}, expected table.key of the")
+    ):
         _place(BASE, key, None)
 
 
@@ -108,7 +107,7 @@ def test_runs_are_the_product_or_the_rows_of_the_lists():
     many = [{"key": f"a.{name}", "from": 1, "to": 2, "steps": 1000} for name in "bc"]
     assert next(_combinations(SweepTable.model_validate({"vary": many}), FILE)) == (1.0, 1.0)
     with pytest.raises(
-        SceneError, match=r"scene\.toml: sweep\.vary: found 2000000 combinations, expected at most 1000000"
+        ct.scene.SceneError, match=r"scene\.toml: sweep\.vary: found 2000000 combinations, expected at most 1000000"
     ):
         next(_combinations(SweepTable.model_validate({"vary": [*many, {"key": "a.d", "values": [1.0, 2.0]}]}), FILE))
 
@@ -137,7 +136,7 @@ def test_runs_are_the_product_or_the_rows_of_the_lists():
     ],
 )  # fmt: skip
 def test_tables_that_plan_nothing_are_refused(given, words):
-    with pytest.raises(SceneError, match=re.escape(words)):
+    with pytest.raises(ct.scene.SceneError, match=re.escape(words)):
         _table(given, FILE)
 
 
@@ -177,12 +176,12 @@ def test_levels_are_the_rms_around_the_rim_by_nodal_diameters():
     np.testing.assert_allclose(_levels(radial, 2), expected, rtol=1e-14)
 
 
-BUDGET = EnergyBudget(
-    start=Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
-    end=Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
+BUDGET = ct.record.EnergyBudget(
+    start=ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
+    end=ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0),
     contact=0.0, rotation=0.0, friction=0.0, damping=0.0,
 )  # fmt: skip
-EMPTY = Result(
+EMPTY = ct.Result(
     time=np.zeros(0), force=np.zeros((0, 1)), gap=np.zeros((0, 1)), impulse_history=np.zeros((0, 1)),
     impulse=np.array([0.0]), peak_force=np.array([0.0]), max_penetration=np.array([0.0]), residual=np.array([0.0]),
     contact_steps=np.array([0]), reversals=np.array([0]), state_time=np.zeros(0), state=np.zeros((0, 12)),
