@@ -2,10 +2,11 @@
 
 Free modes with residual compliance (MacNeal, Computers & Structures 1, 1971, 581): the modes of the supported
 shell, and S = P^T K^-1 P - (P^T Phi) Lambda^-1 (Phi^T P) for all that they leave out, P the interface's load
-columns. Craig-Bampton (AIAA J. 6, 1968, 1313): static shapes of unit interface displacements and the modes of
-the shell held there, diagonalised; exact in statics with S = 0, but the interface then carries mass. Both answer a
-static push at the interface exactly as the full model does. A rim's basis, and that of a structure with a rotation, has
-the matrices of rotation between its modes (`turning.py`).
+columns. S is computed as R^T K R of the part R of K^-1 P that is M-orthogonal to the modes. Craig-Bampton (AIAA J. 6,
+1968, 1313): static shapes of unit interface displacements and the modes of the shell held there, diagonalised; exact in
+statics with S = 0, but the interface then carries mass. Both answer a static push at the interface exactly as the full
+model does. A rim's basis, and that of a structure with a rotation, has the matrices of rotation between its modes
+(`turning.py`).
 """
 
 import hashlib
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from casingfem.errors import ModelError
@@ -121,12 +123,12 @@ def reduce(
         attachment = shapes[:, : P.shape[1]]
         vectors, omega = craig_bampton_vectors(system, factor, P, attachment, modes)
     at_interface = P.T @ vectors
+    left = beside(vectors, attachment, system.M)
     S = np.zeros((P.shape[1], P.shape[1]))
     if method == "free":
-        S = P.T @ attachment - (at_interface / omega**2) @ at_interface.T
+        S = left.T @ (stiffness(system) @ left)
         S = 0.5 * (S + S.T)
     stored: dict[str, Any] = {}
-    left = attachment - (vectors / omega**2) @ at_interface.T
     if recovery:
         stored = {
             "recovery": system.expand(vectors)[:, :3].reshape(-1, len(omega)),
@@ -158,6 +160,17 @@ def reduce(
         provenance=provenance(system, method, modes) | seen.facts,
         **stored,
     )
+
+
+def beside(vectors: FloatArray, motions: FloatArray, mass: csc_array) -> FloatArray:
+    """What motions (free, k) have beside the mass-normalised modes `vectors` (free, m).
+
+    Of K^-1 P this is (K^-1 - Phi Lambda^-1 Phi^T) P. A difference of compliances would keep the round-off of a soft
+    support, which can exceed the residual.
+    """
+    for _ in range(2):  # the second time for round-off
+        motions = motions - vectors @ (vectors.T @ (mass @ motions))
+    return motions
 
 
 def participation(system: System | MeshSystem, axes: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -10,7 +10,8 @@ are the sharpest, rigid modes and massless dofs do no harm.
 K is stored as K + dK, |dK_ij| <= u |K_ij|, u = 2^-24 in single precision. A mode of zero stiffness then comes out as
 omega^2 = phi^T dK phi, of either sign, |omega^2| <= u |phi|^T |K| |phi|. A mode within this bound is rigid if it is
 negative, below ten times the most negative one, or a rigid motion of the nodes. Others beside a negative one are
-refused.
+refused. The springs that a mode strains add up to |phi|^T |K| |phi|. Of a rigid mode they cancel. A mode in which they
+do not cancel is elastic, however stiff other springs are.
 
 The modes are those of M and the symmetric part of K. Phi^T C Phi beside the ratios of the modes is their `damping`,
 Phi^T G Phi their `gyroscopic`, and the skew part of K between them their `stiffness`.
@@ -32,6 +33,7 @@ from contact.model.bodies.rigid_test import rigid_findings
 MODES = 20  # kept where nothing is said
 DENSE = 1500  # unknowns up to which all modes are computed at once
 RIGID = 1e-6  # omega^2 over that of the lowest elastic mode from the seventh on below which a mode is rigid
+UNREAL = 1e-12  # the same, where the mode's own springs have no more stiffness: round-off of a condensed stiffness
 ROUGH = 1e-2  # of the same: round-off of K that may be taken as zero; it is 0.1 of the lowest elastic frequency
 SHIFT = 1e-6  # s over the median K_ii / M_ii
 ROUND_OFF = 1e-14  # omega^2 over the median K_ii / M_ii that is none
@@ -154,14 +156,18 @@ def rigid_modes(matrices: Matrices, lam: Array, X: Array, level: float) -> int:
     """
     candidates = int(np.count_nonzero(lam < level))
     lowest = X[:, : max(candidates, 1)]
-    noise = matrices.rounding * np.einsum("ij,ij->j", np.abs(lowest), abs(matrices.K) @ np.abs(lowest))
-    bound = np.maximum(RIGID * level, np.minimum(noise, ROUGH * level))
+    springs = np.einsum("ij,ij->j", np.abs(lowest), abs(matrices.K) @ np.abs(lowest))
+    noise = matrices.rounding * springs
+    least = np.full(len(noise), RIGID * level)
+    if lam[0] > -UNREAL * level:
+        least = np.clip(RIGID * springs, UNREAL * level, least)
+    bound = np.maximum(least, np.minimum(noise, ROUGH * level))
     if lam[0] < -bound[0]:
         found = f"found omega^2 = {lam[0]:.3g} rad^2/s^2, expected a stiffness without negative modes"
         raise InputError(f"K: {found}; round-off of K explains {-bound[0]:.3g}")
-    lam, bound = lam[:candidates], bound[:candidates]
+    lam, bound, least = lam[:candidates], bound[:candidates], least[:candidates]
     noisy = candidates > 0 and lam[0] < -RIGID * level
-    zero = lam < RIGID * level
+    zero = lam < least
     if not zero.all():
         zero |= (lam < bound) & ((strain(matrices, lowest) < STRAINED) | (noisy & (lam < -SEEN * lam[0])))
     if noisy and (lost := lam[~zero & (lam < noise[:candidates])]).size:

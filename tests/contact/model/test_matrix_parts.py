@@ -260,3 +260,14 @@ def test_outputs_are_truncated_with_the_modes():
     again = replace(body, output_S=[[1.0], [2.0]], recovery_S=[[3.0]]).truncated(2.0)
     np.testing.assert_allclose(again.output_S, [[1.0 + 6.0 / 25.0], [2.0 - 12.0 / 25.0]], rtol=1e-14)
     np.testing.assert_allclose(again.recovery_S, [[3.6]], rtol=1e-14)
+
+
+@pytest.mark.parametrize("clamp", [1e9, 1e13])
+def test_a_mode_is_elastic_however_stiff_the_clamp_beside_it_is(clamp):
+    spring = (2.0 * np.pi * 27.0) ** 2  # of 1 kg
+    K = [[clamp + spring, -spring], [-spring, spring]]
+    body = ct.ModalBody.from_matrices(np.eye(2), K, dofs=[(1, "x"), (2, "x")], contact=[(2, "x")])
+    np.testing.assert_allclose(body.omega[0], 2.0 * np.pi * 27.0, rtol=1e-4)
+    free = [[spring, -spring], [-spring, spring]]
+    loose = ct.ModalBody.from_matrices(np.eye(2), free, dofs=[(1, "x"), (2, "x")], contact=[(2, "x")])
+    assert loose.omega[0] == 0.0
