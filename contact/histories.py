@@ -12,7 +12,7 @@ from contact.base.arrays import Array
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
 from contact.problem import What
-from contact.recovery import at_channels, casing_motion, rub_forces
+from contact.recovery import at_channels, casing_motion, rotor_motion, rub_forces
 from contact.result import Result
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
@@ -87,6 +87,8 @@ def tip_motion(what: object, result: Result, casing: Array | None = None) -> Tip
     turned = rub.speed.angles(result.state_time)
     phi = math.radians(tip.angle_deg) - turned
     rim = _rim(casing, phi, rub.casing.n_max, tip.line, rub.casing.directions)
+    x, y = rotor_motion(rub, result).T
+    moved = moved + np.stack([x * np.cos(phi) + y * np.sin(phi), y * np.cos(phi) - x * np.sin(phi)], axis=1)
     return TipMotion(time=result.state_time, tip=moved, rim=rim)
 
 

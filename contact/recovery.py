@@ -34,11 +34,23 @@ def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
 
 
 def casing_motion(what: object, result: Result) -> Array | None:
-    """Displacement of the casing's channels, (ns, K) [m]; None of other problems than rubs, or without states."""
+    """Displacement of the casing's channels, (ns, K) [m]; None of other problems than rubs, or without states.
+
+    Without the motion of a rotor.
+    """
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size:
         return None
-    return at_channels(rub.casing, result.state_of("casing"), rub_forces(rub, result, "casing")[1])
+    q = result.state_of("casing").copy()
+    q[:, rub.flexible :] = 0.0
+    return at_channels(rub.casing, q, rub_forces(rub, result, "casing")[1])
+
+
+def rotor_motion(rub: Rub, result: Result) -> Array:
+    """Motion of the disk along x and y, (ns, 2) [m]; zero without a rotor."""
+    if rub.rotor is None:
+        return np.zeros((len(result.state), 2))
+    return np.asarray(result.state_of("rotor") @ rub.rotor.plane.T)
 
 
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:

@@ -132,18 +132,21 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
 def _seen(what: object, end: float) -> Seen | None:
     """What is read of a problem whose run ended at `end` [s]; None of what is no rim and no rub."""
     if isinstance(what, RotatingRim):
-        parts = _parts((what.casing, what.blade), ONE)
+        parts = _parts((what.casing, what.blade), ONE, what.casing.omega.size)
         return Seen(what.casing, parts, 0, what.speed, what.casing.line_wall(0) or math.inf)
     if isinstance(what, Rub):
-        return Seen(what.casing, _parts(what.bodies, what.tips), what.tips[0].line, what.speed.omega(end), what.wall)
+        parts = _parts(what.bodies, what.tips, what.flexible)
+        return Seen(what.casing, parts, what.tips[0].line, what.speed.omega(end), what.wall)
     return None
 
 
 @remembered
-def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...]) -> Parts:
-    """What runs of the same bodies have in common."""
+def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], flexible: int) -> Parts:
+    """What runs of the same bodies have in common; modes of the first from `flexible` on are those of a rotor."""
+    reach = reach_of(bodies[0], tips).copy()
+    reach[:, flexible:] = 0.0
     return Parts(
-        readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips), reach_of(bodies[0], tips)
+        readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible), readonly(reach)
     )
 
 
@@ -216,10 +219,11 @@ def reach_of(casing: ModalBody, tips: Sequence[ContactPoint]) -> Array:
     return readonly(found)
 
 
-def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint]) -> Groups:
+def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint], flexible: int | None = None) -> Groups:
     """Modes by body and nodal diameters: those of the harmonic that moves a rim most, of tips evenly spread around."""
     casing, *blades = bodies
-    keys: list[tuple[str, int | None]] = [("casing", int(n)) for n in casing_diameters(casing)]
+    keys: list[tuple[str, int | None]] = [("casing", int(n)) for n in casing_diameters(casing)[:flexible]]
+    keys += [("rotor", None)] * (casing.omega.size - len(keys))
     for b, body in enumerate(blades):
         keys += [("blades", n) for n in blade_diameters(body, [tip for tip in tips if tip.blade == b])]
     named = tuple(dict.fromkeys(keys))

@@ -53,6 +53,29 @@ def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float,
         out[i] = pulls.plane[0, i] * x + pulls.plane[1, i] * y
     for i in range(pulls.casing, out.size):
         out[i] = pulls.plane[0, i] * blade_x + pulls.plane[1, i] * blade_y
+    if pulls.unbalance.shape[0] > 0:
+        add_unbalance(pulls, t, angle, omega, slope, out)
+
+
+@jit
+def add_unbalance(pulls: Pulls, t: float, angle: float, omega: float, slope: float, out: Array) -> None:
+    """Force U (Omega^2 - i dOmega/dt) e^(i angle) of a rotor, which turns against the angle of the casing.
+
+    In the step in which the unbalance changes, the change counts for the part of t - h/2 to t + h/2 that follows it.
+    """
+    ux, uy = 0.0, 0.0
+    for k in range(pulls.unbalance.shape[0]):
+        row = pulls.unbalance[k]
+        share = min(max((t - row[0]) * row[1] + 0.5, 0.0), 1.0)
+        ux += share * row[2]
+        uy += share * row[3]
+    along, across = omega * omega, slope
+    x, y = along * ux - across * uy, along * uy + across * ux
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = c * x + s * y, c * y - s * x
+    begin = pulls.casing - pulls.swing.shape[1]
+    for i in range(pulls.swing.shape[1]):
+        out[begin + i] += pulls.swing[0, i] * x + pulls.swing[1, i] * y
 
 
 @jit

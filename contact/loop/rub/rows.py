@@ -37,6 +37,8 @@ class Pulls(NamedTuple):
     laws: Array  # (forces, 8)
     plane: Array  # (2, m)
     casing: int  # modes of the casing, which come first
+    unbalance: Array  # (jumps, 4): from [s], 1/h, and what a rotor's unbalance gains along its x and y [kg m]
+    swing: Array  # (2, modes of the rotor): motion of the unbalance along x and y; these modes are the casing's last
 
 
 class RubLaws(NamedTuple):
@@ -61,6 +63,7 @@ class RubRows(NamedTuple):
     casing: RowBlocks
     width: int
     reach: Array  # (lines, width): bound of |normal row| over the angle
+    wall: Array  # the same of what bends the casing's wall, without a rotor's modes
     directions: int
     line: Indices  # (K,)
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows

@@ -262,7 +262,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         w.side[0] = 1 - w.side[0]
         if step % LOOK == 0:
             for line in range(rows.reach.shape[0]):
-                rim_amplitude(s.limits, rows.reach[line], s.q)
+                rim_amplitude(s.limits, rows.wall[line], s.q)
         step += 1
         if outgrown(s.limits):
             return step

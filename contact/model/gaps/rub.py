@@ -19,6 +19,7 @@ from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.model.gaps.turning import casing_turns
 from contact.model.rate import Change, Rate, changes
+from contact.model.rotor.rotor import Rotor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +112,7 @@ class Rub:
     `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
     by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.
     A blade of `stiffening`, which turns, has the stiffness given there.
+    `rotor`: what the blades turn on, whose modes are the last ones of `casing`; `rotor_rub` makes such a rub.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     blades at rest with a stiffening, or a clearance, closing, whirl or profile beyond a tenth of the radius.
@@ -131,6 +133,7 @@ class Rub:
     thickness: float = math.inf
     forces: tuple[BodyForce, ...] = ()
     turning: Literal["casing", "blades"] = "blades"
+    rotor: Rotor | None = None
 
     __repr__ = brief
 
@@ -163,6 +166,9 @@ class Rub:
                 "blade.stiffening: found blades that the speed stiffens beside turning = 'casing', where blades are at "
                 "rest, expected turning = 'blades' or no stiffening"
             )
+        if self.rotor is not None and (turns or self.flexible < 0):
+            found = f"turning = {self.turning!r} and a casing of {self.casing.omega.size} modes"
+            raise InputError(f"rotor: found {found}, expected a rub of ct.rotor.rotor_rub, whose blades turn")
         for one in self.forces:
             if one.casing_turns != turns:
                 found = f"a force of bodies of which the {'casing' if one.casing_turns else 'blades'} turn"
@@ -213,12 +219,19 @@ class Rub:
         if self.profile.theta is not None and omega > 0.0:
             least = float(np.diff(self.profile.theta).min()) / omega
             found.append(Rate.of_passage("the passage of a point of the profile", least, f"{least:.3g} s"))
+        if self.rotor is not None:
+            found += self.rotor.rates()
         for key, table, values, unit in (
             ("speed", self.speed.time, self.speed.hz, "Hz"), ("closing", self.closing.time, self.closing.by, "m"),
         ):  # fmt: skip
             rates, begins = changes(key, table.tolist(), values.tolist(), unit)
             found += [*rates, *begins]
         return tuple(found)
+
+    @property
+    def flexible(self) -> int:
+        """How many modes of `casing` are the casing's own; those of a rotor follow."""
+        return int(self.casing.omega.size) - (0 if self.rotor is None else self.rotor.body.omega.size)
 
     @property
     def wall(self) -> float:

@@ -90,6 +90,19 @@ def force_at_start(rub: Rub) -> Array:
     return np.concatenate([on_casing @ plane[:, :casing], on_blades @ plane[:, casing:]])
 
 
+def varying_force(rub: Rub) -> Array | None:
+    """Modal forces at t = 0 of what varies in time, gravity, whirl and unbalance, (m,); None without any."""
+    rotor = rub.rotor
+    if rotor is None or not rotor.unbalance.acts:
+        return force_at_start(rub) if rub.forces else None
+    load = force_at_start(rub) if rub.forces else np.zeros(sum(body.omega.size for body in rub.bodies))
+    table = rotor.speed.table
+    slope = table[max(int(np.searchsorted(table[:, 0], 0.0, side="right")) - 1, 0), 3]
+    push = rotor.unbalance.before * complex(rotor.speed.omega(0.0) ** 2, -slope)
+    load[rub.flexible : rub.casing.omega.size] += np.array([push.real, push.imag]) @ rotor.plane
+    return load
+
+
 def settled(rub: Rub) -> Rub:
     """The same rub, its bodies at rest where gravity and whirl of t = 0 hold them: q = K^-1 f.
 
@@ -223,7 +236,8 @@ def _still_rub(
         first=first, matrices=BodyMatrices(bodies=bodies, senses=(0,) * len(bodies)), names=(),
         rim=_rim_table(casing), directions=casing.directions, line=line,
         radius=readonly([casing.line_radius(t.line) for t in tips]), angle=angle,
-        clearance=readonly([t.clearance for t in tips]), blade_rows=readonly(rows.reshape(-1, rows.shape[2])), own=own,
+        clearance=readonly([t.clearance for t in tips]), own=own,
+        blade_rows=readonly(rows.reshape(len(tips) * dimensions, rows.shape[2])),
         S=readonly(S), still=readonly(still),
     )  # fmt: skip
 
@@ -236,6 +250,7 @@ def matrices_of(rub: Rub) -> BodyMatrices:
         for k, body in enumerate(rub.blades)
     ]
     casing, others = (1, 0) if rub.turning == "casing" else (0, -1)
+    casing = casing if rub.rotor is None else others
     return BodyMatrices(bodies=(rub.casing, *blades), senses=(casing, *(others for _ in blades)))
 
 

@@ -1,5 +1,6 @@
 from .jeffcott import Jeffcott
 from .rotor import Release, Rotor, Unbalance
+from .rotor_rub import rigid_casing, rigid_tip, rotor_rub
 from .shaft import Bearing, Disk, Piece, Shaft
 from .whirl import RotorCampbell, UnbalanceResponse, campbell, critical_speeds, unbalance_response
 
@@ -16,5 +17,8 @@ __all__ = [
     "UnbalanceResponse",
     "campbell",
     "critical_speeds",
+    "rigid_casing",
+    "rigid_tip",
+    "rotor_rub",
     "unbalance_response",
 ]

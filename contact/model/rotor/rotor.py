@@ -62,6 +62,11 @@ class Unbalance:
         require_keyed(self)
 
     @property
+    def acts(self) -> bool:
+        """Whether there is any, from the start or after the release."""
+        return self.before != 0.0 or self.after != 0.0
+
+    @property
     def before(self) -> complex:
         """U from the start [kg m]."""
         return cmath.rect(self.moment, math.radians(self.angle_deg))

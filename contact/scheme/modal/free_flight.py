@@ -57,7 +57,7 @@ def _is_free(rub: Rub, system: RubSystem, parts: Propagator) -> bool:
     still = len(np.unique(rub.speed.hz)) == len(np.unique(rub.closing.by)) == 1
     return (
         system.contacts == 1 and still and parts.coupled is None and not system.load.any()
-        and not (rub.whirl or rub.forces or rub.stiffening)
+        and not (rub.whirl or rub.forces or rub.stiffening or rub.rotor)
     )  # fmt: skip
 
 

@@ -203,8 +203,8 @@ def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubR
     none, first = np.zeros((1, 1, 1)), np.zeros(1, dtype=np.int64)
     return RubRows(
         casing=RowBlocks(*row_blocks(rows_of_waves(first, rows[:, None], 0.0 * rows[:, None], WAVES))),
-        width=whole(m), reach=aligned(0, whole(m)), directions=R // k, line=np.arange(k), place=np.arange(k),
-        glide=glide, angle=np.zeros(k), heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
+        width=whole(m), reach=aligned(0, whole(m)), wall=aligned(0, whole(m)), directions=R // k, line=np.arange(k),
+        place=np.arange(k), glide=glide, angle=np.zeros(k), heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
         blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
         fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, few=False,
         S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
@@ -219,7 +219,9 @@ def _laws() -> RubLaws:
     return RubLaws(
         speed=np.zeros((1, 4)), closing=np.zeros((1, 2)), whirl=np.zeros((0, 4)),
         terms=Terms(np.zeros(0, dtype=np.int64), none, none), table=np.zeros((0, 3)), lowest=0.0,
-        pulls=Pulls(laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0),
+        pulls=Pulls(
+            laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0, unbalance=np.zeros((0, 4)), swing=np.zeros((2, 0))
+        ),
     )  # fmt: skip
 
 

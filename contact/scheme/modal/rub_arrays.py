@@ -13,7 +13,8 @@ from contact.base.remembered import remembered
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
-from contact.model.gaps.rub_system import RimTable, RubSystem, force_at_start, plane_participation, waves_of_tips
+from contact.model.gaps.rub_system import RimTable, RubSystem, plane_participation, varying_force, waves_of_tips
+from contact.model.rotor.rotor import Rotor
 from contact.model.trig import PRUNE, fourier, turned_back
 from contact.scheme.modal.blocks import row_blocks, rows_of_waves, whole
 from contact.scheme.modal.propagator import Propagator
@@ -42,7 +43,7 @@ class LoopArrays:
 
         W = np.zeros((0, 0)) if vary else unchanging(rub, system, parts, share)
         rows = rub_rows(rub, system, parts, W)
-        return LoopArrays(rub_laws(rub, system), rows, work_space(state, rows))
+        return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows))
 
 
 def rub_state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:
@@ -52,8 +53,9 @@ def rub_state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensi
     K, R, m = system.contacts, system.contacts * dimensions, system.omega.size
     stiff, stiff_at = _stiffening(rub, system)
     q = system.displacement.copy()
-    body = force_at_start(rub) if rub.forces else np.zeros(0)
-    loaded = replace(parts, load=parts.load + body) if rub.forces else parts  # under what pulls at t = 0
+    varying = varying_force(rub)
+    body = np.zeros(0) if varying is None else varying
+    loaded = parts if varying is None else replace(parts, load=parts.load + varying)  # under what pulls at t = 0
 
     def none(size: int) -> Array:
         return np.zeros(size)
@@ -82,21 +84,33 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
     return total[0], total[1]
 
 
-def rub_laws(rub: Rub, system: RubSystem) -> RubLaws:
-    """Speed, closing, whirl, profile and body forces."""
+def rub_laws(rub: Rub, system: RubSystem, h: float) -> RubLaws:
+    """Speed, closing, whirl, profile, body forces and unbalance."""
     from contact.loop.rub.rows import Pulls, RubLaws, Terms
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
     pulls = Pulls(
         laws=np.array([force.row for force in rub.forces], dtype=float).reshape(-1, 8),
-        plane=plane_participation(rub), casing=int(system.first[1]),
+        plane=plane_participation(rub), casing=int(system.first[1]), unbalance=_unbalance(rub.rotor, h),
+        swing=np.zeros((2, 0)) if rub.rotor is None else np.ascontiguousarray(rub.rotor.plane),
     )  # fmt: skip
     return RubLaws(
         speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
         whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
         table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls,
     )  # fmt: skip
+
+
+def _unbalance(rotor: Rotor | None, h: float) -> Array:
+    """Jumps of a rotor's unbalance: from the start, and at its release."""
+    if rotor is None or not rotor.unbalance.acts:
+        return np.zeros((0, 4))
+    given = rotor.unbalance
+    jumps = [(-math.inf, given.before)]
+    if given.release is not None:
+        jumps.append((given.release.time, given.after - given.before))
+    return np.array([[max(t, -1e300), 1.0 / h, U.real, U.imag] for t, U in jumps])
 
 
 def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRows:
@@ -110,6 +124,10 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = aligned(len(size), whole(m))
     reach[:, :m] = size
+    wall = reach
+    if rub.rotor is not None:
+        wall = aligned(*reach.shape)
+        wall[:, : rub.flexible] = reach[:, : rub.flexible]
     few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     if system.turns:
@@ -124,7 +142,7 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     apart.setflags(write=False)
     return RubRows(
         casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
-        width=whole(width), reach=reach, directions=system.directions, line=system.line,
+        width=whole(width), reach=reach, wall=wall, directions=system.directions, line=system.line,
         place=place.reshape(-1).astype(np.int64), glide=glide.ravel(), angle=system.angle,
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own,

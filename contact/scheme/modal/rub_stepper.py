@@ -69,9 +69,13 @@ class RubStepper(ExactRun):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """Name, first and one past the last mode of each body, then the forces on the tips."""
+        """Name, first and one past the last mode of each body, then the forces on the tips.
+
+        Modes of a rotor, which are the last ones of the casing, are those of "rotor" too.
+        """
         first = self.system.first.tolist()
-        return (*zip(self.system.names, first[:-1], first[1:], strict=True), ("tips", first[-1], self.size))
+        rotor = () if self.rub.rotor is None else (("rotor", self.rub.flexible, first[1]),)
+        return (*zip(self.system.names, first[:-1], first[1:], strict=True), *rotor, ("tips", first[-1], self.size))
 
     @property
     def arrays(self) -> LoopArrays:

@@ -1,0 +1,194 @@
+"""A rub whose blades turn on a flexible rotor: the rotor's modes join those of the casing.
+
+A disk that moves by (x, y) brings the tip at phi closer by x cos phi + y sin phi and along by -x sin phi + y cos phi.
+To the gap this is a casing that moves by the opposite amount. Its waves of one nodal diameter are
+
+    radial cos1 = -x,   radial sin1 = -y,   tangential cos1 = -y,   tangential sin1 = x.
+
+So the rotor's modes have rows like those of a rim, on all its lines, and one contact step serves both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from contact.base.arrays import Array, readonly
+from contact.base.errors import InputError
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.body_force import BodyForce
+from contact.model.gaps.rub import ContactPoint, Rub, Start
+from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
+from contact.model.rotor.rotor import Rotor
+
+PADDED = ("recovery", "output_rows")  # (k, m) of a casing
+
+
+def rotor_rub(
+    rotor: Rotor,
+    casing: ModalBody,
+    blades: Sequence[ModalBody],
+    tips: Sequence[ContactPoint] = (ContactPoint(),),
+    *,
+    clearance: float = 0.0,
+    profile: RimProfile | None = None,
+    closing: Closing | None = None,
+    thickness: float = math.inf,
+) -> Rub:
+    """Make the rub of blades on a rotor in a casing at rest.
+
+    The tips stand at their angles at t = 0 and turn with the rotor, from x to y at a positive speed. The rotor brings
+    its speed, unbalance, gravity and motion at t = 0; gravity acts on the casing too, and on blades if each has a
+    participation. Forces on the tips act on the
+    disk at `rotor.at`. The inertia of the blades' own motion on the disk is left out: the mass of the blades belongs to
+    the disk, and blades vibrate as on a fixed root.
+
+    Parameters
+    ----------
+    rotor
+        Shaft, disks and bearings; its mass has that of the blades.
+    casing
+        Basis of kind rim with n_max >= 1.
+    blades, tips, clearance, profile, closing, thickness
+        As of `Rub`; `rigid_tip()` is a blade that does not deform.
+
+    Raises
+    ------
+    InputError
+        For a casing without waves of one nodal diameter, tips with axial friction, a rotor with internal damping whose
+        speed varies, and as `Rub`.
+
+    >>> from contact.model.rotor.jeffcott import Jeffcott
+    >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02), 30.0)
+    >>> casing = rigid_casing(radius=0.25, mass=20.0, stiffness=2e8, zeta=0.02)
+    >>> rotor_rub(rotor, casing, [rigid_tip()], clearance=1e-3).casing.omega.size
+    4
+    """
+    if casing.kind == "rim" and casing.n_max < 1:
+        raise InputError(f"casing: found n_max = {casing.n_max}, expected n_max >= 1, the waves by which a rotor moves")
+    if any(tip.axial is not None for tip in tips):
+        raise InputError(
+            "tips: found axial friction on a rotor, whose disk does not move along the axis, expected none"
+        )
+    varies = len(np.unique(rotor.speed.hz)) > 1
+    if rotor.internal is not None and varies:
+        raise InputError("rotor: found internal damping beside a speed that varies, expected one of them")
+    turned = Speed(rotor.speed.time, readonly(-rotor.speed.hz))
+    hanging: Literal["both", "casing"] = "both" if all(one.participation is not None for one in blades) else "casing"
+    weight = replace(BodyForce.gravity(acceleration=rotor.gravity), on=hanging)
+    forces = () if rotor.gravity == 0.0 else (weight,)
+    rub = Rub(
+        joined(casing, rotor), tuple(blades), tuple(tips), clearance=clearance, speed=turned,
+        profile=profile or RimProfile(), closing=closing or Closing.none(), thickness=thickness, forces=forces,
+        rotor=rotor,
+    )  # fmt: skip
+    return _started(rub, casing.omega.size)
+
+
+def _started(rub: Rub, casing: int) -> Rub:
+    """The rub with the rotor where its own fields put it at t = 0."""
+    from contact.model.gaps.rub_system import settled
+
+    rotor = rub.rotor
+    assert rotor is not None
+    if rub.forces and rotor.settled:
+        rub = settled(rub)
+    given = rub.casing_start.displacement
+    q = np.zeros(rub.casing.omega.size) if given is None else np.array(given)
+    v = np.zeros(q.size)
+    q[casing:] += np.asarray(rotor.displacement)
+    v[casing:] = np.asarray(rotor.velocity)
+    return replace(rub, casing_start=Start(displacement=readonly(q), velocity=readonly(v)))
+
+
+def joined(casing: ModalBody, rotor: Rotor) -> ModalBody:
+    """The modes of a casing at rest, then those of the rotor, as one rim; it turns with the rotor, against the tips."""
+    body, m, own = rotor.body, casing.omega.size, rotor.body.omega.size
+    moved = _rim_motion(casing)
+    seen = [body.channel(f"{rotor.at}.{axis}") for axis in "xy"]
+    still = casing.matrices(0.0)[1] - np.diag(casing.omega**2)
+    stiffness = np.zeros((own, own)) if body.stiffness is None else np.array(body.stiffness)
+    if rotor.internal is not None:
+        stiffness += rotor.speed.omega(0.0) * np.asarray(rotor.internal)
+    squares: dict[str, Any] = {
+        "damping": _beside(casing.damping, body.damping, m, own),
+        "stiffness": _beside(still if still.any() else None, stiffness if stiffness.any() else None, m, own),
+        "gyroscopic": _beside(None, body.gyroscopic, m, own),
+        "stiffness_by_speed": _beside(None, body.stiffness_by_speed, m, own),
+        **{
+            name: None if (parts := getattr(body, name)) is None
+            else np.array([_beside(None, part, m, own) for part in parts])
+            for name in ("gyroscopic_higher", "stiffness_higher")
+        },
+    }  # fmt: skip
+    padded: dict[str, Any] = {
+        name: None if (rows := getattr(casing, name)) is None else np.hstack([rows, np.zeros((len(rows), own))])
+        for name in PADDED
+    }
+    weights = [casing.participation, body.participation]
+    none = any(part is None for part in weights)
+    return replace(
+        casing, omega=np.concatenate([casing.omega, body.omega]), zeta=np.concatenate([casing.zeta, body.zeta]),
+        rows=np.hstack([casing.rows, moved @ body.rows[seen]]),
+        S=casing.S + moved @ body.S[np.ix_(seen, seen)] @ moved.T, spin=body.spin,
+        participation=None if none else np.hstack([np.asarray(part) for part in weights]), **squares, **padded,
+    )  # fmt: skip
+
+
+def _rim_motion(casing: ModalBody) -> Array:
+    """Channels of a rim that moves against a disk by unit motions x and y of the disk, (channels, 2)."""
+    found, N = np.zeros((len(casing.channels), 2)), casing.n_max
+    blocks = found.reshape(casing.rim_lines, casing.directions, 2 * N + 1, 2)
+    blocks[:, 0, 1, 0] = blocks[:, 0, N + 1, 1] = blocks[:, 1, 1, 1] = -1.0
+    blocks[:, 1, N + 1, 0] = 1.0
+    return found
+
+
+def _beside(first: Array | None, second: Array | None, m: int, own: int) -> Array | None:
+    """Two square matrices along the diagonal; None where both are."""
+    if first is None and second is None:
+        return None
+    found = np.zeros((m + own, m + own))
+    if first is not None:
+        found[:m, :m] = first
+    if second is not None:
+        found[m:, m:] = second
+    return found
+
+
+def rigid_tip() -> ModalBody:
+    """Make a blade that does not deform, with the channels span and flap.
+
+    >>> rigid_tip().omega.size
+    0
+    """
+    none = np.zeros(0)
+    return ModalBody(omega=none, zeta=none, channels=("span", "flap"), rows=np.zeros((2, 0)), S=np.zeros((2, 2)))
+
+
+def rigid_casing(*, radius: float, mass: float, stiffness: float, zeta: float = 0.0) -> ModalBody:
+    """Make a casing that does not deform on mounts of one stiffness [N/m] in both directions of its plane.
+
+    Raises InputError for a radius, mass or stiffness that is not positive.
+
+    >>> casing = rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
+    >>> casing.channels[:3], casing.rows[:3].round(3).tolist()
+    (('radial.cos0', 'radial.cos1', 'radial.sin1'), [[0.0, 0.0], [0.224, 0.0], [0.0, 0.224]])
+    """
+    for name, value in (("radius", radius), ("mass", mass), ("stiffness", stiffness)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"{name}: found {value!r}, expected a positive number")
+    from contact.model.bodies.modal_body import rim_channels
+
+    rows = np.zeros((6, 2))
+    rows[[1, 5], 0] = 1.0, -1.0
+    rows[[2, 4], 1] = 1.0
+    rate = math.sqrt(stiffness / mass)
+    return ModalBody(
+        omega=np.full(2, rate), zeta=np.full(2, zeta), channels=rim_channels(1), rows=rows / math.sqrt(mass),
+        S=np.zeros((6, 6)), kind="rim", n_max=1, radius=radius, participation=math.sqrt(mass) * np.eye(3, 2),
+    )  # fmt: skip
