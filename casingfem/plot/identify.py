@@ -15,6 +15,7 @@ from casingfem.plot.style import AFTER, BEFORE, GREEN, MEASURED, PERFECT, PURPLE
 
 MODES_A_ROW, MOST_ROWS = 14, 4
 CLUSTER = 0.015  # of the axis: modes closer than this share one label
+LETTER = 0.0042  # of the axis: half the width of a letter
 
 
 @styled
@@ -47,7 +48,7 @@ def figure_stabilisation(found: Identified) -> Figure:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(visible=False)
     rows[-1].set_xlabel("frequency [Hz]")
-    rows[0].set_title(f"Stabilisation: {len(found)} modes chosen without a hand", pad=18)
+    rows[0].set_title(f"Stabilisation: {len(found)} modes chosen without a hand", pad=27)
     handles, labels = rows[0].get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=4)
@@ -76,7 +77,7 @@ def figure_responses(found: Identified, channel: int | None = None) -> Figure:
     _mark(upper, found, float(found.lines[0]), float(found.lines[-1]))
     sensor, force = np.argwhere(found.sensors.channels == channel)[0].tolist()
     point, reference = int(found.sensors.points[sensor]), int(found.sensors.references[force, 0])
-    upper.set_title(f"Response at point {point} to a force at point {reference}", pad=18)
+    upper.set_title(f"Response at point {point} to a force at point {reference}", pad=27)
     upper.set_ylabel("magnitude\n[unit of the responses]")
     lower.set(ylabel="phase [deg]", xlabel="frequency [Hz]", xlim=(found.lines[0], found.lines[-1]))
     figure.legend(handles=upper.lines[:2], loc="outside upper left", ncols=2, fontsize=8)
@@ -154,10 +155,16 @@ def _mark(axes: Axes, found: Identified, low: float, high: float) -> None:
             clusters[-1].append(k)
         else:
             clusters.append([k])
+    ends = [-np.inf] * 2
     for cluster in clusters:
         text = " ".join(str(n) for n in dict.fromkeys(found.n[cluster].tolist()) if n >= 0)
         place = float(found.freq[cluster].mean()), 1.0
+        half = LETTER * (len(text) + 1) * (high - low)
+        row = next((k for k, end in enumerate(ends) if place[0] - half > end), None)
+        if row is None:
+            continue
+        ends[row] = place[0] + half
         axes.annotate(
-            text, place, (0, 3), xycoords=axes.get_xaxis_transform(), textcoords="offset points", ha="center",
+            text, place, (0, 3 + 9 * row), xycoords=axes.get_xaxis_transform(), textcoords="offset points", ha="center",
             fontsize=8, color=AFTER,
         )  # fmt: skip

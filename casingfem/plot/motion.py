@@ -8,13 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from casingfem.io.arrays import Array
-from casingfem.plot.history import BINS, envelope
+from casingfem.plot.history import BINS, envelope, time_unit
 from casingfem.plot.style import AFTER, BEFORE, GREEN, PERFECT, PURPLE, SKY, new_figure, styled
 from casingfem.plot.ticks import Powers, label_decades
 from casingfem.plot.waves import COMMON, Mark, mark_frequencies
 
 SLICES, LEAST, FLOOR = 64, 256, 60.0  # of time in a waterfall, samples in each; dB below the loudest that is shown
 QUIET = 1e-3  # of the largest amplitude: a spectrum ends a quarter beyond its last line above it
+SMALL = 1e-4  # of the largest energy: less is no bar that one sees
 LATE = 0.25  # of a run, from its end: the orbit and the spectrum at the end
 COLOURS = (BEFORE, AFTER, GREEN, PURPLE, SKY)
 
@@ -63,7 +64,9 @@ def figure_spectrum(
         label_decades(upper.yaxis)
     mark_frequencies(upper, marks, top)
     if turn_hz > 0.0:
-        upper.xaxis.set_major_formatter(lambda f, _: f"{f:g}\n{f / turn_hz:.4g}")
+        orders = np.array(MaxNLocator(9, steps=[1, 2, 5, 10]).tick_values(0.0, top / turn_hz))
+        upper.set_xticks(orders * turn_hz, [f"{order * turn_hz:.4g}\n{order:g}" for order in orders])
+        upper.set_xlim(0.0, top)
         upper.set_xlabel("frequency [Hz]\nengine order, frequency over speed [-]")
     if upper.lines:
         figure.legend(*upper.get_legend_handles_labels(), loc="outside upper left", ncols=4, fontsize=8)
@@ -108,13 +111,14 @@ def waterfall(values: Array, step: float) -> tuple[Array, Array, Array]:
 
 def _waterfall(figure: Figure, axes: Any, time: Array, values: Array, step: float, top: float) -> None:
     starts, freq, amplitude = waterfall(values, step)
-    axes.set(xlabel="time [s]", ylabel="frequency [Hz]")
+    scale, name = time_unit(float(time[-1] - time[0]) if time.size else 1.0)
+    axes.set(xlabel=f"time [{name}]", ylabel="frequency [Hz]")
     if len(starts) < 2 or not amplitude.max() > 0.0:
         axes.text(0.5, 0.5, "too short a record for a waterfall", transform=axes.transAxes, ha="center")
         return
     shown = freq <= top
     level = 20.0 * np.log10(np.maximum(amplitude[:, shown] / amplitude.max(), 1e-12))
-    middle = float(time[0]) + step * (starts + 0.5 * (values.size - starts[-1]))
+    middle = scale * (float(time[0]) + step * (starts + 0.5 * (values.size - starts[-1])))
     drawn = axes.pcolormesh(
         middle, freq[shown], level.T, shading="nearest", rasterized=True, vmin=-FLOOR, vmax=0.0, cmap="magma"
     )
@@ -153,10 +157,14 @@ def _whole(axes: Any, points: Array) -> None:
 
 @styled
 def figure_energy(ledger: Mapping[str, float], time: Array, strain: Mapping[str, Array]) -> Figure:
-    """Where energy came from and went to over a run [J], and strain energy of each body over time."""
-    figure = new_figure(8.2, 3.6 + 2.0 * bool(strain))
+    """Where energy came from and went to over a run [J], and strain energy of each body over time.
+
+    Sources below SMALL of the largest are left out.
+    """
+    figure = new_figure(8.2, 2.6 + 2.4 * bool(strain))
     rows: Any = figure.subplots(1 + bool(strain), 1, squeeze=False)[:, 0]
-    names = list(ledger)
+    largest = max(map(abs, ledger.values()), default=0.0)
+    names = [name for name, value in ledger.items() if abs(value) > SMALL * largest] or list(ledger)
     values = np.array([ledger[name] for name in names])
     colours = [AFTER if value > 0.0 else BEFORE for value in values]
     rows[0].barh(names[::-1], values[::-1], color=colours[::-1])

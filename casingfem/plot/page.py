@@ -23,8 +23,9 @@ from casingfem.plot.hover import hover_values
 from casingfem.plot.style import Drawn, embed, image
 from contact.io.columns import Columns, Rows, cells_of
 
-NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
+NUMBER = re.compile(r"[+-]?\d+(,\d{3})*(\.\d+)?(e[+-]?\d+)?(( × 10)?[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( decades| times| %)?")
 POWER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d+)?e[+-]?\d+(?![\w.]\w)")
+EXPONENT = re.compile(r"(?<=\w)\^(-?\d+)\b")
 CODE = re.compile(r"`([^`]+)`")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SIXTEEN, EIGHT = 32767, 127
@@ -92,7 +93,7 @@ class Section:
 class Verdict:
     """What stands above all: what was found, facts by name, how sure that is, what to do next.
 
-    `state` colours it: "good", "bad", "open", or nothing.
+    `state` colours it: "good", "bad", "open", or nothing. `strips` are pictures of speed ranges by name, as HTML.
     """
 
     found: str
@@ -100,17 +101,18 @@ class Verdict:
     further: str
     facts: tuple[tuple[str, str], ...] = ()
     state: str = ""
+    strips: tuple[tuple[str, Markup], ...] = ()
 
 
 def written(cell: Cell, digits: int = 5) -> str:
     """A cell as text.
 
-    >>> written(371.2345678), written(None), written("base"), written(8.792613e12), written(-0.923955)
-    ('371.23', '–', 'base', '8.7926 × 10¹²', '-0.92395')
+    >>> written(371.2345678), written(None), written("rho = 4e-05"), written(8.792613e12), written(-0.923955)
+    ('371.23', '–', 'rho = 4 × 10⁻⁵', '8.7926 × 10¹²', '-0.92395')
     """
     if cell is None:
         return "–"
-    return raised(f"{cell:.{digits}g}") if isinstance(cell, float) else str(cell)
+    return raised(f"{cell:.{digits}g}") if isinstance(cell, float) else powers(str(cell))
 
 
 def raised(text: str) -> str:
@@ -126,6 +128,15 @@ def raised(text: str) -> str:
     return {"1": ten, "-1": f"-{ten}"}.get(mantissa, f"{mantissa} × {ten}")
 
 
+def powers(text: str) -> str:
+    """A text with its powers as one writes them.
+
+    >>> powers("2.5e-06 N/m^3")
+    '2.5 × 10⁻⁶ N/m³'
+    """
+    return EXPONENT.sub(lambda found: found[1].translate(RAISED), POWER.sub(lambda found: raised(found[0]), text))
+
+
 def prose(text: str) -> Markup:
     """A sentence as HTML: powers of ten as one writes them, and commands between backticks as code.
 
@@ -134,7 +145,7 @@ def prose(text: str) -> Markup:
     >>> prose("`casingfem rub` where n < 3")
     Markup('<code>casingfem rub</code> where n &lt; 3')
     """
-    written_out = str(escape(POWER.sub(lambda found: raised(found[0]), str(text))))
+    written_out = str(escape(powers(str(text))))
     return Markup(CODE.sub(r"<code>\1</code>", written_out))
 
 

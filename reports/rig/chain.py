@@ -85,7 +85,7 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
     ]
     page = render_page(
         "The rig, from test bench to rub", sections, notice=SYNTHETIC + rig_page.WHAT_IS_REAL,
-        verdict=rig_page.verdict(blade_fit, fit, rubs), source=origin(casing.source),
+        verdict=rig_page.verdict(blade_fit, fit, rubs, plan.speed_hz), source=origin(casing.source),
     )  # fmt: skip
     write_atomic(out / "report.html", page)
     left = rig_blade.rms(blade_fit.left_out)

@@ -15,7 +15,7 @@ from casingfem.plot.page import Picture, Section, Table, Verdict
 from casingfem.plot.pages.fit import capital, update_section
 from casingfem.plot.pages.scene import outcome
 from casingfem.plot.pages.sections import inputs_section, provenance_section
-from casingfem.plot.pages.speeds import speed_words, with_rpm
+from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
 from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
 from casingfem.plot.turning import turning_shapes
 from casingfem.study import Study
@@ -68,7 +68,7 @@ def deflection(rub: Rub) -> str:
     return f"{1e3 * rim.largest:.3g} mm, {100.0 * rim.largest / rim.wall:.3g} % of the wall"
 
 
-def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub]) -> Verdict:
+def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], speed_hz: float) -> Verdict:
     """What became of each rub, how hard it hits, at which speeds; how sure that is; what would make it surer."""
     states = [outcome(rub.ran) for rub in rubs]
     facts = tuple(
@@ -90,6 +90,7 @@ def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub]) -> 
         further="Measure the casing's mode shapes and the wall of the blade. Add an abradable coating to the model: "
         "without wear the forces are too high.",
         state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],
+        strips=tuple((f"Speeds, {rub.name}", speed_strip(rub.speeds, speed_hz)) for rub in rubs),
     )
 
 
@@ -182,7 +183,6 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         "f_b = f_c - n f.",
         "No coating wears in this model: a motion of a millimetre is not to be expected in a machine.",
         *(f"Warning: {flag}." for flag in result.flags),
-        *speed_words(rub.speeds),
     )
     numbers = (
         ("impulse [N s]", float(result.impulse[0])),

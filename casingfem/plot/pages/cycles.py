@@ -9,9 +9,9 @@ from casingfem.plot.pages.speeds import with_rpm
 
 Rows = Sequence[Mapping[str, Any]]
 BRANCHES = (
-    "Amplitude of every channel over the parameter: stable motions solid, unstable ones dashed, one colour a branch. "
-    "Strokes: a contact begins or ceases to close."
+    "Amplitude of every channel over the parameter: stable motions solid, unstable ones dashed, one colour a branch."
 )
+STROKES = " Strokes: a contact begins or ceases to close."
 BASINS = " Discs: motions that random starts reach at that value, with their share."
 MULTIPLIERS = (
     "Left: the largest Floquet multipliers of every orbit and the unit circle. An orbit is stable where all lie "
@@ -37,7 +37,9 @@ def cycles_page(
     on, with their share.
     """
     rows, marks = found.records(), found.marks()
-    pictures = [Picture.of(figure_cycles(rows, marks, reached), BRANCHES + BASINS * bool(reached))]
+    strokes = any(mark["kind"] == ORDINARY for mark in marks)
+    words = BRANCHES + STROKES * strokes + BASINS * bool(reached)
+    pictures = [Picture.of(figure_cycles(rows, marks, reached), words)]
     pictures.append(Picture.of(figure_multipliers(found), MULTIPLIERS))
     pictures += [Picture.of(figure_orbits(traces), ORBITS)] if traces else []
     tables = [stretches_table(found), marks_table(found, marks)]
@@ -66,8 +68,8 @@ def cycles_verdict(found: Any) -> Verdict:
     if size > 0.0:
         facts.append(("Force", f"At most {raised(f'{size:.4g}')} N, at {valued(found.name, force.value)}."))
     sure = (
-        "Every motion closes on itself after its period; its Floquet multipliers decide whether it is stable. Branches "
-        "that are not connected with these are not found."
+        f"{counted(len(points), 'periodic motion')} were computed. Floquet multipliers decide whether each is stable. "
+        "Branches that are not connected with these are not found."
     )
     return Verdict(found=sentence, sure=sure, further=further_words(found, jumps), facts=tuple(facts), state=state)
 
@@ -77,10 +79,12 @@ def outcome(name: str, points: Sequence[Any], jumps: Sequence[Any]) -> tuple[str
     lost = sum(not point.stable for point in points)
     low, high = min(point.value for point in points), max(point.value for point in points)
     between = f"from {valued(name, low)} to {valued(name, high)}"
-    some = f"{counted(len(points) - lost, 'stable motion')} and {lost} unstable, {between}."
+    some = f"The motion is stable in a part of the range {between} and unstable in the rest."
     if jumps:
         first = min(jumps, key=lambda one: float(one.orbit.value))
-        return "open", f"At {valued(name, first.orbit.value)} {MEANS[first.kind]} ({first.kind}). {some}"
+        return "open", f"At {valued(name, first.orbit.value)} {MEANS[first.kind]} ({first.kind})." + f" {some}" * bool(
+            lost
+        )
     if not lost:
         return "good", f"The motion is stable {between}: {counted(len(points), 'orbit')}."
     return (

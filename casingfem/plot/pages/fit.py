@@ -9,10 +9,10 @@ from casingfem.experiment.frequency_table import FrequencyTable
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.modal.mode_set import Modes
 from casingfem.plot.correlation import mac_panel
-from casingfem.plot.page import Picture, Section, Table, Verdict, written
+from casingfem.plot.page import Picture, Section, Table, Verdict, powers, written
 from casingfem.plot.style import new_figure, styled
 from casingfem.plot.update import Paired, figure_comparison, figure_corner, figure_errors, value_words
-from casingfem.updating.columns import PAIRS
+from casingfem.updating.columns import PAIRS, units
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import ShapeComparison, ShapeFit
 
@@ -66,9 +66,19 @@ def update_words(fit: UpdateResult) -> list[str]:
         f"RMS relative frequency error {written(100.0 * fit.rms_before, 3)} % at the start values and "
         f"{written(100.0 * fit.rms_after, 3)} % after the update, over {used_words(fit)}, with "
         f"{len(fit.parameters)} parameters and {len(fit.history)} evaluations. {misfit_words(fit)} "
-        f"Stopped: {fit.stopped.rstrip('.')}."
+        f"{stop_words(fit.stopped)}"
     ]
     return words + [words_of for _, words_of in unsure(fit)]
+
+
+def stop_words(stopped: str) -> str:
+    """Why a fit ended, as a sentence.
+
+    >>> stop_words("converged: no step promises to lower chi^2")
+    'The fit ended (converged): no step promises to lower chi^2.'
+    """
+    state, _, why = stopped.rstrip(".").partition(": ")
+    return f"The fit ended ({state}): {why}." if why else f"The fit ended: {state}."
 
 
 def unsure(fit: UpdateResult) -> list[tuple[str, str]]:
@@ -114,9 +124,20 @@ def sure_words(fit: UpdateResult) -> str:
         k: float(fit.sigma[k]) / (1.0 if fit.parameters[k].log else abs(float(fit.value[k])) or 1.0) for k in kept
     }
     kept.sort(key=lambda k: spread[k])
-    words = "; ".join(f"{fit.parameters[k].name} = {value_words(fit, k).replace(chr(10), ' ')}" for k in kept[:WORST])
+    names = units(fit.structure, [p.name for p in fit.parameters])
+    words = "; ".join(f"{fit.parameters[k].name} = {with_unit(value_words(fit, k), names[k])}" for k in kept[:WORST])
     more = f"; and {len(kept) - WORST} more" if len(kept) > WORST else ""
     return f"{words}{more} (one standard deviation)." if kept else ""
+
+
+def with_unit(words: str, unit: str) -> str:
+    r"""A value with its spread, and the unit after the value.
+
+    >>> with_unit("8.8 × 10¹²\n± 1.4 %", "N/m^3"), with_unit("0.23\n± 10 %", "-")
+    ('8.8 × 10¹² N/m³ ± 1.4 %', '0.23 ± 10 %')
+    """
+    value, _, spread = words.partition("\n")
+    return " ".join(part for part in (value, "" if unit == "-" else powers(unit), spread) if part)
 
 
 def capital(words: str) -> str:
@@ -164,7 +185,9 @@ def remedies(fit: UpdateResult) -> list[str]:
         words.append(f"Check {what} of the table: set aside, because all other rows contradict it.")
     if fit.inflation > 1.0:
         words.append(f"Check {worst_rows(fit)}: the measurement, or a part of the model that is not varied, is wrong.")
-    return words or ["Predict what was not measured: casingfem update --leave-one-out shows how well that goes."]
+    return words or [
+        "Check the predictions: `casingfem update --leave-one-out` predicts every measured row from the others."
+    ]
 
 
 def worst_rows(fit: UpdateResult, count: int = 2) -> str:

@@ -53,7 +53,7 @@ def identification_page(
     table = Table.of("Modes found; ± is one standard uncertainty.", found.COLUMNS, found.records())
     sections = [
         Section("Modes", doubtful + notes, tables=(table,)),
-        Section("How they fit", figures=tuple(pictures)),
+        Section("Fit", figures=tuple(pictures)),
         *_alike(found),
         Section("Source", preformatted="\n".join(found.card)),
     ]
@@ -76,7 +76,7 @@ def _alike(found: Identified) -> tuple[Section, ...]:
             (int(k) + 1, *(f"{value:.2f}" for value in row))
             for k, row in zip(seen.tolist(), values.tolist(), strict=True)
         )
-        caption = "Modal assurance criterion (MAC) of every mode with every other: 1 where two shapes are one."
+        caption = "Modal assurance criterion (MAC) of every mode with every other: 1 where two shapes are equal."
     else:
         columns = ("mode", "frequency [Hz]", "mode", "frequency [Hz]", "MAC")
         pairs = np.argwhere(np.triu(values, 1) > LIKE).tolist()
@@ -87,9 +87,14 @@ def _alike(found: Identified) -> tuple[Section, ...]:
             )
             for i, j in pairs
         )  # fmt: skip
-        caption = f"Pairs of modes whose modal assurance criterion (MAC) is above {LIKE:g}: {len(pairs)}."
-    words = "The sensors cannot tell modes apart whose MAC is near 1: more sensors, or other places."
-    return (Section("How alike the shapes are", (words,), tables=(Table(caption, columns, rows),)),)
+        caption = f"Pairs of modes whose modal assurance criterion (MAC) is above {LIKE:g}."
+    words = (
+        "The sensors cannot distinguish modes whose MAC is near 1. Add sensors, or move some, where that matters."
+        if rows
+        else f"The modal assurance criterion (MAC) of every pair of modes is below {LIKE:g}: the sensors "
+        "distinguish all modes."
+    )
+    return (Section("Similarity of the shapes", (words,), tables=(Table(caption, columns, rows),) if rows else ()),)
 
 
 def identification_verdict(found: Identified) -> Verdict:
@@ -101,9 +106,12 @@ def identification_verdict(found: Identified) -> Verdict:
     if np.isfinite(found.deviation):
         sure += f"The fit leaves {100.0 * found.deviation:.2g} % of what was measured (rms)."
     if found.unresolved:
-        further = "Excite from another place, or with finer lines: some pairs could not be told apart."
+        further = "Excite another point or measure finer lines: some pairs could not be separated."
     elif doubtful:
-        further = "Look at the doubtful ones in the pictures below; --pick takes the poles that you choose."
+        further = (
+            "Check the doubtful modes in the pictures below. `casingfem identify --pick` takes poles that you choose."
+        )
     else:
-        further = "Fit a model to them: identified.csv is a table for [update] of a study."
-    return Verdict(found=f"{first}{pairs}.", sure=sure, further=further)
+        further = "Fit a model to these modes: identified.csv is a table for [update] of a study."
+    state = "bad" if not len(found) else "open" if doubtful or found.unresolved else "good"
+    return Verdict(found=f"{first}{pairs}.", sure=sure, further=further, state=state)

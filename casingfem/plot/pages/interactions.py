@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page
-from casingfem.plot.pages.speeds import OF_SPEED, VERDICTS, listed, range_words, safe_ranges, with_rpm
+from casingfem.plot.pages.speeds import OF_SPEED, VERDICTS, listed, range_words, safe_ranges, speed_strip, with_rpm
 
 STATES = {"unstable": "bad", "not decided": "open", "resonance": "open"}
 FURTHER = {
@@ -64,7 +64,10 @@ def speeds_verdict(found: Any) -> Verdict:
         facts.append(("Deflection", f"The rim moves at most {1e3 * amplitude.amplitude_m:.3g} mm, at "
                                     f"{with_rpm(amplitude.speed_hz)}."))  # fmt: skip
     further = FURTHER[worst or "safe"]
-    return Verdict(found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state)
+    return Verdict(
+        found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state,
+        strips=(("Speeds", speed_strip(found)),),
+    )  # fmt: skip
 
 
 def row_words(row: Any) -> str:

@@ -10,24 +10,30 @@ from matplotlib.figure import Figure
 from casingfem.plot.history import time_unit
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
 from casingfem.plot.pages.interactions import speeds_section
-from casingfem.plot.pages.speeds import speed_words, with_rpm
+from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
 from contact.io.columns import Columns
 
 SLIDES = 1.0  # per cent of the time: below it a contact only just touches
+ROUND_OFF = 1e-12, 1e-9  # violation of the law of contact [m] and part of the energy that rounding explains
 CAPTIONS = {
     "run": "Force averaged over the model's shortest period, gap, and motion; bands span the lowest and highest value "
     "of each stretch of time. Right: close-up of the yellow stretch, about the largest force.",
     "angle": "Largest contact force over the place on the casing and time; each row is a whole number of turns.",
-    "spectrum": "Spectrum of the contact force, whole run and last quarter. Of a rub, lines mark the frequencies of "
-    "blade and casing alone; numbers above are the nodal diameters n of the casing's modes.",
+    "spectrum": "Spectrum of the contact force.",
     "spectrum_tip": "Top: spectrum of the tip's motion along the contact's normal. Bottom: spectrogram.",
     "waves": "Full spectrum: waves of the rim by nodal diameter and frequency in the second half of the run. Right: "
     "their amplitude in both directions.",
     "orbit": "Orbits of the first tip and of the rim under it in the plane of the contact.",
-    "section": "Poincare section: the first tip once a turn in the second half of the run. A motion with the period of "
+    "section": "Poincaré section: the first tip once a turn in the second half of the run. A motion with the period of "
     "a turn is one point, one of k turns k points, a chaotic one a cloud.",
-    "energy": "Energy into the bodies by source; below, where bodies are modal, their strain energy over time.",
+    "energy": "Energy into the bodies by source.",
 }
+OF_RUBS = {
+    "spectrum": " Lines mark the frequencies of blade and casing alone; numbers above them are the nodal diameters n "
+    "of the casing's modes.",
+    "energy": " Bottom: strain energy of each body over time.",
+}
+OF_RODS = {"spectrum": " Bottom: spectrogram."}
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -71,9 +77,10 @@ def scene_page(
     shown = [key for key in CAPTIONS if key in figures]
     sections = []
     if ran.rubs:
-        words = (*speed_words(found, why), *(() if found is None else (found.words,)))
-        sections.append(speeds_section(found, figures, words))
-    sections.append(Section("Motion", figures=(*films, *(Picture.of(figures[key], CAPTIONS[key]) for key in shown))))
+        sections.append(speeds_section(found, figures, speed_words(None, why) if found is None else (found.words,)))
+    more = OF_RUBS if ran.rubs else OF_RODS
+    pictures = (Picture.of(figures[key], CAPTIONS[key] + more.get(key, "")) for key in shown)
+    sections.append(Section("Motion", figures=(*films, *pictures)))
     sections.append(Section("Numbers", tuple(map(str, ran.flags)), tables=(contacts_table(ran), numbers_table(ran))))
     sections.append(Section("The scene", preformatted=scene))
     notice = str(ran.flags[0]) if ran.flags else ""
@@ -90,9 +97,12 @@ def scene_verdict(ran: Ran, found: Any = None) -> Verdict:
     if ran.growth is not None:
         facts.append(("Motion", ran.growth.words))
     if found is not None:
-        facts.append(("Speeds", " ".join(speed_words(found, ""))))
+        facts.append(("Ranges", " ".join(speed_words(found))))
     facts += [("Wear", wear_words(ran))] if ran.tracks else []
-    return Verdict(found=sentence, sure=sure_words(ran), further=further_words(ran), facts=tuple(facts), state=state)
+    return Verdict(
+        found=sentence, sure=sure_words(ran), further=further_words(ran), facts=tuple(facts), state=state,
+        strips=(("Speeds", speed_strip(found, ran.speed_hz)),),
+    )  # fmt: skip
 
 
 def outcome(ran: Ran) -> tuple[str, str]:
@@ -116,8 +126,8 @@ def outcome(ran: Ran) -> tuple[str, str]:
         return "good", f"Bounded{at}: {touch_words(ran)}{how}."
     share = 100.0 * ran.closed / ran.span if ran.span else 0.0
     return "", (
-        f"The contact force is {force_size(ran.force)} at most. The contact is closed {share:.3g} % of "
-        f"{duration(ran.span)}, in {counted(ran.closings, 'interval')}."
+        f"The contact closes {times(ran.closings)}, for {share:.3g} % of {duration(ran.span)}, with "
+        f"{force_size(ran.force)} at most."
     )
 
 
@@ -155,6 +165,15 @@ def counted(number: int, name: str) -> str:
     return f"{number:,} {name}{'s' * (number != 1)}"
 
 
+def times(number: int) -> str:
+    """How often.
+
+    >>> times(1), times(1200)
+    ('once', '1,200 times')
+    """
+    return "once" if number == 1 else f"{number:,} times"
+
+
 def force_words(ran: Ran) -> str:
     """Largest force with what it is an average of, and the impulse."""
     if not ran.closings:
@@ -189,13 +208,16 @@ def sure_words(ran: Ran) -> str:
     failed = [flag for flag in ran.flags if flag.failed]
     if failed:
         return str(failed[-1])
-    words = (
-        f"The law of contact holds within {written(ran.residual, 1)} m; "
-        f"{written(100.0 * ran.unaccounted, 1)} % of the energy is unaccounted for. "
-    )
+    if ran.residual < ROUND_OFF[0] and ran.unaccounted < ROUND_OFF[1]:
+        words = "The law of contact and the balance of energy hold to rounding."
+    else:
+        words = (
+            f"The law of contact is violated by {written(ran.residual, 1)} m at most; "
+            f"{written(100.0 * ran.unaccounted, 1)} % of the energy is unaccounted for."
+        )
     checked = None if ran.growth is None else ran.growth.converged
-    left = "the number of modes" if checked else "the time step and the number of modes"
-    return f"{words}These checks do not cover {left}."
+    left = "The number of modes was" if checked else "The time step and the number of modes were"
+    return f"{words} {left} not checked."
 
 
 def further_words(ran: Ran) -> str:

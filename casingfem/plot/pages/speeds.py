@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from markupsafe import Markup
+
 NAMED = 4  # ranges that a sentence lists
 OF_SPEED = {
     "interactions": "Top: Campbell diagram at the blade; marks: motions that closed contact can feed, with their n. "
@@ -12,15 +14,25 @@ OF_SPEED = {
 VERDICTS = {
     "unstable": "Unstable", "not decided": "Not decided, runs at these speeds are too short", "resonance": "Resonance",
 }  # fmt: skip
+LEAST = 0.6  # per cent of the strip: a narrower range is drawn so wide
 
 
 def with_rpm(hz: float) -> str:
     """A speed in both units.
 
-    >>> with_rpm(5.0), with_rpm(0.05)
-    ('300 rpm (5 Hz)', '3 rpm (0.05 Hz)')
+    >>> with_rpm(5.0), with_rpm(0.05), with_rpm(203.7)
+    ('300 rpm (5 Hz)', '3 rpm (0.05 Hz)', '12,222 rpm (203.7 Hz)')
     """
-    return f"{60.0 * hz:.4g} rpm ({hz:.4g} Hz)"
+    return f"{short(60.0 * hz)} rpm ({short(hz)} Hz)"
+
+
+def short(number: float) -> str:
+    """Four digits, from a thousand on all before the point.
+
+    >>> short(28.2963), short(6074.34)
+    ('28.3', '6,074')
+    """
+    return f"{number:,.0f}" if abs(number) >= 1e3 else f"{number:.4g}"
 
 
 def range_words(low: float, high: float) -> str:
@@ -31,7 +43,7 @@ def range_words(low: float, high: float) -> str:
     """
     if with_rpm(low) == with_rpm(high):
         return with_rpm(low)
-    return f"{60.0 * low:.4g} to {60.0 * high:.4g} rpm ({low:.4g} to {high:.4g} Hz)"
+    return f"{short(60.0 * low)} to {short(60.0 * high)} rpm ({short(low)} to {short(high)} Hz)"
 
 
 def joined(ranges: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -81,3 +93,37 @@ def speed_words(found: Any, why: str = "") -> tuple[str, ...]:
         words += [f"{name}: {listed(ranges)}."] if ranges else []
     safe = safe_ranges(found)
     return (*words, f"Safe: {listed(safe)}." if safe else "No speed of the range is safe.")
+
+
+def speed_strip(found: Any, speed_hz: float = 0.0) -> Markup:
+    """The speed range as a strip coloured by verdict, with a mark at `speed_hz` where that lies in it; HTML.
+
+    `found` is of `contact.interactions`; None gives an empty strip.
+    """
+    if found is None:
+        return Markup("")
+    low, high = (float(hz) for hz in found.peaks.map.speed_hz[[0, -1]])
+    if not high > low:
+        return Markup("")
+    worst_last = sorted(found.rows, key=lambda row: [*VERDICTS, "safe"].index(row.at.verdict), reverse=True)
+    parts = Markup("").join(
+        Markup('<i class="{}" style="left:{:.2f}%;width:{:.2f}%"></i>').format(
+            row.at.verdict.replace(" ", "-"),
+            100.0 * (row.from_hz - low) / (high - low),
+            max(100.0 * (row.to_hz - row.from_hz) / (high - low), LEAST),
+        )
+        for row in worst_last
+        if row.at.verdict in VERDICTS
+    )
+    place = 100.0 * (speed_hz - low) / (high - low)
+    mark = "" if not 0.0 <= place <= 100.0 or not speed_hz else Markup(
+        '<div class="here" style="{}:{:.2f}%">{}</div>'
+    ).format(*(("left", place, "▼ this run") if place < 50.0 else ("right", 100.0 - place, "this run ▼")))  # fmt: skip
+    kinds = [name for name in VERDICTS if any(row.at.verdict == name for row in found.rows)]
+    key = Markup(" ").join(
+        Markup('<span><i class="{}"></i> {}</span>').format(name.replace(" ", "-"), name) for name in [*kinds, "safe"]
+    )
+    return Markup(
+        '<div class="speeds" role="img" aria-label="{}">{}<div class="strip">{}</div>'
+        '<div class="ends"><span>{}</span><span class="key">{}</span><span>{}</span></div></div>'
+    ).format(" ".join(speed_words(found)), mark, parts, with_rpm(low), key, with_rpm(high))

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from casingfem.plot.page import Cell, Picture, Section, Table, Verdict, origin, render_page, written
+from casingfem.plot.pages.scene import ROUND_OFF
 from casingfem.plot.pages.speeds import listed, with_rpm
 from casingfem.plot.style import Drawn
 from casingfem.plot.sweep import column, named, stretches, unsafe
 from contact.io.columns import Columns
 
 Rows = Sequence[Mapping[str, Any]]
-CAPTION = (
-    "Results of the runs over the varied keys. Bars: 95 % interval of the growth. Shaded: values at which the motion "
-    "grows or the run diverged. Colours of a map span all but the outermost values."
-)
+CAPTION = "Results of the runs over the varied keys."
+OF_CURVES = " Bars: 95 % interval of the growth. Shaded: values at which the motion grows or the run diverged."
+OF_MAPS = " Colours span all but the outermost values."
 FOLDED = 20  # runs from which their table is folded
 NAMED = 4  # ranges or codes in a sentence
 UNDECIDED = "undecided"
@@ -31,21 +31,22 @@ def sweep_page(
 
     `rows` hold the varied values by key and what was measured, in `columns`; `labels` are the keys with their units.
     """
-    figures = () if drawn is None else (Picture.of(drawn, CAPTION),)
+    caption = CAPTION + (OF_MAPS if len(keys) > 1 else OF_CURVES if any(row.get("motion") for row in rows) else "")
+    figures = () if drawn is None else (Picture.of(drawn, caption),)
     sections = [
         Section("Results over the varied keys", figures=figures),
         Section("Runs", tables=(runs_table(labels, keys, rows, columns),)),
     ]
-    return render_page(f"Sweep of {name}", sections, verdict=sweep_verdict(keys, rows), source=origin(source))
+    return render_page(f"Sweep of {name}", sections, verdict=sweep_verdict(labels, keys, rows), source=origin(source))
 
 
-def sweep_verdict(keys: Sequence[str], rows: Rows) -> Verdict:
+def sweep_verdict(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> Verdict:
     """Which runs are unsafe; largest force and amplitude, safe and unsafe values, warnings; what to do next."""
     state, sentence = outcome(rows)
     facts = [
-        ("Force", largest_words(keys, rows, "peak_force_N", "N")),
-        ("Amplitude", largest_words(keys, rows, "amplitude_m", "mm", 1e3)),
-        ("Growth", growth_words(keys, rows)),
+        ("Force", largest_words(labels, keys, rows, "peak_force_N", "N")),
+        ("Amplitude", largest_words(labels, keys, rows, "amplitude_m", "mm", 1e3)),
+        ("Growth", growth_words(labels, keys, rows)),
         *range_facts(keys, rows),
         ("Warnings", warning_words(rows)),
         ("Not run", lost_words(rows)),
@@ -69,7 +70,7 @@ def outcome(rows: Rows) -> tuple[str, str]:
         return "open", f"Not decided: {undecided} of {counted(len(rows), 'run')} are too short to show growth."
     if any(row.get("motion") for row in rows):
         return "good", f"Bounded: the motion grows in none of {counted(len(rows), 'run')}."
-    return "", f"{count['done']} of {counted(len(rows), 'run')} done over {' and '.join(keys_of(rows))}."
+    return "", f"{count['done']} of {counted(len(rows), 'run')} ended, over {' and '.join(keys_of(rows))}."
 
 
 def keys_of(rows: Rows) -> list[str]:
@@ -87,23 +88,32 @@ def counted(number: int, name: str) -> str:
     return f"{number:,} {name}{'s' * (number != 1)}"
 
 
-def at_words(keys: Sequence[str], row: Mapping[str, Any]) -> str:
-    """The varied values of a run."""
-    return ", ".join(with_rpm(row[key]) if key == "speed.hz" else f"{key} = {written(short(row[key]))}" for key in keys)
+def at_words(labels: Sequence[str], keys: Sequence[str], row: Mapping[str, Any]) -> str:
+    """The varied values of a run, with the units of their labels."""
+    units = (
+        label.partition("[")[2].rpartition("]")[0] if label.endswith("]") and " [" in label else "" for label in labels
+    )
+    return " and ".join(
+        with_rpm(row[key]) if key == "speed.hz" else f"{key} = {written(short(row[key]))} {unit}".rstrip()
+        for key, unit in zip(keys, units, strict=True)
+    )
 
 
-def largest_words(keys: Sequence[str], rows: Rows, name: str, unit: str, scale: float = 1.0) -> str:
+def largest_words(
+    labels: Sequence[str], keys: Sequence[str], rows: Rows, name: str, unit: str, scale: float = 1.0
+) -> str:
     """From which to which value a result goes, and where it is largest; empty where no run has it."""
     values = scale * column(rows, name)
     if not np.isfinite(values).any():
         return ""
-    low, high, k = np.nanmin(values), np.nanmax(values), int(np.nanargmax(values))
-    return (
-        f"From {written(float(low), 4)} to {written(float(high), 4)} {unit}, the largest at {at_words(keys, rows[k])}."
-    )
+    low, high, k = float(np.nanmin(values)), float(np.nanmax(values)), int(np.nanargmax(values))
+    if unit == "N" and high >= 1e4:
+        low, high, unit = 1e-3 * low, 1e-3 * high, "kN"
+    at = at_words(labels, keys, rows[k])
+    return f"From {written(low, 4)} to {written(high, 4)} {unit}. The largest is at {at}."
 
 
-def growth_words(keys: Sequence[str], rows: Rows) -> str:
+def growth_words(labels: Sequence[str], keys: Sequence[str], rows: Rows) -> str:
     """The fastest growth with its interval, its wave and its source; empty where no motion grows."""
     growing = [row for row in rows if row.get("motion") == "grows"]
     if not growing:
@@ -112,7 +122,7 @@ def growth_words(keys: Sequence[str], rows: Rows) -> str:
     words = f"At most {float(row['growth_1_s']):.4g} 1/s"
     if row.get("growth_low_1_s") is not None:
         words += f" (95 %: {row['growth_low_1_s']:.3g} to {row['growth_high_1_s']:.3g})"
-    words += f", at {at_words(keys, row)}"
+    words += f", at {at_words(labels, keys, row)}"
     if row.get("body"):
         words += f": {'the ' if row.get('n') is None else 'n = {n} of the '.format(n=row['n'])}{row['body']}"
         words += f", with energy from {row['source']}" if row.get("source") else ""
@@ -174,7 +184,9 @@ def sure_words(rows: Rows) -> str:
     if not left:
         return "No run has results."
     words = f"At most {written(100.0 * max(left), 1)} % of the energy of a run is unaccounted for."
-    return f"{words} The time step and the number of modes are not checked, unless the sweep varies them."
+    if max(left) < ROUND_OFF[1]:
+        words = "The balance of energy holds to rounding in every run."
+    return f"{words} The time step and the number of modes were not checked, unless the sweep varies them."
 
 
 def further_words(rows: Rows) -> str:

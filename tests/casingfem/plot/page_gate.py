@@ -33,7 +33,10 @@ WIDE = """(() => {
     if (PRINT && e.scrollWidth > e.clientWidth + 1 && e.tagName === "PRE") found.push("cut at the right: pre");
   }
   for (const head of document.querySelectorAll("th.number")) {
-    const words = head.textContent.trim();
+    const words = head.textContent.trim(), table = head.closest("table");
+    const place = [...table.querySelectorAll("th")].findIndex((one) => one.textContent.trim() === "unit");
+    const units = [...table.querySelectorAll("tbody tr")].map((row) => row.children[place]?.textContent.trim());
+    if (PER_ROW.includes(words) && place >= 0 && units.every((unit) => /[^–]/.test(unit || ""))) continue;
     if (!/\\[|^\\d+$/.test(words) && !COUNTED.includes(words)) found.push("no unit: " + words);
   }
   for (const e of document.querySelectorAll("p, dd, td, th, figcaption, caption, summary, .notice")) {
@@ -42,13 +45,13 @@ WIDE = """(() => {
   }
   return found;
 })()"""
-NUMBERS = (  # columns of counts, shares and addresses' values, whose unit the row or the caption gives
+NUMBERS = (  # columns of counts and shares, which have no unit
     "contact", "closings", "mode", "n", "n of the pole", "dominant n", "branch", "periods", "closes", "contacts",
-    "multiplier", "start", "value", "lower", "upper", "sigma", "change", "confidence", "row", "sensor", "MAC", "plane",
-    "rank", "seconds", "m", "purity", "contact, part of the time", "energy not accounted for", "pairs with",
-    "updated: with", "COMAC before", "after", "references", "phase", "angle", "hit", "part of the time",
-    "share of n",
+    "multiplier", "confidence", "row", "sensor", "MAC", "plane", "rank", "seconds", "m", "purity",
+    "contact, part of the time", "energy not accounted for", "pairs with", "updated: with", "COMAC before", "after",
+    "references", "hit", "part of the time", "share of n", "pair",
 )  # fmt: skip
+PER_ROW = ("start", "value", "lower", "upper", "sigma", "change")  # columns whose unit is in each row's column "unit"
 
 
 def faults_of(figure: Figure) -> list[str]:
@@ -161,6 +164,7 @@ def page_faults(tab: Tab, file: Path) -> list[str]:
         tab.open(file, width)
         tab.run("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
         script = WIDE.replace("PRINT", str(media == "print").lower()).replace("COUNTED", repr(list(NUMBERS)))
+        script = script.replace("PER_ROW", repr(list(PER_ROW)))
         found += [f"{width} {media}: {fault}" for fault in tab.run(script)]
     tab.send("Emulation.setEmulatedMedia", media="screen")
     text = tab.run(

@@ -115,6 +115,7 @@ BROKEN = {
     "cut at the right: table": f"<table><tr>{'<td>cell</td>' * 200}</tr></table>",
     "cut at the right: img": '<img width="900" style="max-width: none" alt="">',
     "no unit: impulse": '<table><tr><th class="number">impulse</th></tr></table>',
+    "no unit: sigma": '<table><tr><th class="number">sigma</th><th>unit</th></tr><tr><td>1</td><td>–</td></tr></table>',
     "raw repr": "<p>Modes(freq=array([1, 2]))</p>",
     "text of a warning": "<p>RuntimeWarning: overflow</p>",
 }
