@@ -27,7 +27,7 @@ $(READY): pyproject.toml constraints.txt
 	@touch $(READY)
 
 study: $(READY) ## measured frequencies -> updated shells -> reduced bases -> rub -> reports/out/report.html
-	$(BIN)/python -m reports.rig
+	$(BIN)/python -m reports.studies.rig
 
 docs: $(VENV)/.docs ## the pages of docs/ as a site, with tutorial and gallery run -> build/docs/index.html
 	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees docs build/docs
@@ -68,14 +68,14 @@ collect: $(READY)
 	$(BIN)/python -m pytest --collect-only -qqq
 
 bench: $(READY) ## speed tables
-	$(BIN)/python -m reports.speed
+	$(BIN)/python -m reports.benchmarks
 
 campaign: $(READY) ## quick reports that no test repeats, then every report in full: hours
 	$(BIN)/python -m pytest $(CORES) -m campaign
-	$(BIN)/python -m reports.campaign $(NAMES)
+	$(BIN)/python -m reports.tools.campaign $(NAMES)
 
 mutants: $(READY) ## share of 120 small faults, one at a time, that the tests see; an hour or more, a rerun continues
-	$(BIN)/python -m reports.mutants --seed 20261 --count 120 --record
+	$(BIN)/python -m reports.tools.mutants --seed 20261 --count 120 --record
 
 clean:   ## remove what is generated
 	rm -rf reports/out build docs/built dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -7,10 +7,21 @@ from pathlib import Path
 import pytest
 
 from reports import tables
-from reports.campaign import quoted
-from reports.campaign import run as campaign
-from reports.campaign.campaigns import CAMPAIGNS, Campaign
-from reports.campaign.figures import MARK, PAGES, ROOT, Number, adopt, marks, numbers, placed, read_store, write_store
+from reports.tools.campaign import quoted
+from reports.tools.campaign import run as campaign
+from reports.tools.campaign.campaigns import CAMPAIGNS, Campaign
+from reports.tools.campaign.figures import (
+    MARK,
+    PAGES,
+    ROOT,
+    Number,
+    adopt,
+    marks,
+    numbers,
+    placed,
+    read_store,
+    write_store,
+)
 
 STORE = read_store()
 PAGE = {name: (ROOT / name).read_text(encoding="utf-8") for name in PAGES}
@@ -156,7 +167,14 @@ def test_every_campaign_is_a_report_with_a_subject_that_exists():
 
 def test_every_report_is_a_campaign_or_says_why_not():
     parts = {f"verification.{name}" for name in ("cone", "twisted_plate", "splitting", "locking")}  # rows of the table
-    tools = {"campaign", "frozen", "modes.calculix", "rig.synthetic", "structure", "speed.runs_of_tips"}
+    tools = {
+        "tools.campaign",
+        "tools.frozen",
+        "verification.modes.calculix",
+        "studies.rig.synthetic",
+        "tools.structure",
+        "benchmarks.runs_of_tips",
+    }
     assert COMMANDS - {one.name for one in CAMPAIGNS} == parts | tools
 
 

@@ -10,7 +10,7 @@ import pytest
 import casingfem
 import contact
 from casingfem.__main__ import threads
-from reports.speed.start_up import HEAVY, HELP, loaded, main
+from reports.benchmarks.start_up import HEAVY, HELP, loaded, main
 
 ROOT = Path(__file__).parents[1]
 STUBS = sorted(

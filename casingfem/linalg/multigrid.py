@@ -6,7 +6,7 @@ pyamg). Thin walls defeat it: there the cycle misses the bending, and the iterat
 never returned: the solution falls back to shift-invert, and a warning says so. Nor is what a Sturm count shows to be
 incomplete. The count needs one factor; where that does not fit, a second iteration from another random block, kept
 orthogonal to what was found, looks for what was missed: it would find it, but does not prove that there is nothing.
-`python -m reports.speed.solid_solvers` measures where it pays.
+`python -m reports.benchmarks.solid_solvers` measures where it pays.
 
 pyamg builds the levels; the cycle is written here, since every product with a block of vectors passes over the matrix
 once, where Gauss-Seidel passes once a vector. Chebyshev polynomials smooth: they damp the upper part of D^-1 A's

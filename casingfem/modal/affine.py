@@ -4,8 +4,8 @@
 
 K_c and M_c stand on few dofs of an edge: the springs of one bolt, a mass at one place. The basis holds the modes of
 the unchanged casing and its static answers K0^-1 (K_c Phi), K0^-1 (M_c Phi) to what each change does to them, so that
-large changes (a missing bolt) are as good as small ones; `python -m reports.updating.loose_bolt_search` holds it
-against full solutions.
+large changes (a missing bolt) are as good as small ones; `python -m reports.verification.updating.loose_bolt_search`
+holds it against full solutions.
 """
 
 from collections.abc import Sequence

@@ -97,7 +97,7 @@ def large_and_thick(system: MeshSystem) -> bool:
 
     The wall is twice the volume over the surface, the size the diagonal of its box. Blocks of .18 gain
     from some 50,000 unknowns on, a plate of .035 loses, one of .003 fails:
-    `python -m reports.speed.solid_solvers --large`.
+    `python -m reports.benchmarks.solid_solvers --large`.
     """
     return system.size >= LARGE and thick(system)
 

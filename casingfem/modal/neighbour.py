@@ -13,7 +13,7 @@ A long step needs a factor of its own. One more mode could come from far above: 
 A draw starts from the modes X of the mean, a few more than wanted, and with S = (K - s M)^-1 M of its own: the space is
 span[X, S X, ..., S^k X]; Rayleigh-Ritz on it gives the modes, one inertia certifies that none is missing. Plain
 subspace iteration keeps S^k X alone: at the same number of solves its worst frequency is hundreds of times less
-accurate (`python -m reports.modes.mistuning`).
+accurate (`python -m reports.benchmarks.mistuning`).
 """
 
 import time
@@ -41,7 +41,7 @@ FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new
 LEAST = 1e-2  # of TOL: modes that have less to fall stay as they are
 GUARD = 8  # modes carried along above those wanted
 MOST = 12
-STEPS = 3  # block steps: worst frequency right to 1e-7, with two to 1e-5 for a tenth less (reports.modes.mistuning)
+STEPS = 3  # block steps: frequencies right to 1e-7, with two to 1e-5 for a tenth less (reports.benchmarks.mistuning)
 EXTRA = 4  # Ritz values beyond `count`, so that the count ends in a gap
 
 

@@ -1,1 +1,1 @@
-"""Whether structures and simple contacts give what is published, exact or computed independently."""
+"""Is it right? Structures, contact, rubs, identification and updating against published, exact, independent values."""

@@ -6,8 +6,8 @@ import numpy as np
 
 import contact as ct
 from contact.reference.exact import Bounces, stopped_period
-from reports.contact.cases import methods, rod_wall_case, run, two_rods_case
 from reports.tables import Row, check
+from reports.verification.schemes.cases import methods, rod_wall_case, run, two_rods_case
 
 MASSLESS = methods(1.0)[1]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from casingfem.modal.modes import modes
 from casingfem.structure.field.fourier import FourierField
-from reports.modes.frustum import reference_frustum
 from reports.tables import Row, check
+from reports.verification.modes.frustum import reference_frustum
 from reports.verification.splitting import DOUBLE, ODD
 
 WAVES = (10, 4)  # of modulus and density: together they split 2n = 10 +- 4, alone neither

@@ -5,9 +5,17 @@ import warnings
 import numpy as np
 
 from casingfem.modal.modes import modes
-from reports.modes.frustum import exact_frequencies
-from reports.modes.imported import axisymmetric, plate_factors, reference, skin, thick_cylinder, thick_plate, twisted
 from reports.tables import Row, check
+from reports.verification.modes.frustum import exact_frequencies
+from reports.verification.modes.imported import (
+    axisymmetric,
+    plate_factors,
+    reference,
+    skin,
+    thick_cylinder,
+    thick_plate,
+    twisted,
+)
 
 
 def rows(quick: bool) -> list[Row]:

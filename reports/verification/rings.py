@@ -19,8 +19,8 @@ from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from reports.modes.frustum import reference_frustum
 from reports.tables import DATA, Row, check
+from reports.verification.modes.frustum import reference_frustum
 
 NAFEMS = Material(E=200e9, nu=0.3, rho=8000.0)
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)

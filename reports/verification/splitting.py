@@ -22,8 +22,8 @@ from casingfem.structure.geometry.chart import Cylinder
 from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.shell import Shell
-from reports.modes.frustum import reference_frustum
 from reports.tables import Row, check, command_line, show, write
+from reports.verification.modes.frustum import reference_frustum
 
 ODD = ShellMesh(order=8, rows=1, around=37)  # shares no factor with a field's waves
 BOLTED = ShellMesh(order=8, rows=1, around=24)  # a multiple of the springs' number

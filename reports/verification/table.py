@@ -21,7 +21,6 @@ from casingfem.structure.material import Material
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.shell import Shell
-from reports.modes.frustum import reference_frustum
 from reports.tables import DATA, Row, check, loose, show, write
 from reports.verification import (
     blades,
@@ -41,6 +40,7 @@ from reports.verification import (
     strips,
     twisted_plate,
 )
+from reports.verification.modes.frustum import reference_frustum
 
 NAFEMS = Material(E=200e9, nu=0.3, rho=8000.0)
 SQUARE = Plate(length=10.0, width=10.0)

@@ -27,8 +27,8 @@ from casingfem.structure.field.fourier import FourierField
 from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.axisymmetric import harmonic_matrices
 from casingfem.structure.shell.shell import Shell
-from reports.modes.frustum import reference_frustum
 from reports.tables import Row, command_line, show, write
+from reports.verification.modes.frustum import reference_frustum
 from reports.verification.solid_casing import SolidMesh, SolidModes, class_modes, make_part, solid_casing
 
 COUNT = 40

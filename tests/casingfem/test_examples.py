@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.examples import DATA, examples, strings
-from reports.rub.section_44 import THICKNESS
+from reports.studies.section_44 import THICKNESS
 
 ROOT = Path(__file__).parents[2]
 

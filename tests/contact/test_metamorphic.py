@@ -2,7 +2,7 @@
 
 import pytest
 
-from reports.contact.metamorphic import patch_rows, rim_rows
+from reports.verification.schemes.metamorphic import patch_rows, rim_rows
 
 pytestmark = pytest.mark.slow
 

@@ -3,8 +3,8 @@
 import pandas as pd
 import pytest
 
-from reports.modes import calculix, imported
 from reports.verification import imported as verify_imported
+from reports.verification.modes import calculix, imported
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # locking is what it shows
 

@@ -23,7 +23,8 @@ TAIL = 0.025  # beyond either end of an interval
 EXACT = 1e-14  # of a shape's energy: a variance that every sensor has, where noise has none
 PURE = 0.35  # least share of the energy for a label
 SEEN = 0.25  # least ratio of what the sensors see of a sine and a cosine
-# nu, by trial on reports.updating.identification_sets: less makes intervals narrow, more antinodes less sure
+# nu, by trial on reports.verification.updating.identification_sets:
+# less makes intervals narrow, more makes antinodes less sure
 FREEDOM = 6.0
 ROUNDS = 150
 LONGER = 1.8  # steps of ln v_m, in those of expectation and maximisation, which are short ones

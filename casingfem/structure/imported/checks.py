@@ -243,8 +243,8 @@ def slender(mesh: MeshData) -> list[Finding]:
 def thin_and_curved(mesh: MeshData) -> list[Finding]:
     """Solid cells whose bow, from the chord of an edge to its middle node, is large beside their thickness: they lock.
 
-    On the frustum of reports/modes/imported.py (27 nodes) a bow of .06 of the thickness costs 0.5 % of the lowest
-    frequency, .2 costs 5 %, .6 costs 23 %.
+    On the frustum of reports/verification/modes/imported.py (27 nodes) a bow of .06 of the thickness costs 0.5 % of the
+    lowest frequency, .2 costs 5 %, .6 costs 23 %.
     """
     kind = mesh.cell_kind
     if kind.dim < 3 or not kind.middles:

@@ -71,7 +71,7 @@ MANY = 30  # stretches between the ends of strips: more of them are too short fo
 
 
 def default_mesh(shell: ShellParts) -> ShellMesh:
-    """The mesh used when none is given; `python -m reports.modes.frustum` measures the choice.
+    """The mesh used when none is given; `python -m reports.verification.modes.frustum` measures the choice.
 
     Around a casing: 8 nodes a wave at twice the nodal diameters of the lowest mode, estimated as .46 R/sqrt(t h);
     17 where something varies around, so that turning it changes no frequency by more than some 1e-10 and what symmetry
@@ -117,7 +117,7 @@ def default_mesh(shell: ShellParts) -> ShellMesh:
     held = {shell.chart.edges[edge] for edge, support in shell.supports.items() if support.held}
     at_ends = np.real(shell.geometry(np.array([a0, a1]), np.zeros(2)).thickness)
     layers = [0.0 if (0, k) in held else float(np.clip(2.5 * at_ends[k] / length, 1e-3, 0.1)) for k in range(2)]
-    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.modes.locking
+    longest = max(7.0 * np.sqrt(radius * t) / length, 0.25)  # reports.verification.modes.locking
     return ShellMesh(order=order, rows=divided(shell, lengths, longest, (layers[0], layers[1])), around=around)
 
 
@@ -148,7 +148,7 @@ def divided(
 
 
 SEEN = 1e-7  # estimated splits below this are not worth a warning
-# a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.modes.loose_bolts
+# a short wave of the edge takes some PULL E t, a tilt TILT D: fitted to reports.verification.modes.loose_bolts
 PULL, TILT = 0.05, 0.5
 MOST = 96  # elements around up to which the default mesh follows every bolt
 

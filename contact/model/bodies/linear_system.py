@@ -13,7 +13,8 @@ from contact.base.errors import InputError
 from contact.model.bodies.band import Band, band, combine, factor, fill_order, lower_form, sparse_form
 from contact.model.bodies.linear import LinearBody
 
-EMPTY = 8  # places of the band per entry right of the diagonal: beyond, entries win (reports.contact.sparse_body)
+# places of the band per entry right of the diagonal: beyond, entries win (reports.verification.schemes.sparse_body)
+EMPTY = 8
 LANCZOS = 1e-8  # tolerance of the highest eigenvalue
 DENSE = 1500  # coordinates up to which a consistent mass matrix is treated by a dense eigen solver
 

@@ -83,7 +83,8 @@ class Newmark:
     Smooth motion: order 2 for gamma = 1/2, else 1; (1/4, 1/2) keeps the energy. Limit: dt omega_max <=
     1/sqrt(gamma/2 - beta), none for 2 beta >= gamma. Contact: the node that meets takes an acceleration of order 1/h,
     which alternates from step to step: with gamma = 1/2 it never fades and impacts add energy, with (1/4, .55) it fades
-    too slowly and the force does not converge, with (1/2, .55) it does. `reports.contact.rod_wall` shows them.
+    too slowly and the force does not converge, with (1/2, .55) it does. `reports.verification.schemes.rod_wall` shows
+    them.
 
     >>> Newmark(beta=0.5, gamma=0.55)
     Newmark(beta=0.5, gamma=0.55)

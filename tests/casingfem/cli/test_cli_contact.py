@@ -52,7 +52,7 @@ def test_interactions_print_write_and_draw_one_table(tmp_path):
 
 @pytest.mark.slow
 def test_interactions_of_a_scene_run_it_and_shade_what_is_unstable(tmp_path):
-    from reports.robustness.diverging import RIM, at, bodies
+    from reports.verification.robustness.diverging import RIM, at, bodies
 
     bodies(tmp_path)
     scene = tmp_path / "rim.toml"
@@ -191,7 +191,7 @@ def test_a_campbell_diagram_marks_engine_orders():
 
 @pytest.mark.slow
 def test_a_run_that_diverges_writes_all_it_has_and_ends_with_3(tmp_path):
-    from reports.robustness.diverging import RIM, at, bodies
+    from reports.verification.robustness.diverging import RIM, at, bodies
 
     bodies(tmp_path)
     scene = tmp_path / "rim.toml"
@@ -207,7 +207,7 @@ def test_a_run_that_diverges_writes_all_it_has_and_ends_with_3(tmp_path):
 
 @pytest.mark.slow
 def test_out_holds_pictures_and_the_forces(tmp_path):
-    from reports.robustness.diverging import RIM, at, bodies
+    from reports.verification.robustness.diverging import RIM, at, bodies
 
     bodies(tmp_path)
     scene = tmp_path / "rim.toml"

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from casingfem import cli
 from casingfem.cli import main
 from contact.io.publication.manifest import HERE, MANIFEST
-from reports.robustness.kill_targets import write_inputs
+from reports.verification.robustness.kill_targets import write_inputs
 
 ROTATION = "[rotation]\nspeed_hz = 10.0\n"
 READ = {  # arguments of each command; the exit code is 0, or 2 where the files lack what it needs

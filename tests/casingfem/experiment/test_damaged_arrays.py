@@ -6,8 +6,8 @@ import pytest
 import casingfem as cf
 from casingfem.structure.field.survey.points import read_points
 from contact.io.npz import load_npz
-from reports.robustness.sample_files import frfs
 from reports.tables import DATA
+from reports.verification.robustness.sample_files import frfs
 
 SCAN = {"fs": np.array(100.0), "velocity": np.ones(4), "angle": np.arange(4.0), "tones": np.array([5.0]),
         "card": np.array(["SYNTHETIC"])}  # fmt: skip

@@ -16,14 +16,14 @@ import casingfem as cf
 from casingfem.cli import main
 from casingfem.faults import CATALOGUE, PARTS
 from casingfem.modal.modes import FINEST, finest_shares
-from reports.robustness.broken import table as broken_models
-from reports.robustness.broken.files import STUDY
+from reports.verification.robustness.broken import table as broken_models
+from reports.verification.robustness.broken.files import STUDY
 
 DOCS = Path(__file__).parents[3] / "docs"
 MODELS = broken_models.models()
 
 
-# every third; `python -m reports.robustness.broken` takes all
+# every third; `python -m reports.verification.robustness.broken` takes all
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS[::3], ids=[model.name for model in MODELS[::3]])
 def test_no_broken_model_computes_in_silence(model):
@@ -49,7 +49,7 @@ def test_a_refusal_keeps_the_doubts_that_came_before_it():
 
 
 TUBE = """
-from reports.robustness.broken import table as broken_models
+from reports.verification.robustness.broken import table as broken_models
 from casingfem.errors import code_of
 model, = (m for m in broken_models.models() if m.name == "height 2000 radii")
 happened, messages = broken_models.outcome(model)

@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from reports.rub.harmonic_basis import harmonic_basis
+from reports.verification.rubs.harmonic_basis import harmonic_basis
 
 LENGTH, WIDTH, THICKNESS = 0.11, 0.04, 5e-3
 

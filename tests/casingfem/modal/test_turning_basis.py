@@ -7,7 +7,7 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from reports.modes.cyclic import bladed_disk
+from reports.verification.modes.cyclic import bladed_disk
 from reports.verification.rotation import drum, ring_waves
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved)")

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from reports.modes.cyclic import bladed_disk
-from reports.modes.mesh_files import write_inp
+from reports.verification.modes.cyclic import bladed_disk
+from reports.verification.modes.mesh_files import write_inp
 from tests.casingfem.study.study_texts import STEEL
 
 SMALL = (1, 1, 2, 1)

@@ -8,7 +8,7 @@ import casingfem as cf
 from tests.probed import numbers_in
 
 STUDIES = sorted((Path(__file__).parents[3] / "data" / "studies").glob("*.toml"))
-STUDIES = [file for file in STUDIES if file.stem != "rig"]  # a chain of studies, which reports.rig reads
+STUDIES = [file for file in STUDIES if file.stem != "rig"]  # a chain of studies, which reports.studies.rig reads
 
 
 @pytest.mark.slow

@@ -14,8 +14,8 @@ from casingfem.updating import updating
 from casingfem.updating.outliers import Outlier, Shift, named, outlying, shifts_of, strongest
 from casingfem.updating.problem import Problem
 from casingfem.updating.targets import values
-from reports.updating import wrong_rows
-from reports.updating.twin import measured
+from reports.verification.updating import wrong_rows
+from reports.verification.updating.twin import measured
 from tests.casingfem.updating.test_update_judged import blade, table, vary
 
 COLUMNS = np.column_stack([np.ones(24), np.linspace(-1.0, 1.0, 24)])

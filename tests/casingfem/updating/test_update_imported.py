@@ -13,7 +13,7 @@ from casingfem.cli import main
 from casingfem.experiment.correlation.sensors import sensors_at_nodes
 from casingfem.updating.numbers import mesh_numbers
 from casingfem.updating.sensitivity import of_mesh
-from reports.modes.mesh_files import write_inp
+from reports.verification.modes.mesh_files import write_inp
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 ALUMINIUM = cf.Material(E=70e9, nu=0.33, rho=2700.0)

@@ -1,4 +1,4 @@
-"""A body that the tests of periodic orbits share; others are those of reports.contact.cycles."""
+"""A body that the tests of periodic orbits share; others are those of reports.verification.schemes.cycles."""
 
 import math
 

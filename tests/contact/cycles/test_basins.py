@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from reports.contact.cycles import mass_on_stop, rod
+from reports.verification.schemes.cycles import mass_on_stop, rod
 from tests.contact.cycles.test_closed_forms import ball
 
 pytestmark = pytest.mark.slow

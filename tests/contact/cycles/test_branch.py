@@ -13,7 +13,7 @@ from contact.cycles import branch as way_along
 from contact.cycles.branch import Signs, Tangent, kinds, signs
 from contact.cycles.follow import Found
 from contact.cycles.shooting import map_of
-from reports.contact.cycles import mass_on_stop, rod
+from reports.verification.schemes.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
 TURN = 2.0 * math.pi

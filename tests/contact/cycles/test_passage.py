@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 import contact as ct
 from contact.cycles.passage import passage, pressing
 from contact.cycles.shooting import map_of
-from reports.contact.cycles import mass_on_stop, rod
+from reports.verification.schemes.cycles import mass_on_stop, rod
 from tests.contact.cycles.bodies import random_body
 
 pytestmark = pytest.mark.slow

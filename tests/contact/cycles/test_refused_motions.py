@@ -15,7 +15,7 @@ from contact.cycles.follow import digest
 from contact.cycles.passage import Event, pressing
 from contact.cycles.switched import Plant, phase_of
 from contact.model.bodies.modal_body import rim_channels
-from reports.contact.cycles import mass_on_stop
+from reports.verification.schemes.cycles import mass_on_stop
 from tests.contact.cycles.test_closed_forms import ball, ball_orbit, oscillator
 from tests.contact.synthetic_rim import blade, ring
 

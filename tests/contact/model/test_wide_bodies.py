@@ -7,7 +7,7 @@ from scipy.sparse import csr_array, diags_array, eye_array, kron
 import contact as ct
 from contact.model.bodies import linear_system as packing
 from contact.model.bodies.band import band, combine, factor, fill_order, pairs, solve, sparse_form
-from reports.contact.cases import methods
+from reports.verification.schemes.cases import methods
 
 LINE = diags_array([np.full(6, -1.0), np.full(7, 2.0), np.full(6, -1.0)], offsets=[-1, 0, 1])
 NET = csr_array(kron(LINE, eye_array(7)) + kron(eye_array(7), LINE))  # 49 masses in a plane

@@ -7,7 +7,7 @@ import pytest
 
 import contact as ct
 from contact.loop.linear.leapfrog import advance_leapfrog
-from reports.contact.cases import methods
+from reports.verification.schemes.cases import methods
 from tests.contact.synthetic_rim import blade, ring
 
 BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=2.0, velocity=-10.0, elements=12)

@@ -21,7 +21,10 @@ IMPULSE = {
     "bladed_disk.toml": 4.975,
 }  # fmt: skip
 
-BEAMS = {"rotating_beam.toml": 141.7, "beam_in_ring.toml": 15.7}  # reports.contact.rotating_beam, finer and implicit
+BEAMS = {
+    "rotating_beam.toml": 141.7,
+    "beam_in_ring.toml": 15.7,
+}  # reports.verification.schemes.rotating_beam, finer and implicit
 
 RODS = """
 [scene]

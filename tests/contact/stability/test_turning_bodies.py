@@ -13,7 +13,7 @@ from contact.stability.closed_contact import growth, poles_each
 from contact.stability.coincidence import coincidences
 from contact.stability.split_casing import floquet_growth
 from contact.stability.waves import waves_of
-from reports.rub.closed_run import confirming_run
+from reports.verification.rubs.closed_run import confirming_run
 from tests.contact.synthetic_rim import blade, ring
 
 TURN = 2.0 * math.pi

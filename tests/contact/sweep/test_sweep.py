@@ -27,7 +27,7 @@ from contact.sweep import sweep
 from contact.sweep.columns import COLUMNS
 from contact.sweep.plan import load_sweep
 from contact.sweep.row import Store, row_of, sweep_record
-from reports.robustness import sweep_kills
+from reports.verification.robustness import sweep_kills
 from tests.contact.synthetic_rim import N_MAX, SIZE, blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 

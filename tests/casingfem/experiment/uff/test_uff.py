@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.robustness import uff_mutations
-from reports.robustness.uff_mutations import content
-from reports.robustness.uff_samples import function, nodes, samples, shape
+from reports.verification.robustness import uff_mutations
+from reports.verification.robustness.uff_mutations import content
+from reports.verification.robustness.uff_samples import function, nodes, samples, shape
 
 pyuff = pytest.importorskip("pyuff")
 

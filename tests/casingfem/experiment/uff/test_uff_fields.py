@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.robustness.uff_samples import elements, function, nodes, shape
+from reports.verification.robustness.uff_samples import elements, function, nodes, shape
 
 PARTS = {
     "164": {"units": cf.uff.Units(1, "SI", 1.0, 1.0, 1.0, 0.0)},

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from reports.robustness.uff_samples import function
+from reports.verification.robustness.uff_samples import function
 from tests.casingfem.experiment.uff.test_uff_split import parse_uff
 
 pyuff = pytest.importorskip("pyuff")

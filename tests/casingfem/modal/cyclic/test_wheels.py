@@ -12,7 +12,7 @@ from casingfem.linalg.factor import factorise
 from casingfem.modal.cyclic.mistuned import mixed
 from casingfem.modal.cyclic.waves import Waves
 from casingfem.structure.imported.cyclic.wheel import wheel_structure
-from reports.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads
+from reports.verification.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads
 
 N, COUNT = 4, 4
 TURNING = cf.Rotation(omega=900.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.rub.harmonic_basis import harmonic_basis
+from reports.verification.rubs.harmonic_basis import harmonic_basis
 
 BAR = cf.edge.Section.rectangle(width=0.04, depth=0.03)
 COARSE = cf.ShellMesh(order=6, rows=1, around=9)

@@ -53,7 +53,7 @@ def test_a_stiffener_at_the_end_is_a_ring_on_the_edge(casing):
 
 @pytest.mark.slow
 def test_eccentric_stiffeners_are_those_of_three_dimensional_bricks(casing):
-    """Two rings of 12 x 4 mm outside or inside: the finer bricks of `reports.modes.stiffeners`, settled to 0.05 %.
+    """Two rings of 12 x 4 mm outside or inside: bricks of `reports.verification.modes.stiffeners`, settled to 0.05 %.
 
     The beam touches the wall in a line, the web along 4 mm: the beam's frequencies are low, by up to 0.7 %.
     """

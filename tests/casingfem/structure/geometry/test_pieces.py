@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.modes.meridians import CASINGS, chart_shell, sector, stations
+from reports.verification.modes.meridians import CASINGS, chart_shell, sector, stations
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 CONE = (cf.geometry.Piece(to=(0.3, 0.1)), cf.geometry.Piece(to=(0.25, 0.2)))

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import casingfem as cf
-from reports.modes.mesh_files import write_bdf, write_inp
+from reports.verification.modes.mesh_files import write_bdf, write_inp
 
 pytestmark = [pytest.mark.filterwarnings(f"ignore:.*{code}") for code in ("mesh-aspect", "mesh-orphan-nodes")]
 

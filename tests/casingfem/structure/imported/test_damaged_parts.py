@@ -7,8 +7,8 @@ import pytest
 from scipy.io import savemat
 
 import casingfem as cf
-from reports.robustness.mesh_samples import SHELLS_BDF, TIED_INP, tetra_cdb
-from reports.robustness.sample_files import matrices
+from reports.verification.robustness.mesh_samples import SHELLS_BDF, TIED_INP, tetra_cdb
+from reports.verification.robustness.sample_files import matrices
 
 SET = matrices()
 DOFS = {"dofs": SET.dofs}

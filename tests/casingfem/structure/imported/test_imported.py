@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main
 from casingfem.study import MeshStudy
-from reports.modes.mesh_files import WRITERS, group_name
+from reports.verification.modes.mesh_files import WRITERS, group_name
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.modes.cyclic import bent_plate, bladed_disk
-from reports.modes.mesh_files import write_bdf, write_inp
+from reports.verification.modes.cyclic import bent_plate, bladed_disk
+from reports.verification.modes.mesh_files import write_bdf, write_inp
 from tests.casingfem.structure.imported.parts import STEEL, added_nodes, hung, supported
 from tests.casingfem.structure.imported.test_mixed_cells import mixed
 from tests.probed import probed

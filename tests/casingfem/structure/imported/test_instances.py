@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.modes.mesh_files import write_inp
+from reports.verification.modes.mesh_files import write_inp
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BAR = cf.imported.grid_mesh(

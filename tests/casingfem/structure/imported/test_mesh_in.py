@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.modes.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name
+from reports.verification.modes.mesh_files import BRICK20, GMSH_ORDER, WRITERS, group_name
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from reports.modes.mesh_files import write_inp
+from reports.verification.modes.mesh_files import write_inp
 from tests.casingfem.structure.imported.parts import STEEL, supported
 
 ENDS = {"low": (0, 0.0), "high": (0, 1.0)}

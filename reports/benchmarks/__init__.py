@@ -1,0 +1,1 @@
+"""How fast is it? Time of each step, of sweeps and of starting, and error against time."""

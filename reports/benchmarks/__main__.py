@@ -1,0 +1,7 @@
+"""What `python -m reports.benchmarks` runs: steps.py."""
+
+from reports.benchmarks import steps
+from reports.tables import command_line
+
+if __name__ == "__main__":
+    command_line(steps.__doc__, steps.main)

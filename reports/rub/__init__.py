@@ -1,1 +1,0 @@
-"""What rubs of reduced casings and blades show, and what they converge with."""

@@ -1,1 +1,0 @@
-"""What each step costs, alone, in sweeps and when a program starts."""

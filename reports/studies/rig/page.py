@@ -1,0 +1,237 @@
+"""Sections of the rig's report: what leads, the casing, the reduction, the rubs, where it all comes from."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import casingfem as cf
+from casingfem.plot.contact import figure_contact, rub_film
+from casingfem.plot.modes import figure_rim, groups
+from casingfem.plot.page import Picture, Section, Table, Verdict
+from casingfem.plot.pages.fit import capital, update_section
+from casingfem.plot.pages.scene import outcome
+from casingfem.plot.pages.sections import inputs_section, provenance_section
+from casingfem.plot.pages.speeds import speed_strip, speed_words, with_rpm
+from casingfem.plot.style import AFTER, BEFORE, new_figure, styled
+from casingfem.plot.turning import turning_shapes
+from casingfem.study import Study
+from contact.model.gaps.limits import WALL
+from reports.studies.rig.blade import BladeFit, rms
+from reports.studies.rig.rub import Rub
+from reports.studies.rig.tuning import RubPlan, Tuning
+from reports.tables import Row, text
+
+TURNED = 12  # shapes that a reader can turn
+WHAT_IS_REAL = (
+    " This holds for the casing's survey and frequencies (python -m reports.studies.rig.synthetic). The fan blade's "
+    "frequencies are measured."
+)
+
+
+def shortened(plan: RubPlan) -> RubPlan:
+    """The same rub over one turn and a bit: enough to test the chain."""
+    return replace(plan, t_end=1.2 / plan.speed_hz)
+
+
+def overview(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], plan: RubPlan) -> Section:
+    """The figures an engineer asks for first."""
+    rows = (
+        (
+            "measured blade, RMS frequency error, clamped (nominal)",
+            f"{100 * rms(blade.errors_nominal):.2f} %",
+        ),
+        ("measured blade, after updating three parameters", f"{100 * blade.fit.rms_after:.2f} %"),
+        ("measured blade, predicted by updates that left the mode out", f"{100 * rms(blade.left_out):.2f} %"),
+        ("casing (SYNTHETIC), RMS frequency error before updating", f"{100 * fit.rms_before:.3f} %"),
+        ("casing (SYNTHETIC), after updating", f"{100 * fit.rms_after:.3f} %"),
+        *(row for rub in rubs for row in of_rub(rub, plan)),
+    )
+    return Section("In short", tables=(Table("From the test bench to the rub.", ("what", "value"), rows),))
+
+
+def of_rub(rub: Rub, plan: RubPlan) -> tuple[tuple[str, str], ...]:
+    """What an engineer asks first of a rub: force, deflection, which nodal diameter leads."""
+    return (
+        (f"rub {rub.name}, largest force, averaged", f"{rub.ran.force:.0f} N"),
+        (f"rub {rub.name}, largest deflection of the rim", deflection(rub)),
+        (f"rub {rub.name}, n = {plan.n} over the next nodal diameter", f"{rub.excess_db(plan.n):+.1f} dB"),
+    )
+
+
+def deflection(rub: Rub) -> str:
+    """Largest deflection of the rim, and its part of the wall."""
+    rim = rub.ran.rim
+    return f"{1e3 * rim.largest:.3g} mm, {100.0 * rim.largest / rim.wall:.3g} % of the wall"
+
+
+def verdict(blade: BladeFit, fit: cf.updating.UpdateResult, rubs: list[Rub], speed_hz: float) -> Verdict:
+    """What became of each rub, how hard it hits, at which speeds; how sure that is; what would make it surer."""
+    states = [outcome(rub.ran) for rub in rubs]
+    facts = tuple(
+        (
+            capital(rub.name),
+            f"{sentence} The largest force is {rub.ran.force:.0f} N, the largest deflection of the rim "
+            f"{deflection(rub)}. {' '.join(speed_words(rub.speeds))}",
+        )
+        for rub, (_, sentence) in zip(rubs, states, strict=True)
+    )
+    return Verdict(
+        found=f"The rim deflects by {' and '.join(f'{deflection(rub)} ({rub.name})' for rub in rubs)}. The linear "
+        f"model is valid up to {100.0 * WALL:g} % of the wall.",
+        facts=facts,
+        sure=f"The casing's frequencies (SYNTHETIC) are met to {100 * fit.rms_after:.2g} % RMS, with a misfit of "
+        f"{fit.misfit:.2g} sigma. The measured blade's are met to {100 * blade.fit.rms_after:.2g} %, with a misfit of "
+        f"{blade.fit.misfit:.2g} sigma; an update predicts a frequency that it has not seen to "
+        f"{100 * rms(blade.left_out):.2g} %.",
+        further="Measure the casing's mode shapes and the wall of the blade. Add an abradable coating to the model: "
+        "without wear the forces are too high.",
+        state="bad" if any(state == "bad" for state, _ in states) else states[-1][0],
+        strips=tuple((f"Speeds, {rub.name}", speed_strip(rub.speeds, speed_hz)) for rub in rubs),
+    )
+
+
+def casing_section(study: Study, fit: cf.updating.UpdateResult, ideal: cf.Modes) -> Section:
+    """Survey, update, and the updated casing's shapes."""
+    given = inputs_section(study)
+    base = update_section(fit, ideal)
+    which = groups(fit.after, 8)
+    figures = (
+        *base.figures,
+        Picture.of(
+            figure_rim(fit.after, which),
+            "Radial motion of the rim in the lowest modes of the updated casing. The imperfections fix the angle of "
+            "each pair; its two members are a quarter wave apart.",
+        ),
+        turning_shapes(
+            fit.after,
+            [low for low, *_ in groups(fit.after, TURNED)],
+            "Shapes of the updated casing, one of each pair, drawn exaggerated; colour is the radial displacement, red "
+            "outward. Beside them the radius as surveyed.",
+        ),
+    )
+    words = (
+        "A frustum of 3 mm steel with a surveyed radius on an elastic embedding. There is no public frequency table "
+        "of the original rig: survey and frequencies are SYNTHETIC, made by a finer model with thickness variations, "
+        "radius and embedding harmonics that the updated model does not have, and noise.",
+    )
+    return Section("The casing", words + base.paragraphs, figures, given.tables + base.tables, given.preformatted)
+
+
+def reduction(files: tuple[Path, Path], tuning: Tuning, plan: RubPlan) -> Section:
+    """The two bases and the blade's tuning."""
+    bases = [cf.ModalBasis.load(file) for file in files]
+    rows = tuple(
+        (
+            file.name,
+            len(basis),
+            float(basis.freq[0]),
+            float(basis.freq[-1]),
+            len(basis.channels),
+            100.0 * float(np.trace(basis.S) / np.trace(basis.compliance)),
+        )
+        for file, basis in zip(files, bases, strict=True)
+    )
+    grows = tuning.grows
+    words = (
+        f"The blade is a strip whose thickness, {1e3 * tuning.thickness:.3f} mm, puts its first mode at "
+        f"{tuning.target:.2f} Hz. The free coincidence f_b = f_c - n f of the casing's n = {plan.n} mode at "
+        f"{plan.speed_hz:g} Hz ({60.0 * plan.speed_hz:g} rpm) is at {tuning.coincidence:.2f} Hz; f_c is the frequency "
+        "of the wave against the rotation, in the frame of the casing.",
+        f"In a contact that stays closed n = {plan.n} leads the motion that grows from {tuning.low:.2f} to "
+        f"{tuning.high:.2f} Hz, by the poles of both reduced bodies with the matrices of the casing's rotation. Below, "
+        f"nothing grows; above, another nodal diameter leads. The blade is tuned {100 * plan.into_band:g} % into this "
+        f"band: the motion grows by {grows.growth:.3g} 1/s at {grows.freq_hz:.2f} Hz, n = {plan.n} "
+        f"{grows.excess_db:+.1f} dB over the next nodal diameter.",
+        "Free modes with the residual compliance S of all that they leave out; these files are the only thing "
+        "handed on to contact.",
+    )
+    columns = ("file", "modes", "first [Hz]", "last [Hz]", "channels", "S, share of static compliance [%]")
+    return Section("Reduction", words, tables=(Table("Reduced bodies.", columns, rows),))
+
+
+def causes(rows: Sequence[Row], rubs: Sequence[Rub], plan: RubPlan) -> Section:
+    """Levels of n with the defect and without, and with a cause of the growth taken away."""
+    columns = tuple(rows[0])
+    table = Table(
+        f"Level of n = {plan.n} over the next nodal diameter, last quarter of the run.", columns,
+        tuple(tuple(text(row[name]) if name == "blade" else f"{row[name]:+.1f}" for name in columns) for row in rows),
+    )  # fmt: skip
+    closed = " and ".join(f"{100.0 * rub.ran.closed / rub.ran.span:.0f} % of the time ({rub.name})" for rub in rubs)
+    words = (
+        "Friction feeds the motion while the contact is closed, and only if it is above tan(lean). "
+        f"The contact is closed {closed}.",
+        "A growing motion opens the contact. Impacts then bound it.",
+    )
+    return Section("What the rub needs to grow", words, tables=(table,))
+
+
+def rub_section(rub: Rub, plan: RubPlan) -> Section:
+    """One run in words, force and gap over time, the rim's motion by nodal diameters, the speeds around this one."""
+    result, ran = rub.result, rub.ran
+    energy = result.energy
+    words = (
+        outcome(ran)[1],
+        f"The casing turns at {with_rpm(plan.speed_hz)} before the blade, which is advanced "
+        f"{1e6 * plan.advance:.0f} µm past its first touch. Friction is {plan.friction:g}. The blade leans by "
+        f"{plan.lean_deg:g} deg against the motion; friction is above tan(lean), so the blade digs in.",
+        f"In the last quarter of the run n = {plan.n} is {rub.excess_db(plan.n):+.1f} dB over the next nodal diameter. "
+        "n f is below every frequency of the casing, so f_c + f_b = n f cannot be met. The coincidence is "
+        "f_b = f_c - n f.",
+        "No coating wears in this model: a motion of a millimetre is not to be expected in a machine.",
+        *(f"Warning: {flag}." for flag in result.flags),
+    )
+    numbers = (
+        ("impulse [N s]", float(result.impulse[0])),
+        ("largest force, averaged [N]", ran.force),
+        ("largest force, raw [N] (depends on the time step)", float(result.peak_force[0])),
+        ("violation of the contact law [m]", float(result.residual[0])),
+        ("steps in which the tip slipped against the rim's motion", int(result.reversals[0])),
+        ("energy from the rotation [J]", float(energy.rotation)),
+        ("energy from friction [J]", float(energy.friction)),
+        ("energy unaccounted for, part of the largest", ran.unaccounted),
+        ("steps", result.steps),
+        ("time of the run [s]", float(result.seconds)),
+    )
+    figures = (
+        Picture.of(
+            figure_contact(result),
+            "Force averaged over the model's shortest period, gap, and the largest modal coordinates.",
+            kind="png",
+        ),
+        *(() if rub.film is None else (rub_film(rub.film, result),)),
+        Picture.of(
+            figure_levels(rub, plan.n),
+            f"Radial motion of the rim by nodal diameters in the last quarter of the run; n = {plan.n} is marked.",
+        ),
+    )
+    found = rub.speeds.records()
+    speeds = (Table.of("Speeds around this one, the worst first.", rub.speeds.COLUMNS, found),) if found else ()
+    tables = (Table("The run in numbers.", ("what", "value"), numbers), *speeds)
+    return Section(f"Rub, {rub.name}", words, figures, tables)
+
+
+@styled
+def figure_levels(rub: Rub, n: int) -> Figure:
+    """RMS radial motion of the rim by nodal diameters."""
+    figure = new_figure(8.0, 2.8)
+    axes: Any = figure.add_subplot()
+    k = np.arange(len(rub.levels))
+    axes.bar(k, 1e6 * rub.levels, color=[AFTER if i == n else BEFORE for i in k])
+    axes.set_yscale("log")
+    axes.set_xlabel("nodal diameters n")
+    axes.set_ylabel("radial motion, RMS [µm]")
+    return figure
+
+
+def provenance(study: Study, seconds: dict[str, float]) -> Section:
+    """Run times, versions, and what the rub assumes."""
+    base = provenance_section(study, seconds)
+    words = (
+        "Assumptions the source study does not state: friction above tan(lean); the blade's frequency, set by its "
+        "thickness; one contact point, acting through harmonics of the rim up to n = 40; no wear.",
+    )
+    return replace(base, paragraphs=base.paragraphs + words)

@@ -1,0 +1,6 @@
+"""What `python -m reports.tools.mutants` runs: share.py."""
+
+from reports.tools.mutants.share import command_line, main
+
+if __name__ == "__main__":
+    main(command_line())

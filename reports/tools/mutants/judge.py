@@ -1,0 +1,131 @@
+"""For `reports.tools.mutants`: tests run in copies of the project, one a worker, with a mutant put in or without."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from reports.tables import ROOT
+from reports.tools.mutants.draw import Mutant
+from reports.tools.mutants.inside_pytest import JOB, Job, Line
+
+RECORDED = "executed.json"
+NOT_COPIED = shutil.ignore_patterns(
+    ".git", ".venv", "__pycache__", ".*_cache", ".hypothesis", "*.egg-info", "out", "build", "dist"
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one mutant may take: processor seconds of all tests, of those of one file, of one test; how many files.
+
+    `files` of those that are near where nothing is known of what they run, else the `nearest` and up to `running` that
+    run the changed function. Where a compiled loop is changed, it may take `compiling` seconds more each, for tests
+    compile it again.
+    """
+
+    budget: float = 180.0
+    share: float = 40.0
+    test: float = 100.0
+    files: int = 16
+    nearest: int = 4
+    running: int = 48
+    compiling: float = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Whether a mutant was killed, by which test and how, and what ran; "" and [] where nothing did."""
+
+    killed: bool
+    by: str
+    how: str
+    ran: list[str]
+    left_out: int
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """A copy of a project at a fixed place, so that its compiled loops stay cached from run to run."""
+
+    root: Path
+    copy: Path
+
+    def refresh(self) -> None:
+        """Make it as the project is."""
+        shutil.rmtree(self.copy, ignore_errors=True)
+        shutil.copytree(self.root, self.copy, ignore=NOT_COPIED)
+
+    @property
+    def recorded(self) -> Path:
+        """Where it is written which tests run which functions."""
+        return self.beside(RECORDED)
+
+    def beside(self, name: str) -> Path:
+        """A file or folder of this tree's own, outside it."""
+        return self.copy.with_name(f"{self.copy.name}-{name}")
+
+    def run(
+        self, tests: Sequence[str], limits: Limits, *, first_failure: bool = True, record: tuple[str, ...] = ()
+    ) -> tuple[list[Line], int, str]:
+        """Run tests in their order: the journal, how pytest ended, what it printed; `record` names packages."""
+        files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
+        job = Job(
+            str(self.beside("journal.jsonl")), tuple(tests), limits.budget, limits.share, limits.test,
+            str(self.recorded) if record else "", record,
+        )  # fmt: skip
+        Path(job.journal).unlink(missing_ok=True)
+        job.write(self.beside("job.json"))
+        shutil.rmtree(self.copy / ".hypothesis", ignore_errors=True)
+        settings = {
+            JOB: str(self.beside("job.json")), "PYTHONPATH": os.pathsep.join([str(self.copy), str(ROOT)]),
+            "NUMBA_CACHE_DIR": str(self.beside("compiled")), "MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1",
+            # bytecode is known by the second and the size of its source: a mutant may have both of the one before
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }  # fmt: skip
+        options = [
+            "-p", "reports.tools.mutants.inside_pytest", "-p", "no:cacheprovider", "-q", "--tb=short",
+            "--hypothesis-seed=0", "--doctest-modules", "-m", "not campaign",  # what the gate runs
+        ]  # fmt: skip
+        options += [f"--basetemp={self.beside('temporary')}", *(["-x"] if first_failure else [])]
+        command = [sys.executable, "-m", "pytest", *options, *files]
+        with self.beside("output.txt").open("w+b") as output:
+            process = subprocess.Popen(
+                command, cwd=self.copy, env={**os.environ, **settings}, stdout=output, stderr=output,
+                start_new_session=True,
+            )  # fmt: skip
+            try:
+                process.wait(20.0 * (limits.budget + limits.test))  # what waits for ever takes no processor time
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, 9)
+                process.wait()
+            output.seek(0)
+            return job.lines(), process.returncode, output.read().decode("utf-8", errors="replace")
+
+    def judge(self, mutant: Mutant, tests: Sequence[str], limits: Limits) -> Verdict:
+        """Whether tests kill a mutant; no tests kill none."""
+        if not tests:
+            return verdict([], 0, "")
+        changed = self.copy / mutant.file
+        changed.write_text(mutant.source((self.root / mutant.file).read_text("utf-8")), encoding="utf-8")
+        try:
+            return verdict(*self.run(tests, limits))
+        finally:
+            # with its date, at which the cache of compiled loops looks
+            shutil.copy2(self.root / mutant.file, changed)
+
+
+def verdict(lines: list[Line], ended: int, said: str) -> Verdict:
+    """What a run of tests says of a mutant: one failed, did not end, or could not even be collected."""
+    ran = [test for outcome, test in lines if outcome != "left out"]
+    failed = [(test, outcome) for outcome, test in lines if outcome in ("failed", "begun")]
+    if failed:
+        test, outcome = failed[0]
+        how = "failed" if outcome == "failed" else "took too long" if ended in (-24, -9) else "ended the process"
+        return Verdict(True, test, how, ran, len(lines) - len(ran))
+    if not lines and ended != 0:
+        return Verdict(True, "", "not imported: " + said.strip()[-300:], [], 0)
+    return Verdict(False, "", "", ran, len(lines) - len(ran))

@@ -1,0 +1,1 @@
+"""Rubs against poles, richer bases, smaller steps and plain NumPy."""

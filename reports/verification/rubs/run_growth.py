@@ -1,0 +1,255 @@
+"""Does a run say rightly whether its motion grows? Random rubs against long runs at a tenth of the step.
+
+`python -m reports.verification.rubs.run_growth [--count 200] [--first 0] [--quick] [--out DIR]` draws a steel ring of
+up to five nodal diameters before one blade, several blades or a bladed disk: with and without friction, damping,
+clearance, lean and out-of-roundness. A run of half a second gives its verdict. A run three times as long at a tenth of
+the step, which goes on to a tenth of the radius, shows what becomes of the motion: its level, sqrt(mean omega^2 (q -
+mean q)^2) of all modes over windows of 1/480 of it, is read beside the verdict. It grows where it passes the limit, or
+where the level at the end is more than e^0.5 times that at the end of the short run; it decays below e^-0.5; else it is
+bounded: levels of irregular motions wander by as much. A verdict of growth that half the step calls numerical counts as
+none. Where the short run grows by e or more in its last stretch, its interval is within 10 % and half the step gives
+the same growth, the rates of both in that stretch are compared: with contact that stays closed, and with contact that
+opens.
+
+A run that passed half its wall or a tenth of the radius before its growth could be fitted grows ("passed").
+
+Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it changes the verdict of the short run, or
+what becomes of the long one, so that neither run decides. "later": in the last stretch of the short run the level of
+the long run does what the verdict states; it changes afterwards. "step": the short run at half its step has the verdict
+of the long one. "short": the run states that it is too short. A difference that no test explains is a FAIL.
+"""
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import contact as ct
+from casingfem.io.arrays import FloatArray
+from reports.tables import Row, command_line, show, write
+
+KINDS = ("rim", "rub", "disk")
+RADIUS, WALL = 0.25, 4e-3
+END, STEP = 0.5, 2e-5  # s
+LONGER, FINER = 3, 10
+WINDOWS, CHANGED, SAME = 480, 0.5, 0.3
+WITHIN, CLOSED = 0.1, 0.99
+COPIES, MOVED = 3, 1e-9
+SOME = 100  # states of a rate
+STATES = ("grows", "passed", "irregular", "numerical", "bounded", "decays", "undecided", "at rest")
+
+
+def ring(rng: np.random.Generator) -> ct.ModalBody:
+    """A steel ring on springs, its modes of up to five nodal diameters, the others as compliance."""
+    thin = ct.bodies.ThinRing(
+        radius=RADIUS, width=0.05, height=WALL, E=210e9, rho=7800.0, k_r=float(rng.uniform(5e6, 4e7)),
+        k_t=2e6, zeta=float(10.0 ** rng.uniform(-3.3, -1.7)),
+    )  # fmt: skip
+    return replace(ct.bodies.ring_modes(thin, 5).truncated(2.5e4), thickness=WALL)
+
+
+def blade(rng: np.random.Generator) -> ct.ModalBody:
+    """Two modes of a blade and its compliance."""
+    hz = float(rng.uniform(150.0, 600.0))
+    return ct.ModalBody(
+        omega=[2.0 * np.pi * hz, 2.0 * np.pi * 5.0 * hz], zeta=[float(10.0 ** rng.uniform(-3.3, -2.0))] * 2,
+        channels=("span", "flap"), rows=[[0.1, 0.2], [2.0, 0.5]], S=[[2e-8, 0.0], [0.0, 6e-8]],
+    )  # fmt: skip
+
+
+def drawn(seed: int) -> tuple[ct.RotatingRim | ct.Rub, float]:
+    """A problem of the kind that the seed is, and its friction."""
+    rng, kind = np.random.default_rng(seed), KINDS[seed % len(KINDS)]
+    casing, speed = ring(rng), float(rng.uniform(20.0, 200.0))
+    mu = float(rng.uniform(0.05, 0.35)) if rng.random() < 0.6 else 0.0
+    lean = float(rng.uniform(0.0, 25.0))
+    rough = [{"p": int(rng.integers(2, 6)), "cos": float(10.0 ** rng.uniform(-5.5, -4.0))}]
+    rough = rough if rng.random() < 0.6 else []
+    clearance = float(rng.uniform(-5e-5, 0.0)) if rng.random() < 0.6 else float(rng.uniform(0.0, 5e-5))
+    kick = 0.02 * rng.standard_normal(casing.omega.size)
+    if kind == "rim":
+        return ct.RotatingRim(
+            casing, blade(rng), clearance=clearance, speed_hz=speed, lean_deg=lean, out_of_roundness=rough,
+            casing_velocity=kick,
+        ), mu  # fmt: skip
+    profile = ct.RimProfile.fourier(rough)
+    start = ct.gaps.Start(velocity=kick)
+    given = {"clearance": clearance, "speed": ct.Speed.constant(speed), "profile": profile, "casing_start": start}
+    if kind == "rub":
+        count = int(rng.integers(2, 5))
+        one = blade(rng)
+        tips = tuple(ct.ContactPoint(blade=b, angle_deg=360.0 * b / count, lean_deg=lean) for b in range(count))
+        return ct.Rub(casing, (one,) * count, tips, **given), mu
+    disk = ct.gaps.BladedDisk(
+        blades=int(rng.integers(5, 10)), freq_hz=float(rng.uniform(150.0, 500.0)), modal_mass=0.3,
+        coupling=float(rng.uniform(0.0, 0.05)), zeta=1e-3, compliance=5e-8, lean_deg=max(lean, 2.0),
+    )  # fmt: skip
+    return ct.Rub(casing, (disk.body(),), disk.tips(), **given), mu
+
+
+def ended(what: ct.RotatingRim | ct.Rub, mu: float, end: float, step: float, **more: object) -> ct.Result:
+    """The result of a run, up to where it diverged."""
+    law = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
+    try:
+        return ct.run(what, law=law, t_end=end, dt=step, **more)
+    except ct.NumericsError as error:
+        if error.result is None:
+            raise
+        return error.result
+
+
+def levels(what: ct.RotatingRim | ct.Rub, result: ct.Result, windows: int) -> tuple[FloatArray, FloatArray]:
+    """Middles of windows [s] and the level of all modes in them."""
+    bodies = (what.casing, what.blade) if isinstance(what, ct.RotatingRim) else what.bodies
+    omega = np.concatenate([body.omega for body in bodies])
+    parts = np.array_split(np.arange(result.state_time.size), windows)
+    scaled = result.state[:, : omega.size] * omega
+    level = [math.sqrt(float(np.sum(np.var(scaled[part], axis=0)))) for part in parts]
+    return np.array([float(result.state_time[part].mean()) for part in parts]), np.array(level)
+
+
+def truth(what: ct.RotatingRim | ct.Rub, long: ct.Result, end: float) -> tuple[str, float]:
+    """What becomes of the motion after `end` [s], and by how many e-folds its level changes."""
+    if long.divergence is not None:
+        return "grows", math.inf
+    t, level = levels(what, long, WINDOWS)
+    now = level[(t > 0.8 * end) & (t <= end)].mean()
+    later = level[t > 0.9 * t[-1]].mean()
+    folds = math.log(later / now) if now > 0.0 and later > 0.0 else 0.0
+    return ("grows" if folds > CHANGED else "decays" if folds < -CHANGED else "bounded"), folds
+
+
+def rate_in(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
+    """Growth of the level of a run between two instants [1/s], by least squares; nan where it does not reach."""
+    t, here = long.state_time, (long.state_time >= begin) & (long.state_time <= end)
+    if np.count_nonzero(here) < SOME:
+        return math.nan
+    part = replace(long, state_time=t[here], state=long.state[here])
+    middle, level = levels(what, part, 12)
+    moves = np.isfinite(level) & (level > 0.0)
+    return float(np.polyfit(middle[moves], np.log(level[moves]), 1)[0]) if moves.all() else math.nan
+
+
+def long_run(what: ct.RotatingRim | ct.Rub, mu: float) -> ct.Result:
+    """The run that shows what becomes of the motion."""
+    record = ct.Record(every=FINER, state_every=FINER)
+    return ended(what, mu, LONGER * END, STEP / FINER, record=record, on_limit="flag")
+
+
+def verdict_of(result: ct.Result) -> str:
+    """End state by a short run, or why its growth is none."""
+    grown = result.growth
+    assert grown is not None
+    if grown.check in ("numerical", "irregular"):
+        return grown.check
+    passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
+    return "passed" if passed and grown.state != "grows" else grown.state
+
+
+def grows(verdict: str) -> bool:
+    """Whether a verdict is growth."""
+    return verdict in ("grows", "irregular", "passed")
+
+
+def moved(what: ct.RotatingRim | ct.Rub, by: float) -> ct.RotatingRim | ct.Rub:
+    """The same problem, its start changed by a fraction of it."""
+    if isinstance(what, ct.RotatingRim):
+        return replace(what, casing_velocity=(1.0 + by) * np.asarray(what.casing_velocity))
+    start = what.casing_start
+    return replace(what, casing_start=replace(start, velocity=(1.0 + by) * np.asarray(start.velocity)))
+
+
+def explained(
+    what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str
+) -> str:
+    """Why a verdict differs from what becomes of the motion: "start", "short", "later", "step" or "NOT"."""
+    sign = grows(verdict) != (becomes == "grows")
+    for k in range(1, COPIES + 1):
+        other = moved(what, k * MOVED)
+        found = verdict_of(ended(other, mu, END, STEP))
+        fate = truth(other, long_run(other, mu), short.steps * short.dt)[0]
+        if (grows(found) != grows(verdict) or (fate == "grows") != (becomes == "grows")) if sign else (
+            found != verdict or fate != becomes
+        ):  # fmt: skip
+            return "start"
+    grown, end = short.growth, short.steps * short.dt
+    assert grown is not None
+    if verdict == "undecided":
+        return "short"
+    if float(long.state_time[-1]) >= end:
+        folds = rate_in(what, long, grown.since, end) * (end - grown.since)
+        if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
+            return "later"
+    fine = verdict_of(ended(what, mu, END, 0.5 * STEP))
+    return "step" if (grows(fine) and becomes == "grows") or fine == becomes else "NOT"
+
+
+def compared(seed: int) -> Row:
+    """Verdict of a short run beside what a long one does."""
+    what, mu = drawn(seed)
+    started = time.perf_counter()
+    short = ended(what, mu, END, STEP)
+    seconds = time.perf_counter() - started
+    grown = short.growth
+    assert grown is not None
+    long, verdict = long_run(what, mu), verdict_of(short)
+    becomes, folds = truth(what, long, short.steps * short.dt)
+    row: Row = {
+        "seed": seed, "kind": KINDS[seed % len(KINDS)], "mu": mu,
+        "verdict": verdict,
+        "long run": becomes,
+        "folds": folds if math.isfinite(folds) else None, "growth 1/s": grown.rate, "low": grown.low,
+        "high": grown.high, "since s": grown.since, "end s": short.steps * short.dt, "fine 1/s": None, "off": None,
+        "check": grown.check, "half step 1/s": grown.half_step, "check share": grown.check_share,
+        "closed": grown.cause.closed if grown.cause else None, "body": grown.body, "n": grown.nodal_diameters,
+        "seconds": seconds,
+    }  # fmt: skip
+    end = short.steps * short.dt
+    linear = grown.check == "converged" and grown.rate * (end - grown.since) > 1.0
+    if linear and 0.5 * (grown.high - grown.low) < WITHIN * grown.rate:
+        fine = rate_in(what, long, grown.since, min(end, float(long.state_time[-1])))
+        row |= {"fine 1/s": fine, "off": grown.rate / fine - 1.0}
+    same = grows(verdict) == (becomes == "grows")
+    agrees = same and (grows(verdict) or verdict == becomes)
+    why = "" if agrees else explained(what, mu, short, long, verdict, becomes)
+    return row | {"sign agrees": same, "agrees": agrees, "why": why}
+
+
+def main(out: Path, quick: bool = False, count: int = 200, first: int = 0) -> list[Row]:
+    """Print the verdicts that differ and how many agree, kind by kind; write a row for each draw."""
+    rows = [compared(seed) for seed in range(first, first + (min(count, 6) if quick else count))]
+    write(out / "run_growth.csv", rows)
+    different = [row for row in rows if not row["agrees"]]
+    shown = ("seed", "kind", "mu", "verdict", "long run", "folds", "growth 1/s", "low", "high", "since s", "end s",
+             "closed", "sign agrees", "why")  # fmt: skip
+    if different:
+        show("Verdicts that differ from the long run", [{name: row[name] for name in shown} for row in different])
+    table: list[Row] = []
+    for kind in KINDS:
+        mine = [row for row in rows if row["kind"] == kind]
+        off = [abs(float(str(row["off"]))) for row in mine if row["off"] is not None]
+        closed = [
+            abs(float(str(row["off"]))) for row in mine if row["off"] is not None and float(str(row["closed"])) > CLOSED
+        ]
+        checked = [row for row in mine if row["check"]]
+        unlike = [row for row in mine if not row["sign agrees"]]
+        unexplained = sum(row["why"] == "NOT" for row in mine)
+        table.append({
+            "kind": kind, "draws": len(mine),
+            **{state: sum(row["verdict"] == state for row in mine) for state in STATES},
+            "same sign": len(mine) - len(unlike), "other sign by start": sum(row["why"] == "start" for row in unlike),
+            "same end": sum(bool(row["agrees"]) for row in mine), "unexplained": unexplained,
+            "closed": len(closed), "within 10 %": sum(value <= WITHIN for value in closed),
+            "opens": len(off) - len(closed),
+            "opens, within 10 %": sum(value <= WITHIN for value in off) - sum(value <= WITHIN for value in closed),
+            "checked": len(checked), "converged": sum(row["check"] == "converged" for row in checked),
+            "verdict": "FAIL" if unexplained or len(off) - sum(value <= WITHIN for value in off) > 0 else "pass",
+        })  # fmt: skip
+    show("Runs of half a second against runs three times as long at a tenth of the step", table)
+    return table
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main, count=(200, "how many draws"), first=(0, "seed of the first"))
