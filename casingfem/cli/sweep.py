@@ -152,8 +152,9 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
         "doublets": run.found.summary(),
         "draws": draws,
         "resumed": run.resumed,
-        "restart_errors": {str(draw): error for draw, error in run.errors.items()},
-        "from_nothing": list(run.from_nothing),
+        "checked": {str(draw): each._asdict() for draw, each in run.checked.items()},
+        "solved_in_full": list(run.in_full),
+        "estimated_error": run.estimate,
         "seconds": working.seconds,
         "source": study.source,
     }
@@ -163,12 +164,16 @@ def mistune(file: Path, draws: int, processes: int | None, as_json: bool, out: P
 
 def words_of_draws(run: "MistuneRun") -> str:
     """How sure the frequencies are, and what was there already."""
-    lines = ["every draw complete by a Sturm count"]
-    if run.errors:
-        worst = max(run.errors.values())
-        lines.append(f"{len(run.errors)} draws also solved from nothing: frequencies differ by {worst:.1e} at most")
-    if run.from_nothing:
-        lines.append(f"{len(run.from_nothing)} draws solved from nothing: the restart had missed modes")
+    lines = []
+    if run.estimate is not None:
+        near = run.found.draws - len(run.in_full)
+        lines.append(f"{near} draws from the perfect casing's modes: estimated error of a frequency {run.estimate:.1e}")
+    if run.checked:
+        freq, split = (max(part) for part in zip(*run.checked.values(), strict=True))
+        differ = f"frequencies differ by {freq:.1e} at most, splits by {split:.1e} of the draw's largest"
+        lines.append(f"{len(run.checked)} of them also solved in full: {differ}")
+    if run.in_full:
+        lines.append(f"{len(run.in_full)} draws solved in full, each complete by a Sturm count")
     if run.resumed:
         lines.append(f"{run.resumed} draws were there already")
     return "\n".join(lines)

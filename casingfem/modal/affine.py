@@ -131,32 +131,7 @@ class AffineModel:
         mu, y = eigh(M, K, subset_by_index=(len(K) - count, len(K) - 1))
         mu, y = mu[::-1], y[:, ::-1] / np.sqrt(mu[::-1])
         freq = np.sqrt(np.maximum(1.0 / mu - self.shift, 0.0)) / (2.0 * np.pi)
-        of_basis = self.rings.amplitudes
-        flat = of_basis.reshape(-1, len(K))  # one product of matrices, where each n and ring would have its own
-        rings = Rings((flat @ y).reshape(*of_basis.shape[:-1], count), self.rings.weights)
-        n, purity = rings.label()
-        n[: self.nominal.rigid] = -1
-        pairs = find_doublets(rings, n)
-        for pair in pairs:  # perfect ones have no orientation: cosine and sine, as `labelled` has them
-            if np.ptp(freq[list(pair)]) <= DOUBLE * freq[pair[1]]:
-                turn = align_pair(*(rings.profile(k, n[pair[0]]) for k in pair))
-                y[:, pair] = y[:, pair] @ turn
-                rings.amplitudes[..., pair] = rings.amplitudes[..., pair] @ turn
-        angle = [orientation(rings.profile(k, n[k]), int(n[k])) if n[k] > 0 else np.nan for k in range(count)]
-        return AffineModes(
-            freq=freq,
-            fields=np.zeros((0, 5, count)),
-            nodal_diameters=n,
-            purity=purity,
-            meridional=ranks(n, pairs),
-            doublets=tuple(pairs),
-            angle_deg=np.degrees(angle),
-            rigid=self.nominal.rigid,
-            sturm_count=None,
-            dofs=len(self.K),
-            rings=rings,
-            coordinates=y,
-        )
+        return modes_by_coordinates(freq, y, self.rings, rigid=self.nominal.rigid)
 
     def derivatives(self, found: "AffineModes") -> FloatArray:
         """G[c, i, j] = phi_i^T (K_c - omega_i^2 M_c) phi_j, (changes, modes, modes), as `eigen_derivatives` has it."""
@@ -174,6 +149,36 @@ class AffineModes(ModeSet):
     """Modes by their coordinates (r, modes) in the reduced basis; `fields` are left out, of no node."""
 
     coordinates: FloatArray
+
+
+def modes_by_coordinates(freq: FloatArray, y: FloatArray, basis: Rings, *, rigid: int) -> AffineModes:
+    """Modes labelled by the circumferential content of their basis; y (r, modes) is turned where a pair is perfect."""
+    count, of_basis = len(freq), basis.amplitudes
+    flat = of_basis.reshape(-1, len(y))  # one product of matrices, where each n and ring would have its own
+    rings = Rings((flat @ y).reshape(*of_basis.shape[:-1], count), basis.weights)
+    n, purity = rings.label()
+    n[:rigid] = -1
+    pairs = find_doublets(rings, n)
+    for pair in pairs:  # perfect ones have no orientation: cosine and sine, as `labelled` has them
+        if np.ptp(freq[list(pair)]) <= DOUBLE * freq[pair[1]]:
+            turn = align_pair(*(rings.profile(k, n[pair[0]]) for k in pair))
+            y[:, pair] = y[:, pair] @ turn
+            rings.amplitudes[..., pair] = rings.amplitudes[..., pair] @ turn
+    angle = [orientation(rings.profile(k, n[k]), int(n[k])) if n[k] > 0 else np.nan for k in range(count)]
+    return AffineModes(
+        freq=freq,
+        fields=np.zeros((0, 5, count)),
+        nodal_diameters=n,
+        purity=purity,
+        meridional=ranks(n, pairs),
+        doublets=tuple(pairs),
+        angle_deg=np.degrees(angle),
+        rigid=rigid,
+        sturm_count=None,
+        dofs=len(y),
+        rings=rings,
+        coordinates=y,
+    )
 
 
 def affine_model(system: System, changes: Sequence[Change], count: int, nominal: Modes | None = None) -> AffineModel:

@@ -16,7 +16,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray
 from casingfem.structure.geometry.chart import Chart, is_axisymmetric
 from casingfem.structure.mesh.element import lobatto
 from casingfem.structure.mesh.place import ring_transform
-from casingfem.structure.mesh.shell_mesh import Grid
+from casingfem.structure.mesh.shell_mesh import Grid, ShellMesh
 from contact.io.brief import brief
 
 ARC = 1025  # samples of the arc length around
@@ -71,12 +71,16 @@ def ring_content(chart: Chart, grid: Grid, fields: Array, n_max: int | None = No
     on_rings = np.matmul(parts, cylindrical[rings].reshape(*rings.shape, -1))
     waves = on_rings[:, : n_max + 1] + 1j * on_rings[:, n_max + 1 :]
     amplitudes = waves.swapaxes(0, 1).reshape(n_max + 1, len(rings), 3, -1)
-    breaks, (_, w) = grid.mesh.breaks, lobatto(grid.mesh.order)
-    weights = np.zeros(len(rings))
-    for row, width in enumerate(np.diff(breaks)):
-        start = row * (len(w) - 1)
-        weights[start : start + len(w)] += width * w
-    return Rings(amplitudes=amplitudes, weights=weights)
+    return Rings(amplitudes=amplitudes, weights=ring_weights(grid.mesh))
+
+
+def ring_weights(mesh: ShellMesh) -> FloatArray:
+    """Weights of a mesh's rings of nodes, (rings,), which sum to 1: the Lobatto rule along the first parameter."""
+    _, w = lobatto(mesh.order)
+    weights = np.zeros((len(mesh.breaks) - 1) * mesh.order + 1)
+    for row, width in enumerate(np.diff(mesh.breaks)):
+        weights[row * mesh.order :][: len(w)] += width * w
+    return weights
 
 
 def arc_places(chart: Chart) -> Callable[[FloatArray], FloatArray]:

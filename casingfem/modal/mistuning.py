@@ -6,17 +6,19 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from casingfem.errors import NumericsError
 from casingfem.io.arrays import BoolArray, FloatArray, IntArray
-from casingfem.modal.mode_set import Modes
+from casingfem.modal.family.family import Family
+from casingfem.modal.mode_set import ModeSet
 from casingfem.modal.modes import modes
-from casingfem.modal.neighbour import guarded, restarted_modes
 from casingfem.structure.field.random import drop_random, is_random, redrawn
 from casingfem.structure.geometry.chart import is_axisymmetric
 from casingfem.structure.shell.shell import Shell, require_shell
 from contact.io.columns import Column, records_of, table_lines
 from contact.io.notebook import notebook_progress
 from contact.io.reported import Reported
+
+LIMIT = 2e-4  # of a frequency: what default meshes are made for; the estimate is larger than the error
+TINY = 1e-12  # a split that is none
 
 
 class Drawn(NamedTuple):
@@ -112,12 +114,7 @@ def mean_shell(shell: Shell) -> Shell:
     return replace(shell, **fields)
 
 
-def mean_modes(shell: Shell, count: int) -> Modes:
-    """The modes from which every draw starts."""
-    return modes(mean_shell(shell), guarded(count), method="shell")
-
-
-def pairs_of(found: Modes, draw: int) -> list[Pair]:
+def pairs_of(found: ModeSet, draw: int) -> list[Pair]:
     """The doublets of a set of modes; angles of perfect pairs are nan."""
     rows = []
     for (low, high), split in zip(found.doublets, found.splits, strict=True):
@@ -127,22 +124,40 @@ def pairs_of(found: Modes, draw: int) -> list[Pair]:
     return rows
 
 
-def drawn_modes(shell: Shell, mean: Modes, count: int, draw: int) -> tuple[Modes, bool]:
-    """Lowest `count` modes of one draw, and whether a restart from the mean shell's modes was enough.
+class DrawnModes(NamedTuple):
+    """Modes of one draw; `estimate` is what they may be off by, relative, None where the draw was solved in full."""
 
-    Where the inertia finds modes that the restart did not, the draw is solved from nothing.
-    """
+    modes: ModeSet
+    estimate: float | None
+
+
+def drawn_modes(shell: Shell, family: Family | None, count: int, draw: int) -> DrawnModes:
+    """Lowest `count` modes of one draw: near the perfect casing's modes, or in full where that is not sure enough."""
     drawn = redrawn_shell(shell, draw)
-    try:
-        return restarted_modes(drawn, mean, count), True
-    except NumericsError:
-        return modes(drawn, count, method="shell"), False
+    if family is not None:
+        near = family.near(drawn.defects, count)
+        if near.complete and near.estimate <= LIMIT:
+            return DrawnModes(near.modes, near.estimate)
+    return DrawnModes(modes(drawn, count, method="shell"), None)
 
 
-def restart_error(found: Modes) -> float:
-    """Largest relative difference of the elastic frequencies to those of a solution from nothing."""
-    exact = modes(found.shell, len(found), method="shell").freq
-    return float(np.abs(found.freq[found.rigid :] / exact[found.rigid :] - 1.0).max())
+class Difference(NamedTuple):
+    """Largest differences of a draw's modes to those of the full solution: of frequencies and of splits, relative.
+
+    Splits are compared by how far they are apart over the largest split of the draw.
+    """
+
+    freq: float
+    split: float
+
+
+def difference(shell: Shell, found: ModeSet, count: int, draw: int) -> Difference:
+    """How far a draw's modes are from its full solution."""
+    full = modes(redrawn_shell(shell, draw), count, method="shell")
+    freq = float(np.abs(found.freq[full.rigid :] / full.freq[full.rigid :] - 1.0).max(initial=0.0))
+    if found.doublets != full.doublets or not full.doublets:
+        return Difference(freq, float("nan"))
+    return Difference(freq, float(np.abs(found.splits - full.splits).max() / max(full.splits.max(), TINY)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -205,8 +220,10 @@ class Mistuning(Reported):
 def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[int], None] | None = None) -> Mistuning:
     """Splits and orientations of a shell's pairs over draws 0, 1, ... of its random fields, one after the other.
 
-    Every draw restarts from the modes of the mean shell and is complete by a Sturm count; it depends on its own
-    number alone. `casingfem mistune study.toml` does the same on several cores and can be resumed.
+    Where the casing is perfect but for series around and its edges are free, clamped or embedded, a draw's modes come
+    from those of the perfect casing (`modal.family`); the others, and draws whose error estimate is above 2e-4 of a
+    frequency, are solved in full. A draw depends on its own number alone. `casingfem mistune study.toml` does the same
+    on several cores, checks some draws and can be resumed.
 
     Raises
     ------
@@ -225,13 +242,13 @@ def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[in
     """
     require_pairs(shell)
     progress = progress or notebook_progress("mistune", f"{{}} of {draws} draws".format)
-    mean = mean_modes(shell, count)
+    family = Family.of(shell, count)
     rows: list[Pair] = []
     for draw in range(draws):
-        rows += pairs_of(drawn_modes(shell, mean, count, draw)[0], draw)
+        rows += pairs_of(drawn_modes(shell, family, count, draw).modes, draw)
         if progress is not None:
             progress(draw + 1)
-    return Mistuning.of(rows, perfect_pairs(mean, count))
+    return Mistuning.of(rows, mean_pairs(shell, count))
 
 
 def require_pairs(shell: Shell) -> None:
@@ -242,6 +259,6 @@ def require_pairs(shell: Shell) -> None:
     redrawn_shell(shell, 0)
 
 
-def perfect_pairs(mean: Modes, count: int) -> list[Pair]:
-    """The doublets of the mean shell among its lowest `count` modes."""
-    return [pair for pair, (_, high) in zip(pairs_of(mean, -1), mean.doublets, strict=True) if high < count]
+def mean_pairs(shell: Shell, count: int) -> list[Pair]:
+    """The doublets among the lowest `count` modes of the mean shell."""
+    return pairs_of(modes(mean_shell(shell), count), -1)

@@ -1,4 +1,4 @@
-"""Modes of one structure after another that differs little: an update's way from step to step, draws about a mean.
+"""Modes of one structure after another that differs little: an update's way from step to step.
 
 An update's solution keeps a factor of K - s M of a structure on the way. The modes X of the next one start from the
 last, and grow by what the old factor makes of their residuals (block Davidson),
@@ -9,20 +9,14 @@ until r^T F r, the first order of what an eigenvalue has yet to fall, is below T
 taken in too, which leaves a hundredth or less. Near the end of an update one block is enough and nothing is factored.
 A long step needs a factor of its own. One more mode could come from far above: modes are counted when asked
 (`counted`), at the end of an update.
-
-A draw starts from the modes X of the mean, a few more than wanted, and with S = (K - s M)^-1 M of its own: the space is
-span[X, S X, ..., S^k X]; Rayleigh-Ritz on it gives the modes, one inertia certifies that none is missing. Plain
-subspace iteration keeps S^k X alone: at the same number of solves its worst frequency is hundreds of times less
-accurate (`python -m reports.benchmarks.mistuning`).
 """
 
 import time
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import eigh, qr
+from scipy.linalg import eigh
 
-from casingfem.errors import NumericsError
 from casingfem.io.arrays import FloatArray
 from casingfem.linalg.eigen import gap_after, solve_modes
 from casingfem.linalg.factor import Factor, factorise
@@ -41,8 +35,6 @@ FAR = 1e-5  # more than this to fall, an old factor takes more blocks than a new
 LEAST = 1e-2  # of TOL: modes that have less to fall stay as they are
 GUARD = 8  # modes carried along above those wanted
 MOST = 12
-STEPS = 3  # block steps: frequencies right to 1e-7, with two to 1e-5 for a tenth less (reports.benchmarks.mistuning)
-EXTRA = 4  # Ritz values beyond `count`, so that the count ends in a gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,57 +209,3 @@ def counted(solution: Solution) -> Solution | None:
     if solution.pencil.count_below(sigma) != below:
         return None
     return replace(solution, modes=replace(found, sturm_count=below))
-
-
-def guarded(count: int) -> int:
-    """How many known modes to start from for `count` new ones: half as many again."""
-    return count + max(8, count // 2)
-
-
-def restarted_modes(shell: Shell, known: Modes, count: int, *, steps: int = STEPS) -> Modes:
-    """Lowest `count` modes of a shell from the modes of a similar one on the same mesh, complete by a Sturm count.
-
-    Parameters
-    ----------
-    shell
-        The new structure.
-    known
-        Modes of the similar one, `guarded(count)` of them or more.
-    count, steps
-        Modes wanted; block steps k.
-
-    Raises
-    ------
-    ValueError
-        If the meshes differ, or too few modes are known.
-    NumericsError
-        If the inertia finds a mode that the space does not hold.
-    """
-    if known.shell.mesh != shell.mesh or len(known) < count + EXTRA:
-        raise ValueError(f"a restart of {count} modes needs {count + EXTRA} or more, of a shell on the same mesh")
-    started = time.perf_counter()
-    system = assemble(shell)
-    assembled = time.perf_counter()
-    pencil = make_pencil(system.stiffness, system.mass)
-    start = system.collect(known.fields, known.own) / pencil.scale[:, None]
-    values, vectors = krylov_modes(pencil, start, shift_of(shell), steps)
-    below, sigma = gap_after(values[: count + EXTRA], count)
-    certified = pencil.count_below(sigma)
-    if certified != below:
-        raise NumericsError(f"{certified} modes lie below {np.sqrt(sigma) / 2 / np.pi:.6g} Hz, {below} were found")
-    ritz = ritz_modes(system, pencil.scale[:, None] * vectors[:, :below])
-    seconds = {"assemble": assembled - started, "solve": time.perf_counter() - assembled}
-    return labelled(shell, system.grid, *ritz, count=count, sturm=certified, dofs=system.size, seconds=seconds)
-
-
-def krylov_modes(pencil: Pencil, start: FloatArray, shift: float, steps: int) -> tuple[FloatArray, FloatArray]:
-    """Ritz values [rad^2/s^2] and B-orthonormal vectors of the block Krylov space of `start` (free, columns)."""
-    factor = factorise(pencil.shifted(shift))
-    blocks = [qr(start, mode="economic")[0]]
-    for _ in range(steps):
-        blocks.append(qr(factor.solve(pencil.weigh(blocks[-1])), mode="economic")[0])
-    V = qr(np.concatenate(blocks, axis=1), mode="economic")[0]
-    H, G = V.T @ (pencil.A @ V), V.T @ pencil.weigh(V)
-    wanted = [0, start.shape[1] - 1]
-    values, y = eigh(0.5 * (H + H.T), 0.5 * (G + G.T), subset_by_index=wanted)
-    return values, V @ y

@@ -14,37 +14,44 @@ from pathlib import Path
 from typing import Any, cast
 
 from casingfem.io.side_by_side import one_thread, usable_cores
+from casingfem.modal.family.family import Family
 from casingfem.modal.mistuning import (
+    Difference,
     Mistuning,
     Pair,
+    difference,
     drawn_modes,
-    mean_modes,
+    mean_pairs,
     pairs_of,
-    perfect_pairs,
     require_pairs,
-    restart_error,
 )
-from casingfem.modal.mode_set import Modes
 from casingfem.study.load import Study, load_shell_study
 from casingfem.study.problems import StudyError
 from contact.io.infiles import read_bytes
 from contact.io.outfiles import json_text, read_checked, write_atomic, write_checked
 from contact.io.workers import worker_pool
 
-CHUNK = 5  # draws a file: what a killed run loses at most, for each process
-CHECKED = 50  # every so many draws one is also solved from nothing, and the difference reported
+CHUNK = 10  # draws a file: what a killed run loses at most, for each process
+CHECKED = 50  # draws 0, 50, 100, 200, 400 and so on are also solved in full, and the difference reported
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MistuneRun:
-    """What a run found: the doublets; how far restarts were from solutions from nothing; which draws needed one.
+    """What a run found.
 
-    `errors` is draw -> largest relative difference of a frequency; `resumed` counts the draws that were there already.
+    Attributes
+    ----------
+    found : the doublets
+    checked : draw -> its difference to the full solution, of the draws that were checked
+    in_full : the draws that were solved in full
+    estimate : the largest estimate of a frequency's error among the others, relative; None where there is no other
+    resumed : number of draws that were there already
     """
 
     found: Mistuning
-    errors: dict[int, float]
-    from_nothing: tuple[int, ...]
+    checked: dict[int, Difference]
+    in_full: tuple[int, ...]
+    estimate: float | None
     resumed: int
 
 
@@ -85,7 +92,7 @@ def run_mistune(
     missing = [chunk for chunk in chunks if chunk.start not in kept]
     workers = min(processes or usable_cores(), max(len(missing), 1))
     with one_thread(), worker_pool(workers, set_up, str(study.path), study.source["sha256"]) as executor:
-        perfect = executor.submit(mean_pairs)
+        perfect = executor.submit(worker_pairs)
         waiting = {executor.submit(compute_chunk, chunk): chunk for chunk in missing}
         done = resumed
         for future in as_completed(waiting):
@@ -98,9 +105,11 @@ def run_mistune(
                 progress(done)
         rows = [pair_of(row) for chunk in chunks for row in kept[chunk.start]["pairs"]]
         found = Mistuning.of(rows, perfect.result())
-    errors = {int(draw): error for chunk in chunks for draw, error in kept[chunk.start]["errors"].items()}
-    slow = tuple(draw for chunk in chunks for draw in kept[chunk.start]["from_nothing"])
-    return MistuneRun(found=found, errors=errors, from_nothing=slow, resumed=resumed)
+    contents = [kept[chunk.start] for chunk in chunks]
+    checked = {int(draw): difference_of(cells) for content in contents for draw, cells in content["checked"].items()}
+    in_full = tuple(draw for content in contents for draw in content["in_full"])
+    estimate = max((content["estimate"] for content in contents if content["estimate"] is not None), default=None)
+    return MistuneRun(found=found, checked=checked, in_full=in_full, estimate=estimate, resumed=resumed)
 
 
 def result_of(future: Future[dict[str, Any]], executor: Executor) -> dict[str, Any]:
@@ -115,6 +124,21 @@ def result_of(future: Future[dict[str, Any]], executor: Executor) -> dict[str, A
 def pair_of(row: list[Any]) -> Pair:
     """A row of a chunk's file; JSON has no word for nan."""
     return Pair._make(math.nan if cell is None else cell for cell in row)
+
+
+def difference_of(cells: list[Any]) -> Difference:
+    """A checked draw of a chunk's file."""
+    return Difference._make(math.nan if cell is None else cell for cell in cells)
+
+
+def is_checked(draw: int) -> bool:
+    """Whether a draw is also solved in full: 0, then CHECKED times the powers of 2.
+
+    >>> [draw for draw in range(1000) if is_checked(draw)]
+    [0, 50, 100, 200, 400, 800]
+    """
+    times, rest = divmod(draw, CHECKED)
+    return rest == 0 and times & (times - 1) == 0
 
 
 # --- the store ------------------------------------------------------------------------------------------------
@@ -158,36 +182,42 @@ class WorkerState:
     """What a worker keeps from chunk to chunk."""
 
     study: Study
-    mean: Modes
+    family: Family | None
+
+    @property
+    def count(self) -> int:
+        """How many modes are wanted."""
+        return self.study.file.modes.count
 
 
 _worker: list[WorkerState] = []  # of this process, filled once by `set_up`
 
 
 def set_up(path: str, digest: str) -> None:
-    """Load the study and solve its mean shell."""
+    """Load the study and expand its perfect casing's modes."""
     study = load_shell_study(path)
     if study.source["sha256"] != digest:
         raise RuntimeError(f"{path} changed while its draws were computed")
-    _worker.append(WorkerState(study, mean_modes(study.shell, study.file.modes.count)))
+    _worker.append(WorkerState(study, Family.of(study.shell, study.file.modes.count)))
 
 
-def mean_pairs() -> list[Pair]:
+def worker_pairs() -> list[Pair]:
     """The doublets of the mean shell."""
-    bench = _worker[-1]
-    return perfect_pairs(bench.mean, bench.study.file.modes.count)
+    worker = _worker[-1]
+    return mean_pairs(worker.study.shell, worker.count)
 
 
 def compute_chunk(chunk: range) -> dict[str, Any]:
-    """The doublets of some draws, the errors of those also solved from nothing, and those that had to be."""
-    bench = _worker[-1]
-    shell, count = bench.study.shell, bench.study.file.modes.count
-    content: dict[str, Any] = {"pairs": [], "errors": {}, "from_nothing": []}
+    """The doublets of some draws, which were solved in full, the others' largest estimate, and checks."""
+    worker = _worker[-1]
+    content: dict[str, Any] = {"pairs": [], "checked": {}, "in_full": [], "estimate": None}
     for draw in chunk:
-        found, restarted = drawn_modes(shell, bench.mean, count, draw)
+        found, estimate = drawn_modes(worker.study.shell, worker.family, worker.count, draw)
         content["pairs"] += pairs_of(found, draw)
-        if not restarted:
-            content["from_nothing"].append(draw)
-        elif draw % CHECKED == 0:
-            content["errors"][str(draw)] = restart_error(found)
+        if estimate is None:
+            content["in_full"].append(draw)
+            continue
+        content["estimate"] = max(estimate, content["estimate"] or 0.0)
+        if is_checked(draw):
+            content["checked"][str(draw)] = difference(worker.study.shell, found, worker.count, draw)
     return content

@@ -25,7 +25,7 @@ from casingfem.structure.mesh.kinematics import DOFS, STRAINS, dot, frame, strai
 from casingfem.structure.mesh.shell_mesh import Grid, make_grid
 from casingfem.structure.shell.edges import edge_forms
 from casingfem.structure.shell.nodal_mass import diagonal_frames, nodal_mass
-from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.parts import ShellGeometry, ShellParts
 from casingfem.structure.shell.prestress import Spin, Turning, spun
 from casingfem.structure.shell.shell import Shell
 from casingfem.structure.shell.system import System
@@ -34,11 +34,15 @@ from casingfem.structure.shell.wall import constitutive, curvature
 
 def element_matrices(shell: Shell, grid: Grid) -> FloatArray:
     """Element stiffness matrices, (elements, 5 functions, 5 functions)."""
-    geometry = shell.geometry(*grid.parameters, grid.middle)
+    return jet_elements(grid, wall_form(shell, shell.geometry(*grid.parameters, grid.middle), grid.measure))
+
+
+def wall_form(shell: ShellParts, geometry: ShellGeometry, measure: FloatArray) -> Array:
+    """Stiffness of the wall as a form on the jets of (u, w) at points (...): L^T D L J measure, (..., 15, 15)."""
     L, rates = strain_slots(geometry.surface)
-    D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * grid.measure)
-    strains = np.ascontiguousarray(L.transpose(3, 4, 1, 0, 2)).reshape(*L.shape[3:], STRAINS, JET)
-    return jet_elements(grid, strains.swapaxes(-1, -2) @ (np.moveaxis(D, (0, 1), (-2, -1)) @ strains))
+    D = constitutive(shell, geometry, curvature(rates)) * (rates.basis.jacobian * measure)
+    strains = np.ascontiguousarray(np.moveaxis(L, (1, 0, 2), (-3, -2, -1))).reshape(*L.shape[3:], STRAINS, JET)
+    return np.asarray(strains.swapaxes(-1, -2) @ (np.moveaxis(D, (0, 1), (-2, -1)) @ strains))
 
 
 def edge_rotation(shell: ShellParts, parameters: FloatArray, along: int) -> Array:

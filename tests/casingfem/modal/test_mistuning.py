@@ -1,4 +1,4 @@
-"""Random mistuning: restarts equal solutions from nothing, draws do not depend on each other, runs go on."""
+"""Random mistuning: draws equal their full solutions, do not depend on each other, and runs go on."""
 
 import json
 import os
@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,14 +13,11 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.cli.sweep import files_of_draws, words_of_draws
-from casingfem.modal import mistuning
-from casingfem.modal.mistuning import Pair, drawn_modes, mean_modes, mean_shell, redrawn_shell
-from casingfem.modal.neighbour import guarded, restarted_modes
-from casingfem.study.mistuning import MistuneRun, run_mistune
 from tests.casingfem.study.study_texts import STEEL
 
-COUNT = 12
+COUNT = 10
+SOFT = cf.ElasticEdge(k_r=2e9, k_theta=5e9, k_z=2e10, k_rot=1e6, k_face=1e10)
+SPECTRUM = cf.field.Spectrum.between({1: 0.004, 8: 0.001}, {1: 0.01, 8: 0.003})
 STUDY = (
     STEEL
     + """
@@ -42,93 +38,124 @@ p_max = 12
 [modes]
 count = 6
 [mesh]
-order = 5
+order = 7
 rows = 1
-around = 9
+around = 11
 """
 )
 
 
-@pytest.fixture(scope="module")
-def casing(frustum, coarse):
-    random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
-    spectrum = cf.field.Spectrum.between({2: 0.01, 8: 0.003}, {2: 0.02, 8: 0.006})
-    return frustum(
-        mesh=coarse,
-        radius_defect=cf.FourierField.of({3: 0.001}) + random,
-        modulus_defect=cf.field.RandomField(spectrum=spectrum, seed=7, stream=1),
-    )
+def tube(**parts):
+    """A short thick tube, on a mesh right to 1e-5 in the modes asked for."""
+    return cf.Shell(
+        chart=cf.Cylinder(radius=0.5, height=0.3), thickness=0.01,
+        material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+        **{"supports": {"base": cf.Clamped()}, "mesh": cf.ShellMesh(order=7, rows=1, around=13)} | parts,
+    )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def mean(casing):
-    return mean_modes(casing, COUNT)
+def lab(scale, p_max=10):
+    """Radius defects by the example spectrum."""
+    return cf.field.RandomField.example(thickness=0.01, radius=0.5, seed=7, scale=scale, p_max=p_max)
 
 
-@pytest.mark.slow
-def test_a_restart_gives_the_frequencies_splits_and_angles_of_a_solution_from_nothing(casing, mean):
-    for draw in (0, 3):
-        drawn = redrawn_shell(casing, draw)
-        quick, full = restarted_modes(drawn, mean, COUNT), cf.modes(drawn, COUNT, method="shell")
-        np.testing.assert_allclose(quick.freq, full.freq, rtol=3e-6)
-        np.testing.assert_array_equal(quick.nodal_diameters, full.nodal_diameters)
-        np.testing.assert_allclose(quick.splits, full.splits, atol=3e-6)
-        np.testing.assert_allclose(quick.angle_deg, full.angle_deg, atol=0.05)
-        assert quick.sturm_count == full.sturm_count == COUNT
-    spoilt = replace(full, freq=full.freq * (1.0 + 1e-3 * (np.arange(COUNT) == 5)))
-    assert mistuning.restart_error(spoilt) == pytest.approx(1e-3, rel=1e-6)
+def of_draw(found, draw):
+    """The rows of one draw: n, m, mean frequency, split, angle."""
+    own = found.draw == draw
+    return found.n[own], found.m[own], found.freq[own], found.split[own], found.angle_deg[own]
 
 
-@pytest.mark.slow
-def test_each_block_step_gains_digits(casing, mean):
-    drawn = redrawn_shell(casing, 3)
-    exact = cf.modes(drawn, COUNT, method="shell").freq
-    errors = [np.abs(restarted_modes(drawn, mean, COUNT, steps=k).freq / exact - 1).max() for k in (1, 2, 3)]
-    assert errors[0] > 30 * errors[1] > 900 * errors[2]
+def of_modes(found):
+    """The same of a full solution."""
+    low, high = np.array(found.doublets).T
+    freq = 0.5 * (found.freq[low] + found.freq[high])
+    return found.nodal_diameters[low], found.meridional[low], freq, found.splits, found.angle_deg[low]
 
 
-@pytest.mark.slow
-def test_the_inertia_sees_what_a_restart_cannot_reach(frustum, coarse, mean):
-    """Cosine members alone, on a casing with a plane of symmetry: the sine members stay out of reach."""
-    half = cf.modes(mean_shell(frustum(mesh=coarse)), 40, method="shell")
-    low = [pair[0] for pair in half.doublets]
-    known = replace(half, freq=half.freq[::2], fields=half.fields[:, :, low], own=half.own[:, low])
-    with pytest.raises(cf.errors.NumericsError, match="modes lie below"):
-        restarted_modes(frustum(mesh=coarse, radius_defect=cf.FourierField.of({8: 0.002})), known, COUNT)
+def field(stream):
+    """Another random field, of thickness, modulus or density."""
+    return cf.field.RandomField(spectrum=SPECTRUM, seed=5, stream=stream)
+
+
+CASINGS = {
+    "radius, on a clamp": {"radius_defect": lab(0.3)},
+    "all four fields, on springs": {
+        "radius_defect": lab(0.1), "thickness_defect": field(1), "modulus_defect": field(2), "density_defect": field(3),
+        "supports": {"base": SOFT},
+    },
+    "free, with a part that is the same for all": {
+        "radius_defect": cf.FourierField.of({4: (5e-4, 2e-4), 3: 3e-4}) + lab(0.1), "supports": {},
+    },
+    "published wall theory": {"thickness_defect": field(1), "wall": "linear"},
+}  # fmt: skip
 
 
 @pytest.mark.slow
-def test_a_draw_whose_restart_fails_is_solved_from_nothing(casing, mean, monkeypatch):
-    def fails(*arguments):
-        raise cf.errors.NumericsError("13 modes lie below, 12 were found")
-
-    restarted = drawn_modes(casing, mean, COUNT, 1)
-    monkeypatch.setattr(mistuning, "restarted_modes", fails)
-    solved = drawn_modes(casing, mean, COUNT, 1)
-    assert (restarted[1], solved[1]) == (True, False)
-    np.testing.assert_allclose(restarted[0].freq, solved[0].freq, rtol=3e-6)
-
-
-@pytest.mark.parametrize(("count", "known"), [(1, 9), (12, 20), (16, 24), (40, 60)])
-def test_a_restart_starts_from_half_as_many_modes_again_and_eight_more_at_least(count, known):
-    assert guarded(count) == known
-
-
-def test_a_restart_wants_modes_enough_of_the_same_mesh(casing, mean):
-    with pytest.raises(ValueError, match="needs 26 or more, of a shell on the same mesh"):
-        restarted_modes(casing, mean, 22)
-    with pytest.raises(ValueError, match="on the same mesh"):
-        restarted_modes(replace(casing, mesh=replace(casing.mesh, around=11)), mean, 4)
+@pytest.mark.parametrize("fields", CASINGS.values(), ids=CASINGS)
+def test_draws_are_their_full_solutions(fields):
+    shell = tube(**fields)
+    found = cf.mistune(shell, 2, count=COUNT)
+    for draw in (0, 1):
+        drawn = {name: redrawn(part, draw) for name, part in fields.items()}
+        full = of_modes(cf.modes(tube(**drawn), COUNT, method="shell"))
+        n, m, freq, split, angle = of_draw(found, draw)
+        np.testing.assert_array_equal((n, m), full[:2])
+        np.testing.assert_allclose(freq, full[2], rtol=3e-5)
+        np.testing.assert_allclose(split, full[3], rtol=1e-2, atol=5e-3 * full[3].max())
+        wide = full[3] > 0.05 * full[3].max()
+        apart = np.mod(angle - full[4] + 90.0 / n, 180.0 / n) - 90.0 / n
+        assert np.abs(apart[wide]).max() < 0.1
 
 
-def test_what_is_not_random_stays(casing):
-    bare = mean_shell(casing)
-    assert bare.radius_defect.harmonics == (3,)
-    assert bare.modulus_defect is None
-    one, two = (redrawn_shell(casing, k).radius_defect.derivatives(0.1, 0.2).value for k in (1, 2))
-    assert one != two
-    with pytest.raises(ValueError, match="nothing of this shell is random"):
-        redrawn_shell(bare, 1)
+def redrawn(part, draw):
+    """A random field, or a sum with one, of another draw; anything else as it is."""
+    if isinstance(part, cf.field.SumField):
+        return cf.field.SumField(tuple(redrawn(each, draw) for each in part.fields))
+    return part.redrawn(draw) if isinstance(part, cf.field.RandomField) else part
+
+
+@pytest.mark.slow
+def test_errors_are_of_fourth_order_in_the_imperfection():
+    """Rayleigh's quotient with shapes right to first order: half the imperfection, a sixteenth of the error."""
+    errors = []
+    for scale in (0.24, 0.12):
+        parts = {"radius_defect": lab(scale), "mesh": cf.ShellMesh(order=7, rows=1, around=17)}
+        full = of_modes(cf.modes(tube(**parts), 4, method="shell"))
+        errors.append(of_draw(cf.mistune(tube(**parts), 1, count=4), 0)[2] / full[2] - 1.0)
+    above, below = (np.max(error) for error in errors)
+    assert np.min(errors) > -1e-7  # from above
+    assert 10.0 < above / below < 24.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"radius_defect": lab(2.0)},
+        {"radius_defect": lab(0.3), "supports": {"base": cf.Bolts(count=9, k=1e9, k_rot=1e5)}},
+        {"radius_defect": lab(0.3) + cf.FourierField(p=[3], cos=[[0.0, 1e-3]], sin=[[0.0, 0.0]])},
+    ],
+    ids=["as large as the wall", "on bolts", "beside a field that varies along the axis"],
+)
+def test_what_is_not_near_a_perfect_casing_is_solved_in_full(parts):
+    shell = tube(**parts | {"mesh": cf.ShellMesh(order=5, rows=1, around=9)})
+    n, m, freq, split, angle = of_draw(cf.mistune(shell, 1, count=6), 0)
+    full = of_modes(cf.modes(shell, 6, method="shell"))
+    for mine, theirs in zip((n, m, freq, split, angle), full, strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+
+
+@pytest.mark.slow
+def test_a_split_grows_with_its_own_harmonic_and_its_angle_follows_the_field():
+    """Of thickness alone: first order in p = 2 n; a crest at 30 degrees takes the stiffer member with it."""
+    splits = []
+    for size in (1e-3, 2e-3):
+        even = cf.field.Spectrum(p=[8], median=[size], high=[size])
+        found = cf.mistune(tube(thickness_defect=cf.field.RandomField(spectrum=even, seed=1)), 3, count=6)
+        splits.append(found.split[found.n == 4])
+        assert found.split[found.n != 4].max() < 1e-2 * splits[-1].min()
+        np.testing.assert_allclose(splits[-1], splits[-1][0], rtol=1e-6)  # phases differ, sizes do not
+    np.testing.assert_allclose(splits[1], 2.0 * splits[0], rtol=1e-4)
 
 
 def test_mesh_is_chosen_for_the_spectrum_not_for_the_draw(frustum):
@@ -137,55 +164,25 @@ def test_mesh_is_chosen_for_the_spectrum_not_for_the_draw(frustum):
     assert len(meshes) == 1
 
 
-def test_summary_counts_and_quantiles():
-    rows = [Pair(k, 4, 1, 100.0 + k, 0.01 * k, 3.0) for k in range(11)] + [Pair(0, 5, 1, 90.0, 0.2, float("nan"))]
-    perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 1, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
-    found = cf.modal.Mistuning.of(rows, perfect)
-    five, four, nine = found.summary()
-    assert (four["n"], four["draws"], five["draws"], nine["draws"], nine["split_50"]) == (4, 11, 1, 0, None)
-    assert [four[f"split_{k}"] for k in (50, 90, 99)] == pytest.approx([0.05, 0.09, 0.099])
-    assert [four[f"shift_{k}"] for k in (10, 50, 90)] == pytest.approx([0.01, 0.05, 0.09])
-    assert found.draws == 11
-    assert repr(found).splitlines()[2].split()[:5] == ["4", "1", "100.000", "11", "5.0000"]
-    assert set(repr(found).splitlines()[3].split()[4:]) == {"-"}
-
-
-def test_only_casings_of_revolution_have_pairs(steel):
-    from casingfem import Plate, Shell
-
-    field = cf.field.RandomField(spectrum=cf.field.Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
-    plate = Shell(chart=Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=field)
+def test_only_casings_of_revolution_have_pairs_and_something_must_be_random(steel):
+    random = cf.field.RandomField(spectrum=cf.field.Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
+    plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=random)
     with pytest.raises(ValueError, match="pairs of casings of revolution"):
         cf.mistune(plate, 2)
+    with pytest.raises(ValueError, match="nothing of this shell is random"):
+        cf.mistune(tube(radius_defect=cf.FourierField.of({3: 1e-3})), 2)
 
 
 @pytest.mark.slow
-def table_of(text):
-    """Names of the columns and numbers to the last digit (pandas' reader rounds in some versions)."""
-    head, *rows = (line.split(",") for line in text.splitlines() if not line.startswith("#"))
-    return head, np.array([[float(x or "nan") for x in row] for row in rows])
-
-
-def test_tables_of_draws_are_read_back_and_the_largest_error_is_told():
-    rows = [Pair(0, 4, 1, 101.0, 0.02, 3.5), Pair(0, 5, 2, 92.0, 0.03, float("nan")), Pair(1, 4, 1, 99.0, 0.04, 7.5)]
-    perfect = [Pair(-1, 4, 1, 100.0, 0.0, 0.0), Pair(-1, 5, 2, 90.0, 0.0, 0.0), Pair(-1, 9, 2, 300.0, 0.0, 0.0)]
-    found = cf.modal.Mistuning.of(rows, perfect)
-    source = {"study": "study.toml", "sha256": "beef", "versions": {"casingfem": "1.2"}}
-    files = files_of_draws(found, {"source": source, "doublets": found.summary()})
-    draws, summary = (table_of(files[name]) for name in ("mistune.csv", "mistune_summary.csv"))
-    assert draws[0] == ["draw", "n", "m", "freq_hz", "split_rel", "angle_deg"]
-    np.testing.assert_array_equal(draws[1], np.array(rows, dtype=float))
-    assert summary[0] == list(found.summary()[0])
-    np.testing.assert_array_equal(
-        summary[1],
-        np.array([[np.nan if x is None else x for x in row.values()] for row in found.summary()], dtype=float),
-    )
-    run = MistuneRun(found=found, errors={0: 3e-9, 50: 2e-8, 100: 4e-10}, from_nothing=(7, 9), resumed=5)
-    assert words_of_draws(run).splitlines()[1:] == [
-        "3 draws also solved from nothing: frequencies differ by 2.0e-08 at most",
-        "2 draws solved from nothing: the restart had missed modes",
-        "5 draws were there already",
-    ]
+def test_a_summary_counts_draws_and_has_their_quantiles():
+    found = cf.mistune(tube(radius_defect=lab(0.3)), 7, count=8)
+    assert found.draws == 7
+    for row in found.records():
+        own = (found.n == row["n"]) & (found.m == row["m"])
+        assert row["draws"] == own.sum() > 0
+        assert row["split_90"] == pytest.approx(np.quantile(found.split[own], 0.9))
+        assert row["shift_50"] == pytest.approx(np.median(found.freq[own] / row["freq_hz"] - 1.0))
+    assert "7 draws" in repr(found)
 
 
 # --- the command ----------------------------------------------------------------------------------------------
@@ -202,6 +199,14 @@ def tables(out):
     return {name: (out / name).read_bytes() for name in ("mistune.csv", "mistune_summary.csv")}
 
 
+def run(study, out, draws, *more):
+    """The command's document."""
+    arguments = ["mistune", str(study), "--draws", str(draws), "--json", "--out", str(out), *more]
+    result = CliRunner().invoke(main, arguments)
+    assert (result.exit_code, result.stderr) == (0, "")
+    return json.loads(result.stdout)
+
+
 def test_a_study_without_random_fields_is_refused(study):
     study.write_text(STUDY.replace('random = "example"\nseed = 7\nscale = 0.2\np_max = 12', "harmonics = [{p = 3}]"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2"])
@@ -209,11 +214,35 @@ def test_a_study_without_random_fields_is_refused(study):
     assert "study.toml: imperfection: nothing of this shell is random" in result.stderr
 
 
+@pytest.mark.slow
+def test_more_draws_are_added_a_spoilt_chunk_is_made_again_and_another_study_is_refused(study, tmp_path):
+    out = tmp_path / "out"
+    first = run(study, out, 12, "--processes", "2")
+    assert first["resumed"] == 0
+    assert first["checked"]["0"]["freq"] < 1e-4
+    before = tables(out)
+    more = run(study, out, 20, "--processes", "1")
+    assert more["resumed"] == 10
+    assert (out / "mistune.csv").read_text().startswith(before["mistune.csv"].decode().rsplit("\n", 1)[0])
+    chunk = sorted((out / "draws").glob("draws_*.json"))[0]
+    chunk.write_text(chunk.read_text()[:-20])
+    after = tables(out)
+    assert run(study, out, 20, "--processes", "1")["resumed"] == 10
+    assert tables(out) == after
+    shell = cf.load_study(study).shell
+    rows = np.loadtxt((out / "mistune.csv").read_text().splitlines(), delimiter=",", comments="#", skiprows=3)
+    np.testing.assert_array_equal(rows[:, 3], cf.mistune(shell, 20, count=6).freq)
+    study.write_text(STUDY.replace("seed = 7", "seed = 8"))
+    result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2", "--out", str(out)])
+    assert result.exit_code == 2
+    assert "draws holds draws of another study or version: give another --out" in result.stderr
+
+
 @pytest.mark.campaign
 def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     """Kill -9 after the first chunk, resume with another number of processes; against a run that was left alone."""
     whole, broken = tmp_path / "whole", tmp_path / "broken"
-    arguments = ["mistune", str(study), "--draws", "10", "--json", "--out"]
+    arguments = ["mistune", str(study), "--draws", "200", "--json", "--out"]
     line = [sys.executable, "-m", "casingfem", *arguments, str(broken), "--processes", "1"]
     process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 120.0
@@ -223,22 +252,13 @@ def test_a_killed_run_goes_on_to_the_same_bits(study, tmp_path):
     process.kill()
     assert process.wait() == -signal.SIGKILL, "it was through before it could be killed"
     kept = sorted(broken.glob("draws/draws_*.json"))
-    assert len(kept) == 1
+    assert 1 <= len(kept) < 20
     assert not list(broken.glob("mistune*"))
-    for chunk in kept:
-        assert len(json.loads(chunk.read_text())["draws"]["pairs"]) >= 5
     assert children
     assert gone(children)  # nobody waits for work for ever
-    resumed = CliRunner().invoke(main, [*arguments, str(broken), "--processes", "2"])
-    assert (resumed.exit_code, resumed.stderr) == (0, "")
-    document = json.loads(resumed.stdout)
-    assert document["resumed"] == 5 * len(kept)
-    chunk = broken / "draws" / "draws_000005_000009.json"
-    chunk.write_text(chunk.read_text().replace("1", "2", 1))
-    assert document["restart_errors"]["0"] < 1e-6
-    assert CliRunner().invoke(main, [*arguments, str(whole), "--processes", "1"]).exit_code == 0
-    assert tables(whole) == tables(broken)
-    assert json.loads(CliRunner().invoke(main, [*arguments, str(broken)]).stdout)["resumed"] == 5
+    kept = sorted(broken.glob("draws/draws_*.json"))
+    assert run(study, broken, 200, "--processes", "2")["resumed"] == 10 * len(kept)
+    run(study, whole, 200, "--processes", "1")
     assert tables(whole) == tables(broken)
     assert (whole / "mistune.png").stat().st_size > 5000
 
@@ -263,14 +283,3 @@ def alive(pid):
     return (
         "Z" not in subprocess.run(["ps", "-o", "stat=", str(pid)], capture_output=True, text=True, check=False).stdout
     )
-
-
-@pytest.mark.slow
-def test_draws_of_another_study_are_not_mixed_in(study, tmp_path):
-    loaded = cf.load_study(study)
-    first = run_mistune(loaded, 2, processes=1, folder=tmp_path / "draws")
-    alone = cf.mistune(loaded.shell, 2, count=6)
-    np.testing.assert_array_equal(first.found.freq, alone.freq)
-    study.write_text(STUDY.replace("seed = 7", "seed = 8"))
-    with pytest.raises(cf.errors.InputError, match=r"study\.toml: .*draws holds draws of another study or version"):
-        run_mistune(cf.load_study(study), 2, processes=1, folder=tmp_path / "draws")

@@ -11,7 +11,6 @@ import pytest
 import casingfem as cf
 from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
 from casingfem.modal.modes import count_below, finest_shares
-from casingfem.modal.neighbour import restarted_modes
 from tests.probed import probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -61,7 +60,6 @@ def test_numbers_of_modes(held):
     imperfect, even = casing(radius_defect=WAVES), casing()
     found, waves = cf.modes(imperfect, 12, method="shell"), cf.modes(even, 8)
     band = cf.modes(imperfect, band=(found.freq[1] - 1.0, found.freq[6] + 1.0))
-    near = restarted_modes(casing(radius_defect=WAVES, thickness=3.01e-3), found, 6)
     held(
         freq=found.freq,
         n=found.nodal_diameters,
@@ -72,7 +70,6 @@ def test_numbers_of_modes(held):
         waves=waves.freq,
         waves_n=waves.nodal_diameters,
         band=band.freq,
-        near=near.freq[:6],
         below=[found.sturm_count, waves.sturm_count, count_below(imperfect, 700.0)],
     )
 

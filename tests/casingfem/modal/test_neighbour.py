@@ -21,7 +21,6 @@ from casingfem.modal.neighbour import (
     counted,
     davidson,
     factored,
-    krylov_modes,
     shift_of,
     solved,
     solved_near,
@@ -117,19 +116,6 @@ def test_a_step_that_an_old_factor_does_not_finish_in_two_blocks_takes_a_new_one
     assert list(seconds) == ["factor"]
     assert blocks > 3
     np.testing.assert_allclose(np.diag(vectors.T @ (near.A @ vectors))[:COUNT], lowest(near, COUNT)[0], rtol=1e-7)
-
-
-@pytest.mark.parametrize("steps", [1, 2, 3])
-def test_block_steps_find_the_lowest_of_all_that_inverses_reach(steps):
-    """Rayleigh and Ritz on span[X, S X, ...], S = A_s^-1, as many as were known."""
-    given = pencil(OTHER)
-    start = RNG.standard_normal((SIZE, 5))
-    values, vectors = krylov_modes(given, start, -0.5, steps)
-    S = np.linalg.inv(given.A.toarray() + 0.5 * np.eye(SIZE))
-    V = np.linalg.qr(np.hstack([np.linalg.matrix_power(S, k) @ start for k in range(steps + 1)]))[0]
-    np.testing.assert_allclose(values, np.linalg.eigvalsh(V.T @ given.A @ V)[:5], rtol=1e-6)
-    np.testing.assert_allclose(vectors.T @ vectors, np.eye(5), atol=1e-9)
-    np.testing.assert_allclose(vectors.T @ (given.A @ vectors), np.diag(values), atol=1e-8 * values[-1])
 
 
 def plate(E=210e9, nu=0.3):

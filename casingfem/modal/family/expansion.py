@@ -1,0 +1,179 @@
+"""The lowest modes of imperfect casings to second order in the imperfections.
+
+With the fields f_l = sum_p F_l[p] e^(i p theta), p of both signs, a wave a of n_a nodal diameters meets b at first
+order by p = n_b - n_a alone, at second order by way of each k: p = k - n_a, then q = n_b - k. On the lowest waves
+
+    K_ba = w_a^2 d_ba + F_l[n_b - n_a] K_1[l, b, a] + sum_k F_l[k - n_a] F_m[n_b - k] K_2[k, l, m, b, a],
+
+M alike. K_2 holds the second derivative of the strain energy and what the waves j outside answer (quasi-degenerate
+perturbation theory: P.-O. Lowdin, J. Math. Phys. 3, 1962, 969),
+
+    -r_jb r_ja (1/(w_j^2 - w_a^2) + 1/(w_j^2 - w_b^2))/2,   r_ja = K_1[l, j, a] - w_a^2 M_1[l, j, a].
+
+The answers themselves, X_a = -sum_k sum_j r_ja/(w_j^2 - w_a^2) u_j, are kept by k: with them a casing's own energies
+are right to third order (`family`). All numbers K_1, K_2 are real: a casing is its own mirror image.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.family.point_forms import (
+    Forms,
+    Places,
+    Slot,
+    first_derivatives,
+    places_of,
+    second_derivatives,
+    slots_of,
+)
+from casingfem.modal.family.waves import Waves, waves_of
+from casingfem.structure.mesh.jet_form import JET
+from casingfem.structure.shell.parts import ShellParts
+from casingfem.structure.shell.shell import Shell, remade
+from contact.io.brief import brief
+
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Expansion:
+    """K and M of the lowest waves of a casing to second order in its imperfections.
+
+    Attributes
+    ----------
+    shell : the perfect casing
+    quantities : the fields' quantities l
+    p_max : the highest harmonic of the fields
+    places : points of the meridian
+    waves : the lowest waves a, those of +-n together
+    above : the lowest omega^2 left out
+    k : harmonics by way of which waves meet, (ways,)
+    K_1, M_1 : (l, b, a)
+    K_2, M_2 : (ways, l, m, b, a)
+    answers : jets of what answers wave a by way of k, (l, ways, points 15, a)
+    """
+
+    shell: ShellParts
+    quantities: tuple[str, ...]
+    p_max: int
+    places: Places
+    waves: Waves
+    above: float
+    k: IntArray
+    K_1: FloatArray
+    M_1: FloatArray
+    K_2: FloatArray
+    M_2: FloatArray
+    answers: Array
+
+    __repr__ = brief
+
+    def matrices(self, series: Array) -> tuple[Array, Array]:
+        """Hermitian K and M of the lowest waves, for series F (l, 2 p_max + 1) from -p_max to p_max."""
+        n, count = self.waves.n, range(len(self.quantities))
+        step = n[:, None] - n
+        first, then = self.k[:, None] - n, n - self.k[:, None]  # to each way from a; from it to b
+        K, M = np.diag(self.waves.value).astype(complex), np.eye(len(n), dtype=complex)
+        for line in count:
+            direct = self.at(series[line], step)
+            K += direct * self.K_1[line]
+            M += direct * self.M_1[line]
+            for other in count:
+                both = self.at(series[other], then)[:, :, None] * self.at(series[line], first)[:, None]
+                K += np.einsum("kba,kba->ba", both, self.K_2[:, line, other])
+                M += np.einsum("kba,kba->ba", both, self.M_2[:, line, other])
+        return 0.5 * (K + K.conj().T), 0.5 * (M + M.conj().T)
+
+    def at(self, line: Array, p: IntArray) -> Array:
+        """Coefficients of one field at harmonics p, 0 beyond the highest."""
+        return np.where(np.abs(p) <= self.p_max, line[np.clip(p + self.p_max, 0, 2 * self.p_max)], 0.0)
+
+
+def lowest(waves: Waves, count: int) -> tuple[IntArray, float]:
+    """The `count` lowest waves or a few more, +-n together, and the lowest value left out."""
+    order = np.lexsort((waves.n, waves.rank, np.abs(waves.n), waves.value))
+    same = (np.diff(np.abs(waves.n[order])) == 0) & (np.diff(waves.rank[order]) == 0)  # as the one before
+    count += int(same[count - 1])
+    return order[:count], float(waves.value[order[count]])
+
+
+def expanded(shell: Shell, quantities: tuple[str, ...], p_max: int, count: int, n_max: int) -> Expansion:
+    """The expansion of a perfect casing's `count` lowest waves, of n_max nodal diameters at most."""
+    bare, places, slots = remade(ShellParts, shell), places_of(shell), slots_of(quantities)
+    waves = waves_of(shell, n_max + p_max, places)
+    chosen, above = lowest(waves, count)
+    low = waves.chosen(chosen)
+    first = first_derivatives(bare, quantities, places, np.zeros(len(slots)))
+    K_1, M_1 = first_order(waves, low, slots, first, quantities)
+    reach = np.abs(waves.n[:, None] - low.n) <= p_max
+    r = (K_1 - low.value * M_1) * reach
+    outside = np.ones(len(waves.n), dtype=bool)
+    outside[chosen] = False
+    W = np.where(outside[:, None], r / np.where(outside[:, None], waves.value[:, None] - low.value, 1.0), 0.0)
+    k = np.arange(-n_max - p_max, n_max + p_max + 1)
+    K_2, M_2 = second_order(low, k, slots, second_derivatives(bare, quantities, places), quantities)
+    answers = np.empty((len(quantities), len(k), len(waves.jets), len(low.n)), dtype=complex)
+    for way, number in enumerate(k):
+        own = waves.n == number
+        for line in range(len(quantities)):
+            answers[line, way] = -waves.jets[:, own] @ W[line][own]
+            for other in range(len(quantities)):
+                K_2[way, line, other] -= 0.5 * (r[other][own].T @ W[line][own] + W[other][own].T @ r[line][own])
+    return Expansion(
+        shell=bare,
+        quantities=quantities,
+        p_max=p_max,
+        places=places,
+        waves=low,
+        above=above,
+        k=k,
+        K_1=K_1[:, chosen],
+        M_1=M_1[:, chosen],
+        K_2=K_2,
+        M_2=M_2,
+        answers=answers,
+    )
+
+
+def first_order(
+    left: Waves, right: Waves, slots: tuple[Slot, ...], forms: list[Forms], quantities: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """K_1 and M_1 of each quantity between two sets of waves, (l, left, right)."""
+    p = left.n[:, None] - right.n
+    K_1, M_1 = np.zeros((2, len(quantities), *p.shape))
+    for slot, form in zip(slots, forms, strict=True):
+        line, factor = quantities.index(slot.quantity), (1j * p) ** slot.order
+        stiffness, mass = between(left, form, right)
+        K_1[line] += (factor * stiffness).real
+        M_1[line] += (factor * mass).real
+    return K_1, M_1
+
+
+def second_order(
+    low: Waves, k: IntArray, slots: tuple[Slot, ...], forms: dict[tuple[int, int], Forms], quantities: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Half the second derivatives between the lowest waves by way of each k, (ways, l, m, b, a)."""
+    shape = (len(k), len(quantities), len(quantities), len(low.n), len(low.n))
+    K_2, M_2 = np.zeros(shape), np.zeros(shape)
+    first, then = (k[:, None] - low.n)[:, None, :], (low.n - k[:, None])[:, :, None]
+    for (one, two), form in forms.items():
+        factor = 0.5 * (1j * first) ** slots[one].order * (1j * then) ** slots[two].order
+        line, other = (quantities.index(slots[each].quantity) for each in (one, two))
+        stiffness, mass = between(low, form, low)
+        K_2[:, line, other] += (factor * stiffness).real
+        M_2[:, line, other] += (factor * mass).real
+    return K_2, M_2
+
+
+def between(left: Waves, form: Forms, right: Waves) -> tuple[Array, Array]:
+    """left^H form right once around, of stiffness and of mass, each (left, right)."""
+    points = len(form.stiffness)
+    sums = []
+    for matrix in form:
+        size = matrix.shape[-1]
+        one, two = (side.jets.reshape(points, JET, -1)[:, :size] for side in (left, right))
+        pushed = np.matmul(matrix, two).reshape(points * size, -1)
+        sums.append(TURN * (one.reshape(points * size, -1).conj().T @ pushed))
+    return sums[0], sums[1]

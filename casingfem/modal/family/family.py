@@ -1,0 +1,209 @@
+"""Modes of casings that differ from a perfect one by small imperfections around: no mesh around, no large solution.
+
+The perfect casing's lowest waves u_a, each with what answers it to first order (`expansion`), are a casing's own basis:
+
+    v_a = u_a + sum_l sum_k F_l[k - n_a] X_(l,k,a)
+
+On it the casing's own energies are integrated, exactly in the imperfection (`point_forms`), and the modes are the least
+of Rayleigh's quotient: frequencies are bounds from above, wrong at fourth order. The expansion to second order needs no
+integration and is wrong at third: the two differ by more than what the better one still misses.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.modal.affine import AffineModes, modes_by_coordinates
+from casingfem.modal.family.expansion import Expansion, expanded
+from casingfem.modal.family.point_forms import ORDERS, known_supports, point_forms
+from casingfem.modal.harmonics import Rings, ring_weights
+from casingfem.modal.modes import modes
+from casingfem.structure.field.field import Field, SumField
+from casingfem.structure.field.fourier import FourierField
+from casingfem.structure.field.random import RandomField
+from casingfem.structure.mesh.jet_form import JET
+from casingfem.structure.shell.shell import Shell
+from contact.io.brief import brief
+
+GUARD = 12  # waves beyond those wanted
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Near:
+    """Modes of one casing of a family, and how sure they are.
+
+    Attributes
+    ----------
+    modes : the lowest modes, labelled; `fields` are left out
+    estimate : largest relative difference of a frequency between second order and Rayleigh's quotient
+    complete : whether no mode left out of the basis can have come below the last
+    """
+
+    modes: AffineModes
+    estimate: float
+    complete: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Family:
+    """Casings that differ in the series around of their fields.
+
+    Attributes
+    ----------
+    expansion : matrices to second order, and answers
+    rings : circumferential content of the waves: cosine members, then sine members
+    rigid : how many modes are rigid motions
+    """
+
+    expansion: Expansion
+    rings: Rings
+    rigid: int
+
+    __repr__ = brief
+
+    @classmethod
+    def of(cls, shell: Shell, count: int) -> "Family | None":
+        """The family of a casing: all that its fields could be; None where a family cannot be made (`is_family`).
+
+        Parameters
+        ----------
+        shell
+            Any of the casings; of its fields the quantities and the highest harmonics count.
+        count
+            How many modes will be wanted.
+        """
+        if not is_family(shell):
+            return None
+        bare = perfect_shell(shell)
+        size = count + GUARD
+        known = modes(bare, size)
+        p_max = max(int(term.p.max()) for field in shell.defects.values() for term in terms_of(field) or ())
+        n_max = int(known.nodal_diameters.max())
+        expansion = expanded(bare, tuple(shell.defects), p_max, size, n_max)
+        return cls(expansion=expansion, rings=content(expansion, bare), rigid=known.rigid)
+
+    def near(self, defects: Mapping[str, Field], count: int) -> Near:
+        """Lowest modes of the casing with these fields."""
+        own = self.expansion
+        series = np.array([coefficients(defects[name], own.p_max) for name in own.quantities])
+        K, M = own.matrices(series)
+        rough = frequencies(eigh(K, M, eigvals_only=True))
+        values, y = eigh(*self.energies(series))
+        freq, bare = frequencies(values), frequencies(np.sort(own.waves.value))
+        elastic = slice(self.rigid, count)
+        estimate = float(np.abs(rough[elastic] / freq[elastic] - 1.0).max(initial=0.0))
+        moved = float(np.abs(freq[elastic] / bare[elastic] - 1.0).max(initial=0.0))
+        complete = freq[count - 1] * (1.0 + moved) < (1.0 - moved) * frequencies(np.array([own.above]))[0]
+        found = modes_by_coordinates(freq[:count], y[:, :count], self.rings, rigid=self.rigid)
+        return Near(modes=found, estimate=estimate, complete=bool(complete))
+
+    def energies(self, series: Array) -> tuple[FloatArray, FloatArray]:
+        """Stiffness and mass of the casing with series F on its basis: cosine members, then sine members."""
+        own = self.expansion
+        angles = TURN * np.arange(self.angles) / self.angles
+        jets = self.jets(series, angles)
+        p = np.arange(-own.p_max, own.p_max + 1)
+        around = np.exp(1j * np.outer(angles, p))
+        imperfection = {
+            name: tuple((around @ (line * (1j * p) ** order)).real for order in range(ORDERS[name]))
+            for name, line in zip(own.quantities, series, strict=True)
+        }
+        forms = point_forms(own.shell, imperfection, own.places)
+        columns = jets.shape[-1]
+        sums = []
+        for form in forms:
+            part = np.ascontiguousarray(jets[:, :, : form.shape[-1]])
+            product = part.reshape(-1, columns).T @ np.matmul(form, part).reshape(-1, columns)
+            sums.append(TURN / self.angles * 0.5 * (product + product.T))
+        return sums[0], sums[1]
+
+    @property
+    def angles(self) -> int:
+        """Angles for the sums around: exact where two motions and a field of the highest harmonics meet."""
+        own = self.expansion
+        return 2 * int(own.k.max()) + own.p_max + 1
+
+    def jets(self, series: Array, angles: FloatArray) -> FloatArray:
+        """Jets of the basis at all angles and points, (angles, points, 15, waves)."""
+        own = self.expansion
+        forth = np.flatnonzero(own.waves.n >= 0)
+        n = own.waves.n[forth]
+        step = own.k[:, None] - n
+        waves = reduce(
+            np.add, (own.at(line, step)[:, None] * X[:, :, forth] for line, X in zip(series, own.answers, strict=True))
+        )
+        waves[np.searchsorted(own.k, n), :, np.arange(len(n))] += own.waves.jets[:, forth].T
+        around = np.exp(1j * np.outer(angles, own.k))
+        motion = (around @ waves.reshape(len(own.k), -1)).reshape(len(angles), -1, JET, len(n))
+        return np.concatenate(members(motion, n), axis=-1)
+
+
+def members(waves: Array, n: Array) -> tuple[FloatArray, FloatArray]:
+    """Cosine members of waves (..., waves), and sine members of those with n > 0.
+
+    A wave of n = 0 is real or, torsion, imaginary: its one member is the sum of both parts.
+    """
+    cosine = np.where(n > 0, np.sqrt(2.0) * waves.real, waves.real + waves.imag)
+    return cosine, np.sqrt(2.0) * waves.imag[..., n > 0]
+
+
+def content(expansion: Expansion, shell: Shell) -> Rings:
+    """Circumferential content of the basis without its answers, as `ring_content` has it."""
+    waves = expansion.waves
+    forth = np.flatnonzero(waves.n >= 0)
+    n, motion = waves.n[forth], waves.motion[:, :3, forth]
+    cosine = np.where(n > 0, np.sqrt(2.0) * motion, motion.real + motion.imag)
+    both = np.concatenate([cosine, -1j * np.sqrt(2.0) * motion[..., n > 0]], axis=-1)
+    number = np.concatenate([n, n[n > 0]])
+    amplitudes = np.zeros((int(n.max()) + 1, *both.shape), dtype=complex)
+    amplitudes[number, :, :, np.arange(len(number))] = np.moveaxis(both, -1, 0)
+    return Rings(amplitudes=amplitudes, weights=ring_weights(shell.mesh))
+
+
+def frequencies(value: FloatArray) -> FloatArray:
+    """Hz from omega^2; 0 where round-off makes a rigid motion's negative."""
+    return np.sqrt(np.maximum(value, 0.0)) / TURN
+
+
+def perfect_shell(shell: Shell) -> Shell:
+    """The shell without any field, on the same mesh."""
+    fields: dict[str, Any] = {f"{name}_defect": None for name in shell.defects}
+    return replace(shell, **fields)
+
+
+def is_family(shell: Shell) -> bool:
+    """Whether a casing is perfect but for Fourier series around, and its edges are free, clamped or embedded."""
+    even = all(terms_of(field) is not None for field in shell.defects.values())
+    return bool(shell.defects) and even and perfect_shell(shell).axisymmetric and known_supports(shell)
+
+
+def terms_of(field: Field) -> list[FourierField] | None:
+    """The series around that a field is the sum of; None where a part is no series, or varies along the axis."""
+    if isinstance(field, RandomField):
+        return [field.fit]
+    if isinstance(field, SumField):
+        parts = [terms_of(each) for each in field.fields]
+        return None if None in parts else [term for part in parts for term in part or ()]
+    if isinstance(field, FourierField) and field.cos.shape[1] == 1 and field.spline is None and field.reach is None:
+        return [field]
+    return None
+
+
+def coefficients(field: Field, p_max: int) -> Array:
+    """F of f = sum_p F[p] e^(i p theta), p from -p_max to p_max: (2 p_max + 1,).
+
+    >>> coefficients(FourierField.of({2: (0.4, 0.2)}), 2).tolist()
+    [(0.2+0.1j), 0j, 0j, 0j, (0.2-0.1j)]
+    """
+    series = np.zeros(2 * p_max + 1, dtype=complex)
+    for term in terms_of(field) or ():
+        half = 0.5 * (term.cos[:, 0] - 1j * term.sin[:, 0])
+        np.add.at(series, p_max + term.p, half)
+        np.add.at(series, p_max - term.p, half.conj())
+    return series
