@@ -82,7 +82,7 @@ def test_the_page_has_all_channels_poles_and_modes(html, found, frfs):
 
 def test_the_page_has_the_mac_of_the_modes_found(html, found):
     values = cf.correlation.mac(found.shapes, found.shapes)
-    section = html.partition("How alike the shapes are</h2>")[2].partition("</table>")[0]
+    section = html.partition("Similarity of the shapes</h2>")[2].partition("</table>")[0]
     cells = re.findall(r'<td class="number">([\d.]+)</td>', section)
     expected = [str(cell) for k, row in enumerate(values) for cell in (k + 1, *(f"{v:.2f}" for v in row))]
     assert cells == expected
