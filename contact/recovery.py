@@ -6,17 +6,15 @@ S term the rim and the tip are wrong where it matters, at the contact.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
 from contact.io.names import hint
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.deflection import forces_by_wave
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
-from contact.model.trig import harmonics
 from contact.result import Result
 
 
@@ -70,17 +68,10 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
     if not len(forces):
         raise InputError("state: found none stored, expected a record with state_every or at")
     number, d = rub.names.index(name), forces.shape[1] // len(rub.tips)
+    if not number:
+        return result.state_time, forces_by_wave(rub, result.state_time, forces).reshape(len(forces), -1)
     total = np.zeros((len(forces), len(rub.bodies[number].channels)))
-    if number:
-        for j, tip in enumerate(rub.tips):
-            if tip.blade == number - 1:
-                total -= forces[:, j * d : (j + 1) * d] @ tip.directions(rub.bodies[number])[:d]
-        return result.state_time, total
-    casing, size = rub.casing, 2 * rub.casing.n_max + 1
-    turned = rub.speed.angles(result.state_time)
     for j, tip in enumerate(rub.tips):
-        waves = harmonics(casing.n_max, math.radians(tip.angle_deg) - turned)
-        for i in range(d):
-            begin = (tip.line * casing.directions + i) * size
-            total[:, begin : begin + size] += forces[:, j * d + i, None] * waves
+        if tip.blade == number - 1:
+            total -= forces[:, j * d : (j + 1) * d] @ tip.directions(rub.bodies[number])[:d]
     return result.state_time, total

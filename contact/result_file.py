@@ -33,7 +33,7 @@ def write_result(path: str | os.PathLike[str], result: Any) -> Path:
         "motions": [asdict(motion) for motion in result.motions],
         "notes": {
             "flags": [flag.to_dict() for flag in result.notes.flags], "heat": result.notes.heat.tolist(),
-            "drive": result.notes.drive.tolist(),
+            "drive": result.notes.drive.tolist(), "deflection": result.notes.deflection,
             "orbit": None if result.notes.orbit is None else asdict(result.notes.orbit),
         },
         "divergence": None if result.divergence is None else asdict(result.divergence),
@@ -77,6 +77,7 @@ def _fields(document: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
         heat=readonly(notes["heat"]),
         drive=readonly(notes["drive"]),
         orbit=None if (orbit := notes.get("orbit")) is None else Orbit(**orbit),
+        deflection=float(notes.get("deflection", 0.0)),
     )
     return document | {name: readonly(data[name]) for name in ARRAYS} | {
         "energy": EnergyBudget(**energy), "notes": kept, "growth": growth,

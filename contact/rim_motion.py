@@ -9,31 +9,32 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.histories import TipMotion, tip_motion
+from contact.model.gaps.deflection import ROWS, around
+from contact.model.gaps.deflection import rim_motion as by_waves
 from contact.model.gaps.limits import WALL
 from contact.model.gaps.rub import Rub, rub_of
 from contact.problem import What
-from contact.recovery import casing_motion
 from contact.result import Result
 
-PLACES = 16  # around the rim, per period of its highest harmonic
-ROWS = 4096  # states that are looked at together
 TURNS = 8  # a section of fewer points shows nothing
 FINE = 10  # states in a turn: fewer do not show where a motion is at one instant of it
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RimMotion:
-    """Radial motion of a rim, residual compliance included.
+    """Radial motion of a rim, residual compliance included (`contact.model.gaps.deflection`).
 
     Attributes
     ----------
     time
         Instants of the states [s], (ns,).
     waves
-        z_n = a_n + i b_n of the deflection sum a_n cos(n theta) + b_n sin(n theta) [m], theta fixed to the casing,
-        (ns, N + 1). A wave that travels towards +theta turns z_n with a positive frequency.
+        z_n = a_n + i b_n of the deflection sum a_n cos(n theta) + b_n sin(n theta) [m] of the first tip's line, theta
+        fixed to the casing, (ns, N + 1). A wave that travels towards +theta turns z_n with a positive frequency.
     deflection
-        Largest magnitude around the rim at each instant [m], (ns,).
+        Largest magnitude around any line of the rim at each instant [m], (ns,).
+    largest
+        Largest deflection of the run [m], also between the instants where it is beyond half the wall.
     wall, allowed
         Thickness of the wall, and half of it, to which the linear model is valid [m]; infinite where it is not known.
     with_blades
@@ -43,49 +44,29 @@ class RimMotion:
     time: Array
     waves: Array
     deflection: Array
+    largest: float
     wall: float
     allowed: float
     with_blades: int
 
-    @property
-    def largest(self) -> float:
-        """Largest deflection of the run [m]."""
-        return float(self.deflection.max(initial=0.0))
 
-
-def rim_motion(what: What, result: Result, casing: Array | None = None) -> RimMotion | None:
-    """Motion of the rim line of the first tip of a rim, rub or disk; None of other problems, or without states.
-
-    `casing` is its `casing_motion` where that is known already.
-    """
+def rim_motion(what: What, result: Result) -> RimMotion | None:
+    """Motion of the rim of a rotating rim, rub or disk; None of other problems, or without states."""
     rub: Rub | None = rub_of(what)
-    channels = casing_motion(what, result) if casing is None else casing
-    if rub is None or channels is None:
+    if rub is None or len(result.state) < 2 or result.channels.size:
         return None
-    N, line = rub.casing.n_max, rub.tips[0].line
-    first = line * rub.casing.directions * (2 * N + 1)
-    waves = channels[:, first : first + N + 1].astype(complex)
-    waves[:, 1:] += 1j * channels[:, first + N + 1 : first + 2 * N + 1]
+    time, q, forces, line = result.state_time, result.state_of("casing"), result.tip_force, rub.tips[0].line
+    parts = [slice(k, k + ROWS) for k in range(0, time.size, ROWS)]
+    motion = [by_waves(rub, time[part], q[part], forces[part]) for part in parts]
+    first, N = np.concatenate([part[:, line] for part in motion]), rub.casing.n_max
+    waves = first[:, : N + 1].astype(complex)
+    waves[:, 1:] += 1j * first[:, N + 1 :]
+    moved = np.concatenate([around(part).max(axis=1) for part in motion])
     speed = rub.speed.omega(result.steps * result.dt)
     return RimMotion(
-        time=result.state_time, waves=waves, deflection=around(waves), wall=rub.wall, allowed=WALL * rub.wall,
-        with_blades=-int(np.sign(speed)),
+        time=time, waves=waves, deflection=moved, largest=max(float(moved.max()), result.notes.deflection),
+        wall=rub.wall, allowed=WALL * rub.wall, with_blades=-int(np.sign(speed)),
     )  # fmt: skip
-
-
-def around(waves: Array) -> Array:
-    """Largest |sum Re(conj(z_n) e^(i n theta))| over theta, (ns,).
-
-    >>> around(np.array([[1.0, 0.0, 2.0j], [0.0, 3.0, 0.0]])).round(6).tolist()
-    [3.0, 3.0]
-    """
-    places = PLACES * waves.shape[1]
-    found = []
-    for start in range(0, len(waves), ROWS):
-        parts = 0.5 * places * np.conj(waves[start : start + ROWS])
-        parts[:, 0] *= 2.0
-        found.append(np.abs(np.fft.irfft(parts, places, axis=1)).max(axis=1))
-    return np.concatenate(found) if found else np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)

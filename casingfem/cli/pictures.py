@@ -52,7 +52,7 @@ def figures(
     if not result.time.size or not result.force.shape[1]:
         return {}
     casing = casing_motion(scene.what, result) if casing is None else casing
-    rim = rim_motion(scene.what, result, casing) if rim is None else rim
+    rim = rim_motion(scene.what, result) if rim is None else rim
     top = TOP / result.window
     found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()), rim=rim)}
     marks, turn_hz = marks_of(scene.what), turn_of(scene.what)

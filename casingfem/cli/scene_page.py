@@ -26,7 +26,7 @@ def page(scene: "Scene", result: "Result", file: Path, say: Callable[[str], None
     from contact.version import versions
 
     casing = casing_motion(scene.what, result)
-    rim = rim_motion(scene.what, result, casing)
+    rim = rim_motion(scene.what, result)
     drawn = figures(scene, result, rim, casing)
     ran, found, why = run_numbers(scene, result, rim), None, ""
     if ran.rubs:

@@ -4,18 +4,7 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit_inside
-from contact.jit.vector import WIDTH, load, same, total
 from contact.model.gaps.limits import REACHED, RIM, TIP
-
-
-@jit_inside
-def rim_amplitude(limits: Array, reach: Array, q: Array) -> None:
-    """Note how far the rim swings: sqrt(sum (reach q)^2), `reach` what a mode moves it at most; exact for one wave."""
-    part = same(0.0)
-    for i in range(0, reach.size, WIDTH):
-        moved = load(reach, i) * load(q, i)
-        part = part + moved * moved
-    limits[REACHED + RIM] = max(limits[REACHED + RIM], total(part) ** 0.5)
 
 
 @jit_inside

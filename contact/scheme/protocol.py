@@ -75,13 +75,14 @@ class Notes:
 
     `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
     (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
-    which the run of a rotor ends.
+    which the run of a rotor ends; the largest `deflection` of a rim [m] where it is beyond half its wall, else 0.
     """
 
     flags: tuple[Flag, ...] = ()
     heat: Array = field(default_factory=lambda: np.zeros(0))
     drive: Array = field(default_factory=lambda: np.zeros(0))
     orbit: Orbit | None = None
+    deflection: float = 0.0
 
 
 Block = tuple[str, int, int]

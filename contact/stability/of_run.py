@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array, Indices, readonly
 from contact.base.remembered import remembered
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.deflection import deflection
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import WALL
-from contact.model.gaps.rub import ContactPoint, Rub
+from contact.model.gaps.rub import ContactPoint, Rub, rub_of
 from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
@@ -80,11 +81,10 @@ class Groups(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """Frequencies [rad/s], groups and reach of the modes, (m,) and (lines, casing's modes)."""
+    """Frequencies [rad/s] and groups of the modes, (m,)."""
 
     omega: Array
     groups: Groups
-    reach: Array
 
 
 class Seen(NamedTuple):
@@ -101,8 +101,8 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
     """Growth of the motion of a run of a rim, a rub or a disk; None of other problems, and without stored states.
 
     The states may be few, about 200, and far apart (`contact.stability.envelope` has the equations): the row of a sweep
-    is made from 256. Deflection is sqrt(sum (r_i q_i)^2) over the casing's modes, r_i the most that unit motion of
-    mode i moves the rim: what the limit of half the wall is held against.
+    is made from 256. Deflection is the largest around the rim (`contact.model.gaps.deflection`), to which the limit of
+    half the wall applies.
 
     >>> import contact as ct
     >>> from contact.model.gaps.bladed_disk import pair_rim
@@ -125,8 +125,8 @@ def of_run(what: object, result: Ran) -> RunGrowth | None:
     found = envelope(result.state_time, q, parts.omega, parts.groups.of, turn)
     if found is None:
         return None
-    swing = (q[:, : seen.casing.omega.size] ** 2) @ (parts.reach**2).T
-    return _verdict(seen, result, q, found, np.sqrt(swing.max(axis=1)))
+    moved = deflection(rub_of(what), result.state_time, q[:, : seen.casing.omega.size], result.state[:, q.shape[1] :])
+    return _verdict(seen, result, q, found, moved)
 
 
 def _seen(what: object, end: float) -> Seen | None:
@@ -143,11 +143,7 @@ def _seen(what: object, end: float) -> Seen | None:
 @remembered
 def _parts(bodies: tuple[ModalBody, ...], tips: tuple[ContactPoint, ...], flexible: int) -> Parts:
     """What runs of the same bodies have in common; modes of the first from `flexible` on are those of a rotor."""
-    reach = reach_of(bodies[0], tips).copy()
-    reach[:, flexible:] = 0.0
-    return Parts(
-        readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible), readonly(reach)
-    )
+    return Parts(readonly(np.concatenate([body.omega for body in bodies])), groups_of(bodies, tips, flexible))
 
 
 def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Array) -> RunGrowth:
@@ -207,16 +203,6 @@ def _amplitude(time: Array, deflection: Array, start: Array) -> tuple[float, flo
     largest = np.maximum.reduceat(deflection, np.minimum(parts, deflection.size - 1))
     top = float(largest.max())
     return top, (1.0 - float(largest.min()) / top) if top > 0.0 else 0.0
-
-
-def reach_of(casing: ModalBody, tips: Sequence[ContactPoint]) -> Array:
-    """How far unit motion of each mode of the casing moves the rim lines of the tips at most, (lines, m)."""
-    N, found = casing.n_max, []
-    for line in sorted({tip.line for tip in tips}):
-        first = line * casing.directions * (2 * N + 1)
-        cos, sin = casing.rows[first : first + N + 1], casing.rows[first + N + 1 : first + 2 * N + 1]
-        found.append(np.abs(cos[0]) + np.hypot(cos[1:], sin).sum(axis=0))
-    return readonly(found)
 
 
 def groups_of(bodies: Sequence[ModalBody], tips: Sequence[ContactPoint], flexible: int | None = None) -> Groups:

@@ -51,7 +51,7 @@ def test_flags_run_on_to_a_tenth_of_the_radius_and_growth_is_theorys():
     result = ct.run(rim(), law=DIGS, t_end=1.0, dt=2e-5, on_limit="flag")
     found = result.divergence
     assert found.limit == "radius"
-    assert 0.045 <= found.reached < 0.06
+    assert 0.045 <= found.reached < 0.045 * np.exp(330.0 * 64 * 2e-5)  # looked at every 64 steps
     assert found.theory == pytest.approx(320.0, rel=0.01)
     assert found.growth == pytest.approx(found.theory, rel=0.15)
     assert result.growth.low < found.theory < result.growth.high

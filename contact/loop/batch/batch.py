@@ -6,7 +6,8 @@ a run's numbers do not depend on its neighbours.
 
 from __future__ import annotations
 
-from contact.jit.compiled import jit_inside, jit_vectors
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_inside, jit_vectors
 from contact.jit.vector import WIDTH, load, put, same
 from contact.loop.batch.step import add_up, fly, move_lanes, touch
 from contact.loop.batch.waves import (
@@ -28,6 +29,7 @@ from contact.loop.batch.waves import (
     rotate_lanes,
     skip_in_batch,
 )
+from contact.loop.rub.deflection import add_waves, largest_around, matters, note_deflection, strained
 from contact.loop.tally import INSIDE, closing, note_event, note_stick
 from contact.model.gaps.limits import LOOK, REACHED, RIM, TIP
 from contact.record.record import Samples, Tally
@@ -62,13 +64,40 @@ def note_lane(s: BatchState, sums: Tally, out: Samples, kept: BatchSamples, befo
 
 
 @jit_inside
-def rim_too_far(s: BatchState, k: int) -> bool:
-    """Note the rim's deflection in lane k, as `rim_amplitude`; whether that or the tip's motion passes its limit."""
-    limits, total = s.limits, 0.0
-    for i in range(s.q.shape[0]):
-        total += (s.reach[i, k] * s.q[i, k]) ** 2
-    limits[REACHED + RIM, k] = max(limits[REACHED + RIM, k], total**0.5)
+def lane_too_far(limits: Array, k: int) -> bool:
+    """Whether the rim's deflection or the tip's motion in lane k passes its limit, as `outgrown`."""
     return not (limits[REACHED + RIM, k] <= limits[RIM, k] and limits[REACHED + TIP, k] <= limits[TIP, k])
+
+
+@jit_inside
+def note_lane_rim(s: BatchState, waves: Array, k: int, ends: bool) -> None:
+    """Note the rim's deflection in lane k by q and the forces of this step, where it may be larger than before."""
+    normal, tangent, bound = s.work[FORCE, k], -s.work[DRAG, k], 0.0
+    for i in range(s.casing[k]):
+        bound += s.reach[i, k] * abs(s.q[i, k])
+    bound += s.soft[0, k] * abs(normal) + s.soft[1, k] * abs(tangent)
+    if matters(s.limits[:, k], bound, ends):
+        n = min(1, waves.shape[0] - 1)
+        note_lane_line(s, waves[n, 0, k], waves[n, 1, k], normal, tangent, k, ends)
+
+
+@jit
+def note_lane_line(s: BatchState, c: float, t: float, normal: float, tangent: float, k: int,
+                   ends: bool) -> None:  # fmt: skip
+    """Note the deflection in lane k, whose tip is at the angle with this cosine and sine."""
+    rim, own = s.rim, min(k, s.rim.rows.shape[0] - 1)
+    for a in range(rim.z.size):
+        part = 0.0
+        for i in range(s.casing[k]):
+            part += rim.rows[own, a, i] * s.q[i, k]
+        rim.z[a] = part
+    if rim.S.size > 0:
+        rim.force[:] = 0.0
+        add_waves(rim.force[0], normal, c, t)
+        if rim.force.shape[0] > 1:
+            add_waves(rim.force[1], tangent, c, t)
+        strained(rim, own)
+    note_deflection(s.limits[:, k], largest_around(rim.z, rim.places, rim.top), ends)
 
 
 @jit_inside
@@ -122,6 +151,8 @@ def advance_batch(
             touch(s, Q, Q_next, waves, new, rubs)
         for k in range(s.step.size):
             if s.live[k] == 1:
+                if s.step[k] == kept.due[1, k] or s.step[k] % LOOK == 0:
+                    note_lane_rim(s, waves, k, s.step[k] % LOOK == 0)
                 keep_state(s, kept, k)
         move_lanes(s, Q, old, new, touching, rubs)
         put(s.work, BEFORE * WIDTH, load(s.memory, 0))
@@ -129,7 +160,7 @@ def advance_batch(
         for k in range(s.step.size):
             if s.live[k] == 1 and s.failed[k] == 0:
                 note_lane(s, sums, out, kept, s.work[BEFORE, k], k)
-                if (far or s.step[k] % LOOK == 0) and rim_too_far(s, k):
+                if far and lane_too_far(s.limits, k):
                     s.failed[k] = 2
                 s.step[k] += 1
             stop = stop or (s.live[k] == 1 and (s.failed[k] > 0 or s.step[k] == s.end[k]))

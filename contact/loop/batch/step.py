@@ -30,7 +30,7 @@ from contact.loop.batch.waves import (
 )
 from contact.loop.formulas import damped, free_step, mean_gap, turned_work, works
 from contact.loop.rub.free_flight import PAUSE
-from contact.model.gaps.limits import REACHED, TIP
+from contact.model.gaps.limits import REACHED, RIM, TIP
 from contact.record.record import Tally
 from contact.solver.friction.one_contact import force_and_ratio
 
@@ -178,5 +178,6 @@ def add_up(s: BatchState, sums: Tally, Q: Array, Q_next: Array) -> bool:
     moved = after - load(Q_next, m * WIDTH)
     reached = larger(load(s.limits, (REACHED + TIP) * WIDTH), larger(moved, none - moved))
     put(s.limits, (REACHED + TIP) * WIDTH, reached)
-    far: bool = below_zero(load(s.limits, TIP * WIDTH) - reached)
+    rim = load(s.limits, (REACHED + RIM) * WIDTH)
+    far: bool = below_zero(load(s.limits, TIP * WIDTH) - reached) or below_zero(load(s.limits, RIM * WIDTH) - rim)
     return far

@@ -10,6 +10,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit, jit_inside
 from contact.jit.vector import WIDTH, entry, load, put, same
+from contact.loop.rub.deflection import RimWaves
 from contact.loop.rub.free_flight import LEAST, FreeFlight, largest_share, open_steps
 from contact.record.record import Tally
 
@@ -97,7 +98,9 @@ class BatchState(NamedTuple):
     casing: Indices  # modes of the casing, which come first
     reach: Array  # (m, 8), how far each of the casing's modes moves the rim at most, zero for others
     peaks: Array  # largest motion of the blade's tip along the rim
-    limits: Array  # (4, 8), of `motion_limits`
+    limits: Array  # (6, 8), of `motion_limits`
+    rim: RimWaves  # one line, its rows (1 or 8, 2 N + 1, m) and S (1 or 8, 2 N + 1, d, 2 N + 1) by lane
+    soft: Array  # (2, 8), most that a unit force along the normal and the tangent strains the rim
     memory: Array  # (10, 8), as in `Lane`
     Q: Array  # (m + 5, 8): the rows of `normal`, then one that nothing reads
     Q_next: Array

@@ -9,6 +9,7 @@ from contact.base.arrays import Array, Indices
 from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH
 from contact.loop.modal.rows import RowBlocks, fill_some, multiples, product
+from contact.loop.rub.deflection import RimWaves
 
 BEFORE, NOW, AHEAD = 0, 1, 2  # rows of `angles`: what is turned at t_{n-1}, t_n, t_{n+1}, with cosine and sine
 
@@ -63,7 +64,7 @@ class RubRows(NamedTuple):
     casing: RowBlocks
     width: int
     reach: Array  # (lines, width): bound of |normal row| over the angle
-    wall: Array  # the same of what bends the casing's wall, without a rotor's modes
+    rim: RimWaves  # what its deflection is computed from
     directions: int
     line: Indices  # (K,)
     place: Indices  # (K,) number of the tip's (line, angle): tips at one place share their rows

@@ -11,11 +11,12 @@ import math
 
 from contact.jit.compiled import jit, jit_vectors
 from contact.loop.formulas import works
-from contact.loop.limits import outgrown, rim_amplitude, tip_motion
-from contact.loop.modal.rows import move, product_of_sum
+from contact.loop.limits import outgrown, tip_motion
+from contact.loop.modal.rows import move, product, product_of_sum
 from contact.loop.rub.alone import DONE, SOLVED, UNSOLVED, alone
 from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
+from contact.loop.rub.deflection import add_waves, largest_around, matters, most_of, note_deflection, strained
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
@@ -122,6 +123,36 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, steady: Steady
     if steady is not None:
         if dim > 1:
             note_slips(s, rows, steady, dim, sums, out, time, h)
+
+
+@jit
+def note_rim(s: RubState, rows: RubRows, w: Work, dim: int, ends: bool) -> None:
+    """Note the rim's deflection by q and the forces of this step, where it may be larger than before."""
+    rim = rows.rim
+    for line in range(rim.reach.shape[0]):
+        bound = most_of(rim.reach[line], s.q)
+        for j in range(s.mu.size):
+            for i in range(dim):
+                bound += rim.soft[line, rows.line[j] * dim + i] * abs(s.lam[j * dim + i])
+        if matters(s.limits, bound, ends):
+            note_line(s, rows, w, dim, line, ends)
+
+
+@jit
+def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, ends: bool) -> None:
+    """Note the deflection of one line."""
+    rim, c, t = rows.rim, w.angles[NOW, 1], w.angles[NOW, 2]
+    for a in range(rim.z.size):
+        rim.z[a] = product(rim.rows[line, a], s.q)
+    if rim.S.size > 0:
+        rim.force[:] = 0.0
+        for j in range(s.mu.size):
+            cos, sin = rows.heading[j, 0], rows.heading[j, 1]
+            for i in range(dim):
+                force = rim.force[rows.line[j] * dim + i]
+                add_waves(force, s.lam[j * dim + i], cos * c + sin * t, sin * c - cos * t)
+        strained(rim, line)
+    note_deflection(s.limits, largest_around(rim.z, rim.places, rim.top), ends)
 
 
 @jit
@@ -245,7 +276,10 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             s.counts[2] += 1.0
             retry = max(retry, step + PAUSE)
         pressed = closing > 0
-        if state_due(sums, out, step):
+        stored = state_due(sums, out, step)
+        if not rows.steady and (stored or step % LOOK == 0):
+            note_rim(s, rows, w, dim, step % LOOK == 0)
+        if stored:
             modes = s.seen.size - (0 if rows.steady else s.lam.size)
             assign(s.seen, s.q, modes)
             for i in range(s.seen.size - modes):
@@ -260,9 +294,6 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         for i in range(3):
             w.angles[BEFORE, i], w.angles[NOW, i] = w.angles[NOW, i], w.angles[AHEAD, i]
         w.side[0] = 1 - w.side[0]
-        if step % LOOK == 0:
-            for line in range(rows.reach.shape[0]):
-                rim_amplitude(s.limits, rows.wall[line], s.q)
         step += 1
         if outgrown(s.limits):
             return step

@@ -11,21 +11,25 @@ from contact.base.errors import InputError
 from contact.io.trust import Flag
 
 FAR = 0.1  # of the radius: a larger clearance or interference is a mistyped unit, a larger motion none
-WALL = 0.5  # of the wall's thickness: linear theory carries a rim's deflection up to here
+WALL = 0.5  # of the wall's thickness: the linear model is valid up to this deflection of a rim
 RIM, TIP, REACHED = 0, 1, 2  # entries of `limits`: what is allowed, and from REACHED on what was reached
-LOOK = 64  # steps between looks at a rim's deflection
+WATCHED, LARGEST = 4, 5  # entries: a smaller deflection is not computed; the largest, also of states that are stored
+LOOK = 64  # steps between two computations of a rim's deflection
 
 
 def motion_limits(radius: float, thickness: float) -> Array:
-    """Largest deflection of the rim, largest motion of a tip against it [m]; then those reached.
+    """Largest deflection of the rim, largest motion of a tip against it [m]; those reached; then two of the deflection.
 
-    `thickness` 0 or infinite where it is not known: a tenth of the radius bounds both then.
+    Deflections below WATCHED are not computed: what was reached is 0 then. A run ends by the deflections of every
+    LOOK-th step, whatever it stores; LARGEST is that of these and of all states stored. `thickness` 0 or infinite where
+    it is not known: a tenth of the radius bounds both then.
 
     >>> motion_limits(0.5, 3e-3).tolist(), motion_limits(0.5, 0.0).tolist()
-    ([0.0015, 0.05, 0.0, 0.0], [0.05, 0.05, 0.0, 0.0])
+    ([0.0015, 0.05, 0.0, 0.0, 0.0015, 0.0], [0.05, 0.05, 0.0, 0.0, 0.05, 0.0])
     """
     far = FAR * radius if radius > 0.0 else math.inf
-    return np.array([min(WALL * thickness, far) if thickness > 0.0 else far, far, 0.0, 0.0])
+    rim = min(WALL * thickness, far) if thickness > 0.0 else far
+    return np.array([rim, far, 0.0, 0.0, rim, 0.0])
 
 
 def passed(limits: Array | None) -> tuple[str, float, float] | None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.remembered import remembered
+from contact.model.gaps.deflection import RimRows, places
 from contact.model.trig import Terms
 from contact.record.record import Record, Samples, Tally, samples, tally
 from contact.scheme.modal.lane import Lane, give_back, lane_of
@@ -22,6 +23,7 @@ from contact.scheme.modal.rub_stepper import RubStepper
 
 if TYPE_CHECKING:
     from contact.loop.batch.waves import BatchFreeFlight, BatchSamples, BatchState, BatchTerms
+    from contact.loop.rub.deflection import RimWaves
     from contact.loop.rub.state import RubState
 
 WIDTH = 8
@@ -37,7 +39,7 @@ STEPS = ("live", "step", "end", "retry", "failed", "casing")
 NUMBERS = ("angle", "speed", "surface", "mu", "h", "averaged", "turns", "peaks")
 TERMS = ("normal", "tangent")
 FOUR = 4  # rows that are summed at once where lanes share their coefficients
-NONE = np.array([np.inf, np.inf, 0.0, 0.0])  # limits there
+NONE = np.array([np.inf, np.inf, 0.0, 0.0, np.inf, 0.0])  # limits there
 AWAY = 1e300  # gap where there is no run
 Shape = int
 Events = tuple[Indices, Array]  # kinds, times
@@ -182,12 +184,24 @@ class Batch:
         for name, value in own.items():
             getattr(lanes, name)[k] = value
         lanes.memory[:, k], lanes.limits[:, k], lanes.reach[:, k] = lane.memory, run.limits, lane.reach
+        self._load_rim(k, lane.rim)
         self._load_free_flight(k, job)
         for name in SUMS:
             getattr(self.sums, name)[k] = 0
         states = job.record.state_every
         self.kept.every[:, k] = job.record.every, states or NEVER
         self.kept.due[:, k], self.kept.filled[:, k] = (0, 0 if states else NEVER), 0
+
+    def _load_rim(self, k: int, rim: RimRows) -> None:
+        """What the deflection of the rim in lane k is computed from."""
+        lanes, (_, size, m), d = self.lanes, rim.rows.shape, rim.soft.shape[1]
+        own, place = min(k, len(lanes.rim.rows) - 1), _waves(size, lanes.rim.z.size)
+        lanes.soft[:, k], lanes.rim.rows[own] = 0.0, 0.0
+        lanes.soft[:d, k], lanes.rim.rows[own, place, :m] = rim.soft[0], rim.rows[0]
+        if lanes.rim.S.size:
+            lanes.rim.S[own] = 0.0
+            for i in range(d if rim.S.size else 0):
+                lanes.rim.S[own, place[:, None], i, place] = rim.S[0, :, i]
 
     def _load_free_flight(self, k: int, job: Job) -> None:
         flight = job.run.flight
@@ -243,7 +257,8 @@ def batch(jobs: Sequence[Job]) -> Batch:
     arrays |= {name: np.zeros(WIDTH, dtype=np.int64) for name in STEPS}
     waves = max(layout.top for layout in layouts.values()) // 2 + 1
     arrays |= {name: aligned(waves, 2, WIDTH) for name in ("waves", "waves_next")}
-    arrays |= {"memory": aligned(10, WIDTH), "limits": aligned(4, WIDTH), "work": aligned(18, WIDTH)}
+    arrays |= {"memory": aligned(10, WIDTH), "limits": aligned(6, WIDTH), "work": aligned(18, WIDTH)}
+    arrays |= {"soft": aligned(2, WIDTH), "rim": _rims(jobs)}
     lanes = BatchState(away=np.full(WIDTH, AWAY), **arrays)
     lanes.limits[:] = NONE[:, None]
     return Batch(
@@ -252,6 +267,32 @@ def batch(jobs: Sequence[Job]) -> Batch:
         events=samples(Record(every=BUDGET), BUDGET, WIDTH, 0), kept=_kept(jobs),
         rubs=any(job.mu > 0.0 for job in jobs),
     )  # fmt: skip
+
+
+def _rims(jobs: Sequence[Job]) -> RimWaves:
+    """Room for the rims of the lanes, one where all runs have the same."""
+    from contact.loop.rub.deflection import RimWaves
+
+    rims = list({id(job.lane.rim): job.lane.rim for job in jobs}.values())
+    lanes, size = 1 if len(rims) == 1 else WIDTH, max(rim.rows.shape[1] for rim in rims)
+    d, angle = max(rim.soft.shape[1] for rim in rims), places(size)
+    strains = any(rim.S.size for rim in rims)
+    return RimWaves(
+        reach=np.zeros((0, 0)), soft=np.zeros((0, 0)), rows=np.zeros((lanes, size, jobs[0].run.system.omega.size)),
+        S=np.zeros((lanes, size, d, size)) if strains else np.zeros((0, 0, 0, 0)),
+        places=np.array([np.cos(angle), np.sin(angle)]),
+        force=np.zeros((d, size)), z=np.zeros(size), top=aligned(WIDTH),
+    )  # fmt: skip
+
+
+def _waves(size: int, largest: int) -> Indices:
+    """Places of so many waves, 1, cos .. cos N, sin .. sin N, among more.
+
+    >>> _waves(5, 9).tolist()
+    [0, 1, 2, 5, 6]
+    """
+    n = np.arange(size)
+    return np.where(n <= size // 2, n, n - size // 2 + largest // 2)
 
 
 def _alike(states: Sequence[RubState]) -> Array:

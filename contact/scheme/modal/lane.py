@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.base.arrays import Array, readonly
 from contact.base.remembered import remembered
+from contact.model.gaps.deflection import RimRows, rim_rows
 from contact.model.gaps.modal_system import ModalSystem, RowTable, rim_system
 from contact.model.trig import Terms
 from contact.scheme.modal.rub_stepper import RubStepper
@@ -25,6 +26,7 @@ class Lane:
     normal: Terms  # rows of the modes, clearance, S_nn, S_nt and S_tt
     tangent: Terms
     reach: Array  # how far each of the casing's modes moves the rim at most, zero for others
+    rim: RimRows
     memory: Array
 
 
@@ -39,6 +41,7 @@ def lane_of(run: RubStepper) -> Lane:
     S = [part(before) for part in (system.S_nn, system.S_nt, system.S_tt)]
     return Lane(
         system=system, normal=normal, tangent=tangent, reach=_reach(system.table, int(system.first[1])),
+        rim=rim_rows(run.rub.casing, run.dimensions, run.rub.flexible),
         memory=np.array([*gaps, 0.0, 0.0, *S, 0.0, 0.0, 0.0]),
     )  # fmt: skip
 

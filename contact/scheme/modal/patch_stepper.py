@@ -28,6 +28,7 @@ from contact.scheme.protocol import Block, Motion, Notes
 from contact.solver.friction.inexact import inexact
 
 if TYPE_CHECKING:
+    from contact.loop.rub.deflection import RimWaves
     from contact.loop.rub.free_flight import FreeFlight
     from contact.loop.rub.rows import RubLaws, RubRows
     from contact.loop.rub.state import ModalBlocks, RubState, Work
@@ -190,7 +191,7 @@ def _state(problem: Patch, parts: Propagator, rows: Array, mu: float) -> RubStat
         mu=np.full(k, mu), lam=none(R), strain=none(R), motion=none(R), scale=none(k), now=now, last=now - moved,
         known=np.ones(k, dtype=np.int64), inside=np.ones(k, dtype=np.int64), free=none(k), test=none(k), skin=none(k),
         force=none(k), gap=none(k), seen=none(m), heat=none(k), drive=none(k), peaks=none(1),
-        limits=np.array([math.inf, math.inf, 0.0, 0.0]), counts=none(4),
+        limits=np.array([math.inf, math.inf, 0.0, 0.0, math.inf, 0.0]), counts=none(4),
     )  # fmt: skip
 
 
@@ -203,11 +204,23 @@ def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubR
     none, first = np.zeros((1, 1, 1)), np.zeros(1, dtype=np.int64)
     return RubRows(
         casing=RowBlocks(*row_blocks(rows_of_waves(first, rows[:, None], 0.0 * rows[:, None], WAVES))),
-        width=whole(m), reach=aligned(0, whole(m)), wall=aligned(0, whole(m)), directions=R // k, line=np.arange(k),
-        place=np.arange(k), glide=glide, angle=np.zeros(k), heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
+        width=whole(m), reach=aligned(0, whole(m)), rim=_no_rim(whole(m)), directions=R // k,
+        line=np.arange(k), place=np.arange(k), glide=glide, angle=np.zeros(k),
+        heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
         blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
         fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, few=False,
         S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
+    )  # fmt: skip
+
+
+def _no_rim(width: int) -> RimWaves:
+    """A rim without lines."""
+    from contact.loop.rub.deflection import RimWaves
+
+    none = np.zeros(0)
+    return RimWaves(
+        reach=aligned(0, width), soft=np.zeros((0, 0)), rows=np.zeros((0, 0, width)), S=np.zeros((0, 0, 0, 0)),
+        places=np.zeros((2, 0)), force=np.zeros((0, 0)), z=none, top=aligned(8),
     )  # fmt: skip
 
 

@@ -10,18 +10,20 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned, readonly
 from contact.base.remembered import remembered
+from contact.model.gaps.deflection import places, rim_rows
 from contact.model.gaps.limits import motion_limits
 from contact.model.gaps.modal_system import NOISE
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import RimTable, RubSystem, plane_participation, varying_force, waves_of_tips
 from contact.model.rotor.rotor import Rotor
 from contact.model.trig import PRUNE, fourier, turned_back
-from contact.scheme.modal.blocks import row_blocks, rows_of_waves, whole
+from contact.scheme.modal.blocks import BLOCK, row_blocks, rows_of_waves, whole
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_delassus import blade_delassus, unchanging
 
 if TYPE_CHECKING:
     from contact.loop.modal.rows import RowBlocks
+    from contact.loop.rub.deflection import RimWaves
     from contact.loop.rub.rows import RubLaws, RubRows
     from contact.loop.rub.state import RubState, Work
 
@@ -124,10 +126,6 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = aligned(len(size), whole(m))
     reach[:, :m] = size
-    wall = reach
-    if rub.rotor is not None:
-        wall = aligned(*reach.shape)
-        wall[:, : rub.flexible] = reach[:, : rub.flexible]
     few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     if system.turns:
@@ -142,13 +140,28 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     apart.setflags(write=False)
     return RubRows(
         casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
-        width=whole(width), reach=reach, wall=wall, directions=system.directions, line=system.line,
+        width=whole(width), reach=reach, rim=rim_of(rub, len(system.still) // system.contacts, reach.shape[1]),
+        directions=system.directions, line=system.line,
         place=place.reshape(-1).astype(np.int64), glide=glide.ravel(), angle=system.angle,
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own,
         apart=apart, fixed=fixed_delassus(system, parts),
         still=system.still, turns=system.turns, steady=False, W=W, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
         harmonics=count,
+    )  # fmt: skip
+
+
+def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
+    """What the deflection of a rim is computed from, its rows in `width` places."""
+    from contact.loop.rub.deflection import RimWaves
+
+    rim = rim_rows(rub.casing, dimensions, rub.flexible)
+    lines, size, m = rim.rows.shape
+    rows, reach = aligned(lines, size, width), aligned(lines, width)
+    rows[:, :, :m], reach[:, :m] = rim.rows, rim.reach
+    return RimWaves(
+        reach=reach, soft=rim.soft, rows=rows, S=rim.S, places=np.array([np.cos(places(size)), np.sin(places(size))]),
+        force=np.zeros((lines * dimensions, size)), z=np.zeros(size), top=aligned(BLOCK),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from contact.base.arrays import Array, Indices, readonly
 from contact.io.trust import Flag
 from contact.model.gaps.gap import RotatingRim
-from contact.model.gaps.limits import REACHED, RIM, wall_flags
+from contact.model.gaps.limits import LARGEST, wall_flags
 from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import RubSystem
 from contact.model.law import Law
@@ -198,11 +198,13 @@ class RubStepper(ExactRun):
 
     def notes(self) -> Notes:
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
-        deflection, tangential = float(self.limits[REACHED + RIM]), float(self.state.peaks[0])
+        deflection, tangential = float(self.limits[LARGEST]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         left = float(self.arrays.work.room.left[0]) if self.made else 0.0
         flags += (*inexact(left), *too_long(self.y, self.stiffest, self.dt))
-        return Notes(flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive))
+        return Notes(
+            flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive), deflection=deflection
+        )
 
 
 def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dimensions: int, averaged: bool,

@@ -49,7 +49,7 @@ def test_a_rim_is_looked_at_every_so_many_steps(kind):
     with plain() as module:
         record, limits = module("contact.record.record"), module("contact.model.gaps.limits")
         run = prepared(module, kind)
-        run.limits[limits.RIM] = 1e-15
+        run.limits[[limits.RIM, limits.WATCHED]] = 1e-15
         out = record.samples(record.Record(every=1), 400, 1, run.size + 3)
         failed = run.advance(out, 0, 400)
     assert failed % limits.LOOK == 1

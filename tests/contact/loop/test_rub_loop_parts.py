@@ -10,7 +10,7 @@ from tests.contact.plain import names, plain
 
 N = names("loop.rub.rows", "loop.rub.predict", "loop.rub.rub")
 RUB = names("loop.rub.solve", "loop.rub.compliance", "loop.rub.predict", "loop.rub.rows")
-LIMITS = names("loop.limits", "model.gaps.limits")
+LIMITS = names("loop.limits", "loop.rub.deflection", "model.gaps.limits")
 
 
 def waves_of(phi, count=8):
@@ -212,16 +212,19 @@ def test_forces_of_slots_add_up_to_what_they_push_and_strain():
     np.testing.assert_array_equal(s.motion[w.row], w.motion)
 
 
-def test_a_rim_s_swing_is_noted_and_both_limits_end_a_run():
-    limits = LIMITS.motion_limits(0.5, 3e-3)
-    reach, q = np.arange(16.0), np.random.default_rng(1).standard_normal(16) * 1e-5
-    LIMITS.rim_amplitude(limits, reach, q)
-    swing = np.linalg.norm(reach * q)
-    assert limits[LIMITS.REACHED + LIMITS.RIM] == pytest.approx(swing, rel=1e-13)
-    LIMITS.rim_amplitude(limits, reach, 0.5 * q)
-    assert limits[LIMITS.REACHED + LIMITS.RIM] == pytest.approx(swing, rel=1e-13)
-    assert not LIMITS.outgrown(limits)
-    LIMITS.rim_amplitude(limits, reach, q * (2.0 * limits[LIMITS.RIM] / swing))
+def test_a_deflection_is_that_around_the_rim_and_ends_a_run_beyond_its_limit():
+    limits, z, top = LIMITS.motion_limits(0.5, 3e-3), np.array([1e-4, 0.0, 3e-4, 0.0, -4e-4]), np.zeros(8)
+    half = (np.arange(24) + 0.5) * (np.pi / 24)
+    angle = np.concatenate([half, -half])
+    found = LIMITS.largest_around(z, np.array([np.cos(half), np.sin(half)]), top)
+    assert found == pytest.approx(np.abs(1e-4 + 3e-4 * np.cos(2 * angle) - 4e-4 * np.sin(2 * angle)).max(), rel=1e-12)
+    assert not LIMITS.matters(limits, 1.4e-3, True)
+    assert LIMITS.matters(limits, 1.6e-3, True)
+    LIMITS.note_deflection(limits, 1.7e-3, False)  # of a state that is stored
+    assert (limits[LIMITS.LARGEST], LIMITS.outgrown(limits)) == (1.7e-3, False)
+    assert not LIMITS.matters(limits, 1.65e-3, False)
+    LIMITS.note_deflection(limits, 1.6e-3, True)
+    assert (limits[LIMITS.LARGEST], limits[LIMITS.REACHED + LIMITS.RIM]) == (1.7e-3, 1.6e-3)
     assert LIMITS.outgrown(limits)
 
 

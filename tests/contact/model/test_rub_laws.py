@@ -110,9 +110,9 @@ def test_a_profile_by_a_table():
 
 
 def test_limits_of_a_motion():
-    assert motion_limits(0.0, 2e-3).tolist() == [1e-3, math.inf, 0.0, 0.0]
+    assert motion_limits(0.0, 2e-3).tolist() == [1e-3, math.inf, 0.0, 0.0, 1e-3, 0.0]
     assert motion_limits(0.0, 0.0)[:2].tolist() == [math.inf, math.inf]
-    assert motion_limits(0.5, 0.2).tolist() == [0.05, 0.05, 0.0, 0.0]
+    assert motion_limits(0.5, 0.2).tolist() == [0.05, 0.05, 0.0, 0.0, 0.05, 0.0]
     assert motion_limits(0.5, math.inf)[0] == 0.05
     assert passed(None) is None
     for limits, name, reached, allowed in (

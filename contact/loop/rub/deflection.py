@@ -1,0 +1,91 @@
+"""Compiled: the largest deflection around a rim, as `contact.model.gaps.deflection`, where it may matter."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contact.base.arrays import Array
+from contact.jit.compiled import jit, jit_inside
+from contact.jit.vector import WIDTH, entry, larger, load, put, same, total
+from contact.model.gaps.limits import LARGEST, REACHED, RIM, WATCHED
+
+
+class RimWaves(NamedTuple):
+    """`RimRows` in whole blocks of eight modes, and work space."""
+
+    reach: Array  # (lines, width)
+    soft: Array  # (lines, lines d)
+    rows: Array  # (lines, 2 N + 1, width)
+    S: Array  # (lines, 2 N + 1, lines d, 2 N + 1), may be empty
+    places: Array  # (2, points) cosine and sine of `places`
+    force: Array  # (lines d, 2 N + 1) forces of the tips by waves
+    z: Array  # (2 N + 1,) motion by waves
+    top: Array  # (8,)
+
+
+@jit
+def add_waves(force: Array, amount: float, c: float, s: float) -> None:
+    """Add a force at the angle with this cosine and sine to the forces by waves 1, cos .. cos N, sin .. sin N."""
+    N = force.size // 2
+    x, y = 1.0, 0.0
+    force[0] += amount
+    for n in range(1, N + 1):
+        x, y = x * c - y * s, y * c + x * s
+        force[n] += amount * x
+        force[N + n] += amount * y
+
+
+@jit_inside
+def strained(rim: RimWaves, line: int) -> None:
+    """Add what the forces strain of a line to the motion by waves."""
+    for a in range(rim.z.size if rim.S.size > 0 else 0):
+        part = 0.0
+        for b in range(rim.force.shape[0]):
+            for n in range(rim.force.shape[1]):
+                part += rim.S[line, a, b, n] * rim.force[b, n]
+        rim.z[a] += part
+
+
+@jit
+def largest_around(z: Array, places: Array, top: Array) -> float:
+    """Largest magnitude of the sum of waves at the places and at minus the same angles."""
+    N, count, none = z.size // 2, places.shape[1], same(0.0)
+    most = none
+    for p in range(0, count, WIDTH):
+        c, s = load(places, p), load(places, count + p)
+        x, y, even, odd = same(1.0), same(0.0), same(entry(z, 0)), none
+        for n in range(1, N + 1):
+            x, y = x * c - y * s, y * c + x * s
+            even = even + x * same(entry(z, n))
+            odd = odd + y * same(entry(z, N + n))
+        most = larger(larger(even, none - even) + larger(odd, none - odd), most)
+    put(top, 0, most)
+    found = 0.0
+    for i in range(WIDTH):
+        found = max(found, top[i])
+    return found
+
+
+@jit_inside
+def most_of(reach: Array, q: Array) -> float:
+    """Sum of reach |q|: a line's modes deflect it by no more."""
+    part, none = same(0.0), same(0.0)
+    for i in range(0, reach.size, WIDTH):
+        moved = load(q, i)
+        part = part + load(reach, i) * larger(moved, none - moved)
+    found: float = total(part)
+    return found
+
+
+@jit_inside
+def matters(limits: Array, bound: float, ends: bool) -> bool:
+    """Whether a deflection of no more than `bound` may be larger than what is watched and what was noted."""
+    return not bound <= max(limits[WATCHED], limits[REACHED + RIM] if ends else limits[LARGEST])
+
+
+@jit
+def note_deflection(limits: Array, deflected: float, ends: bool) -> None:
+    """Keep the largest; `ends`: of a step at which a deflection beyond the limit ends the run."""
+    limits[LARGEST] = max(limits[LARGEST], deflected)
+    if ends:
+        limits[REACHED + RIM] = max(limits[REACHED + RIM], deflected)
