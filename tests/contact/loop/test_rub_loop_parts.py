@@ -110,7 +110,7 @@ def test_body_forces_are_rotated_into_the_frames_of_casing_and_blades():
             force = complex(a + m * w * w, -m * by * slope) * np.exp(1j * (phase + per * angle + own * t))
             casing += on_casing * force
             blades += on_blades * force * np.exp(1j * angle)
-        N.body_force(N.Pulls(law, plane, 3), speed, t, angle, omega, out)
+        N.body_force(N.Pulls(law, plane, 3, np.zeros((0, 4)), np.zeros((2, 0))), speed, t, angle, omega, out)
         exact = np.where(np.arange(5) < 3, np.conj(casing), np.conj(blades))
         np.testing.assert_allclose(out, np.real((plane[0] + 1j * plane[1]) * exact), rtol=1e-12)
 
@@ -123,7 +123,7 @@ def test_a_step_without_forces_stiffens_and_keeps_the_last_increment():
         q=q, d=d.copy(), old=np.zeros(m), al=al, be=be, c=c, kick=kick, stiff=stiff, stiff_at=stiff_at,
         push=np.zeros(14), body=np.zeros(0),
     )  # fmt: skip
-    given = laws(pulls=N.Pulls(np.zeros((0, 8)), np.zeros((2, 0)), 11))
+    given = laws(pulls=N.Pulls(np.zeros((0, 8)), np.zeros((2, 0)), 11, np.zeros((0, 4)), np.zeros((2, 0))))
     N.propagate(s, given, 0.1, 0.2, 3.0)
     push = -(9.0 * stiff - stiff_at) @ q[11:14]
     exact = al * d - be * q + kick

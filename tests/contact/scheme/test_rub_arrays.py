@@ -221,7 +221,7 @@ def test_turning_terms_whirl_and_closing_are_tables_of_the_loop():
     whirl = ct.gaps.Whirl(amplitude=4e-6, per_rev=-2.0, hz=3.0, phase_deg=25.0)
     profile = ct.RimProfile.fourier([{"p": 2, "cos": 2e-5, "sin": -1e-5}])
     rub = scene(whirl=(whirl,), closing=ct.gaps.Closing([0.0, 1.0], [2e-6, 5e-6]), profile=profile)
-    laws = rub_arrays.rub_laws(rub, arrays(rub, 1)[0])
+    laws = rub_arrays.rub_laws(rub, arrays(rub, 1)[0], 1e-5)
     np.testing.assert_allclose(laws.whirl, [[4e-6, -2.0, 6.0 * math.pi, math.radians(25.0)]], rtol=1e-13)
     assert laws.closing.tolist() == [[0.0, 2e-6], [1.0, 5e-6]]
     assert (laws.terms.harmonic.tolist(), laws.terms.cos.tolist(), laws.terms.sin.tolist()) == ([2], [2e-5], [-1e-5])
