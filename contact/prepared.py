@@ -31,6 +31,12 @@ class Scene:
     `on_limit` "stop": a run whose rim moves beyond half its wall, or whose numbers are no solution (a flag that
     `failed`), is an error that keeps the result so far. "flag": it goes on to a tenth of the radius, and ends without
     an error; `flags` of the result say what failed. A run of more than `most_steps` steps is refused.
+
+    >>> import contact as ct
+    >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
+    >>> scene = ct.Scene(what=[ct.Wall(), ball], scheme=ct.MoreauJean(), t_end=0.02, dt=1e-4)
+    >>> ct.run(scene).steps, ct.run(scene, dt=2e-4).steps
+    (200, 100)
     """
 
     what: What

@@ -68,6 +68,12 @@ class Result(Reported):
     `growth` of the motion of a rim, a rub or a disk whose states are stored (`ct.stability.of_run`), None elsewhere.
 
     The raw peak force does not converge with the step; `windowed_force` does. Same input, same bits.
+
+    >>> import contact as ct
+    >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
+    >>> result = ct.run([ct.Wall(), ball], scheme=ct.MoreauJean(), t_end=0.02, dt=1e-4)
+    >>> round(float(result.impulse[0]), 6), result.steps  # thrown back: 2 m v
+    (2.0, 200)
     """
 
     COLUMNS: ClassVar = CONTACTS

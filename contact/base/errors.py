@@ -7,15 +7,37 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """What was given cannot be run: the message names the field, what was found and what is expected."""
+    """What was given cannot be run: the message names the field, what was found and what is expected.
+
+    >>> import contact as ct
+    >>> try:
+    ...     ct.Penalty(stiffness=-1.0)
+    ... except ct.InputError as error:
+    ...     print(error)
+    stiffness: found -1.0, expected a finite number > 0
+    """
 
 
 class LimitError(InputError):
-    """A scheme was asked to run beyond its limit: the message carries both numbers and what to change."""
+    """A scheme was asked to run beyond its limit: the message carries both numbers and what to change.
+
+    >>> import contact as ct
+    >>> rod = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, elements=10, x=0.1)
+    >>> try:
+    ...     ct.run([ct.Wall(), rod], scheme=ct.CentralDifference(), t_end=1.0, dt=0.5)
+    ... except ct.LimitError as error:
+    ...     print(error)
+    dt: found 0.5 s, dt * omega_max = 10, expected <= 2 (stability of CentralDifference): take dt <= 0.099999 s
+    """
 
 
 class NumericsError(RuntimeError):
-    """A run failed midway: `result`, a Result, keeps everything recorded up to the step that failed."""
+    """A run failed midway: `result`, a Result, keeps everything recorded up to the step that failed.
+
+    >>> raised = NumericsError("step 8: found nan")
+    >>> raised.result is None
+    True
+    """
 
     result: Any = None
 

@@ -25,6 +25,10 @@ class Attractor:
     """A periodic motion that runs settle on: its states after each period of the forcing, (periods, n), and its share.
 
     `amplitude` max |u| [m] by channel, over all its periods; `share` the part of the starts that reach it.
+
+    >>> import numpy as np
+    >>> Attractor(states=np.zeros((2, 4)), amplitude={"x": 0.01}, share=0.4).periods
+    2
     """
 
     states: Array
@@ -59,6 +63,12 @@ class Basins(Reported):
     """Periodic motions reached from random starts, the most frequent first; `reached` (starts,) their number or -1.
 
     -1: the run had not settled on a motion of so few periods, or grew without bound.
+
+    >>> import numpy as np
+    >>> low = Attractor(states=np.zeros((1, 2)), amplitude={"x": 0.01}, share=0.75)
+    >>> found = Basins(name="freq_hz", value=0.2, attractors=(low,), starts=np.zeros((4, 2)), reached=(0, 0, -1, 0))
+    >>> found.attractors[0].share, sum(one == -1 for one in found.reached)
+    (0.75, 1)
     """
 
     name: str
@@ -88,6 +98,15 @@ def basins(
 
     Each run goes on for `settle` periods, and is then asked whether it closes after 1 to `longest` periods. Starts
     inside a rigid contact are drawn anew. Raises InputError.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> family = driven.over("freq_hz", freq_hz=0.1)
+    >>> found = ct.cycles.basins(family, 0.1, np.array([0.01, 0.01]), starts=2, seed=1, settle=80)
+    >>> found.reached, [one.periods for one in found.attractors]
+    ((0, 0), [1])
     """
     require_count(starts=starts, settle=settle, longest=longest)
     size = require_state(size, family, "size")

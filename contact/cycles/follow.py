@@ -65,6 +65,16 @@ def follow(
     period is followed, to `doublings` doublings. `checkpoint` names a file that keeps what is found meanwhile; where it
     exists the search goes on from there, and finds the same to the last bit. `progress` is told branch, value, orbits.
     Raises InputError, and NumericsError where no orbit is found.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> found = ct.cycles.follow(driven.over("freq_hz", freq_hz=0.1), (0.1, 0.14), longest=0.5)
+    >>> (branch,) = found.branches
+    >>> bool(branch.stable.all()), branch.amplitude("x")[[0, -1]].round(4).tolist()
+    (True, [0.033, 0.0868])
     """
     require_finite(start=between[0], end=between[1])
     require_positive(longest=longest)

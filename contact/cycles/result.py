@@ -26,6 +26,14 @@ class Special:
     """A point where something changes: "fold", "flip", "Neimark-Sacker", "branch point" or "grazing".
 
     `orbit` is the first orbit after the change, `before` the last one before it, 1e-5 of a step apart.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> before, after = (ct.cycles.orbit(driven.over("freq_hz", freq_hz=0.1), at) for at in (0.100, 0.101))
+    >>> Special(kind="fold", orbit=after, before=before).orbit.value
+    0.101
     """
 
     kind: str
@@ -37,7 +45,17 @@ class Special:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Branch:
-    """Orbits in the order of the branch, its special points, and why it ended inside the range, if it did."""
+    """Orbits in the order of the branch, its special points, and why it ended inside the range, if it did.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> points = [ct.cycles.orbit(driven.over("freq_hz", freq_hz=0.1), at) for at in (0.10, 0.11)]
+    >>> Branch(points=tuple(points), specials=()).value.tolist()
+    [0.1, 0.11]
+    """
 
     points: tuple[Orbit, ...]
     specials: tuple[Special, ...]
@@ -77,7 +95,17 @@ class Branch:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Cycles(Reported):
-    """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it."""
+    """Branches of periodic orbits over a parameter: the one that was followed first, then those that leave it.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> points = tuple(ct.cycles.orbit(driven.over("freq_hz", freq_hz=0.1), at) for at in (0.10, 0.11))
+    >>> found = Cycles(name="freq_hz", branches=(Branch(points=points, specials=()),))  # as `ct.cycles.follow` returns
+    >>> [row["freq_hz"] for row in found.records()]
+    [0.1, 0.11]
+    """
 
     name: str
     branches: tuple[Branch, ...]

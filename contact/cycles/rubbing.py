@@ -44,6 +44,15 @@ class RimFamily:
 
     Raises SplitError for a casing that is not perfect, InputError for what is no periodic motion in this frame, or not
     taken here: a closing, gravity, loads, whirl beside whole turns, a profile by a table, axial friction.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0, zeta=0.01), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": 1e-8 * np.eye(2)}
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], **seen)
+    >>> lobes = [{"p": 2, "cos": 1e-4, "sin": 0.0}]
+    >>> rim = ct.RotatingRim(casing, blade, clearance=5e-5, speed_hz=5.0, lean_deg=10.0, out_of_roundness=lobes)
+    >>> ct.cycles.RimFamily(rim=rim, mu=0.1).channels
+    ('casing', 'span', 'flap')
     """
 
     rim: RotatingRim | Rub
@@ -113,6 +122,20 @@ def as_worn(rub: Rub, law: Abradable, wear: Wear, harmonics: int) -> tuple[Rub, 
 
     The tip's land feels the mean of the surface under it, and all its bars together; nothing more is worn. Raises
     InputError for tips on several tracks.
+
+    >>> import contact as ct
+    >>> from contact.record.wear import Wear
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0, zeta=0.01), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": 1e-8 * np.eye(2)}
+    >>> rub = ct.Rub(casing, (ct.ModalBody(omega=[900.0], zeta=[0.01], **seen),), speed=ct.Speed.constant(20.0))
+    >>> coating = ct.Abradable(E=1e8, yield_stress=1e5, hardening=1e5, thickness=3e-3, width=0.02, tip=0.01)
+    >>> angle = np.arange(1884) * 2.0 * np.pi / 1884.0  # bars, six under the land of a tip
+    >>> flat = np.zeros(angle.size)
+    >>> worn = Wear(angle=angle, made=flat, cut=flat, worn=flat + 1e-5, map_time=[], map=[[]], volume=0.0, stated=0.0,
+    ...             dissipated=0.0, bare=0)  # as `result.wear` of a run
+    >>> rub, stiffness = as_worn(rub, coating, worn, harmonics=3)
+    >>> f"{stiffness:.3g} N/m"
+    '6.67e+06 N/m'
     """
     require_count(harmonics=harmonics)
     if len(wear.tips) != len(rub.tips):

@@ -31,6 +31,14 @@ class Orbit:
     channel; `gap`, `force` (k,) the least gap [m] and the largest force [N] of each contact, `closings` (k,) how often
     each closes in the period, `rests` (k,) how often a series of ever smaller hits ends; `touching` tells the contacts
     that are closed at the start.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> one = ct.cycles.orbit(driven.over("freq_hz", freq_hz=0.1), 0.1)
+    >>> one.stable, round(one.amplitude["x"], 4), one.contacts
+    (True, 0.033, 0)
     """
 
     name: str
@@ -105,6 +113,14 @@ def orbit(
 
     Without a guess the orbit begins where no rigid contact is closed. Raises NumericsError where Newton's method finds
     none: the motion may not be periodic after `periods`, or there is no orbit.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> one = ct.cycles.orbit(driven.over("freq_hz", freq_hz=0.16), 0.16)  # the motion that a run from rest settles on
+    >>> one.stable, round(one.amplitude["x"], 3)
+    (True, 0.105)
     """
     require_finite(value=value)
     require_count(periods=periods)

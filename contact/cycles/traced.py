@@ -16,7 +16,18 @@ SAMPLES = 240
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Trace:
-    """Displacement [m] of each channel over one period of an orbit, (samples,) by channel, at `time` [s] from 0 on."""
+    """Displacement [m] of each channel over one period of an orbit, (samples,) by channel, at `time` [s] from 0 on.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[1.0], zeta=[0.025], channels=("x", "stop"), rows=[[1.0], [-1.0]], S=np.zeros((2, 2)))
+    >>> patch = ct.Patch(body=mass, normal=("stop",), clearance=0.1)
+    >>> driven = ct.cycles.DrivenBody(patch=patch, channel="x", amplitude=0.02, stiffness=100.0, shown=("x",))
+    >>> family = driven.over("freq_hz", freq_hz=0.1)
+    >>> trace = ct.cycles.traced(family, ct.cycles.orbit(family, 0.1))
+    >>> round(float(trace.time[-1]), 6), trace.displacement["x"].shape == trace.time.shape
+    (10.0, True)
+    """
 
     orbit: Orbit
     time: Array

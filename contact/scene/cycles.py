@@ -153,6 +153,11 @@ def load_cycles(path: str | Path) -> CyclesScene:
     """Read a scene of kind "patch" with [drive], or of kind "rim", "rub", "disk" with a range.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+
+    >>> import contact as ct
+    >>> scene = ct.scene.load_cycles("data/scenes/cycles/bouncing_ball.toml")
+    >>> type(scene).__name__
+    'CyclesScene'
     """
     file = Path(path)
     data, _ = scene_data(file)

@@ -29,6 +29,11 @@ def load_scene(path: str | Path) -> Scene:
     """Read a scene file of any kind but "pair"; basis files are found relative to it.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+
+    >>> import contact as ct
+    >>> scene = ct.load_scene("data/scenes/two_rods.toml")
+    >>> len(scene.what), scene.t_end, type(scene.scheme).__name__
+    (2, 0.00025, 'CentralDifference')
     """
     file = Path(path)
     with pipes_read_once():

@@ -20,7 +20,12 @@ LONG = re.compile(r"\b[1-9]0{8,}\b")  # a bound that pydantic writes out in all 
 
 
 class SceneError(InputError):
-    """A scene file that cannot be run: `problems` lists them all, each with file and key."""
+    """A scene file that cannot be run: `problems` lists them all, each with file and key.
+
+    >>> raised = SceneError(["scene.toml: rod.elements: found 0, expected 1 or more"])
+    >>> len(raised.problems), str(raised)
+    (1, 'scene.toml: rod.elements: found 0, expected 1 or more')
+    """
 
     def __init__(self, problems: list[str]) -> None:
         self.problems = problems

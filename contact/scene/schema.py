@@ -16,5 +16,10 @@ def scene_models() -> dict[str, type[Table]]:
 
 
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of every kind of scene files, by kind."""
+    """JSON schema of every kind of scene files, by kind.
+
+    >>> found = scene_schema()
+    >>> "rub" in found, sorted(found["rods"]["properties"])
+    (True, ['checks', 'mass', 'record', 'rod', 'scene', 'scheme', 'wall'])
+    """
     return {kind: model.model_json_schema() for kind, model in scene_models().items()}

@@ -50,6 +50,12 @@ def load_stability(path: str | Path) -> StabilityScene:
     """Read a scene of kind "pair", or of kind "rim" with `scan` in [speed].
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+
+    >>> import contact as ct
+    >>> scene = ct.scene.load_stability("data/scenes/pair.toml")
+    >>> found = scene.solve()
+    >>> found.diverges, round(found.peak_speed_hz, 2)
+    (True, 52.84)
     """
     file = Path(path)
     table, _ = read_scene(file)
@@ -83,6 +89,11 @@ def load_interactions(path: str | Path) -> InteractionScene:
     """Read a scene of kind "pair", "rim", "rub" or "disk"; without speed.scan, speeds up to AROUND times the scene's.
 
     Raises SceneError, which lists every problem with file, key, what was found and what is expected.
+
+    >>> import contact as ct
+    >>> scene = ct.scene.load_interactions("data/scenes/pair.toml")
+    >>> float(scene.speed_hz[0]), float(scene.speed_hz[-1])
+    (52.0, 54.0)
     """
     file = Path(path)
     table, _ = read_scene(file)

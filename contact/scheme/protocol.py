@@ -61,6 +61,9 @@ class Motion:
     """Rigid part of one body's motion: `mean_velocity` [m/s], `momentum` [kg m/s]; NaN where it has none.
 
     `number` is the body's place in the user's list, `kind` mass | rod | casing | blade | body.
+
+    >>> Motion(kind="mass", number=0, mean_velocity=0.5, momentum=1.0).momentum
+    1.0
     """
 
     kind: str
@@ -89,7 +92,14 @@ Block = tuple[str, int, int]
 
 
 class Stepper(Protocol):
-    """A run in progress; see the module's contract. `PlainStepper` answers the last five for most schemes."""
+    """A run in progress; see the module's contract. `PlainStepper` answers the last five for most schemes.
+
+    >>> import contact as ct
+    >>> mass = ct.LinearBody(M=[2.0], K=[[800.0]], Q=[[1.0]], gap0=[0.01], velocity=[-0.5])
+    >>> stepper = ct.MoreauJean().prepare(mass, ct.Unilateral(), dt=1e-4, courant=None)
+    >>> stepper.dt, stepper.size, round(stepper.stored().kinetic, 6)
+    (0.0001, 1, 0.25)
+    """
 
     @property
     def dt(self) -> float:
@@ -151,7 +161,14 @@ class Stepper(Protocol):
 
 
 class PlainStepper(ABC):
-    """A base for steppers without overlap, limits, notes and coating, whose `stored()` at t = 0 is exact."""
+    """A base for steppers without overlap, limits, notes and coating, whose `stored()` at t = 0 is exact.
+
+    >>> class AtRest(PlainStepper):  # a run in which nothing moves
+    ...     def stored(self) -> Stored:
+    ...         return Stored(kinetic=0.0, strain=0.0, potential=0.0, residual=0.0, discrete=0.0)
+    >>> AtRest().overlap, AtRest().limits, AtRest().start.total
+    (0.0, None, 0.0)
+    """
 
     __slots__ = ()
 
@@ -184,7 +201,13 @@ class PlainStepper(ABC):
 
 
 class Scheme(Protocol):
-    """A time scheme: a frozen value that prepares runs."""
+    """A time scheme: a frozen value that prepares runs.
+
+    >>> import contact as ct
+    >>> scheme: Scheme = ct.MoreauJean(theta=0.5)  # whatever has `prepare` is a scheme
+    >>> callable(scheme.prepare)
+    True
+    """
 
     def prepare(self, problem: Problem, law: Law, *, dt: float | None, courant: float | None) -> Stepper:
         """Check the limits and return a Stepper at t = 0."""

@@ -47,6 +47,13 @@ def of_rim(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0) -> StabilityMa
     """Growth map of a rim against its blade in closed contact; the rim's own speed is not used.
 
     A perfect casing by eigenvalues; a split one by Floquet's theory, which follows every turn and takes longer.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": 1e-8 * np.eye(2)}
+    >>> rim = ct.RotatingRim(casing, ct.ModalBody(omega=[900.0], zeta=[0.01], **seen), clearance=0.0, speed_hz=5.0)
+    >>> of_rim(rim, np.array([20.0, 21.0]), mu=0.1).diverges
+    True
     """
     try:
         contact = rim_contact(rim, mu=mu)

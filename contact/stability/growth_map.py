@@ -29,6 +29,13 @@ class StabilityMap(Reported):
     """Growth rate [1/s] over speed [Hz], (speeds,), its refined maximum, and the bands in which it is positive.
 
     `seen_hz`, `seen_growth`: all speeds looked at, close to where something is to be seen.
+
+    >>> import contact as ct
+    >>> pair = ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    ...                         blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
+    >>> found = ct.stability.of_contact(pair.contact(), np.linspace(52.0, 54.0, 21))
+    >>> found.diverges, round(found.peak_speed_hz, 2), round(found.peak_growth, 3)
+    (True, 52.84, 3.788)
     """
 
     COLUMNS: ClassVar = COLUMNS

@@ -71,6 +71,14 @@ class Peaks(Reported):
 
     `averaged` says whether split pairs were. For a picture, `blade_hz` has the frequencies of the blade at rest and
     `wave_hz` (speeds of the map, waves) those of the casing's waves in the blade's frame, both without contact.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> pair = ct.gaps.HandPair(casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
+    ...                         blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
+    >>> found = ct.stability.peaks(pair, np.linspace(50.0, 60.0, 11))
+    >>> [(row.n, round(row.speed_hz, 2)) for row in found.rows], found.averaged
+    ([(8, 52.84)], False)
     """
 
     rows: tuple[Peak, ...]

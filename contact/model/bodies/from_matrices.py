@@ -13,6 +13,13 @@ def body_of(
     """Reduce matrices to a modal body seen at its contact, and say what they are; 20 modes, or all if they are fewer.
 
     Raises InputError for indefinite matrices, dofs that are not there, or more modes than there are.
+
+    >>> import numpy as np
+    >>> K = 1e6 * np.array([[2.0, -1.0], [-1.0, 1.0]])
+    >>> chain = Matrices.of(K=K, M=np.eye(2), dofs=[(1, "x"), (2, "x")])
+    >>> body, report = body_of(chain, [(2, "x")], modes=1)
+    >>> (body.omega / (2.0 * np.pi)).round(2).tolist(), report.kept, report.size
+    ([98.36], 1, 2)
     """
     fields, facts = reduced(matrices, contact, modes=modes, zeta=zeta)
     return ModalBody(**fields), facts

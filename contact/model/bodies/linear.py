@@ -34,7 +34,11 @@ class Forcing:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Part:
-    """Coordinates start .. end-1 are one body; mean velocity = r.M v/r.M r with r = 1 there, if `rigid`."""
+    """Coordinates start .. end-1 are one body; mean velocity = r.M v/r.M r with r = 1 there, if `rigid`.
+
+    >>> Part(name="left", start=0, end=20, number=0, rigid=True).end
+    20
+    """
 
     name: str
     start: int

@@ -39,6 +39,10 @@ class Matrices:
     (n,) pairs (node, direction), direction one of `DIRECTIONS`. `points` node -> position [m]; `axes` node ->
     directions of its own x, y, z in the axes of the points, rows (3, 3), for nodes whose dofs are along those.
     `rounding`: largest relative error of an entry of K by the precision in which it was stored.
+
+    >>> found = Matrices.of(K=np.diag([4.0, 9.0]), M=np.eye(2), dofs=[(1, "x"), (1, "y")])
+    >>> found.size, found.skew
+    (2, (0.0, 0.0))
     """
 
     M: Any
@@ -329,6 +333,13 @@ class MatrixReport:
     their own; `structural` the least and largest loss factor g of a mode by structural damping, `structural_coupling`
     the largest between two modes over their own; None without. `gyroscopic` and `cross`: whether there is a gyroscopic
     matrix, a nonsymmetric stiffness; `rigid_motion` what the test of rigid motions found.
+
+    >>> import contact as ct
+    >>> K = 1e6 * np.array([[2.0, -1.0], [-1.0, 1.0]])
+    >>> chain = ct.bodies.Matrices.of(K=K, M=np.eye(2), dofs=[(1, "x"), (2, "x")])
+    >>> _, report = ct.bodies.body_of(chain, [(2, "x")])
+    >>> report.size, report.rigid, [round(one, 2) for one in report.freq_hz]
+    (2, 0, [98.36, 257.52])
     """
 
     size: int

@@ -1,4 +1,4 @@
-from .bladed_disk import BladedDisk
+from .bladed_disk import BladedDisk, pair_rim
 from .body_force import BodyForce
 from .gap import PointGap, RotatingRim, Side
 from .modal_system import ModalSystem, point_system
@@ -26,6 +26,7 @@ __all__ = [
     "Start",
     "Stiffening",
     "Whirl",
+    "pair_rim",
     "point_system",
     "rim_contact",
     "rod_modes",

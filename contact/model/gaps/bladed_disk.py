@@ -117,6 +117,10 @@ def pair_rim(pair: ModalPair, *, radius: float) -> ModalBody:
     """A casing as its pair of n diameters alone: cos and sin n theta, inextensional (tangential over radial 1/n).
 
     Raises InputError unless n is from 1 to 1000: a rim keeps every harmonic up to n.
+
+    >>> casing = pair_rim(ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> casing.kind, casing.n_max, (casing.omega / (2.0 * np.pi)).round(6).tolist()
+    ('rim', 2, [100.0, 100.0])
     """
     if not 1 <= pair.n <= MOST_DIAMETERS:
         found = pair.n if pair.n < 1e18 else "over 1e18"

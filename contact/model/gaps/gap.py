@@ -83,6 +83,14 @@ class RotatingRim:
 
     Raises InputError when a basis is of the wrong kind or lacks a channel, or |clearance| exceeds
     a tenth of the radius.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": np.zeros((2, 2))}
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], **seen)
+    >>> rim = ct.RotatingRim(casing, blade, clearance=1e-3, speed_hz=5.0, lean_deg=10.0)
+    >>> round(rim.speed, 3)  # turns/s in rad/s
+    31.416
     """
 
     casing: ModalBody

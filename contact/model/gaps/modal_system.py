@@ -71,6 +71,13 @@ class ModalSystem:
     Fixed point: g = clearance + Q q + S_nn lam. Rim (`table` is given, Q empty): Q, T, the residual compliances along
     the normal and the tangent and the clearance depend on phi. `radius` and `thickness` of a rim [m], 0 where not
     known. `first` are the bodies' offsets into q.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[10.0], zeta=[0.01], channels=("x",), rows=[[2.0]], S=[[0.0]])
+    >>> gap = ct.PointGap(sides=(ct.gaps.Side(body=mass, channel="x", sign=-1),), clearance=0.01)
+    >>> system = ct.gaps.point_system(gap)
+    >>> system.Q.tolist(), system.zeta.tolist()
+    ([-2.0], [0.01])
     """
 
     omega: Array
@@ -114,7 +121,14 @@ def _sums(table: RowTable, *parts: Trig) -> tuple[Terms, Terms]:
 
 
 def point_system(gap: PointGap) -> ModalSystem:
-    """Concatenate the sides of a gap at a fixed point."""
+    """Concatenate the sides of a gap at a fixed point.
+
+    >>> import contact as ct
+    >>> mass = ct.ModalBody(omega=[10.0], zeta=[0.01], channels=("x",), rows=[[1.0]], S=[[0.0]])
+    >>> system = point_system(ct.PointGap(sides=(ct.gaps.Side(body=mass, channel="x", sign=1),), clearance=0.01))
+    >>> system.omega.tolist(), system.Q.tolist()
+    ([10.0], [1.0])
+    """
     sides = gap.sides
     Q = np.concatenate([side.sign * side.body.rows[side.body.channel(side.channel)] for side in sides])
     S = sum(float(s.body.S[s.body.channel(s.channel), s.body.channel(s.channel)]) for s in sides)

@@ -246,7 +246,17 @@ def turning(n: list[int], size: int) -> Array:
 
 
 def rim_contact(rim: RotatingRim, *, mu: float = 0.0) -> ClosedContact:
-    """A perfect casing against its blade while the contact stays closed, as `rub_contact` has it."""
+    """A perfect casing against its blade while the contact stays closed, as `rub_contact` has it.
+
+    >>> import numpy as np
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": 1e-8 * np.eye(2)}
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.0], **seen)
+    >>> closed = rim_contact(ct.RotatingRim(casing, blade, clearance=0.0, speed_hz=5.0, lean_deg=10.0), mu=0.1)
+    >>> ct.stability.poles(closed, [20.0]).shape  # two bodies of two modes and one
+    (1, 6)
+    """
     return rub_contact(rim, mu=mu)
 
 

@@ -67,7 +67,11 @@ class ContactPoint:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Start:
-    """Motion at t = 0 and constant loads of one body, modal (m,) each; zero when left out."""
+    """Motion at t = 0 and constant loads of one body, modal (m,) each; zero when left out.
+
+    >>> Start(velocity=np.array([0.1])).velocity.tolist(), Start().displacement
+    ([0.1], None)
+    """
 
     displacement: Array | None = None
     velocity: Array | None = None
@@ -80,6 +84,11 @@ class Stiffening:
 
     `stiffness_by_speed` (m, m) symmetric [-], such as Phi^T (K_G - M_spin) Phi per unit Omega^2; `at_hz` the speed at
     which the blade's basis was made. The mode shapes stay those of the basis, and couple through stiffness_by_speed.
+
+    >>> import numpy as np
+    >>> part = Stiffening(blade=0, stiffness_by_speed=np.array([[1.7]]), at_hz=0.0)
+    >>> part.stiffness_by_speed.tolist(), part.at_hz
+    ([[1.7]], 0.0)
     """
 
     blade: int = 0
@@ -116,6 +125,14 @@ class Rub:
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     blades at rest with a stiffening, or a clearance, closing, whirl or profile beyond a tenth of the radius.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": np.zeros((2, 2))}
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], **seen)
+    >>> tips = tuple(ct.ContactPoint(angle_deg=angle) for angle in (0.0, 180.0))
+    >>> ct.Rub(casing, (blade,), tips, clearance=1e-3, speed=ct.Speed.constant(5.0)).names
+    ('casing', 'blade')
     """
 
     casing: ModalBody

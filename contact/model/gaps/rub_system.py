@@ -107,6 +107,14 @@ def settled(rub: Rub) -> Rub:
     """The same rub, its bodies at rest where gravity and whirl of t = 0 hold them: q = K^-1 f.
 
     Raises InputError for bodies with rigid modes.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": np.zeros((2, 2))}
+    >>> blade = ct.ModalBody(omega=[900.0], zeta=[0.01], **seen)
+    >>> still = settled(ct.Rub(casing, (blade,), clearance=1e-3, speed=ct.Speed.constant(5.0)))  # nothing pulls
+    >>> still.casing_start.displacement.tolist()
+    [0.0, 0.0]
     """
     load, first = force_at_start(rub) + axial_load(rub), 0
     speed2, starts = rub.speed.omega(0.0) ** 2, []

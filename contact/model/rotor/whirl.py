@@ -42,7 +42,14 @@ RESPONSE = (
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class RotorCampbell(Reported):
-    """Whirl modes of a rotor, a row for each speed and mode: all arrays have one shape (rows,)."""
+    """Whirl modes of a rotor, a row for each speed and mode: all arrays have one shape (rows,).
+
+    >>> import contact as ct
+    >>> shaft = ct.rotor.Rotor.of(ct.rotor.Jeffcott(mass=1.0, stiffness=100.0), 1.0)
+    >>> found = ct.rotor.campbell(shaft, [0.0, 1.0])
+    >>> sorted(set(found.sense)), bool(np.allclose(2.0 * np.pi * found.freq_hz, 10.0))
+    (['planar'], True)
+    """
 
     COLUMNS: ClassVar = WHIRL
 
@@ -60,7 +67,15 @@ class RotorCampbell(Reported):
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True, repr=False)
 class UnbalanceResponse(Reported):
-    """Steady orbit x + i y = forward e^(i Omega t) + backward e^(-i Omega t) [m] at each speed, (speeds,)."""
+    """Steady orbit x + i y = forward e^(i Omega t) + backward e^(-i Omega t) [m] at each speed, (speeds,).
+
+    >>> import contact as ct
+    >>> moment = ct.rotor.Unbalance(moment=1e-3)
+    >>> shaft = ct.rotor.Rotor.of(ct.rotor.Jeffcott(mass=1.0, stiffness=100.0, zeta=0.05), 1.0, unbalance=moment)
+    >>> found = ct.rotor.unbalance_response(shaft, [10.0 / (2.0 * np.pi)])
+    >>> round(float(abs(found.forward[0])), 6), found.lag_deg.round(3).tolist()  # moment/(2 zeta mass) at resonance
+    (0.01, [90.0])
+    """
 
     COLUMNS: ClassVar = RESPONSE
 
