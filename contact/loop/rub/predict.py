@@ -16,6 +16,7 @@ from contact.loop.rub.rows import (
     Pulls,
     RubLaws,
     RubRows,
+    Swing,
     blade_dot,
     blade_dot_of_sum,
     fill_block,
@@ -31,12 +32,18 @@ from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined
 
 
 @jit
-def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
-    """Modal forces at t, when the casing has turned by `angle`; the blades' axes turn against it."""
+def slope_at(speed: Array, t: float) -> float:
+    """What the speed gains in a second."""
     segment = speed.shape[0] - 1
     while segment > 0 and t < speed[segment, 0]:
         segment -= 1
-    slope = speed[segment, 3]
+    return float(speed[segment, 3])
+
+
+@jit
+def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float, out: Array) -> None:
+    """Modal forces at t, when the casing has turned by `angle`; the blades' axes turn against it."""
+    slope = slope_at(speed, t)
     x, y, blade_x, blade_y = 0.0, 0.0, 0.0, 0.0
     for k in range(pulls.laws.shape[0]):
         law = pulls.laws[k]
@@ -53,29 +60,24 @@ def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float,
         out[i] = pulls.plane[0, i] * x + pulls.plane[1, i] * y
     for i in range(pulls.casing, out.size):
         out[i] = pulls.plane[0, i] * blade_x + pulls.plane[1, i] * blade_y
-    if pulls.unbalance.shape[0] > 0:
-        add_unbalance(pulls, t, angle, omega, slope, out)
 
 
 @jit
-def add_unbalance(pulls: Pulls, t: float, angle: float, omega: float, slope: float, out: Array) -> None:
+def add_unbalance(swing: Swing, t: float, angle: float, omega: float, slope: float, out: Array) -> None:
     """Force U (Omega^2 - i dOmega/dt) e^(i angle) of a rotor, which turns against the angle of the casing.
 
     In the step in which the unbalance changes, the change counts for the part of t - h/2 to t + h/2 that follows it.
     """
     ux, uy = 0.0, 0.0
-    for k in range(pulls.unbalance.shape[0]):
-        row = pulls.unbalance[k]
-        share = min(max((t - row[0]) * row[1] + 0.5, 0.0), 1.0)
-        ux += share * row[2]
-        uy += share * row[3]
-    along, across = omega * omega, slope
-    x, y = along * ux - across * uy, along * uy + across * ux
+    for k in range(swing.jumps.shape[0]):
+        share = min(max((t - swing.jumps[k, 0]) * swing.jumps[k, 1] + 0.5, 0.0), 1.0)
+        ux += share * swing.jumps[k, 2]
+        uy += share * swing.jumps[k, 3]
+    x, y = omega * omega * ux - slope * uy, omega * omega * uy + slope * ux
     c, s = math.cos(angle), math.sin(angle)
-    x, y = c * x + s * y, c * y - s * x
-    begin = pulls.casing - pulls.swing.shape[1]
-    for i in range(pulls.swing.shape[1]):
-        out[begin + i] += pulls.swing[0, i] * x + pulls.swing[1, i] * y
+    swing.push[0], swing.push[1] = c * x + s * y, c * y - s * x
+    for i in range(swing.plane.shape[1]):
+        out[swing.first + i] += swing.plane[0, i] * swing.push[0] + swing.plane[1, i] * swing.push[1]
 
 
 @jit
@@ -94,6 +96,11 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
         s.d[begin + i] += s.c[begin + i] * total
     if s.body.size > 0:
         body_force(laws.pulls, laws.speed, t, angle, omega, s.body)
+        if laws.swing.jumps.shape[0] > 0:
+            slope = slope_at(laws.speed, t) + laws.spin.load[2]
+            add_unbalance(laws.swing, t, angle, omega, slope, s.body)
+        if laws.spin.mode >= 0:
+            s.body[laws.spin.mode] += laws.spin.load[0]
         for i in range(s.body.size):
             s.d[i] += s.c[i] * s.body[i]
 

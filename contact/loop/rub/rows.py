@@ -38,8 +38,23 @@ class Pulls(NamedTuple):
     laws: Array  # (forces, 8)
     plane: Array  # (2, m)
     casing: int  # modes of the casing, which come first
-    unbalance: Array  # (jumps, 4): from [s], 1/h, and what a rotor's unbalance gains along its x and y [kg m]
-    swing: Array  # (2, modes of the rotor): motion of the unbalance along x and y; these modes are the casing's last
+
+
+class Swing(NamedTuple):
+    """The unbalance of a rotor, without rows where there is none."""
+
+    jumps: Array  # (jumps, 4): from [s], 1/h, and what the unbalance gains along the rotor's x and y [kg m]
+    plane: Array  # (2, modes of the rotor): motion of the unbalance along x and y
+    first: int  # number of the first mode of the rotor
+    push: Array  # (2,): force along x and y
+
+
+class Spin(NamedTuple):
+    """The angle of a rotor whose speed follows from its torques: mode number `mode`, -1 where the speed is given."""
+
+    mode: int
+    scale: float  # 1/sqrt(inertia)
+    load: Array  # (3,): modal force by what the rotor gave in the last step, all rotation work until then, dOmega/dt
 
 
 class RubLaws(NamedTuple):
@@ -52,6 +67,8 @@ class RubLaws(NamedTuple):
     table: Array  # (points, 3) of the profile, may be empty
     lowest: float  # of the profile
     pulls: Pulls
+    swing: Swing
+    spin: Spin
 
 
 class RubRows(NamedTuple):
@@ -93,6 +110,12 @@ def turned(speed: Array, t: float) -> tuple[float, float]:
         i -= 1
     since = t - speed[i, 0]
     return speed[i, 1] + speed[i, 2] * since + 0.5 * speed[i, 3] * since * since, speed[i, 2] + speed[i, 3] * since
+
+
+@jit
+def spun(spin: Spin, angle: float, q: float) -> float:
+    """Angle turned, of a rotor that is ahead by the modal coordinate q; it turns against the angle of the casing."""
+    return angle - spin.scale * q
 
 
 @jit

@@ -19,7 +19,18 @@ from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.deflection import add_waves, largest_around, matters, most_of, note_deflection, strained
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
 from contact.loop.rub.predict import find_near, flow, propagate, stand
-from contact.loop.rub.rows import AHEAD, BEFORE, NOW, RubLaws, RubRows, blade_dot, blade_dot_of_sum, look_at, turned
+from contact.loop.rub.rows import (
+    AHEAD,
+    BEFORE,
+    NOW,
+    RubLaws,
+    RubRows,
+    blade_dot,
+    blade_dot_of_sum,
+    look_at,
+    spun,
+    turned,
+)
 from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
 from contact.loop.rub.state import ModalBlocks, RubState, Work
 from contact.loop.rub.steady import Steady, frictionless, note_slips
@@ -165,6 +176,25 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit
+def note_torque(s: RubState, laws: RubLaws, omega: float, sums: Tally, h: float) -> None:
+    """Let the rotor give what its unbalance and the turning of the contact took in this step, as a torque of the next.
+
+    Friction acts on the mode of the spin itself.
+    """
+    rotation, swing = 0.0, 0.0
+    for j in range(sums.rotation.size):
+        rotation += sums.rotation[j]
+    of = laws.swing
+    for i in range(of.plane.shape[1] if of.jumps.shape[0] > 0 else 0):
+        moved = s.old[of.first + i] + s.d[of.first + i]
+        swing += 0.5 * (of.plane[0, i] * of.push[0] + of.plane[1, i] * of.push[1]) * moved
+    given = rotation - laws.spin.load[1] + swing
+    laws.spin.load[1] = rotation
+    laws.spin.load[2] = -laws.spin.scale * (s.d[laws.spin.mode] - s.old[laws.spin.mode]) / (h * h)
+    laws.spin.load[0] = laws.spin.scale * given / (h * omega) if omega != 0.0 else 0.0
+
+
+@jit
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
           steady: Steady | None, w: Work, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
@@ -228,6 +258,13 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
     angle, omega = turned(laws.speed, first * h)
+    base = omega
+    if laws.spin.mode >= 0:
+        q, d = s.q[laws.spin.mode], s.d[laws.spin.mode]
+        before, angle = spun(laws.spin, before, q - d), spun(laws.spin, angle, q)
+        if w.angles[NOW, 1] != 0.0 or w.angles[NOW, 2] != 0.0:  # the run goes on
+            before, angle = w.angles[BEFORE, 0], w.angles[NOW, 0]
+        omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
     look_at(w.angles, BEFORE, before)
     look_at(w.angles, NOW, angle)
     step, end, retry = first, first + steps, first if flight.powers.shape[0] > 0 else first + steps
@@ -246,11 +283,15 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
                 continue
         t = step * h
         ahead, omega_ahead = turned(laws.speed, (step + 1) * h)  # not t + h, which is rounded: runs may be split
+        base = omega if laws.spin.mode < 0 else base
+        if laws.spin.mode >= 0:
+            ahead = spun(laws.spin, ahead, s.q[laws.spin.mode] + s.d[laws.spin.mode])
+            omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
         look_at(w.angles, AHEAD, ahead)
         propagate(s, laws, t, angle, omega)
         if blocks is not None:
             fly_coupled(s, blocks, w)
-        slid = 1.0 if rows.steady else omega * h
+        slid = 1.0 if rows.steady else base * h
         every = due(step, out.every, out.at, sums.filled[0])
         closing = find_near(s, laws, rows, w, dim, share, every, step % AGAIN == 0 or s.mu.size > 1, t, h)
         if coats is not None:
@@ -287,6 +328,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             store_state(sums, out, step, t, s.seen)
         if blocks is not None:
             works_of_coupling(s, blocks, w, sums)
+        if laws.spin.mode >= 0:
+            note_torque(s, laws, omega, sums, h)
         advance_modes(s, sums)
         note(s, rows, w, y, steady, dim, slid, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)

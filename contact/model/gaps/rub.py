@@ -19,7 +19,7 @@ from contact.model.gaps.limits import FAR, require_near
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed, Whirl
 from contact.model.gaps.turning import casing_turns
 from contact.model.rate import Change, Rate, changes
-from contact.model.rotor.rotor import Rotor
+from contact.model.rotor.rotor import Rotor, Spin
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,7 +121,8 @@ class Rub:
     `turning`: which side turns. Its bodies are seen in their own frame, with the gyroscopic matrix and the stiffness
     by speed of their bases at that speed; blades turn in the other sense than the angle of the tips in the casing.
     A blade of `stiffening`, which turns, has the stiffness given there.
-    `rotor`: what the blades turn on, whose modes are the last ones of `casing`; `rotor_rub` makes such a rub.
+    `rotor`: what the blades turn on, whose modes are the last ones of `casing`; `rotor_rub` makes such a rub. With
+    `spin` one more follows, sqrt(inertia) times the angle by which the rotor is ahead of its speed at t = 0.
 
     Raises InputError for bases of the wrong kind, channels that are missing, tips that differ in their directions,
     blades at rest with a stiffening, or a clearance, closing, whirl or profile beyond a tenth of the radius.
@@ -151,6 +152,7 @@ class Rub:
     forces: tuple[BodyForce, ...] = ()
     turning: Literal["casing", "blades"] = "blades"
     rotor: Rotor | None = None
+    spin: Spin | None = None
 
     __repr__ = brief
 
@@ -248,7 +250,8 @@ class Rub:
     @property
     def flexible(self) -> int:
         """How many modes of `casing` are the casing's own; those of a rotor follow."""
-        return int(self.casing.omega.size) - (0 if self.rotor is None else self.rotor.body.omega.size)
+        others = 0 if self.rotor is None else self.rotor.body.omega.size + (0 if self.spin is None else 1)
+        return int(self.casing.omega.size) - others
 
     @property
     def wall(self) -> float:

@@ -93,13 +93,13 @@ def force_at_start(rub: Rub) -> Array:
 def varying_force(rub: Rub) -> Array | None:
     """Modal forces at t = 0 of what varies in time, gravity, whirl and unbalance, (m,); None without any."""
     rotor = rub.rotor
-    if rotor is None or not rotor.unbalance.acts:
+    if rotor is None or not (rotor.unbalance.acts or rub.spin is not None):
         return force_at_start(rub) if rub.forces else None
     load = force_at_start(rub) if rub.forces else np.zeros(sum(body.omega.size for body in rub.bodies))
     table = rotor.speed.table
     slope = table[max(int(np.searchsorted(table[:, 0], 0.0, side="right")) - 1, 0), 3]
     push = rotor.unbalance.before * complex(rotor.speed.omega(0.0) ** 2, -slope)
-    load[rub.flexible : rub.casing.omega.size] += np.array([push.real, push.imag]) @ rotor.plane
+    load[rub.flexible : rub.flexible + rotor.body.omega.size] += np.array([push.real, push.imag]) @ rotor.plane
     return load
 
 
@@ -126,9 +126,14 @@ def settled(rub: Rub) -> Rub:
         for stiff in rub.stiffening:
             if stiff.blade == k - 1:
                 K += (speed2 - (2.0 * math.pi * stiff.at_hz) ** 2) * stiff.stiffness_by_speed
-        if own.any() and not body.omega.min() > 0.0:
+        live = np.ones(own.size, dtype=bool)
+        live[-1:] = k > 0 or rub.spin is None  # the angle of a rotor has no rest
+        if own[live].any() and not body.omega[live].min() > 0.0:
             raise InputError(f"{rub.names[k]}: found rigid modes, which no rest holds against gravity or whirl")
-        starts.append(replace(start, displacement=readonly(np.linalg.solve(K, own) if own.any() else 0.0 * own)))
+        at = np.zeros(own.size)
+        if own[live].any():
+            at[live] = np.linalg.solve(K[np.ix_(live, live)], own[live])
+        starts.append(replace(start, displacement=readonly(at)))
     return replace(rub, casing_start=starts[0], blade_starts=tuple(starts[1:]))
 
 

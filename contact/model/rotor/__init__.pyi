@@ -1,5 +1,5 @@
 from .jeffcott import Jeffcott
-from .rotor import Release, Rotor, Unbalance
+from .rotor import Release, Rotor, Spin, Unbalance
 from .rotor_rub import rigid_casing, rigid_tip, rotor_rub
 from .shaft import Bearing, Disk, Piece, Shaft
 from .whirl import RotorCampbell, UnbalanceResponse, campbell, critical_speeds, unbalance_response
@@ -13,6 +13,7 @@ __all__ = [
     "Rotor",
     "RotorCampbell",
     "Shaft",
+    "Spin",
     "Unbalance",
     "UnbalanceResponse",
     "campbell",

@@ -84,6 +84,25 @@ def _exact(moment: float, angle_deg: float) -> complex:
     return 1j ** int(quarter % 4) * cmath.rect(moment, math.radians(rest))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spin:
+    """A rotor whose speed follows from its torques: inertia dOmega/dt = torque + torque of the contacts.
+
+    The rotor starts at its speed. What unbalance and deformed casing take from it is in the balance, too.
+
+    Raises InputError for an inertia that is not positive.
+
+    >>> Spin(inertia=0.6).torque
+    0.0
+    """
+
+    inertia: Annotated[float, Key("polar moment of all that turns [kg m^2]", "positive")]
+    torque: Annotated[float, Key("of the drive, positive in the sense from x to y [N m]")] = 0.0
+
+    def __post_init__(self) -> None:
+        require_keyed(self)
+
+
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Rotor:
     """A rotor in a frame that does not turn, without contact.

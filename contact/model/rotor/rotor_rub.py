@@ -23,8 +23,10 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
 from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
-from contact.model.rotor.rotor import Rotor
+from contact.model.rotor.rotor import Rotor, Spin
 
+SQUARES = ("damping", "stiffness", "gyroscopic", "stiffness_by_speed")
+HIGHER = ("gyroscopic_higher", "stiffness_higher")
 PADDED = ("recovery", "output_rows")  # (k, m) of a casing
 
 
@@ -38,6 +40,7 @@ def rotor_rub(
     profile: RimProfile | None = None,
     closing: Closing | None = None,
     thickness: float = math.inf,
+    spin: Spin | None = None,
 ) -> Rub:
     """Make the rub of blades on a rotor in a casing at rest.
 
@@ -55,12 +58,14 @@ def rotor_rub(
         Basis of kind rim with n_max >= 1.
     blades, tips, clearance, profile, closing, thickness
         As of `Rub`; `rigid_tip()` is a blade that does not deform.
+    spin
+        Inertia and drive of a rotor whose speed changes by its torques; left out, the speed is that of the rotor.
 
     Raises
     ------
     InputError
         For a casing without waves of one nodal diameter, tips with axial friction, a rotor with internal damping whose
-        speed varies, and as `Rub`.
+        speed varies, a spin beside a closing gap or a speed over time, and as `Rub`.
 
     >>> from contact.model.rotor.jeffcott import Jeffcott
     >>> rotor = Rotor.of(Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02), 30.0)
@@ -75,6 +80,10 @@ def rotor_rub(
             "tips: found axial friction on a rotor, whose disk does not move along the axis, expected none"
         )
     varies = len(np.unique(rotor.speed.hz)) > 1
+    if spin is not None and (varies or closing is not None or not rotor.speed.hz.any()):
+        what = "a speed over time" if varies else "a closing gap" if closing is not None else "a rotor at rest"
+        raise InputError(f"spin: found {what} beside it, expected one speed at the start, and no closing gap")
+    varies = varies or spin is not None
     if rotor.internal is not None and varies:
         raise InputError("rotor: found internal damping beside a speed that varies, expected one of them")
     turned = Speed(rotor.speed.time, readonly(-rotor.speed.hz))
@@ -82,14 +91,14 @@ def rotor_rub(
     weight = replace(BodyForce.gravity(acceleration=rotor.gravity), on=hanging)
     forces = () if rotor.gravity == 0.0 else (weight,)
     rub = Rub(
-        joined(casing, rotor), tuple(blades), tuple(tips), clearance=clearance, speed=turned,
+        joined(casing, rotor, spin), tuple(blades), tuple(tips), clearance=clearance, speed=turned,
         profile=profile or RimProfile(), closing=closing or Closing.none(), thickness=thickness, forces=forces,
-        rotor=rotor,
+        rotor=rotor, spin=spin,
     )  # fmt: skip
-    return _started(rub, casing.omega.size)
+    return _started(rub)
 
 
-def _started(rub: Rub, casing: int) -> Rub:
+def _started(rub: Rub) -> Rub:
     """The rub with the rotor where its own fields put it at t = 0."""
     from contact.model.gaps.rub_system import settled
 
@@ -99,14 +108,43 @@ def _started(rub: Rub, casing: int) -> Rub:
         rub = settled(rub)
     given = rub.casing_start.displacement
     q = np.zeros(rub.casing.omega.size) if given is None else np.array(given)
-    v = np.zeros(q.size)
-    q[casing:] += np.asarray(rotor.displacement)
-    v[casing:] = np.asarray(rotor.velocity)
-    return replace(rub, casing_start=Start(displacement=readonly(q), velocity=readonly(v)))
+    v, load = np.zeros(q.size), np.zeros(q.size)
+    own = slice(rub.flexible, rub.flexible + rotor.body.omega.size)
+    q[own] += np.asarray(rotor.displacement)
+    v[own] = np.asarray(rotor.velocity)
+    if rub.spin is not None:
+        load[-1] = rub.spin.torque / math.sqrt(rub.spin.inertia)
+    start = Start(displacement=readonly(q), velocity=readonly(v), load=readonly(load))
+    return replace(rub, casing_start=start)
 
 
-def joined(casing: ModalBody, rotor: Rotor) -> ModalBody:
-    """The modes of a casing at rest, then those of the rotor, as one rim; it turns with the rotor, against the tips."""
+def joined(casing: ModalBody, rotor: Rotor, spin: Spin | None = None) -> ModalBody:
+    """The modes of a casing at rest, of the rotor and of its spin, as one rim; it turns against the tips."""
+    found = _with_rotor(casing, rotor)
+    return found if spin is None else _with_spin(found, spin)
+
+
+def _with_spin(casing: ModalBody, spin: Spin) -> ModalBody:
+    """One more mode, of stiffness 0: sqrt(inertia) times an angle, by which tips move along the rim."""
+    m, size = casing.omega.size, 2 * casing.n_max + 1
+    row = np.zeros((casing.rim_lines, casing.directions, size))
+    for line in range(casing.rim_lines):
+        row[line, 1, 0] = -casing.line_radius(line) / math.sqrt(spin.inertia)
+    more: dict[str, Any] = {name: _beside(getattr(casing, name), None, m, 1) for name in SQUARES}
+    for name in HIGHER:
+        parts = getattr(casing, name)
+        more[name] = None if parts is None else np.array([_beside(part, None, m, 1) for part in parts])
+    for name in (*PADDED, "participation"):
+        rows = getattr(casing, name)
+        more[name] = None if rows is None else np.hstack([rows, np.zeros((len(rows), 1))])
+    return replace(
+        casing, omega=np.append(casing.omega, 0.0), zeta=np.append(casing.zeta, 0.0),
+        rows=np.hstack([casing.rows, row.reshape(-1, 1)]), **more,
+    )  # fmt: skip
+
+
+def _with_rotor(casing: ModalBody, rotor: Rotor) -> ModalBody:
+    """The modes of a casing at rest, then those of the rotor."""
     body, m, own = rotor.body, casing.omega.size, rotor.body.omega.size
     moved = _rim_motion(casing)
     seen = [body.channel(f"{rotor.at}.{axis}") for axis in "xy"]
@@ -122,7 +160,7 @@ def joined(casing: ModalBody, rotor: Rotor) -> ModalBody:
         **{
             name: None if (parts := getattr(body, name)) is None
             else np.array([_beside(None, part, m, own) for part in parts])
-            for name in ("gyroscopic_higher", "stiffness_higher")
+            for name in HIGHER
         },
     }  # fmt: skip
     padded: dict[str, Any] = {

@@ -43,6 +43,7 @@ from contact.scheme.rotor.stepper import rotor_stepper
 
 Numbers = tuple[float, float, float]
 LAWS = ("auto", "forward", "averaged", "energy")
+ABOVE, QUICK = 1.2, 10.0  # times the speed at the start: highest speed of a rotor, and its change in a second
 AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
 
 
@@ -135,6 +136,9 @@ class ExactModal:
         system = rub_system(rub, dimensions)
         low, high = (2.0 * math.pi * float(f(rub.speed.hz)) for f in (np.min, np.max))
         fastest = float(np.abs(rub.speed.table[:, 3]).max())
+        if rub.spin is not None:  # unknown beforehand: from standstill to a fifth above the start
+            low, high = sorted((0.0, ABOVE * rub.speed.omega(0.0)))
+            fastest = QUICK * rub.speed.fastest
         speeds = at_speeds(
             system.matrices, system.omega, system.zeta, system.load, low, high, fastest,
             lambda top: _step(top, dt, courant),

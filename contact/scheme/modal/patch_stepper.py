@@ -226,15 +226,14 @@ def _no_rim(width: int) -> RimWaves:
 
 def _laws() -> RubLaws:
     """Ground at rest."""
-    from contact.loop.rub.rows import Pulls, RubLaws, Terms
+    from contact.loop.rub.rows import Pulls, RubLaws, Spin, Swing, Terms
 
     none = np.zeros(0)
     return RubLaws(
         speed=np.zeros((1, 4)), closing=np.zeros((1, 2)), whirl=np.zeros((0, 4)),
         terms=Terms(np.zeros(0, dtype=np.int64), none, none), table=np.zeros((0, 3)), lowest=0.0,
-        pulls=Pulls(
-            laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0, unbalance=np.zeros((0, 4)), swing=np.zeros((2, 0))
-        ),
+        pulls=Pulls(laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0),
+        swing=Swing(np.zeros((0, 4)), np.zeros((2, 0)), 0, np.zeros(2)), spin=Spin(-1, 0.0, np.zeros(3)),
     )  # fmt: skip
 
 

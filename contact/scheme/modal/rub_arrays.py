@@ -43,7 +43,7 @@ class LoopArrays:
         """Those of a rub; `share` as of `unchanging`, `vary`: the speed changes the coefficients of the modes."""
         from contact.loop.rub.state import work_space
 
-        W = np.zeros((0, 0)) if vary else unchanging(rub, system, parts, share)
+        W = np.zeros((0, 0)) if vary or rub.spin is not None else unchanging(rub, system, parts, share)
         rows = rub_rows(rub, system, parts, W)
         return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows))
 
@@ -88,23 +88,27 @@ def _stiffening(rub: Rub, system: RubSystem) -> tuple[Array, Array]:
 
 def rub_laws(rub: Rub, system: RubSystem, h: float) -> RubLaws:
     """Speed, closing, whirl, profile, body forces and unbalance."""
-    from contact.loop.rub.rows import Pulls, RubLaws, Terms
+    from contact.loop.rub.rows import Pulls, RubLaws, Spin, Swing, Terms
 
     terms = fourier(list(rub.profile.terms))
     whirl = [[w.amplitude, w.per_rev, 2.0 * math.pi * w.hz, math.radians(w.phase_deg)] for w in rub.whirl]
     pulls = Pulls(
         laws=np.array([force.row for force in rub.forces], dtype=float).reshape(-1, 8),
-        plane=plane_participation(rub), casing=int(system.first[1]), unbalance=_unbalance(rub.rotor, h),
-        swing=np.zeros((2, 0)) if rub.rotor is None else np.ascontiguousarray(rub.rotor.plane),
+        plane=plane_participation(rub), casing=int(system.first[1]),
     )  # fmt: skip
+    plane = np.zeros((2, 0)) if rub.rotor is None else np.ascontiguousarray(rub.rotor.plane)
+    swing = Swing(_jumps(rub.rotor, h), plane, rub.flexible, np.zeros(2))
+    spin = Spin(-1, 0.0, np.zeros(3))
+    if rub.spin is not None:
+        spin = Spin(int(system.first[1]) - 1, 1.0 / math.sqrt(rub.spin.inertia), np.zeros(3))
     return RubLaws(
         speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
         whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
-        table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls,
+        table=rub.profile.table, lowest=rub.profile.lowest, pulls=pulls, swing=swing, spin=spin,
     )  # fmt: skip
 
 
-def _unbalance(rotor: Rotor | None, h: float) -> Array:
+def _jumps(rotor: Rotor | None, h: float) -> Array:
     """Jumps of a rotor's unbalance: from the start, and at its release."""
     if rotor is None or not rotor.unbalance.acts:
         return np.zeros((0, 4))

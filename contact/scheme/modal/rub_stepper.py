@@ -54,6 +54,7 @@ class RubStepper(ExactRun):
     averaged: bool
     steps: Indices  # taken so far, one entry
     stretch: Indices  # number of the stretch whose coefficients the loop has, one entry
+    spun: Array  # speed of these coefficients where the speed is unknown beforehand [rad/s], one entry
     law: Law
     stiffest: float  # Delassus number [m/N] of a normal with itself, the largest around
     y: Yielding | None = None
@@ -74,7 +75,10 @@ class RubStepper(ExactRun):
         Modes of a rotor, which are the last ones of the casing, are those of "rotor" too.
         """
         first = self.system.first.tolist()
-        rotor = () if self.rub.rotor is None else (("rotor", self.rub.flexible, first[1]),)
+        rotor: tuple[Block, ...] = ()
+        if self.rub.rotor is not None:
+            end = self.rub.flexible + self.rub.rotor.body.omega.size
+            rotor = (("rotor", self.rub.flexible, end), ("spin", end, first[1]))[: 1 if self.rub.spin is None else 2]
         return (*zip(self.system.names, first[:-1], first[1:], strict=True), *rotor, ("tips", first[-1], self.size))
 
     @property
@@ -126,7 +130,12 @@ class RubStepper(ExactRun):
         assert self.coupled is not None
         if stretch == self.stretch[0]:
             return
-        before, after, s = self.now(), self.speeds.at(self.omega(stretch)), self.state
+        before, s = self.now(), self.state
+        if self.rub.spin is not None:
+            ahead = float(s.d[self.system.first[1] - 1]) / (self.dt * math.sqrt(self.rub.spin.inertia))
+            low, high = self.speeds.nodes.min(), self.speeds.nodes.max()
+            self.spun[0] = min(max(self.rub.speed.omega(0.0) - ahead, low), high)
+        after = self.speeds.at(self.omega(stretch))
         self.sums.external[0] += _discrete(after, s.q, s.d) - _discrete(before, s.q, s.d)
         self.stretch[0] = stretch
         fill_blocks(self.coupled, self.speeds.weights(self.omega(stretch)), self.values)
@@ -134,7 +143,9 @@ class RubStepper(ExactRun):
         self.arrays.rows.fixed[:] = fixed_delassus(self.system, after)
 
     def omega(self, stretch: int) -> float:
-        """Speed in the middle of a stretch of steps [rad/s]."""
+        """Speed in the middle of a stretch of steps, or at its begin where it is unknown beforehand [rad/s]."""
+        if self.rub.spin is not None:
+            return float(self.spun[0])
         return self.rub.speed.omega(self.speeds.middle(stretch))
 
     def now(self) -> Propagator:
@@ -152,7 +163,8 @@ class RubStepper(ExactRun):
         coupled = () if self.coupled is None else self.coupled
         a = self.arrays
         return (
-            self.wide, a.work, a.rows, self.flight, self.sums, self.steps, self.stretch, coupled, coating,
+            self.wide, a.work, a.rows, self.flight, self.sums, self.steps, self.stretch, self.spun, a.laws.spin.load,
+            coupled, coating,
             memory_of(self.y),
         )  # fmt: skip
 
@@ -186,6 +198,7 @@ class RubStepper(ExactRun):
         residual = 0.0
         if s.lam.any():
             turned = self.rub.speed.angle((int(self.steps[0]) - 1) * self.dt)
+            turned = turned if self.rub.spin is None else float(self.arrays.work.angles[0, 0])
             residual = 0.5 * float(s.lam @ self.system.compliance(turned) @ s.lam)
         residual += stored_by(self.law, self.y) + (0.0 if self.worn is None else self.worn[0].elastic)
         return self.now().stored(s.q, s.d, s.contact + s.push + (s.body if s.body.size else 0.0), residual, 0.0)
@@ -211,18 +224,19 @@ def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dime
                 label: str, stiffest: float = 0.0, skip: bool = False,
                 rim: RotatingRim | None = None) -> RubStepper:  # fmt: skip
     """Stepper at t = 0; without friction only the normal rows take part. Raises as `rub_tracks` and `yielding_of`."""
-    parts = speeds.at(rub.speed.omega(speeds.middle(0)))
+    first = rub.speed.omega(speeds.middle(0))
+    parts = speeds.at(first)
     m, y = system.omega.size, yielding_of(law, system.clearance, system.clearance)
     blocks, values = modal_blocks(speeds, m, joined(system))
     if blocks is not None and speeds.vary:
-        fill_blocks(blocks, speeds.weights(rub.speed.omega(speeds.middle(0))), values)
+        fill_blocks(blocks, speeds.weights(first), values)
     wide = widened(rub_state(rub, system, parts, law.mu, dimensions), whole(m), NAMES)
     return RubStepper(
         rub=rub, system=system, parts=parts, speeds=speeds, coupled=blocks, values=values if speeds.vary else (),
         state=narrowed(wide, m, NAMES), wide=wide, flight=free_flight(rub, system, parts, skip=skip and y is None),
         dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
-        stretch=np.zeros(1, dtype=np.int64),
+        stretch=np.zeros(1, dtype=np.int64), spun=np.array([rub.speed.omega(0.0)]),
         worn=None if law.coating is None else rub_tracks(rub, law.coating), law=law, stiffest=stiffest,
         y=y, rim=rim,
     )  # fmt: skip

@@ -57,7 +57,8 @@ def laws(**parts):
         "speed": np.array([[0.0, 0.0, 3.0, 0.0]]), "closing": np.array([[0.0, 0.0]]),
         "whirl": np.array([[2e-3, -3.0, 0.7, 0.4], [1e-3, 1.0, 0.0, -1.0]]),
         "terms": N.Terms(np.array([2, 3]), np.array([0.3, 0.1]), np.array([-0.2, 0.4])), "table": np.zeros((0, 3)),
-        "lowest": -0.6, "pulls": None,
+        "lowest": -0.6, "pulls": None, "swing": N.Swing(np.zeros((0, 4)), np.zeros((2, 0)), 0, np.zeros(2)),
+        "spin": N.Spin(-1, 0.0, np.zeros(3)),
     }  # fmt: skip
     return N.RubLaws(**{**given, **parts})
 

@@ -78,9 +78,9 @@ def test_blade_off_of_eleven_tips_has_the_impulses_of_a_fine_penalty_model():
     law = ct.laws.Hertz(k=k, exponent=1.0, mu=mu)
     result = ct.run(rub, law=law, t_end=0.1, dt=1e-5, record=ALL)
     damped = [np.array([m, s, 2.0 * z * np.sqrt(s * m)]) for m, s, z in ((M, K, 0.05), (20.0, 2e7, 0.1))]
-    impulse, places = penalty_run(
+    impulse, _, places = penalty_run(
         2e-7, 500_000, 50, *damped, 2.0 * np.pi * 70.0, clearance, np.array([1e-4 + 0j, 2.51e-2 + 0j]), release,
-        np.radians(angles), k, mu,
+        np.radians(angles), k, mu, 0.25, np.inf,
     )  # fmt: skip
     assert np.count_nonzero(impulse) == 4
     np.testing.assert_allclose(result.impulse, impulse, rtol=2e-3, atol=1e-9)
@@ -89,16 +89,62 @@ def test_blade_off_of_eleven_tips_has_the_impulses_of_a_fine_penalty_model():
 
 
 @pytest.mark.slow
-def test_energy_of_a_rubbing_shaft_with_gyroscopic_disk_is_accounted_to_round_off():
+def test_friction_stops_a_rotor_that_is_pressed_all_around_at_the_rate_of_its_torque():
+    """Twelve tips press with k times the interference: J dOmega/dt = T - mu R N, the energy turns to heat."""
+    k, mu, inertia, torque, squeeze = 1e6, 0.2, 0.05, 5.0, 1e-5
+    force = 12.0 * k * squeeze
+    rub = R.rotor_rub(
+        jeffcott(50.0), R.rigid_casing(**CASING), clearance=-squeeze, spin=R.Spin(inertia=inertia, torque=torque),
+        **tips(np.arange(12) * 30.0),
+    )  # fmt: skip
+    result = ct.run(rub, law=ct.laws.Hertz(k=k, exponent=1.0, mu=mu), t_end=0.2, dt=1e-4, record=ALL)
+    rate = (torque - mu * CASING["radius"] * force) / inertia
+    ahead = result.state_of("spin")[:, 0] / np.sqrt(inertia)
+    np.testing.assert_allclose(np.diff(ahead, 2)[1:] / 1e-8, rate, rtol=1e-5)
+    start, t = 2.0 * np.pi * 50.0, 0.2
+    end = start + rate * t
+    given = 0.5 * inertia * (start**2 - end**2) + torque * 0.5 * (start + end) * t
+    assert result.notes.heat.sum() == pytest.approx(given, rel=1e-4)
+    assert abs(result.energy.unaccounted) < 1e-10 * result.energy.scale
+
+
+@pytest.mark.slow
+def test_speed_after_a_blade_off_falls_as_in_a_fine_penalty_model():
+    clearance, k, mu, inertia = 5e-4, 2e7, 0.1, 0.05
+    angles = np.arange(1, 12) * 30.0
+    rotor = jeffcott(70.0, zeta=0.05, unbalance=R.Unbalance(moment=2.5e-2))
+    rub = R.rotor_rub(
+        rotor, R.rigid_casing(**CASING), clearance=clearance, spin=R.Spin(inertia=inertia), **tips(angles)
+    )  # fmt: skip
+    damped = [np.array([m, s, 2.0 * z * np.sqrt(s * m)]) for m, s, z in ((M, K, 0.05), (20.0, 2e7, 0.1))]
+    start = 2.0 * np.pi * 70.0
+    impulse, speed, places = penalty_run(
+        2e-7, 300_000, 50, *damped, start, clearance, np.array([2.5e-2 + 0j, 2.5e-2 + 0j]), 0.0, np.radians(angles), k,
+        mu, 0.25, inertia,
+    )  # fmt: skip
+    result = ct.run(rub, law=ct.laws.Hertz(k=k, exponent=1.0, mu=mu), t_end=0.06, dt=1e-5, record=ALL)
+    ahead = result.state_of("spin")[:, 0] / np.sqrt(inertia)
+    fallen = (ahead[-1] - ahead[-2]) / 1e-5
+    assert speed - start < -50.0
+    assert fallen == pytest.approx(speed - start, rel=5e-3)
+    np.testing.assert_allclose(result.impulse, impulse, rtol=1e-2, atol=1e-9)
+    assert np.abs(disk(rub, result) - places[: len(ahead), 0]).max() < 1e-2 * np.abs(places).max()
+
+
+def shaft():
     bearing = {"kxx": 2e7, "kyy": 3e7, "kxy": 4e6, "kyx": -4e6, "cxx": 2e3}
-    shaft = R.Shaft(
+    return R.Shaft(
         pieces=[R.Piece(length=0.5, diameter=0.05, elements=3)],
         disks=[R.Disk(at=0.3, mass=12.0, polar=0.2, diametral=0.11)],
         bearings=[R.Bearing(at=0.0, **bearing), R.Bearing(at=0.5, kxx=5e7, cxx=1e3)],
     )
+
+
+@pytest.mark.slow
+def test_energy_of_a_rubbing_shaft_with_gyroscopic_disk_is_accounted_to_round_off():
     release = R.Release(time=0.01, moment=1e-1)
     speed = ct.Speed(time=[0.0, 0.05], hz=[60.0, 50.0])
-    rotor = R.Rotor.of(shaft, speed, unbalance=R.Unbalance(release=release), modes=8, gravity=9.80665)
+    rotor = R.Rotor.of(shaft(), speed, unbalance=R.Unbalance(release=release), modes=8, gravity=9.80665)
     rub = R.rotor_rub(rotor, R.rigid_casing(**CASING), clearance=3e-4, **tips(np.arange(6) * 60.0))
     result = ct.run(rub, law=ct.Coulomb(mu=0.15), t_end=0.05, dt=5e-6)
     assert result.impulse.max() > 1.0
