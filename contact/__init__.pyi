@@ -1,4 +1,4 @@
-from . import cycles, record, scene, scheme, stability
+from . import cycles, record, recovery, reference, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -61,6 +61,8 @@ __all__ = [
     "laws",
     "load_scene",
     "record",
+    "recovery",
+    "reference",
     "rotor",
     "run",
     "run_many",

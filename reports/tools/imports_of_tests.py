@@ -2,8 +2,9 @@
 
 Public are the names in the stubs of `casingfem`, `contact` and their rooms, taken from there: `cf.modes` is public,
 `casingfem.modal.modes.modes` is not. The error classes and `casingfem.cli.main`, the command line, are public too.
-Imports inside functions count. So do attributes of modules (`cf.edge.ring`) and names in strings that `monkeypatch`
-replaces (`"casingfem.io.npz.np"`).
+Imports inside functions count. So do attributes of modules (`cf.edge.ring`), names in strings that `monkeypatch`
+replaces (`"casingfem.io.npz.np"`) and modules that are imported by a string (`import_module("contact.run")`), also by
+`tests/contact/plain.py`.
 """
 
 import ast
@@ -89,10 +90,14 @@ def _of_node(node: ast.AST, aliases: dict[str, str], public: PublicNames) -> Ite
         chain = _chain(node)
         if chain and chain[0] in aliases and not public.leads(aliases[chain[0]], chain[1:]):
             yield ".".join([aliases[chain[0]], *chain[1:]])
-    elif isinstance(node, ast.Call) and getattr(node.func, "attr", "") in ("setattr", "delattr", "patch"):
-        first = node.args[0] if node.args else None
-        if isinstance(first, ast.Constant) and str(first.value).partition(".")[0] in PACKAGES:
-            yield str(first.value)
+    elif isinstance(node, ast.Call):
+        called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        texts = [str(given.value) for given in node.args if isinstance(given, ast.Constant)]
+        dotted = [text for text in texts if text.partition(".")[0] in PACKAGES and "." in text]
+        if called in ("setattr", "delattr", "patch"):
+            yield from dotted
+        elif called in ("import_module", "module", "names"):
+            yield from (name for name in dotted if not public.is_public(name))
 
 
 def _chain(node: ast.Attribute) -> list[str]:

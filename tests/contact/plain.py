@@ -75,9 +75,9 @@ def plain() -> Iterator[Callable[[str], Any]]:
 
 
 def names(*which: str) -> SimpleNamespace:
-    """All names of several modules below `contact` in one place, as plain Python."""
+    """All names of several modules in one place, as plain Python."""
     found: dict[str, Any] = {}
     with plain() as module:
         for each in which:
-            found.update(vars(module(f"contact.{each}")))
+            found.update(vars(module(each)))
     return SimpleNamespace(**found)

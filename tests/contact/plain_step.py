@@ -36,7 +36,7 @@ class Plain:
         if self.law.response is None or gap >= 0.0:
             return max(0.0, -gap / yields), 0.0
         low, high = 0.0, -gap
-        for _ in range(200):
+        for _ in range(60):
             depth = 0.5 * (low + high)
             force = self.law.response(depth, (1.5 * depth - 2.0 * past[0] + 0.5 * past[1]) / self.h)[0]
             low, high = (low, depth) if depth + yields * force + gap > 0.0 else (depth, high)

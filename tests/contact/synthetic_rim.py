@@ -3,10 +3,15 @@
 import numpy as np
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 
 N_MAX = 6
 SIZE = 2 * N_MAX + 1
+
+
+def harmonics(n_max, phi):
+    """Rows (1, cos phi .. cos N phi, sin phi .. sin N phi) of a rim at an angle."""
+    phases = np.multiply.outer(phi, np.arange(n_max + 1))
+    return np.concatenate([np.cos(phases), np.sin(phases[..., 1:])], axis=-1)
 
 
 def ring(*, S=1e-8, zeta=0.002, imperfect=0.0):
@@ -27,7 +32,7 @@ def ring(*, S=1e-8, zeta=0.002, imperfect=0.0):
         mixing = 0.3 * np.sqrt(S) * rng.standard_normal((2 * SIZE, 4))
         compliance = compliance + mixing @ mixing.T
     return ct.ModalBody(
-        omega=omega, zeta=[zeta] * len(omega), channels=rim_channels(N_MAX), rows=rows,
+        omega=omega, zeta=[zeta] * len(omega), channels=ct.bodies.rim_channels(N_MAX), rows=rows,
         S=compliance, kind="rim",
         n_max=N_MAX, radius=0.45,
     )  # fmt: skip

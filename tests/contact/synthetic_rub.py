@@ -3,7 +3,6 @@
 import numpy as np
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 
 N_MAX = 5
 SIZE = 2 * N_MAX + 1
@@ -12,7 +11,7 @@ SIZE = 2 * N_MAX + 1
 def rim3(*, S=2e-8, lines=2, seed=11):
     """A casing of ten modes with every harmonic in every row, and a full residual compliance."""
     rng = np.random.default_rng(seed)
-    channels = rim_channels(N_MAX, 3, lines)
+    channels = ct.bodies.rim_channels(N_MAX, 3, lines)
     rows = rng.standard_normal((len(channels), 10))
     mixing = np.sqrt(S / 20.0) * rng.standard_normal((len(channels), 20))
     return ct.ModalBody(
@@ -24,7 +23,7 @@ def rim3(*, S=2e-8, lines=2, seed=11):
 def round_rim(*, S=2e-8, lines=2, seed=11):
     """A casing of five pairs of modes that are the same from every angle, as is its residual compliance."""
     rng = np.random.default_rng(seed)
-    channels = rim_channels(N_MAX, 3, lines)
+    channels = ct.bodies.rim_channels(N_MAX, 3, lines)
     rows = np.zeros((len(channels) // SIZE, SIZE, 10))
     for n in range(1, N_MAX + 1):
         a, b = rng.standard_normal((2, len(rows)))

@@ -9,8 +9,6 @@ import pytest
 import contact as ct
 from contact.model.gaps.gap import require_term
 from contact.model.law import MOST_BARS
-from contact.reference.exact import bouncing_bar, driven_orbit, stopped_period
-from contact.reference.waves import impact_by_characteristics
 from contact.scheme.beam.beam_stepper import beam_step
 from contact.solver.friction.coulomb import coulomb
 from tests.contact.synthetic_rim import blade, ring
@@ -83,7 +81,7 @@ def one_gap(law=None, **step):
 
 def orbit(**changes):
     given = {"omega": 1.0, "drive": 1.0, "drive_omega": 2.0, "gap": 0.0, "restitution": 0.5}
-    return driven_orbit(**given | changes)
+    return ct.reference.driven_orbit(**given | changes)
 
 
 def driven(S, stiffness=math.inf, **changes):
@@ -108,11 +106,11 @@ def turning(S):
 
 
 def characteristics(**changes):
-    return impact_by_characteristics(mass(x=0.0, **changes), rod(), dt=0.25, t_end=1.0)
+    return ct.reference.impact_by_characteristics(mass(x=0.0, **changes), rod(), dt=0.25, t_end=1.0)
 
 
 def ends(**changes):
-    return impact_by_characteristics(rod(x=-1.0, velocity=1.0), rod(**changes), dt=0.25, t_end=1.0)
+    return ct.reference.impact_by_characteristics(rod(x=-1.0, velocity=1.0), rod(**changes), dt=0.25, t_end=1.0)
 
 
 def friction(W=1.0, b=1.0, mu=0.5):
@@ -175,7 +173,10 @@ BOUNDS = {
         "found 2 angles over 1 rad, expected th",
     ),
     "profile.turn": (lambda k: ct.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3), "found 3 angles over 6.29"),
-    "stop": (lambda k: stopped_period(1.0, (-1.0, -1.01)[k], 1.0), "gap: found -1.01 m with amplitude 1 m"),
+    "stop": (
+        lambda k: ct.reference.stopped_period(1.0, (-1.0, -1.01)[k], 1.0),
+        "gap: found -1.01 m with amplitude 1 m",
+    ),
     "waves.spring": (lambda k: characteristics(stiffness=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
     "waves.dashpot": (lambda k: characteristics(damping=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
     "waves.force": (lambda k: characteristics(force=(0.0, 1.0)[k]), "mass: found a spring, dashpot or force"),
@@ -278,7 +279,7 @@ BOUNDS = {
         lambda k: replace(COATING, bars=MOST_BARS + k),
         r"bars: found 10001, expected a whole number under the tip from 1 to 10,000$",
     ),
-    "bouncing": (lambda k: bouncing_bar(1 - k), "contacts: found 0, expected a whole number >= 1$"),
+    "bouncing": (lambda k: ct.reference.bouncing_bar(1 - k), "contacts: found 0, expected a whole number >= 1$"),
     "orbit": (
         lambda k: orbit(drive_omega=2.7, gap=1.0 / (2.7**2 - 1.0) - (1e-9, -1e-9)[k]),
         r"drive: found 1 m/s\^2, expected one strong enough to reach the stop in every period$",

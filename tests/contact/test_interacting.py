@@ -9,7 +9,6 @@ import pytest
 import contact as ct
 from contact.interacting import COLUMNS, Interactions
 from contact.io.columns import table_lines
-from contact.model.gaps.bladed_disk import pair_rim
 from contact.speed_runs import LONGER, SpeedRun, at_speed
 from contact.stability.coincidence import loaded
 from tests.contact.synthetic_rim import blade, ring
@@ -27,7 +26,9 @@ def pair_scene(clearance=-1e-5, casing=None, t_end=0.5, **more):
         omega=[PAIR.blade.omega], zeta=[PAIR.blade.zeta], channels=("span", "flap"),
         rows=[[PAIR.blade.modal_mass**-0.5], [0.0]], S=np.eye(2) * PAIR.compliance,
     )  # fmt: skip
-    rim = ct.RotatingRim(casing or pair_rim(PAIR.casing, radius=0.5), tip, clearance=clearance, speed_hz=20.0, **more)
+    rim = ct.RotatingRim(
+        casing or ct.gaps.pair_rim(PAIR.casing, radius=0.5), tip, clearance=clearance, speed_hz=20.0, **more
+    )
     return ct.Scene(what=rim, t_end=t_end, dt=1e-4)
 
 
@@ -71,7 +72,7 @@ def test_a_bounded_motion_beyond_half_the_wall_is_not_safe():
     """At these speeds nothing grows, and the rim deflects by micrometres."""
     apart, verdicts = np.linspace(45.0, 50.0, 6), {}
     for wall in (3e-3, 1e-8):
-        casing = replace(pair_rim(PAIR.casing, radius=0.5), thickness=wall)
+        casing = replace(ct.gaps.pair_rim(PAIR.casing, radius=0.5), thickness=wall)
         scene = replace(pair_scene(casing=casing), on_limit="flag")
         verdicts[wall] = {run.verdict for run in ct.interactions(scene, apart, runs=3).runs}
     assert verdicts == {3e-3: {"safe"}, 1e-8: {"resonance"}}
@@ -87,7 +88,7 @@ def test_a_pair_by_hand_is_decided_by_its_poles():
 
 def test_a_split_pair_of_one_n_has_one_row():
     """Two modes of n = 8 that are 0.02 % apart: two narrow bands of one motion."""
-    casing = pair_rim(PAIR.casing, radius=0.5).detuned(2e-4, seed=3)
+    casing = ct.gaps.pair_rim(PAIR.casing, radius=0.5).detuned(2e-4, seed=3)
     found = ct.interactions(pair_scene(casing=casing), SPEEDS, runs=12)
     assert [row.n for row in found.rows] == [8]
     assert "Pairs of the casing are split" in found.words
@@ -116,7 +117,7 @@ def test_the_table_and_a_run_beside_it_agree_at_each_row():
 @pytest.mark.slow
 def test_several_tips_have_rows_of_the_disks_n():
     disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
-    casing = pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
+    casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     kick = ct.gaps.Start(velocity=np.array([1e-2, 0.0]))
     rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-3, casing_start=kick)
     scene = ct.Scene(what=rub, t_end=0.2, dt=1e-4)

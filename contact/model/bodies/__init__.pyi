@@ -3,7 +3,7 @@ from .body import PointMass, Rod, Wall
 from .from_matrices import body_of
 from .linear import Forcing, LinearBody, Part
 from .matrices import Matrices, MatrixReport
-from .modal_body import ModalBody
+from .modal_body import ModalBody, rim_channels
 from .patch import Patch
 from .ring_modes import ThinRing, ring_elements, ring_modes
 
@@ -22,6 +22,7 @@ __all__ = [
     "ThinRing",
     "Wall",
     "body_of",
+    "rim_channels",
     "ring_elements",
     "ring_modes",
 ]

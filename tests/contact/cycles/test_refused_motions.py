@@ -14,7 +14,6 @@ from contact.cycles.branch import Course, Tangent
 from contact.cycles.follow import digest
 from contact.cycles.passage import Event, pressing
 from contact.cycles.switched import Plant, phase_of
-from contact.model.bodies.modal_body import rim_channels
 from reports.verification.schemes.cycles import mass_on_stop
 from tests.contact.cycles.test_closed_forms import ball, ball_orbit, oscillator
 from tests.contact.synthetic_rim import blade, ring
@@ -308,8 +307,16 @@ def axial_ring():
     """One pair of two diameters that moves along the radius alone, and gives way along all three."""
     rows = np.zeros((15, 2))
     rows[2, 0] = rows[4, 1] = 1.0
-    return ct.ModalBody(omega=[300.0] * 2, zeta=[0.01] * 2, channels=rim_channels(2, 3), rows=rows, S=1e-8 * np.eye(15),
-                        kind="rim", n_max=2, radius=0.4)  # fmt: skip
+    return ct.ModalBody(
+        omega=[300.0] * 2,
+        zeta=[0.01] * 2,
+        channels=ct.bodies.rim_channels(2, 3),
+        rows=rows,
+        S=1e-8 * np.eye(15),
+        kind="rim",
+        n_max=2,
+        radius=0.4,
+    )
 
 
 def test_friction_along_the_axis_is_for_long_runs():

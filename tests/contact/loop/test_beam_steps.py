@@ -7,8 +7,8 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.beam.beam", "record.record")
-IMPLICIT = names("loop.beam.implicit")
+N = names("contact.loop.beam.beam", "contact.record.record")
+IMPLICIT = names("contact.loop.beam.implicit")
 H, REST, EA, EI = 0.01, 0.5, 40.0, 0.7
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.modal.modal", "record.record")
-ENERGY = names("loop.modal.modal")
-STICK = names("loop.tally")
+N = names("contact.loop.modal.modal", "contact.record.record")
+ENERGY = names("contact.loop.modal.modal")
+STICK = names("contact.loop.tally")
 H = 0.02
 
 

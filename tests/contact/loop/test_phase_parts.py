@@ -8,7 +8,7 @@ import pytest
 
 from tests.contact.plain import names
 
-N = names("loop.phase")
+N = names("contact.loop.phase")
 LAM = np.array([-0.3 + 2.0j, 0.2 - 1.1j, -0.5 + 0.0j, 0.0])
 BETA = np.array([0.4 - 0.2j, 0.1 + 0.3j, -0.6 + 0.1j, 0.25])
 ROWS = np.array([[0.7 - 0.4j, -0.3 + 0.2j, 0.5 + 0.1j, -0.2], [0.1 + 0.6j, 0.9 - 0.5j, -0.4 + 0.3j, 0.3]])

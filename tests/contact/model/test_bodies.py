@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.beam import ring_table
 from contact.model.bodies.chain import assemble
-from tests.contact.synthetic_rim import ring
 
 ROD = ct.Rod(length=3.0, area=0.5, E=8.0, rho=2.0, elements=3, x=1.0, velocity=-2.0, end_mass=0.25, damping=0.5)
 
@@ -72,64 +70,31 @@ def chain():
     return assemble([ROD, mass, ct.Wall(x=0.0)], gravity=10.0)
 
 
-def test_a_chain_of_a_wall_a_mass_and_a_rod():
-    found = chain()
-    assert found.numbers == (2, 1, 0)
-    assert found.first.tolist() == [0, 1, 2, 6]
-    assert found.left.tolist() == [0, 1]
-    assert found.position.tolist() == [0.0, 0.5, 1.0, 2.0, 3.0, 4.0]
-    assert found.mass.tolist() == [0.0, 2.0, 0.75, 1.0, 1.0, 0.5]
-    assert found.inverse_mass.tolist() == [0.0, 0.5, 1.0 / 0.75, 1.0, 1.0, 2.0]
-    assert found.stiffness.tolist() == [0.0, 0.0, 4.0, 4.0, 4.0]
-    assert found.ground.tolist() == [0.0, 6.0, 0.0, 0.0, 0.0, 0.0]
-    assert found.damping.tolist() == [0.0, 0.75, 0.375, 0.5, 0.5, 0.25]
-    assert found.velocity.tolist() == [0.0, 7.0, -2.0, -2.0, -2.0, -2.0]
-    assert found.load.tolist() == [0.0, -21.5, -7.5, -10.0, -10.0, -5.0]
-    assert found.potential == pytest.approx(10.0 + 0.5 * 6.0 * 0.0625 + 10.0 * (0.75 + 2.0 + 3.0 + 2.0))
-    assert found.crossing_time == 0.5
-    assert found.load_response == pytest.approx(21.5**2 / 2.0 + 7.5**2 / 0.75 + 200.0 + 50.0)
-    assert assemble([ROD, ct.Wall()]).gravity == 0.0
+MASS = ct.PointMass(mass=1.0, x=1.0)
 
 
-def test_a_chain_in_matrices():
-    body = chain().linear_form()
-    assert body.M.diagonal().tolist() == [1.0, 2.0, 0.75, 1.0, 1.0, 0.5]
-    assert body.C.diagonal().tolist() == [0.0, 0.75, 0.375, 0.5, 0.5, 0.25]
-    K = np.zeros((6, 6))
-    K[1, 1] = 6.0
-    K[2:, 2:] = 4.0 * np.array([[1, -1, 0, 0], [-1, 2, -1, 0], [0, -1, 2, -1], [0, 0, -1, 1]])
-    assert body.K.toarray().tolist() == K.tolist()
-    assert body.Q.toarray().tolist() == [[0, 1, 0, 0, 0, 0], [0, -1, 1, 0, 0, 0]]
-    assert body.gap0.tolist() == [0.5, 0.5]
-    assert [(p.name, p.start, p.end, p.number, p.rigid) for p in body.parts] == [
-        ("wall 3", 0, 1, 2, False), ("pointmass 2", 1, 2, 1, True), ("rod 1", 2, 6, 0, True),
-    ]  # fmt: skip
-    (forcing,) = body.forcing
-    assert forcing.shape.tolist() == [0.0, 3.0, 0.0, 0.0, 0.0, 0.0]
-    t = np.array([0.0, 0.05])
-    assert forcing.amplitude(t) == pytest.approx(np.cos(4.0 * np.pi * t + np.pi / 2.0), abs=1e-12)
-
-
-def test_a_held_end_has_no_springs_to_what_moves():
-    held = ct.Rod(length=2.0, area=1.0, E=1.0, rho=1.0, elements=2, x=1.0, fixed="right")
-    body = assemble([ct.Wall(), held]).linear_form()
-    assert body.K.toarray().tolist() == [[0, 0, 0, 0], [0, 1, -1, 0], [0, -1, 2, 0], [0, 0, 0, 0]]
-
-
-def test_what_cannot_be_a_chain():
-    mass = ct.PointMass(mass=1.0, x=1.0)
-    with pytest.raises(ct.InputError, match="bodies: found 1, expected at least two, or one and a wall"):
-        assemble([mass])
-    words = r"x: body 2 \(rod at x = 1\) and body 1 \(pointmass at x = 3\.5\) overlap by 0\.5 m, expected a gap >= 0"
+@pytest.mark.parametrize(
+    ("bodies", "words"),
+    [
+        ([MASS], "bodies: found 1, expected at least two, or one and a wall"),
+        (
+            [ct.PointMass(mass=1.0, x=3.5), ROD],
+            r"x: body 2 \(rod at x = 1\) and body 1 \(pointmass at x = 3\.5\) overlap by 0\.5 m, expected a gap >= 0",
+        ),
+        (
+            [ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=0.5), ct.Wall()],
+            r"between body 2 \(wall at x = 0\) and body 1 \(rod at x = 0\.5\): both ends are held",
+        ),
+    ],
+)
+def test_bodies_that_cannot_meet_are_refused(bodies, words):
     with pytest.raises(ct.InputError, match=words):
-        assemble([ct.PointMass(mass=1.0, x=3.5), ROD])
-    assert assemble([ct.PointMass(mass=1.0, x=4.0), ROD]).linear_form().gap0.tolist() == [0.0]
-    held = ct.Rod(length=1.0, area=1.0, E=1.0, rho=1.0, fixed="left", x=0.5)
-    words = r"between body 2 \(wall at x = 0\) and body 1 \(rod at x = 0\.5\): both ends are held"
-    with pytest.raises(ct.InputError, match=words):
-        assemble([held, ct.Wall()])
+        ct.run(bodies, t_end=1.0, courant=0.5)
+
+
+def test_gravity_that_is_no_number_is_refused():
     with pytest.raises(ct.InputError, match="gravity: found nan"):
-        assemble([mass, ct.Wall()], gravity=math.nan)
+        ct.run([MASS, ct.Wall()], gravity=math.nan, t_end=1.0, dt=0.1)
 
 
 HINGED = ct.bodies.HingedBeam(
@@ -195,14 +160,6 @@ def test_a_beam_that_does_not_turn_to_the_circle_has_no_time(torque, spin, words
     beam = ct.bodies.HingedBeam(length=0.6, width=0.03, height=0.01, E=70e9, rho=2700.0, torque=torque, spin=spin)
     with pytest.raises(ct.InputError, match=words):
         _ = ct.bodies.BeamInCircle(beam, radius=0.605, offset=0.02).first_contact_time
-
-
-def test_the_radial_part_of_a_ring_is_what_a_beam_meets():
-    rows, S = ring_table(ring(imperfect=0.05))
-    assert rows.tolist() == ring(imperfect=0.05).rows[:13].tolist()
-    assert S.tolist() == ring(imperfect=0.05).S[:13, :13].tolist()
-    rows, S = ring_table(None)
-    assert (rows.shape, S.tolist()) == ((1, 0), [[0.0]])
 
 
 @pytest.mark.parametrize("name", ["length", "width", "height", "E", "rho"])

@@ -7,11 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.bladed_disk import pair_rim, two_dimensional
-from contact.model.gaps.modal_system import rim_system
-from contact.model.gaps.rod_modes import chain_gap, side
-from contact.model.gaps.rub import rub_of
-from tests.contact.synthetic_rim import blade, ring
 
 BEAM = ct.gaps.Cantilever(length=0.4, width=0.03, height=0.004, E=70e9, rho=2700.0, zeta=0.02)
 ROD = {"length": 2.0, "area": 0.7, "E": 1.5, "rho": 1.2}
@@ -103,45 +98,6 @@ def test_channels_of_a_rod_are_its_free_end():
         ct.gaps.rod_modes(ct.Rod(**ROD), modes=2)
 
 
-@pytest.mark.parametrize("fixed", ["none", "right"])
-@pytest.mark.parametrize("end_mass", [0.0, 0.9])
-def test_a_rod_that_moves_as_a_whole_brings_its_momentum(fixed, end_mass):
-    rod = ct.Rod(**ROD, fixed=fixed, end_mass=end_mass, velocity=-0.4, x=3.0)
-    found = side(rod, "left", 1, modes=4, gravity=9.0)
-    beta, xi = found.body.omega * 2.0 / math.sqrt(1.25), (np.arange(4000) + 0.5) / 4000
-    tip = found.body.rows[0]
-    for k, b in enumerate(beta):
-        shape = np.cos(b * xi) / np.cos(b) if fixed == "none" else np.sin(b * xi) / np.sin(b)
-        momentum = tip[k] * (1.68 * shape.mean() + end_mass)
-        assert found.velocity[k] == pytest.approx(-0.4 * momentum, rel=1e-6, abs=1e-6)
-        assert found.load[k] == pytest.approx(-9.0 * momentum, rel=1e-6, abs=2e-5)
-    assert found.mass == pytest.approx(1.68 + end_mass)
-    assert found.potential == pytest.approx(9.0 * (1.68 * 4.0 + end_mass * 3.0))
-    assert (found.name, found.sign, found.channel) == ("rod", 1, "left")
-    if fixed == "none":
-        other = side(rod, "right", -1, modes=4, gravity=9.0)
-        assert other.potential == pytest.approx(9.0 * (1.68 * 4.0 + end_mass * 5.0))
-
-
-def test_a_mass_on_a_stretched_spring_at_a_gap():
-    mass = ct.PointMass(mass=4.0, x=2.0, velocity=-3.0, stiffness=36.0, anchor=1.5)
-    found = side(mass, "right", -1, modes=1, gravity=10.0)
-    assert found.body.omega.tolist() == [3.0]
-    assert (found.body.rows.tolist(), found.body.S.tolist(), found.body.zeta.tolist()) == ([[0.5]], [[0.0]], [0.0])
-    assert found.velocity.tolist() == [-6.0]
-    assert found.load.tolist() == [-20.0 - 9.0]
-    assert (found.mass, found.name, found.potential) == (4.0, "mass", 80.0 + 4.5)
-
-
-def test_a_chain_of_two_meets_between_them_and_a_wall_has_no_side():
-    low, high = ct.PointMass(mass=1.0, x=0.5), ct.PointMass(mass=2.0, x=0.75)
-    gap = chain_gap(ct.model.bodies.chain.assemble([high, low]), modes=3)
-    assert gap.clearance == 0.25
-    assert [(one.channel, one.sign, one.mass) for one in gap.sides] == [("right", -1, 1.0), ("left", 1, 2.0)]
-    alone = chain_gap(ct.model.bodies.chain.assemble([ct.Wall(), ct.Rod(**ROD, x=0.25)]), modes=3)
-    assert [(one.channel, one.sign, one.body.omega.size) for one in alone.sides] == [("left", 1, 3)]
-
-
 def test_sides_of_a_gap_are_one_system():
     body = ct.ModalBody(omega=[1.0, 2.0], zeta=[0.1, 0.2], channels=("x", "y"), rows=[[1.0, 2.0], [3.0, 4.0]],
                         S=[[0.5, 0.1], [0.1, 0.25]])  # fmt: skip
@@ -163,63 +119,13 @@ def test_sides_of_a_gap_are_one_system():
             ct.gaps.Side(body=body, channel="y", sign=1, **{name: [1.0]})
 
 
-def test_rows_of_a_rim_by_the_waves_of_its_casing_and_the_lean_of_its_blade():
-    casing, point = ring(imperfect=0.05), blade()
-    rim = ct.RotatingRim(casing, point, clearance=2e-5, speed_hz=3.0, lean_deg=25.0, angle_deg=40.0,
-                         casing_velocity=np.arange(10.0), out_of_roundness=[{"p": 2, "sin": 3e-6}])  # fmt: skip
-    system, a, N = rim_system(rim), math.radians(25.0), 6
-    phi = np.array([0.3, -2.0])
-    Q, T = system.table.rows_at(phi)
-    for k, at in enumerate(phi):
-        waves = np.r_[1.0, np.cos(np.arange(1, N + 1) * at), np.sin(np.arange(1, N + 1) * at)]
-        span, flap = point.rows
-        normal = np.r_[waves @ casing.rows[:13], -(math.cos(a) * span + math.sin(a) * flap)]
-        tangent = np.r_[waves @ casing.rows[13:], -(math.cos(a) * flap - math.sin(a) * span)]
-        np.testing.assert_allclose(Q[k], normal, atol=1e-9)
-        np.testing.assert_allclose(T[k], tangent, atol=1e-9)
-        np.testing.assert_allclose(system.table.rows(at), [Q[k], T[k]], atol=1e-12)
-        of_blade = np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]])
-        own, E = of_blade @ point.S @ of_blade.T, np.kron(np.eye(2), waves)
-        S = E @ casing.S @ E.T + own
-        assert [p(at) for p in (system.S_nn, system.S_nt, system.S_tt)] == pytest.approx([S[0, 0], S[0, 1], S[1, 1]])
-        assert system.clearance(at) == pytest.approx(2e-5 + 3e-6 * math.sin(2 * at))
-    assert (system.speed, system.angle) == (pytest.approx(6.0 * math.pi), pytest.approx(math.radians(40.0)))
-    assert system.velocity.tolist() == [*np.arange(10.0), 0.0, 0.0]
-    assert (system.first.tolist(), system.radius, system.compliance_turns) == ([0, 10, 12], 0.45, True)
-    assert not rim_system(replace(rim, casing=ring())).compliance_turns
-    rub = rub_of(rim)
-    assert (rub.clearance, rub.speed.omega(1.0)) == (2e-5, pytest.approx(6.0 * math.pi))
-    assert (rub.tips[0].lean_deg, rub.tips[0].angle_deg) == (25.0, 40.0)
-    assert rub.casing_start.velocity.tolist() == np.arange(10.0).tolist()
-    assert rub_of(3.0) is None
-
-
-def test_a_disk_before_its_casing_in_two_dimensions():
+def test_a_pair_as_a_rim_has_its_two_waves():
     casing = ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=4.0, zeta=0.01)
-    disk = ct.gaps.ModalPair(n=2, freq_hz=120.0, modal_mass=0.25, zeta=0.02)
-    rub = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0, velocity=3.0)
-    theta = 2.0 * np.pi * np.arange(5) / 5
-    expected = 2.0 * np.stack([np.cos(2 * theta), np.sin(2 * theta)], axis=1)
-    np.testing.assert_allclose(rub.blades[0].rows[::2], expected, atol=1e-14)
-    np.testing.assert_allclose(rub.blades[0].omega, [240.0 * math.pi] * 2, rtol=1e-14)
-    assert rub.blades[0].zeta.tolist() == [0.02] * 2
-    assert not rub.blades[0].rows[1::2].any()
-    np.testing.assert_array_equal(rub.blades[0].S, np.eye(10) / 2e4)
-    assert [tip.angle_deg for tip in rub.tips] == pytest.approx([0.0, 72.0, 144.0, 216.0, 288.0])
-    assert [(tip.span, tip.flap, tip.track) for tip in rub.tips][3] == ("span3", "flap3", 0)
-    assert (rub.clearance, rub.speed.omega(0.0)) == (-1e-3, pytest.approx(14.0 * math.pi))
-    assert rub.casing_start.velocity.tolist() == [6.0, 0.0]
-    assert rub.casing.radius == 0.5
-    still = two_dimensional(casing, disk, blades=5, stiffness=2e4, press=1e-3, speed_hz=7.0)
-    assert not still.casing_start.velocity.any()
-    rows = pair_rim(casing, radius=0.3).rows
+    rows = ct.gaps.pair_rim(casing, radius=0.3).rows
     expected = np.zeros((10, 2))
     expected[[2, 4], [0, 1]], expected[[9, 7], [0, 1]] = 0.5, [-0.25, 0.25]
     np.testing.assert_array_equal(rows, expected)
-    assert pair_rim(casing, radius=0.3).zeta.tolist() == [0.01, 0.01]
-    for blades, other in ((4, disk), (5, replace(disk, n=1))):
-        with pytest.raises(ct.InputError, match=r"expected the same n >= 1 and blades > 2 n"):
-            two_dimensional(casing, other, blades=blades, stiffness=2e4, press=1e-3, speed_hz=7.0)
+    assert ct.gaps.pair_rim(casing, radius=0.3).zeta.tolist() == [0.01, 0.01]
 
 
 def test_a_disk_of_mistuned_blades_as_a_body():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 from tests.contact.synthetic_rim import blade, ring
 
 KEYS = ("omega", "zeta", "rows", "S", "channels", "kind")
@@ -122,7 +121,7 @@ def three(**more):
 
 def two_lines(**more):
     """A rim seen on two lines, without a mode that moves it."""
-    channels = rim_channels(2, 2, 2)
+    channels = ct.bodies.rim_channels(2, 2, 2)
     given = {"omega": [1.0], "zeta": [0.0], "channels": channels, "rows": np.zeros((20, 1)), "S": np.eye(20)}
     return ct.ModalBody(**given | {"kind": "rim", "n_max": 2, "radius": 0.4} | more)
 

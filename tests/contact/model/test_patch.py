@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.record.record import samples
 
 pytestmark = pytest.mark.slow  # whichever comes first compiles the loop
 
@@ -90,19 +89,6 @@ def test_the_gap_of_an_open_contact_is_where_its_body_is(soft):
     np.testing.assert_allclose(result.gap[open_at, 0], place[open_at + 1], atol=1e-13)
 
 
-@pytest.mark.parametrize("far", [np.inf, np.nan])
-def test_a_gap_that_is_no_number_stops_the_step_it_arises_in(far):
-    two = body([1.0, 2.0], np.eye(2), ("x", "y"))
-    stepper = ct.ExactModal().prepare(
-        ct.Patch(body=two, normal=("x", "y"), clearance=0.1), ct.Unilateral(), dt=1e-2, courant=None
-    )
-    out = samples(ct.Record(), 5, 2, stepper.size)
-    assert stepper.advance(out, 0, 3) == -1
-    stepper.state.q[0] = far
-    assert stepper.advance(out, 3, 2) == 3
-    assert stepper.why() == "the motion is not a number [motion-overflow]"
-
-
 def test_redundant_contacts_share_a_force_and_change_nothing():
     rows = np.array([[1.0, 0.7, 0.4]] * 5)
     names = tuple(f"tip{k}" for k in range(5))
@@ -124,22 +110,6 @@ def table(contacts=16, modes=50, slide=(0.05, 0.02)):
         tangent=tuple((names[k + 1], names[k + 2]) for k in range(0, 3 * contacts, 3)), slide=slide,
         load=-5.0 * rows[::3].sum(axis=0),
     )  # fmt: skip
-
-
-def test_sixteen_contacts_with_friction_in_three_dimensions():
-    scheme, steps = ct.ExactModal(), 3000
-    stepper = scheme.prepare(table(), ct.Coulomb(mu=0.3), dt=1e-4, courant=None)
-    start = stepper.stored()
-    assert stepper.advance(samples(ct.Record(), steps, 16, stepper.size), 0, steps) == -1
-    most, total, solved, _ = stepper.state.counts
-    assert most <= 50
-    assert total / solved < 5.0
-    assert solved > 0.9 * steps
-    sums, end = stepper.sums, stepper.stored()
-    assert sums.penetration.max() == 0.0
-    work = sums.work.sum() + sums.friction.sum() + sums.damping[0]
-    scale = abs(end.total) + abs(sums.work.sum()) + abs(sums.friction.sum())
-    assert abs(end.discrete - start.discrete - work) <= 1e-12 * scale
 
 
 def test_sticking_is_told_from_slipping_step_by_step(tmp_path):

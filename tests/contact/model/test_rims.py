@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.modal_system import _table
-from contact.model.law import kind, pressure
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 
@@ -69,31 +67,6 @@ def test_the_blades_motion_along_the_contact_normal_leans():
     np.testing.assert_allclose(row, math.cos(math.pi / 6) * span + 0.5 * flap, rtol=1e-12)
 
 
-def test_kinds_of_laws_and_what_they_say_of_themselves():
-    coating = ct.Abradable(E=4.0, yield_stress=5.0, hardening=6.0, thickness=2.0, width=0.5, tip=0.25)
-    laws = (
-        ct.Unilateral(),
-        ct.Penalty(stiffness=1234.5),
-        ct.laws.AugmentedLagrangian(stiffness=2.0),
-        ct.Coulomb(mu=0.0),
-        coating,
-    )
-    assert [kind(law) for law in laws] == ["Unilateral", "Penalty", "AugmentedLagrangian", "Coulomb", "Abradable"]
-    assert [law.words for law in laws] == [
-        "Lagrange", "penalty 1.23e+03 N/m", "augmented Lagrangian", "Coulomb", "abradable coating",
-    ]  # fmt: skip
-    assert [law.stiffness for law in laws] == [0.0, 1234.5, 2.0, 0.0, 0.0]
-    assert [law.updates for law in laws] == [0, 0, 50, 0, 0]
-    assert [law.tolerance for law in laws] == [0.0, 0.0, 1e-12, 0.0, 0.0]
-    assert [law.mu for law in laws] == [0.0] * 5
-    assert [law.coating for law in laws] == [None] * 4 + [coating]
-    assert kind(replace(coating, mu=0.3)) == "Abradable"
-    assert (coating.bars, coating.machined, coating.under_tip) == (6, 0.0, 0.25)
-    assert coating.stress(0.5) == 6.5
-    assert coating.dissipated(0.5) == 0.5 * 5.0 + 6.0 * 0.5**2 / (2.0 * 2.0)
-    np.testing.assert_array_equal(pressure(np.array([2.0, 0.5])), [-2.0, -0.5])
-
-
 @pytest.mark.parametrize(
     ("name", "value"),
     [("E", 0.0), ("yield_stress", 0.0), ("thickness", 0.0), ("width", 0.0), ("tip", 0.0), ("hardening", -1.0),
@@ -115,19 +88,3 @@ def test_numbers_of_an_augmented_lagrangian_are_above_zero(name):
             ct.Penalty(stiffness=0.0)
         with pytest.raises(ct.InputError, match=r"mu: found -0\.1"):
             ct.Coulomb(mu=-0.1)
-
-
-@pytest.mark.parametrize("larger", ["radial", "tangential"])
-def test_rows_of_a_ten_billionth_of_the_largest_are_noise(larger):
-    """Three modes of a rim and one of its blade: the second is left without a row."""
-    large, small = np.array([[1.0, 0.9e-10, -1.1e-10]]), np.array([[1e-3, 0.0, 0.0]])
-    radial, tangential = (large, small) if larger == "radial" else (small, large)
-    found = _table(radial, tangential, np.array([4.0]), np.array([5.0]), 0)
-    assert found.start.tolist() == [0, 1, 1, 2, 3]
-    assert found.harmonic.tolist() == [0, 0, 0]
-    expected = [1.0, -1.1e-10, 4.0], [1e-3, 0.0, 5.0]
-    if larger == "tangential":
-        expected = [1e-3, 0.0, 4.0], [1.0, -1.1e-10, 5.0]
-    assert (found.q_cos.tolist(), found.t_cos.tolist()) == expected
-    assert not found.q_sin.any()
-    assert not found.t_sin.any()

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.ring_modes import hermite
 
 GIVEN = {"radius": 0.3, "width": 0.02, "height": 0.006, "E": 70e9, "rho": 2700.0}
 HELD = ct.bodies.ThinRing(**GIVEN, k_r=3e6, k_t=8e5, zeta=0.01)
@@ -93,18 +92,6 @@ def test_twenty_waves_are_kept_where_nothing_is_said():
     assert ct.bodies.ring_modes(FREE).n_max == 20
     assert ct.bodies.ring_elements(FREE, 20).n_max == 20
     assert ct.bodies.ring_elements(FREE, 3, 3).omega.size == 12
-
-
-def test_cubics_of_an_element_take_value_and_slope_at_its_ends():
-    span, x = 0.7, np.array([0.0, 0.3, 1.0])
-    value, first, second = hermite(x, span)
-    np.testing.assert_allclose(value[:, [0, 2]].T, [[1, 0, 0, 0], [0, 0, 1, 0]], atol=1e-15)
-    np.testing.assert_allclose(first[:, [0, 2]].T, [[0, 1, 0, 0], [0, 0, 0, 1]], atol=1e-14)
-    h = 1e-4
-    before, _, _ = hermite(x - h, span)
-    after, _, _ = hermite(x + h, span)
-    np.testing.assert_allclose(first, (after - before) / (2.0 * h * span), atol=1e-6)
-    np.testing.assert_allclose(second, (after - 2.0 * value + before) / (h * span) ** 2, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.limits import motion_limits, passed, require_near, wall_flags
-from contact.model.gaps.rub_laws import hermite
 
 TURN = 2.0 * math.pi
 
@@ -106,41 +104,6 @@ def test_a_profile_by_a_table():
     assert profile(0.2) == pytest.approx(1e-5 - h00 * 1e-5 + last * h11 * first, rel=1e-9)
     assert profile.farthest == pytest.approx(1e-5 + 3e-5)
     assert profile.lowest == pytest.approx(1e-5 - 1e-5)
-    assert hermite(np.zeros((0, 3)), 1.0) == 0.0
-
-
-def test_limits_of_a_motion():
-    assert motion_limits(0.0, 2e-3).tolist() == [1e-3, math.inf, 0.0, 0.0, 1e-3, 0.0]
-    assert motion_limits(0.0, 0.0)[:2].tolist() == [math.inf, math.inf]
-    assert motion_limits(0.5, 0.2).tolist() == [0.05, 0.05, 0.0, 0.0, 0.05, 0.0]
-    assert motion_limits(0.5, math.inf)[0] == 0.05
-    assert passed(None) is None
-    for limits, name, reached, allowed in (
-        ([1e-3, 0.05, 2e-3, 0.06], "radius", 0.06, 0.05),
-        ([0.05, 0.05, 0.06, 0.01], "radius", 0.06, 0.05),
-        ([1e-3, 0.05, math.nan, 0.01], "wall", math.nan, 1e-3),
-        ([math.inf, 0.05, 0.0, 0.06], "gap", 0.06, 0.05),
-    ):
-        assert passed(np.array(limits)) == pytest.approx((name, reached, allowed), nan_ok=True)
-    assert passed(np.array([1e-3, 0.05, 1e-3, 0.05])) is None
-
-
-def test_a_rim_deflected_beyond_half_its_wall_is_told():
-    assert wall_flags(1e-3, 2e-3) == ()
-    assert wall_flags(3e-3, 2e-3) == (
-        "rim deflected by 0.003 m, 1.5 of the wall: linear theory is valid to 0.5 [wall-deflection]",
-    )
-    for unknown in (0.0, math.inf, math.nan, -1.0):
-        assert wall_flags(1.0, unknown) == ()
-
-
-def test_lengths_are_at_most_a_tenth_of_the_radius():
-    require_near(2.0, closing=0.2, whirl=-0.2)
-    words = "whirl: found -0.3 m on a radius of 2 m, expected at most a tenth of it: millimetres are written -0.0003"
-    with pytest.raises(ct.InputError, match=words):
-        require_near(2.0, closing=0.2, whirl=-0.3)
-    with pytest.raises(ct.InputError, match="closing: found nan m"):
-        require_near(2.0, closing=math.nan)
 
 
 def test_forces_on_bodies_as_numbers_of_the_loop():

@@ -5,12 +5,6 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.model.gaps.rub import rub_of
-from contact.model.gaps.rub_system import rub_system
-from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall
-from contact.scheme.modal.propagator import propagator
-from contact.scheme.modal.rub_delassus import rub_delassus
-from tests.contact.synthetic_rim import N_MAX, SIZE, flap_blade, ring
 
 BAR = {"length": 10.0, "area": 1.0, "E": 900.0, "rho": 1.0, "x": 5.0}
 
@@ -56,30 +50,6 @@ def test_free_motion_is_exact_for_any_step(zeta):
         assert result.energy.end.total == pytest.approx(result.energy.start.total, rel=1e-11)
 
 
-def test_propagator_velocity_inverts_the_start():
-    p = propagator(np.array([0.0, 5.0, 40.0]), np.array([0.0, 0.1, 0.02]), np.array([1.0, 2.0, 3.0]), 0.05)
-    q, v = np.array([0.3, -0.2, 0.1]), np.array([1.0, 2.0, -3.0])
-    assert np.allclose(p.velocity(q, p.backward(q, v), p.load), v, rtol=1e-12)
-
-
-def test_rho_is_the_size_of_the_modes_share_whatever_its_sign():
-    """A digging blade's H_d = c psi^2 sin a (sin a - mu cos a) is negative; S_nn of rim and blade remains."""
-    a, mu, h, S = np.radians(20.0), 0.5, 1e-4, 1e-5
-    still = ct.ModalBody(
-        omega=[1e3], zeta=[0.0], channels=ring().channels, rows=np.zeros((2 * SIZE, 1)), S=np.zeros((2 * SIZE,) * 2),
-        kind="rim", n_max=N_MAX, radius=0.45,
-    )  # fmt: skip
-    rub = rub_of(ct.RotatingRim(still, flap_blade(S=S), clearance=0.0, speed_hz=5.0, lean_deg=20.0))
-    system = rub_system(rub, 2)
-    parts = propagator(system.omega, system.zeta, np.zeros(2), h)
-    H, compliance, rho = rub_delassus(rub, system, parts, mu)
-    own = parts.c[1] * np.sin(a) * (np.sin(a) - mu * np.cos(a))
-    assert H == pytest.approx(own, rel=1e-12)
-    assert H < 0.0
-    assert compliance == pytest.approx(S, rel=1e-12)  # S_nt of a round S is zero
-    assert rho == pytest.approx(-own / S, rel=1e-12)
-
-
 @pytest.mark.parametrize("fixed", ["none", "right"])
 @pytest.mark.parametrize("end_mass", [0.0, 3.0])
 def test_rod_modes_and_their_residual_compliance(fixed, end_mass):
@@ -95,10 +65,10 @@ def test_rod_modes_and_their_residual_compliance(fixed, end_mass):
 @pytest.mark.parametrize("product", [0.8, 3.0])
 def test_modal_rod_on_wall_forward_law(product):
     bar, result = shot(product, "forward")
-    exact = rod_on_wall(bar, gap=5.0, velocity=10.0)
+    exact = ct.reference.rod_on_wall(bar, gap=5.0, velocity=10.0)
     inside = (result.time > 0.55) & (result.time < 1.1)
     loss = 1.0 - result.energy.end.total / result.energy.start.total
-    assert force_error(result.time, result.force[:, 0], result.dt, exact) <= 0.025
+    assert ct.reference.force_error(result.time, result.force[:, 0], result.dt, exact) <= 0.025
     assert np.std(result.force[inside, 0]) <= 0.01 * 300.0
     assert 0.0 < loss <= 0.016
     lost = result.energy.lost_in_contact - result.energy.numerical
@@ -143,13 +113,13 @@ def test_bouncing_bar_averaged_law_ten_periods():
     result = drop(150, 0.99, 160.0 / 3.0, record=ct.Record(state_every=1))
     bar = ct.Rod(**BAR)
     basis = ct.gaps.rod_modes(bar, modes=150, end="left")
-    history = bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
+    history = ct.reference.bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
     tip = 5.0 + result.state @ basis.rows[0] + basis.S[0, 0] * result.force[:, 0]
     error = np.abs(tip - np.interp(result.state_time, history.time, history.gap)) / 5.0
     period = 16.0 / 3.0
     assert error[result.time < 2 * period].max() <= 0.01
     assert error[result.time > 8 * period].max() <= 0.03
-    assert result.impulse[0] == pytest.approx(bouncing_bar(20).impulse, rel=0.005)
+    assert result.impulse[0] == pytest.approx(ct.reference.bouncing_bar(20).impulse, rel=0.005)
     assert result.seconds < 10.0
 
 
@@ -170,8 +140,8 @@ def test_bouncing_bar_energy_law_ten_periods():
     """B2 (ii), 150 modes, 25 600 steps (480 a second): every published target."""
     period, steps = 16.0 / 3.0, 25_600
     result = drop(150, 10 * period / steps * omega_max(150), 10 * period, law="energy", record=ct.Record(state_every=1))
-    bar, exact = ct.Rod(**BAR), bouncing_bar(20)
-    history = bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
+    bar, exact = ct.Rod(**BAR), ct.reference.bouncing_bar(20)
+    history = ct.reference.bar_by_characteristics(bar, gravity=10.0, t_end=54.0, cells=300)
     tip = 5.0 + result.state @ ct.gaps.rod_modes(bar, modes=150, end="left").rows[0]
     error = np.abs(np.maximum(tip, 0.0) - np.interp(result.state_time, history.time, history.gap)) / 5.0
     for part, distance, force in (
@@ -179,7 +149,7 @@ def test_bouncing_bar_energy_law_ten_periods():
         (result.time > 8 * period, 0.03, 0.06),
     ):
         assert error[part].max() <= distance
-        assert force_error(result.time[part], result.force[part, 0], result.dt, exact) <= force
+        assert ct.reference.force_error(result.time[part], result.force[part, 0], result.dt, exact) <= force
     assert result.seconds <= 1.0
     assert len(result.intervals[0]) == 20
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.reference.exact import bar_by_characteristics, bouncing_bar, force_error, rod_on_wall, two_rods
 
 # 10 in, 1 in^2, 30e6 psi, 7.34e-4 lbf s^2/in^4
 CARPENTER = {"length": 0.254, "area": 6.4516e-4, "E": 206.8427e9, "rho": 7844.181}
@@ -24,10 +23,10 @@ def carpenter(elements, courant, **options):
 @pytest.mark.parametrize("courant", COURANTS)
 def test_two_identical_rods(elements, bound, courant):
     result = carpenter(elements, courant)
-    exact = two_rods(ct.Rod(**CARPENTER), gap=GAP, velocity=SPEED)
+    exact = ct.reference.two_rods(ct.Rod(**CARPENTER), gap=GAP, velocity=SPEED)
     (start, end), duration = result.intervals[0][0], exact.intervals[0, 1] - exact.intervals[0, 0]
     momentum = sum(motion.momentum for motion in result.motions)
-    assert force_error(result.time, result.force[:, 0], result.dt, exact) <= bound
+    assert ct.reference.force_error(result.time, result.force[:, 0], result.dt, exact) <= bound
     assert result.max_penetration[0] <= 1e-12 * 0.254
     assert abs(momentum / (ct.Rod(**CARPENTER).mass * SPEED) - 1.0) <= 1e-12
     assert start == pytest.approx(4.9456e-5, rel=1e-4)
@@ -52,8 +51,8 @@ def test_first_force_spike_is_reported_beside_the_windowed_force():
 def test_rod_on_wall(elements, bound, courant):
     bar = ct.Rod(**BAR, elements=elements, velocity=-10.0)
     result = ct.run([bar, ct.Wall(x=0.0)], t_end=2.0, courant=courant)
-    exact = rod_on_wall(bar, gap=5.0, velocity=10.0)
-    assert force_error(result.time, result.force[:, 0], result.dt, exact) <= bound
+    exact = ct.reference.rod_on_wall(bar, gap=5.0, velocity=10.0)
+    assert ct.reference.force_error(result.time, result.force[:, 0], result.dt, exact) <= bound
     assert result.max_penetration[0] <= 1e-11
     assert result.motions[0].mean_velocity == pytest.approx(10.0, rel=0.05 if elements == 20 else 0.015)
     assert result.residual[0] <= 1e-12
@@ -65,10 +64,10 @@ def test_bouncing_bar_one_period():
     bar = ct.Rod(**BAR, elements=100)
     T = 16.0 / 3.0
     result = ct.run([bar, ct.Wall(x=0.0)], t_end=T, courant=0.9, gravity=10.0, record=ct.Record(state_every=1))
-    history = bar_by_characteristics(bar, gravity=10.0, t_end=T, cells=300)
+    history = ct.reference.bar_by_characteristics(bar, gravity=10.0, t_end=T, cells=300)
     gap = 5.0 + result.state[:, 1]  # node 0 is the wall
     assert np.abs(gap - np.interp(result.state_time, history.time, history.gap)).max() <= 0.03 * 5.0
-    assert force_error(result.time, result.force[:, 0], result.dt, bouncing_bar(2)) <= 0.05
+    assert ct.reference.force_error(result.time, result.force[:, 0], result.dt, ct.reference.bouncing_bar(2)) <= 0.05
     assert result.impulse[0] == pytest.approx(2 * 266.667, rel=0.005)
     assert len(result.intervals[0]) == 2
     energy = result.energy
@@ -108,10 +107,10 @@ def test_order_of_the_bodies_is_the_users():
 
 def test_penalty_error_does_not_fall_with_the_mesh():
     errors = []
-    exact = two_rods(ct.Rod(**CARPENTER), gap=GAP, velocity=SPEED)
+    exact = ct.reference.two_rods(ct.Rod(**CARPENTER), gap=GAP, velocity=SPEED)
     for elements in (20, 100):
         result = carpenter(elements, 0.5, law=ct.Penalty(stiffness=3.5e8))
-        errors.append(force_error(result.time, result.force[:, 0], result.dt, exact))
+        errors.append(ct.reference.force_error(result.time, result.force[:, 0], result.dt, exact))
         assert result.max_penetration[0] > 2.5e-5
         assert abs(result.energy.unaccounted) <= 1e-12 * result.energy.start.total
     assert errors[1] > 0.7 * errors[0] > 0.02

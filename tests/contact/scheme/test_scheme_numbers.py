@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.bladed_disk import pair_rim
 from tests.contact.held_runs import numbers_of
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
@@ -198,7 +197,7 @@ def test_numbers_of_a_disk(held):
         lean_deg=30.0,
         zeta=1e-3,
     )
-    casing = pair_rim(ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=1.5), radius=0.5)
+    casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=300.0, modal_mass=1.5), radius=0.5)
     scene = ct.Rub(
         casing,
         (disk.body(),),

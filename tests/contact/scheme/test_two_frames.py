@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 from tests.contact.synthetic_rim import N_MAX, SIZE, ring
 
 LEAN, MU, PRESS, STEPS, H = math.radians(12.0), 0.25, 6e-5, 1500, 1e-6
@@ -30,9 +29,15 @@ def rigid_rim(S=3e-8):
     rows[1, 0] = rows[2, 1] = 1.5  # x cos + y sin along the radius
     rows[5, 0], rows[4, 1] = -1.5, 1.5  # y cos - x sin around
     return ct.ModalBody(
-        omega=[700.0, 700.0], zeta=[0.0, 0.0], channels=rim_channels(1), rows=rows, S=np.diag([S] * 3 + [0.5 * S] * 3),
-        kind="rim", n_max=1, radius=0.4,
-    )  # fmt: skip
+        omega=[700.0, 700.0],
+        zeta=[0.0, 0.0],
+        channels=ct.bodies.rim_channels(1),
+        rows=rows,
+        S=np.diag([S] * 3 + [0.5 * S] * 3),
+        kind="rim",
+        n_max=1,
+        radius=0.4,
+    )
 
 
 def waves(angle, n_max):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 
 
 def body(*omega):
@@ -18,7 +17,7 @@ def body(*omega):
 def rim(*omega):
     """The same of a ring that turns, seen along its radius and its circumference by one harmonic."""
     return ct.ModalBody(
-        omega=omega, zeta=np.zeros(len(omega)), channels=rim_channels(1), rows=np.ones((6, len(omega))),
+        omega=omega, zeta=np.zeros(len(omega)), channels=ct.bodies.rim_channels(1), rows=np.ones((6, len(omega))),
         S=np.zeros((6, 6)), kind="rim", n_max=1, radius=0.4,
     )  # fmt: skip
 

@@ -1,4 +1,7 @@
-"""One-step problems: the active set and the friction solver against pivoting, closed forms and degenerate cases."""
+"""One-step problems: the active set and the friction solver against pivoting, closed forms and degenerate cases.
+
+These tests call the solvers themselves: the coupling that makes a problem hard is drawn, which no body offers.
+"""
 
 import re
 
@@ -6,16 +9,9 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.jit.compiled import entry
-from contact.solver.friction.all_sliding import all_sliding_start
-from contact.solver.friction.coulomb import against_slip, coulomb, covering, polyhedral_cone, solver_room
-from contact.solver.friction.coulomb import lemke as pivoting
-from contact.solver.friction.newton import MOST_ITERATIONS
-from contact.solver.friction.room import INNER, MISS, STEP, TRIAL
-from contact.solver.unilateral.active_set import delassus_rows, unilateral
+from contact.solver.friction.coulomb import coulomb
+from contact.solver.unilateral.active_set import unilateral
 from tests.contact.solver.lemke import lemke
-
-slide_all = entry(all_sliding_start)  # compiled as a whole, as loops have it
 
 pytestmark = pytest.mark.slow  # they compile loops for seconds
 
@@ -64,27 +60,9 @@ def test_five_thousand_candidates_on_a_hundred_modes():
     np.testing.assert_allclose(found.y, A.T @ found.force, atol=1e-12)
 
 
-def test_a_delassus_matrix_gives_its_rows():
-    rng = np.random.default_rng(23)
-    A = rng.standard_normal((6, 3))
-    W, b = A @ A.T, -np.abs(rng.standard_normal(3)) @ A.T
-    np.testing.assert_allclose(W @ unilateral(delassus_rows(W), b).force, W @ unilateral(A, b).force, atol=1e-12)
-
-
 def test_contacts_wedged_without_compliance_are_refused():
     with pytest.raises(ct.NumericsError, match="press against each other"):
         unilateral(np.array([[1.0], [-1.0]]), np.array([-1.0, 0.5]))
-
-
-def test_walls_too_close_by_round_off_alone_do_not_wedge():
-    """A unit that two walls touch at once: 1e-10 of the motion and of the gap is taken for round-off."""
-    wedged = np.array([[1.0], [-1.0]])
-    found = unilateral(wedged, np.array([-1.0, 1.0 - 1.9e-10]))
-    assert found.force.tolist() == [1.0, 0.0]
-    with pytest.raises(
-        ct.NumericsError, match=r"^no motion opens all gaps at once: contacts press .* without compliance$"
-    ):
-        unilateral(wedged, np.array([-1.0, 1.0 - 2.1e-10]))
 
 
 @pytest.mark.parametrize(
@@ -167,7 +145,7 @@ def close_contacts(rng):
 
 
 def test_where_newton_ends_at_a_kink_pivoting_finds_the_way():
-    rng, hard = np.random.default_rng(27), 0
+    rng = np.random.default_rng(27)
     for _ in range(800):
         W, b = close_contacts(rng)
         found = coulomb(W, b, 2.0)
@@ -176,8 +154,6 @@ def test_where_newton_ends_at_a_kink_pivoting_finds_the_way():
         normal, tangent = found.force[:, 0], found.force[:, 1:]
         assert np.abs(np.minimum(normal, rho[:, 0] * found.motion[:, 0])).max() <= 1e-11 * scale
         assert (np.linalg.norm(tangent, axis=1) - 2.0 * normal).max() <= 1e-11 * scale
-        hard += found.iterations > MOST_ITERATIONS
-    assert hard > 5
 
 
 def test_a_contact_without_free_motion_that_others_press_is_solved():
@@ -188,46 +164,6 @@ def test_a_contact_without_free_motion_that_others_press_is_solved():
         assert found.left <= 1e-10
         pressed += found.force[0, 0] > 0.0
     assert pressed > 5
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.4, 2.0])
-def test_two_facets_are_exact_in_two_dimensions(mu):
-    rng = np.random.default_rng(28)
-    for _ in range(50):
-        A, b = np.eye(8) + 0.15 * rng.standard_normal((8, 8)), rng.standard_normal(8)
-        force = polyhedral_cone(A @ A.T, b, np.full(4, mu), 2, np.zeros(4), 0.0, 0)
-        np.testing.assert_allclose(force, coulomb(A @ A.T, b.reshape(4, 2), mu).force.ravel(), atol=1e-9)
-
-
-def test_facets_close_to_the_slip_converge_with_the_square_of_their_distance():
-    b, mu = np.array([-1.0, -2.0, 0.7]), np.array([0.5])
-    W = np.array([[1.0, 0.2, 0.1], [0.2, 1.5, 0.3], [0.1, 0.3, 0.8]])
-    exact = coulomb(W, b.reshape(1, 3), mu)
-    slip = -exact.motion[0, 1:]
-    errors = []
-    for spread in (0.2, 0.1, 0.05):
-        force = polyhedral_cone(W, b, mu, 3, np.array([np.arctan2(slip[1], slip[0]) + 0.5 * spread]), spread, 0)
-        errors.append(np.abs(force - exact.force[0]).max())
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.2)
-    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.2)
-
-
-def test_covering_vectors_are_ones_and_then_all_different_between_one_and_two():
-    assert covering(5, 0).tolist() == [1.0] * 5
-    draws = np.array([covering(5, draw) for draw in (1, 2, 3)])
-    assert draws.min() > 1.0
-    assert draws.max() < 2.0
-    assert all(len(np.unique(draw.round(6))) == 5 for draw in draws)
-    np.testing.assert_allclose((draws[0, 1:] - draws[0, :-1]) % 1.0, draws[0, 0] % 1.0, rtol=1e-12)
-
-
-@pytest.mark.parametrize("draw", [0, 3])
-def test_pivoting_from_any_covering_vector_is_the_reference(draw):
-    rng = np.random.default_rng(29)
-    for _ in range(50):
-        A, q = rng.standard_normal((6, 9)), rng.standard_normal(6)
-        np.testing.assert_allclose(pivoting(A @ A.T, q, covering(6, draw)), lemke(A @ A.T, q), atol=1e-9)
-    assert pivoting(np.array([[-1.0]]), np.array([-1.0]), np.ones(1)) is None  # no z >= 0 has 0 <= -z - 1
 
 
 @pytest.mark.parametrize(
@@ -266,112 +202,6 @@ def test_contacts_that_close_each_other_have_forces_until_they_do_it_more_than_t
             continue
         with pytest.raises(ct.NumericsError, match=r"^friction: residual .* after \d+ iterations, wanted 1e-12: there"):
             coulomb(W, b, 0.0)
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-def test_sliding_contacts_are_solved_by_their_normals_alone(dim):
-    """All slide fast: the start is the solution; something sticks: the start is left alone."""
-    rng = np.random.default_rng(23)
-    for _ in range(20):
-        half = rng.standard_normal((8 * dim, 8 * dim))
-        W = half @ half.T / (8 * dim) + 0.5 * np.eye(8 * dim)
-        b = rng.standard_normal((8, dim))
-        b[:, 1] += 1e5
-        force = np.zeros(8 * dim)
-        slide_all(W, b.ravel(), np.full(8, 0.1), dim, 8, force, solver_room(8, dim))
-        exact = coulomb(W, b, 0.1)
-        assert exact.force[:, 0].max() > 0.0
-        assert np.allclose(force, exact.force.ravel(), rtol=0.0, atol=1e-10 * np.abs(exact.force).max())
-    stuck = np.full(dim, -1.0)
-    start = np.zeros(dim)
-    slide_all(np.eye(dim), stuck, np.array([9.0]), dim, 1, start, solver_room(1, dim))
-    assert np.array_equal(start, np.zeros(dim))
-
-
-@pytest.mark.parametrize("count", [3, 7, 15])
-def test_which_sliding_contacts_press_is_found_where_exchanging_all_that_is_wrong_goes_round(count):
-    """Each contact opens the one before it twice as far as itself (Murty's example): exactly a third presses on each.
-
-    From one that pressed alone, whole sets of wrong ones are exchanged in a circle.
-    """
-    W, b, mu = np.eye(2 * count), np.tile([-1.0, 1e3], count), np.full(count, 1e-3)
-    W[::2, ::2] += 2.0 * np.roll(np.eye(count), 1, axis=1)
-    force = np.zeros(2 * count)
-    force[0] = 1.0
-    assert slide_all(W, b, mu, 2, count, force, solver_room(count, 2))
-    assert force == pytest.approx(np.tile([1.0, -1e-3], count) / 3.0, rel=1e-12)
-
-
-def six_slow_tips(rng):
-    """W, b and forces of another direction, of six tips that move together, and slip as slowly as friction drags."""
-    rigid, own = np.tile(np.eye(3), (6, 1)), 0.02 * rng.standard_normal((18, 18))
-    W = rigid @ np.diag([1.0, 2.0, 1.5]) @ rigid.T + own @ own.T + 1e-3 * np.eye(18)
-    to, old = rng.uniform(0.0, 2.0 * np.pi, 2)
-    b = np.array([-1.0, 0.5 * np.cos(to), 0.5 * np.sin(to)]) + 0.01 * rng.standard_normal((6, 3))
-    return W, b, np.tile([0.3, -0.06 * np.cos(old), -0.06 * np.sin(old)], 6)
-
-
-def test_slip_that_friction_could_turn_round_is_led_to_its_direction():
-    """Six tips that move together, from forces of another direction: Newton's method takes two steps, not nine.
-
-    The start is then within 4e-4 of the forces (2e-4 seen; 6e-4 where what friction itself takes is left out of one
-    direction).
-    """
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        W, b, start = six_slow_tips(rng)
-        force = start.copy()
-        slide_all(W, b.ravel(), np.full(6, 0.2), 3, 6, force, solver_room(6, 3))
-        led, alone = (coulomb(W, b, 0.2, one.reshape(6, 3)) for one in (force, start))
-        assert led.iterations <= 2 < 3 < alone.iterations
-        assert np.abs(force - led.force.ravel()).max() <= 4e-4 * led.force.max()
-        assert np.abs(led.force - alone.force).max() <= 1e-9 * alone.force.max()
-
-
-def test_a_start_does_not_depend_on_what_was_solved_before():
-    """A loop keeps one room for all its steps; a run that is continued begins with another."""
-    rng, used = np.random.default_rng(3), solver_room(6, 3)
-    for _ in range(4):
-        W, b, start = six_slow_tips(rng)
-        again, fresh = start.copy(), start.copy()
-        for force, room in ((again, used), (fresh, solver_room(6, 3))):
-            assert slide_all(W, b.ravel(), np.full(6, 0.2), 3, 6, force, room)
-        np.testing.assert_array_equal(again, fresh)
-
-
-def test_a_fault_inside_pivoting_is_no_solution(monkeypatch):
-    """Compiled loops call it by its address, where an exception would come back as a residual of zero."""
-
-    def fails(*_):
-        raise np.linalg.LinAlgError
-
-    monkeypatch.setattr("contact.solver.friction.coulomb.pivoted", fails)
-    assert np.isnan(solver_room(1, 2).otherwise.call(1, 2, 0))
-
-
-@pytest.mark.parametrize(("sweeps", "part"), [(0, "coulomb.pivoted"), (3, "room.sweep")])
-def test_ctrl_c_inside_a_loop_ends_it_and_is_raised_after_it(monkeypatch, sweeps, part):
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(f"contact.solver.friction.{part}", interrupted)
-    otherwise = solver_room(1, 2).otherwise
-    otherwise.pass_on()
-    assert np.isnan(otherwise.call(1, 2, sweeps))
-    assert np.isnan(otherwise.call(1, 2, 1 - min(sweeps, 1)))
-    with pytest.raises(KeyboardInterrupt):
-        otherwise.pass_on()
-
-
-def test_a_sweep_solves_contacts_that_do_not_feel_each_other():
-    """One pressed and sticking, one slipping at its cone, one open; sweeps are called back through Python too."""
-    room = solver_room(3, 2)
-    room.matrices[INNER] = np.diag([2.0, 1.0, 2.0, 1.0, 2.0, 1.0])
-    room.vectors[MISS] = [-2.0, 0.1, -2.0, 3.0, 1.0, 5.0]
-    room.vectors[STEP, :3] = 0.5
-    room.vectors[TRIAL] = 7.0
-    assert room.otherwise.call(3, 2, 1) == 0.0
-    np.testing.assert_allclose(room.vectors[TRIAL], [1.0, -0.1, 1.0, -0.5, 0.0, 0.0], rtol=1e-3)
 
 
 def motion_error(W, b, mu, force):
@@ -426,18 +256,3 @@ def test_contacts_that_yield_by_powers_of_ten_more_are_as_exact_as_the_others(di
         W = (U * np.geomspace(1.0, 0.1, c * dim)) @ U.T * yields[:, None] * yields
         b = (rng.standard_normal((c, dim)) - np.eye(dim)[0]) * np.geomspace(1.0, 1e6, c)[:, None]
         assert motion_error(W, b, 0.3, coulomb(W, b, 0.3).force) <= 1e-9
-
-
-def test_a_singular_last_basis_is_no_solution():
-    """Lemke's path ends on a basis that numpy calls singular: None, as on a ray, and no error of numpy's."""
-    M = np.array([[1e179, 1e179], [2e-270, 0.0]])
-    assert pivoting(M, np.array([-2.0, -1.0]), np.ones(2)) is None
-
-
-def test_facets_turn_against_the_slip_of_contacts_that_slip():
-    u = np.array([0.0, 3.0, -4.0, 0.0, 0.0, 0.0, 0.2, -1.0, 2.0])
-    turn = against_slip(u, 3, np.array([0.1, 0.2, 0.3]))
-    for k in (0, 2):
-        slip = u[3 * k + 1 : 3 * k + 3]
-        np.testing.assert_allclose([np.cos(turn[k]), np.sin(turn[k])], -slip / np.linalg.norm(slip), atol=1e-15)
-    assert turn[1] == 0.2

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.bladed_disk import pair_rim
 from contact.stability.envelope import envelope, growth_of
 from contact.stability.of_run import groups_of
 from tests.contact.synthetic_rim import blade, ring
@@ -17,7 +16,7 @@ PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
 def free(zeta=0.004, *, n=4, speed_hz=5.0, velocity=(1e-3, 0.0)):
     """A rim beside a blade that it never meets."""
     return ct.RotatingRim(
-        pair_rim(replace(PAIR, n=n, zeta=zeta), radius=0.5), blade(), clearance=1e-2, speed_hz=speed_hz,
+        ct.gaps.pair_rim(replace(PAIR, n=n, zeta=zeta), radius=0.5), blade(), clearance=1e-2, speed_hz=speed_hz,
         casing_velocity=list(velocity),
     )  # fmt: skip
 
@@ -50,11 +49,15 @@ def test_a_free_rim_without_damping_is_bounded_at_its_amplitude():
 def test_a_wave_with_the_blades_and_one_against_them_are_told_apart(sense):
     """The blades run towards -theta in a casing whose angle grows; cos(n theta - w t) runs towards +theta."""
     rub = ct.Rub(
-        pair_rim(PAIR, radius=0.5), (blade(),), (ct.ContactPoint(),), clearance=1e-2, speed=ct.Speed.constant(7.0),
+        ct.gaps.pair_rim(PAIR, radius=0.5),
+        (blade(),),
+        (ct.ContactPoint(),),
+        clearance=1e-2,
+        speed=ct.Speed.constant(7.0),
         casing_start=ct.gaps.Start(
             displacement=np.array([1e-4, 0.0]), velocity=np.array([0.0, sense * 1e-4 * 2.0 * np.pi * 100.0])
         ),
-    )  # fmt: skip
+    )
     found = ct.stability.of_run(rub, ct.run(rub, t_end=0.2, dt=1e-4, record=ct.Record(state_every=10)))
     assert found.cause.travel == pytest.approx(-sense, abs=0.01)
     assert f"{'against' if sense > 0.0 else 'with'} the rotation of the blades" in found.cause.words
@@ -74,7 +77,7 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
         omega=[2.0 * np.pi * 100.0], zeta=[0.0], channels=("span", "flap"), rows=[[0.2**-0.5], [0.0]],
         S=1e-4 * np.eye(2),
     )  # fmt: skip
-    rim = replace(pair_rim(pair.casing, radius=0.5), thickness=4e-3)
+    rim = replace(ct.gaps.pair_rim(pair.casing, radius=0.5), thickness=4e-3)
     rub = ct.Rub(rim, (body,), clearance=-1e-2, speed=ct.Speed.constant(found.peak_speed_hz))
     result = ct.run(rub, t_end=0.3, dt=2e-5, record=ct.Record(state_every=10))
     assert result.contact_steps[0] == result.steps

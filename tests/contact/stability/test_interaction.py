@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 
 N = 8
 CASING, BLADE, STIFFNESS = (300.0, 1.5), (120.0, 0.4), 1e4  # (Hz, kg), N/m
@@ -18,7 +17,7 @@ def pair(speed_hz):
     rows = np.zeros((2 * size, 2))
     rows[N, 0] = rows[2 * N, 1] = 1.0 / np.sqrt(CASING[1])
     casing = ct.ModalBody(
-        omega=[2 * np.pi * CASING[0]] * 2, zeta=[0.0, 0.0], channels=rim_channels(N), rows=rows,
+        omega=[2 * np.pi * CASING[0]] * 2, zeta=[0.0, 0.0], channels=ct.bodies.rim_channels(N), rows=rows,
         S=np.zeros((2 * size, 2 * size)), kind="rim", n_max=N, radius=0.5,
     )  # fmt: skip
     blade = ct.ModalBody(

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
 from contact.model.gaps.permanent import ClosedContact, disk_contact, equal_modes, rub_contact, turning
 from contact.stability.closed_contact import closed_poles, first_order, floor_of, growth, poles_each
 from contact.stability.growth_map import scan
@@ -247,7 +246,7 @@ def split(pairs, n_max):
         for row, value in entries.items():
             rows[row, i] = value
     return ct.ModalBody(
-        omega=[p[0] for p in pairs], zeta=[p[1] for p in pairs], channels=rim_channels(n_max), rows=rows,
+        omega=[p[0] for p in pairs], zeta=[p[1] for p in pairs], channels=ct.bodies.rim_channels(n_max), rows=rows,
         S=np.zeros((2 * size, 2 * size)), kind="rim", n_max=n_max, radius=1.0,
     )  # fmt: skip
 

@@ -7,7 +7,6 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from contact.model.gaps.bladed_disk import pair_rim
 from reports.studies.rig import chain as rig
 from reports.studies.rig import rub, tuning
 from reports.studies.rig import synthetic as rig_synthetic
@@ -56,7 +55,7 @@ def test_updating_closes_most_of_the_gap_that_it_can(chain):
 def test_band_in_which_n_leads_is_that_of_a_weak_coincidence():
     """Two poles that meet over a stiff contact: half width 2 sqrt(a b)/S of `contact.stability.coincidence`."""
     n, still, speed, S = 4, 300.0, 5.0, 3e-6
-    casing = pair_rim(ct.gaps.ModalPair(n=n, freq_hz=still, modal_mass=2.0, zeta=1e-3), radius=0.45)
+    casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=n, freq_hz=still, modal_mass=2.0, zeta=1e-3), radius=0.45)
     blade = ct.ModalBody(
         omega=2 * np.pi * np.array([280.0]), zeta=np.full(1, 1e-3), channels=("span", "flap"),
         rows=np.array([[0.0], [2.0]]), S=S * np.eye(2),
@@ -79,7 +78,7 @@ def test_band_in_which_n_leads_is_that_of_a_weak_coincidence():
 
 
 def test_tuning_is_refused_where_friction_lets_nothing_grow():
-    casing = pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=2.0, zeta=1e-3), radius=0.45)
+    casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=4, freq_hz=300.0, modal_mass=2.0, zeta=1e-3), radius=0.45)
     blade = ct.ModalBody(
         omega=np.array([1760.0]), zeta=np.full(1, 1e-3), channels=("span", "flap"), rows=np.array([[0.0], [2.0]]),
         S=3e-6 * np.eye(2),

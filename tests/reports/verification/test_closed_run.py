@@ -9,7 +9,6 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.model.gaps.bladed_disk import pair_rim
 from contact.stability.closed_contact import first_order
 from contact.stability.split_casing import mean_contact
 from reports.verification.rubs.closed_run import ConfirmingRun, _start, _step, closed_rub, confirming_run, exponent
@@ -135,7 +134,7 @@ def test_a_pair_by_hand_becomes_a_rub_with_its_own_friction(lean):
     assert body.rows[0, 0] == (0.0 if lean else pytest.approx(0.4**-0.5, rel=1e-14))
     np.testing.assert_allclose(body.S, 1e-8 * np.eye(2), rtol=1e-14)
     assert found.casing.radius == 0.5
-    np.testing.assert_array_equal(found.casing.rows, pair_rim(PAIR.casing, radius=0.5).rows)
+    np.testing.assert_array_equal(found.casing.rows, ct.gaps.pair_rim(PAIR.casing, radius=0.5).rows)
 
 
 def test_growth_is_read_beside_a_drift_and_without_an_oscillation():
