@@ -130,6 +130,10 @@ SURFACES = {
         "the pieces of a meridian do not join: a corner without a fillet that fits, an arc that is too small",
         "give arcs a radius above half of their way, and corners a fillet: the wall's thickness where they are sharp",
     ),
+    "meridian-points": (
+        "no smooth meridian goes through these points",
+        'give two points or more from base to top; where walls meet at an angle take kind = "meridian" with a fillet',
+    ),
     "meridian-axis": (
         "the meridian reaches the axis, where a chart of revolution ends in a pole",
         "stop short of the axis and leave a small hole",

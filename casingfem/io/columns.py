@@ -70,14 +70,17 @@ TABLE = (
     ),
 )  # fmt: skip
 _METRES = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+MERIDIAN = (
+    Quantity("radius_m", ("radius", "r"), _units("radius_m", **_METRES)),
+    Quantity("z_m", ("z", "height", "höhe", "hoehe"), _units("z_m", **_METRES)),
+)
 PLACE = (
     Quantity("point", ("point", "node", "sensor", "punkt")),
     Quantity(
         "angle_deg", ("angle", "theta", "winkel"),
         dict.fromkeys(_DEG, ("angle_deg", 1.0)) | dict.fromkeys(_RAD, ("angle_deg", 180.0 / _PI)),
     ),
-    Quantity("radius_m", ("radius", "r"), _units("radius_m", **_METRES)),
-    Quantity("z_m", ("z", "height", "höhe", "hoehe"), _units("z_m", **_METRES)),
+    *MERIDIAN,
 )  # fmt: skip
 SURVEY = (
     Quantity("theta", ("theta", "angle", "phi", "winkel", "azimuth"), _angles("theta")),

@@ -146,7 +146,7 @@ def nearest(
         look, fall, before, ready = 2 * wanted, np.log(FALL), (0, np.inf), 0
         while basis.count + basis.fresh.shape[1] <= room:
             basis.grow()
-            tell(f"{ready} of {wanted} modes converged", min(basis.count / look, 0.99))
+            tell(f"{ready} of {wanted} modes converged", ready / wanted if ready else None)
             closed = not basis.fresh.shape[1]  # what the block can reach is found
             if closed and basis.count < wanted:
                 basis.begin(rng.standard_normal((size, min(block, size - basis.count))))

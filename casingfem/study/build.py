@@ -2,10 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from casingfem.errors import warn
+from casingfem.errors import InputError, warn
+from casingfem.io import strict_csv
+from casingfem.io.columns import MERIDIAN, named
+from casingfem.io.together import together
 from casingfem.structure.field.field import Field
 from casingfem.structure.field.random import RAYLEIGH, RandomField, Spectrum
 from casingfem.structure.field.survey.points import read_points
@@ -14,6 +18,7 @@ from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Chart, Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import Piece, PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc, Revolved
+from casingfem.structure.geometry.smooth import SmoothMeridian
 from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip, check_strips
 from casingfem.structure.geometry.survey_check import check_survey, mean_radius, on_meridian, with_rule
@@ -92,12 +97,15 @@ def try_chart(tables: StudyFile, problems: Problems) -> Chart | None:
     """The chart of a study, or None with the reason collected."""
     if tables.chart is not None:
         with problems.at("chart"):
-            return build_chart(tables.chart)
+            return build_chart(tables.chart, problems.file.parent)
     return None
 
 
-def build_chart(table: shapes.ChartTable) -> Chart:
-    """The chart of a [chart] table."""
+def build_chart(table: shapes.ChartTable, folder: Path) -> Chart:
+    """The chart of a [chart] table; its files are beside the study."""
+    if isinstance(table, shapes.PointsTable):
+        points = read_meridian(folder / table.points) if isinstance(table.points, str) else table.points
+        return Revolved(profile=SmoothMeridian(points=tuple((r, z) for r, z in points)))
     if isinstance(table, shapes.MeridianTable):
         pieces = tuple(Piece(to=(p.to[0], p.to[1]), radius=p.radius, fillet=p.fillet) for p in table.piece)
         start = (table.start[0], table.start[1])
@@ -106,6 +114,28 @@ def build_chart(table: shapes.ChartTable) -> Chart:
         return Revolved(profile=value_of(table, Arc))
     chart: Chart = value_of(table, CHARTS[table.kind])
     return chart
+
+
+def read_meridian(path: Path) -> list[tuple[float, float]]:
+    """The points of a CSV file or workbook under radius_m and z_m, in the order of its rows.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    table = named(strict_csv.read(path), MERIDIAN)
+    if set(table.header) != {"radius_m", "z_m"}:
+        raise table.refuse_header(found=",".join(table.written.values()), expected="radius_m,z_m")
+    columns, wrong = list[list[float]](), list[InputError]()
+    for name in ("radius_m", "z_m"):
+        try:
+            columns.append(table.numbers(name).tolist())
+        except InputError as error:
+            wrong.append(error)
+    if wrong:
+        raise together(wrong)
+    return list(zip(*columns, strict=True))
 
 
 def build_strips(study: StudyFile, chart: Chart | None, problems: Problems) -> tuple[Strip, ...]:
@@ -168,10 +198,10 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
             return series(table.harmonics, f"{key}.harmonics")
     elif table.random is not None:
         with problems.at(f"{key}.random"):
-            return build_random(table, int(key.partition("[")[2][:-1]), tables)
+            return build_random(table, int(key.partition("[")[2][:-1]), tables, problems.file.parent)
     elif table.survey is not None:
         with problems.at(f"{key}.survey"):
-            chart = None if tables.chart is None else build_chart(tables.chart)
+            chart = None if tables.chart is None else build_chart(tables.chart, problems.file.parent)
             survey = SurveyField.fitted(
                 read_points(problems.file.parent / table.survey),
                 n_max=table.n_max,
@@ -186,7 +216,7 @@ def build_field(table: ImperfectionTable, key: str, tables: StudyFile, problems:
     return None
 
 
-def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> RandomField | None:
+def build_random(table: ImperfectionTable, stream: int, tables: StudyFile, folder: Path) -> RandomField | None:
     """A random field; None where the tables it needs are not in order, which is collected there."""
     seed, scale = table.seed or 0, 1.0 if table.scale is None else table.scale
     if isinstance(table.random, list):
@@ -198,5 +228,6 @@ def build_random(table: ImperfectionTable, stream: int, tables: StudyFile) -> Ra
         return RandomField(spectrum=spectrum, seed=seed, stream=stream)
     if tables.chart is None or tables.shell is None:
         return None
-    radius, thickness, p_max = mean_radius(build_chart(tables.chart)), tables.shell.thickness, table.p_max or 32
+    radius = mean_radius(build_chart(tables.chart, folder))
+    thickness, p_max = tables.shell.thickness, table.p_max or 32
     return RandomField.example(thickness=thickness, radius=radius, seed=seed, scale=scale, p_max=p_max, stream=stream)

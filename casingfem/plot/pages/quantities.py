@@ -15,6 +15,7 @@ from casingfem.structure.geometry.blade import Blade, TwistedPlate
 from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.pieces import PiecewiseMeridian
 from casingfem.structure.geometry.revolved import Arc
+from casingfem.structure.geometry.smooth import SmoothMeridian
 from casingfem.study.tables import shapes, supports
 from casingfem.study.tables.table import Table
 
@@ -108,6 +109,10 @@ def chart_rows(chart: object) -> list[tuple[str, str]]:
     profile = getattr(chart, "profile", None)
     if isinstance(profile, PiecewiseMeridian):
         return meridian_rows(profile)
+    if isinstance(profile, SmoothMeridian):
+        ends = f"from {place(profile.points[0])} to {place(profile.points[-1])}"
+        words = f"Smooth meridian through {len(profile.points)} points {ends}, {profile.length:.6g} m long"
+        return [("surface", words)]
     if isinstance(profile, Arc):
         return [("surface", f"Dome: {values_of(profile)}")]
     return [("surface", f"{spaced(chart)}: {values_of(chart)}")]

@@ -4,6 +4,7 @@ from .jet import cos, jets, sin, surface
 from .pieces import Piece, PiecewiseMeridian
 from .revolved import Arc, Meridian, Revolved, RevolvedPanel
 from .rotation import Rotation
+from .smooth import SmoothMeridian
 from .stations import Taper
 from .strip import Strip
 
@@ -24,6 +25,7 @@ __all__ = [
     "Revolved",
     "RevolvedPanel",
     "Rotation",
+    "SmoothMeridian",
     "Strip",
     "Surface",
     "Taper",

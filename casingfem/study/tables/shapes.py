@@ -95,6 +95,15 @@ class MeridianTable(Table):
     piece: list[PieceTable] = Field(min_length=1, description="at least one [[chart.piece]]")
 
 
+class PointsTable(Table):
+    """[chart] of kind "points": a smooth meridian through points, turned about z."""
+
+    kind: Literal["points"] = Field(description="which surface it is")
+    points: Annotated[str, Field(min_length=1)] | Annotated[list[Annotated[Pair, REACH]], Field(min_length=2)] = Field(
+        description="[r, z] from base to top [m], or a CSV file with columns radius_m and z_m, one row a point"
+    )
+
+
 @table_of(TwistedPlate)
 class TwistedPlateTable(Table):
     """[chart] of kind "twisted-plate"."""
@@ -117,7 +126,15 @@ class BladeTable(Table):
 
 
 ChartTable = Annotated[
-    FrustumTable | CylinderTable | PanelTable | PlateTable | TwistedPlateTable | DomeTable | MeridianTable | BladeTable,
+    FrustumTable
+    | CylinderTable
+    | PanelTable
+    | PlateTable
+    | TwistedPlateTable
+    | DomeTable
+    | MeridianTable
+    | PointsTable
+    | BladeTable,
     Field(discriminator="kind"),
 ]
 

@@ -1,0 +1,75 @@
+"""A meridian through given points: a cubic spline in the plane of r and z."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from casingfem.errors import ModelError
+from casingfem.io.arrays import Array, FloatArray
+from casingfem.structure.geometry.pieces import Point
+from casingfem.structure.geometry.revolved import MeridianPoints
+
+CORNER = np.radians(30.0)  # between neighbouring chords: a spline would swing on both sides of a sharper bend
+SAMPLES = 20  # of each chord, where the spline is looked at
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SmoothMeridian:
+    """A meridian through points, the profile of a `Revolved` chart.
+
+    r(s) and z(s) are cubic splines with continuous curvature (not-a-knot ends); s counts the chords from point to
+    point, which is the arc length to second order in a chord's turn.
+
+    Parameters
+    ----------
+    points
+        (r, z) [m] from the base to the top, two or more.
+
+    Raises
+    ------
+    ModelError
+        `meridian-points` for fewer than two points, one that repeats the one before, or a corner of more than 30
+        degrees; `meridian-axis` where the meridian reaches the axis.
+
+    Examples
+    --------
+    >>> bell = SmoothMeridian(points=((0.30, 0.0), (0.29, 0.1), (0.27, 0.2)))
+    >>> round(bell.length, 4), float(bell.at(np.array(0.0)).r)
+    (0.2025, 0.3)
+    """
+
+    points: tuple[Point, ...]
+    chords: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        places = np.array(self.points, dtype=float)
+        if places.ndim != 2 or places.shape[1] != 2 or len(places) < 2 or not np.isfinite(places).all():
+            found = f"{len(self.points)} points" if len(self.points) < 2 else f"an array {places.shape}"
+            raise ModelError("meridian-points", f"chart.points: found {found}, expected two or more of r and z")
+        steps = np.diff(places, axis=0)
+        sizes = np.linalg.norm(steps, axis=1)
+        if not np.all(sizes > 0.0):
+            k = int(np.argmin(sizes)) + 1
+            raise ModelError("meridian-points", f"chart.points: found points {k} and {k + 1} at one place")
+        turns = np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))
+        if turns.size and np.abs(turns).max() > CORNER:
+            k = int(np.abs(turns).argmax()) + 2
+            found = f"a corner of {np.degrees(np.abs(turns).max()):.3g} degrees at point {k}"
+            raise ModelError("meridian-points", f"chart.points: found {found}, expected at most 30")
+        object.__setattr__(self, "points", tuple((float(r), float(z)) for r, z in places))
+        object.__setattr__(self, "chords", np.append(0.0, np.cumsum(sizes)))
+        lowest = float(self.at(np.linspace(0.0, self.length, SAMPLES * len(places))).r.min())
+        if lowest <= 1e-9 * self.length:
+            raise ModelError("meridian-axis", f"chart.points: found a radius of {lowest:.3g} m on the meridian")
+
+    @property
+    def length(self) -> float:
+        """Where s ends [m]."""
+        return float(self.chords[-1])
+
+    def at(self, s: Array) -> MeridianPoints:
+        """Radius, height and their derivatives at s."""
+        spline = CubicSpline(self.chords, np.array(self.points))
+        value, slope, bend = (spline(s, nu) for nu in range(3))
+        return MeridianPoints(value[..., 0], slope[..., 0], bend[..., 0], value[..., 1], slope[..., 1], bend[..., 1])
