@@ -32,33 +32,38 @@ NUMBERS = 20_000  # that the histories of a JSON document may have without --his
 HISTORY = click.option(
     "--history", is_flag=True, help=f"Keep histories of more than {NUMBERS:,} numbers in --json and DIR's .json."
 )
+PICTURES = click.option(
+    "--pictures", is_flag=True, help="With --out, also draw spectra, waves, orbit, section and energies."
+)
 
 
 @click.command()
 @SCENE
 @HISTORY
+@PICTURES
 @options
-def contact(file: Path, as_json: bool, out: Path | None, history: bool) -> None:
+def contact(file: Path, as_json: bool, out: Path | None, history: bool, pictures: bool) -> None:
     """Run SCENE: rods, masses and walls, a rim against a blade, or a beam in a circle.
 
-    --out DIR gets the result, pictures of force, gap, spectrum and energy, and the forces as a table. After a stop the
-    same command goes on where the run was.
+    --out DIR gets the result, one picture of force, gap and motion over time, and the forces as a table. `casingfem
+    report` shows all pictures on one page. After a stop the same command goes on where the run was.
     """
-    run_scene(file, "contact", as_json, out, history=history)
+    run_scene(file, "contact", as_json, out, history=history, pictures=pictures)
 
 
 @click.command()
 @SCENE
 @click.option("--vtu", is_flag=True, help="Also write the motion of all nodes for ParaView, to DIR/vtu.")
 @HISTORY
+@PICTURES
 @options
-def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool) -> None:
+def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool, pictures: bool) -> None:
     """Run SCENE: a turning casing against one blade tip (rim), or many places of many blades (rub); or a rotor.
 
-    --out DIR gets the result, pictures of force, gap, spectrum, orbit and energy, and the forces as a table. A run that
-    diverges stops there, keeps all it has, and ends with exit code 3, or 0 with on_limit = "flag". After a stop the
-    same command goes on where the run was. --vtu writes one VTKHDF file a body and
-    needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
+    --out DIR gets the result, one picture of force, gap and motion over time, and the forces as a table. `casingfem
+    report` shows all pictures on one page. A run that diverges stops there, keeps all it has, and ends with exit code
+    3, or 0 with on_limit = "flag". After a stop the same command goes on where the run was. --vtu writes one VTKHDF
+    file a body and needs a basis that recovers its nodes: recovery = true in [reduce] of its study.
     """
     if vtu and out is None:
         raise click.UsageError("found --vtu without --out DIR, expected a folder to write to")
@@ -66,7 +71,7 @@ def rub(file: Path, as_json: bool, out: Path | None, vtu: bool, history: bool) -
         from casingfem.export.series import require_series
 
         require_series()
-    run_scene(file, "rub", as_json, out, vtu=vtu, history=history)
+    run_scene(file, "rub", as_json, out, vtu=vtu, history=history, pictures=pictures)
 
 
 @click.command()
@@ -201,9 +206,12 @@ def traces_of(scene: "CyclesScene", found: "Cycles") -> "list[Trace]":
 
 
 def run_scene(
-    file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False
-) -> None:
+    file: Path, command: str, as_json: bool, out: Path | None, *, vtu: bool = False, history: bool = False,
+    pictures: bool = False,
+) -> None:  # fmt: skip
     """Load, run, deliver; of a run that failed or diverged, what there is up to that step."""
+    if pictures and out is None:
+        raise click.UsageError("found --pictures without --out DIR, expected a folder to write to")
     from contact import RotatingRim, Rub, load_scene
     from contact.model.rotor import Rotor
     from contact.scene.load import read_scene
@@ -224,7 +232,7 @@ def run_scene(
         from casingfem.cli.pictures import run_files
 
         files = {f"{command}.npz": result.save, f"{command}.json": json_text(document)}
-        files |= run_files(scene, result, command)
+        files |= run_files(scene, result, command, every=pictures)
     if vtu and isinstance(scene.what, RotatingRim | Rub):
         from casingfem.cli.pictures import series_files
 

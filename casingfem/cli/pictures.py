@@ -42,7 +42,6 @@ def figures(
     scene: "Scene", result: "Result", rim: "RimMotion | None" = None, casing: "Array | None" = None
 ) -> dict[str, "Figure"]:
     """All pictures that the run has the data for; `rim` and `casing` are its motions where they are known already."""
-    from casingfem.plot.contact import figure_contact
     from casingfem.plot.motion import figure_energy, figure_orbit, figure_spectrum
     from casingfem.plot.waves import figure_force_map, figure_section, figure_waves
     from contact.histories import strain_energy, tip_motion
@@ -54,7 +53,7 @@ def figures(
     casing = casing_motion(scene.what, result) if casing is None else casing
     rim = rim_motion(scene.what, result) if rim is None else rim
     top = TOP / result.window
-    found: dict[str, Figure] = {"run": figure_contact(result, int(result.impulse.argmax()), rim=rim)}
+    found = over_time(scene, result, rim)
     marks, turn_hz = marks_of(scene.what), turn_of(scene.what)
     moved = tip_motion(scene.what, result, casing)
     if result.time.size > 1 and result.every:
@@ -78,6 +77,17 @@ def figures(
         found["section"] = figure_section(section)
     found["energy"] = figure_energy(ledger(result), result.state_time, strain_energy(scene.what, result))
     return found
+
+
+def over_time(scene: "Scene", result: "Result", rim: "RimMotion | None" = None) -> dict[str, "Figure"]:
+    """Force, gap and motion over time, as "run"; empty where nothing was recorded."""
+    from casingfem.plot.contact import figure_contact
+    from contact.rim_motion import rim_motion
+
+    if not result.time.size or not result.force.shape[1]:
+        return {}
+    rim = rim_motion(scene.what, result) if rim is None else rim
+    return {"run": figure_contact(result, int(result.impulse.argmax()), rim=rim)}
 
 
 def speed_figures(scene: object, found: "Interactions", speed_hz: float = 0.0) -> dict[str, "Figure"]:
@@ -139,13 +149,16 @@ def ledger(result: "Result") -> dict[str, float]:
     }  # fmt: skip
 
 
-def run_files(scene: "Scene", result: "Result", command: str) -> dict[str, Content]:
-    """Pictures as png and the force history, under the names that --out gives them."""
+def run_files(scene: "Scene", result: "Result", command: str, *, every: bool = False) -> dict[str, Content]:
+    """Pictures as png and the force history, under the names that --out gives them.
+
+    The picture of the run over time alone, or with `every` all that the run has the data for.
+    """
     from casingfem.plot.style import png
 
+    drawn = figures(scene, result) if every else over_time(scene, result)
     files: dict[str, Content] = {
-        f"{command}.png" if name == "run" else f"{command}_{name}.png": png(figure)
-        for name, figure in figures(scene, result).items()
+        f"{command}.png" if name == "run" else f"{command}_{name}.png": png(figure) for name, figure in drawn.items()
     }
     if result.tracks and len(result.tracks[0].map_time) > 1:
         files |= coatings(result.tracks)

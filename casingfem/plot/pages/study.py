@@ -5,8 +5,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
+import numpy as np
+
 from casingfem.io.arrays import FloatArray
-from casingfem.modal.mode_set import ModeSet
+from casingfem.modal.mode_set import Modes, ModeSet
 from casingfem.modal.modes import modes
 from casingfem.plot.page import Section, Verdict, origin, render_page
 from casingfem.plot.pages.fit import shapes_section, update_section, update_verdict
@@ -16,6 +18,7 @@ from casingfem.structure.imported.assembly import MeshStructure
 from casingfem.structure.shell.shell import Shell
 from casingfem.study import MeshStudy, Study, perfect
 from casingfem.study.tasks import run_reduce, run_update
+from casingfem.updating.addresses import get_value
 from casingfem.updating.result import UpdateResult
 from casingfem.updating.shape_fit import ShapeFit, shape_fit
 
@@ -44,7 +47,9 @@ def study_report(study: Study | MeshStudy, say: Callable[[str], None] = lambda w
         found_fit = clock("update", lambda: run_update(study))
         fit, structure = found_fit, found_fit.structure
         compared = shape_fit(found_fit)
-        sections += clock("update's comparison", lambda: fit_sections(found_fit, compared))
+        same = reference is not None and len(reference) >= len(found_fit.before) and starts_there(study, found_fit)
+        known = reference if same else None
+        sections += clock("update's comparison", lambda: fit_sections(found_fit, compared, known=known))
     if study.file.reduce is not None:
         basis = clock("reduction", lambda: run_reduce(study, structure))
         sections.append(reduction_section(basis, updated=study.table is not None))
@@ -67,11 +72,25 @@ def update_page(study: Study | MeshStudy, fit: UpdateResult, samples: FloatArray
     )  # fmt: skip
 
 
-def fit_sections(fit: UpdateResult, compared: ShapeFit | None, samples: FloatArray | None = None) -> list[Section]:
-    """What an update found, and its mode shapes where they were measured."""
-    ideal = imperfect(fit.before.structure)
-    sections = [update_section(fit, None if ideal is None else modes(ideal, len(fit.before)), samples)]
+def fit_sections(
+    fit: UpdateResult, compared: ShapeFit | None, samples: FloatArray | None = None, *, known: Modes | None = None
+) -> list[Section]:
+    """What an update found, and its mode shapes where they were measured.
+
+    `known` are the modes of the perfect shell at the start values, where the caller has them.
+    """
+    ideal = imperfect(fit.before.structure) if known is None else None
+    perfect_modes = known if ideal is None else modes(ideal, len(fit.before))
+    sections = [update_section(fit, perfect_modes, samples)]
     return sections + ([] if compared is None else [shapes_section(compared)])
+
+
+def starts_there(study: Study | MeshStudy, fit: UpdateResult) -> bool:
+    """Whether an update began at the numbers of the study."""
+    return all(
+        np.allclose(get_value(study.structure, p.name), start, rtol=1e-12, atol=0.0)
+        for p, start in zip(fit.parameters, fit.start, strict=True)
+    )
 
 
 T = TypeVar("T")

@@ -219,7 +219,7 @@ def test_reduce_beside_the_study_when_it_names_the_file(study, tmp_path):
 
 @pytest.mark.slow
 def test_contact_is_one_document_with_bodies_and_energy(tmp_path):
-    result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path)
+    result = invoke("contact", SCENES / "two_rods.toml", "--json", "--out", tmp_path, "--pictures")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
     wanted = {"time", "force", "intervals", "impulse", "max_penetration", "residual"}

@@ -213,7 +213,7 @@ def test_out_holds_pictures_and_the_forces(tmp_path):
     scene = tmp_path / "rim.toml"
     scene.write_text(at(20.0, ("t_end = 2.0", "t_end = 0.2"), scene=RIM))
     out = tmp_path / "out"
-    assert call("rub", scene, "--out", out).exit_code == 0
+    assert call("rub", scene, "--out", out, "--pictures").exit_code == 0
     names = ("", "_angle", "_energy", "_orbit", "_spectrum", "_spectrum_tip", "_waves")
     shown = {f"rub{name}.png" for name in names}
     assert shown <= {path.name for path in out.iterdir()}
@@ -233,11 +233,13 @@ def test_out_holds_pictures_and_the_forces(tmp_path):
 
 
 @pytest.mark.slow
-def test_out_of_rods_has_no_orbit(tmp_path):
-    assert call("contact", DATA / "scenes" / "two_rods.toml", "--out", tmp_path).exit_code == 0
-    names = {path.name for path in tmp_path.iterdir()}
-    assert {"contact.png", "contact_spectrum.png", "contact_energy.png", "contact_forces.csv"} <= names
-    assert not any("orbit" in name for name in names)
+def test_out_has_one_picture_unless_all_are_asked_for_and_rods_have_no_orbit(tmp_path):
+    scene = DATA / "scenes" / "two_rods.toml"
+    assert call("contact", scene, "--pictures").exit_code == 2  # without a folder
+    for more, drawn in (((), {"contact.png"}), (("--pictures",), {"contact_spectrum.png", "contact_energy.png"})):
+        assert call("contact", scene, "--out", tmp_path, *more).exit_code == 0
+        shown = {path.name for path in tmp_path.iterdir() if path.suffix == ".png"}
+        assert shown == drawn | {"contact.png"}
 
 
 def test_a_table_of_forces_goes_to_parquet_where_pyarrow_is(tmp_path):
