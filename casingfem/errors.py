@@ -42,11 +42,20 @@ class InputError(ValueError):
 
 
 class MissingExtraError(InputError):
-    """A package that an optional part needs is not installed; the message says how it is."""
+    """A package that an optional part needs is not installed; the message says how it is.
+
+    >>> raised = MissingExtraError("", found="no package emcee", expected="pip install 'casingfem[sampling]'")
+    >>> str(raised)
+    ": found no package emcee; expected pip install 'casingfem[sampling]'"
+    """
 
 
 class NumericsError(RuntimeError):
-    """A computation that failed: a matrix that cannot be factorised, modes that cannot be found or certified."""
+    """A computation that failed: a matrix that cannot be factorised, modes that cannot be found or certified.
+
+    >>> issubclass(NumericsError, Exception)
+    True
+    """
 
 
 class ModelError(InputError):
@@ -62,7 +71,12 @@ class ModelError(InputError):
 
 
 class ModelWarning(UserWarning):
-    """A model that is computed although its result may mislead; same form as `ModelError`."""
+    """A model that is computed although its result may mislead; same form as `ModelError`.
+
+    >>> raised = ModelWarning("mesh-coarse", "rows: found 1 row")
+    >>> raised.code
+    'mesh-coarse'
+    """
 
     def __init__(self, code: str, message: str) -> None:
         self.code = code
@@ -70,12 +84,24 @@ class ModelWarning(UserWarning):
 
 
 def warn(code: str, message: str, *, stacklevel: int = 3) -> None:
-    """Warn of a catalogued fault that does not stop the computation."""
+    """Warn of a catalogued fault that does not stop the computation.
+
+    >>> import warnings
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     warn("mesh-coarse", "rows: found 1 row")
+    >>> caught[0].message.code
+    'mesh-coarse'
+    """
     warnings.warn(ModelWarning(code, message), stacklevel=stacklevel)
 
 
 def sentence(code: str, message: str) -> str:
-    """What was found, what helps, and the code."""
+    """What was found, what helps, and the code.
+
+    >>> print(sentence("mesh-coarse", "rows: found 1 row"))
+    rows: found 1 row: ask for more elements or a higher order, for fewer modes, or leave [mesh] out [mesh-coarse]
+    """
     return f"{message}: {CATALOGUE[code].remedy} [{code}]"
 
 

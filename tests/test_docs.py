@@ -63,11 +63,12 @@ def test_the_page_of_columns_is_current_and_has_those_of_every_module():
     assert set(made["RESULTS"].values()) == defined
 
 
-def test_the_page_of_names_has_every_public_name_and_each_has_a_docstring_of_its_own():
+def test_the_page_of_names_has_every_public_name_and_each_has_a_docstring_with_an_example():
     made = runpy.run_path(str(DOCS / "names.py"))
     names = {f"{room}.{name}": item for room, items in made["public"]().items() for name, item in items.items()}
     assert len(names) > 250
     assert [name for name, item in names.items() if not made["line"](item)] == []
+    assert [name for name, item in names.items() if ">>>" not in (item.__doc__ or "")] == []
     written = re.findall(r"^\| `(\S+)` \| \S", (DOCS / "names.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert written == list(names), "run .venv/bin/python docs/names.py"
 

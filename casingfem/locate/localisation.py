@@ -147,6 +147,18 @@ def locate(
         locate-among, locate-bolts, locate-edge, locate-unlabelled; locate-baseline where the baseline lacks pairs.
     InputError
         No row of the table pairs with a mode.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3,
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=7, rows=1, around=14), supports={"base": cf.Bolts(count=7, k=2e8)})
+    >>> loose = cf.modes(cf.updating.with_value(casing, "support.base.bolts.2.k", 6e7), 6)
+    >>> table = cf.FrequencyTable.from_arrays(freq_hz=loose.freq, sigma_hz=0.05, n=loose.nodal_diameters)
+    >>> found = locate(casing, table, most=1)
+    >>> [round(one.value, 2) for one in found.found]  # 0.3 of 2e8 N/m is left; without angles the bolts are alike
+    [0.3]
     """
     require_shell(shell, "locate")
     check_labelled(table)

@@ -114,6 +114,18 @@ class Localisation(Reported):
         Mode numbers of the table's rows that no computed mode pairs with; all else is as if the table lacked them.
     baseline_unpaired
         The same of the baseline's rows.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3,
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=7, rows=1, around=14), supports={"base": cf.Bolts(count=7, k=2e8)})
+    >>> loose = cf.modes(cf.updating.with_value(casing, "support.base.bolts.2.k", 6e7), 6)
+    >>> table = cf.FrequencyTable.from_arrays(freq_hz=loose.freq, sigma_hz=0.05, n=loose.nodal_diameters)
+    >>> found = cf.locate(casing, table, most=1)
+    >>> [round(one.value, 2) for one in found.found]  # 0.3 of 2e8 N/m is left; without angles the bolts are alike
+    [0.3]
     """
 
     among: str

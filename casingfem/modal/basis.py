@@ -75,6 +75,16 @@ class ModalBasis(Reported):
         Of a rim: deviation of each line's radius from its mean [m], cos0 .. cosN, sin1 .. sinN, (lines, 2 n_max + 1).
     provenance
         Where it comes from: method, versions, hash of the matrices.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> basis = cf.reduce(plate, cf.Tip(), modes=4, zeta=0.002)
+    >>> basis.channels, basis.rows.shape, basis.kind
+    (('span', 'flap'), (2, 4), 'point')
     """
 
     omega: FloatArray

@@ -65,6 +65,17 @@ class Campbell(Reported):
         exact slopes if that speed is 0.
     overlap
         |phi^T M phi_before| of each mode with itself at the speed before, (speeds, modes): 1 where nothing mixes.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> chart = cf.Plate(length=0.2, width=0.04)
+    >>> blade = cf.Shell(chart=chart, thickness=3e-3, material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  supports={"root": cf.Clamped()}, mesh=cf.ShellMesh(order=6, rows=2, around=1),
+    ...                  rotation=cf.Rotation.of_blade(chart, omega=0.0, hub_radius=0.3))
+    >>> found = cf.campbell(blade, [0.0, 500.0], count=1)
+    >>> found.speed_hz.round(2).tolist(), bool(found.freq[1, 0] > found.freq[0, 0])
+    ([0.0, 79.58], True)
     """
 
     omega: FloatArray

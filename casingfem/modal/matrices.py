@@ -25,6 +25,16 @@ def structure_matrices(structure: Shell | MeshStructure) -> MatrixSet:
     ------
     ModelError
         `matrix-size` for a shell whose edges bring dofs of their own, or hold directions that are not Cartesian.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> found = structure_matrices(plate)
+    >>> found.K.shape, bool(abs(found.K - found.K.T).max() < 1e-3)
+    ((420, 420), True)
     """
     if isinstance(structure, Shell):
         system = assemble(structure)
@@ -70,6 +80,16 @@ def basis_matrices(basis: ModalBasis) -> MatrixSet:
     ------
     ModelError
         `matrix-size` where channels hang together: S is singular and not zero, or rows have less rank than channels.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> basis = cf.reduce(plate, cf.Tip(), modes=4)
+    >>> basis_matrices(basis).K.shape  # two channels and four modes
+    (6, 6)
     """
     k, m = basis.rows.shape
     stiff, damp = np.diag(basis.omega**2), np.diag(2.0 * basis.zeta * basis.omega)

@@ -29,7 +29,15 @@ DEGREE = 3  # of the polynomials in r and z that carry the meridional shape in t
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class MeshModes(ModeSet):
-    """Modes of an imported structure: `fields` stand at the nodes of its mesh."""
+    """Modes of an imported structure: `fields` stand at the nodes of its mesh.
+
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u, groups={"base": (2, 0.0)})
+    >>> held = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> found = cf.modes(held, 2)
+    >>> type(found).__name__, found.freq.size, found.fields.shape
+    ('MeshModes', 2, (27, 3, 2))
+    """
 
     structure: MeshStructure
 

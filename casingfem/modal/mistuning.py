@@ -171,6 +171,14 @@ class Mistuning(Reported):
     split : (rows,) (f_upper - f_lower)/mean
     angle_deg : (rows,) orientation of the lower member
     perfect : (n, m) -> frequency [Hz] of the casing without the random fields
+
+    Examples
+    --------
+    >>> one = np.array([1])
+    >>> found = Mistuning(draw=one, n=8 * one, m=one, freq=np.array([367.9]), split=np.array([1e-3]),
+    ...                   angle_deg=np.array([4.0]), perfect={(8, 1): 367.9})
+    >>> found.draws, found.doublets()
+    (1, [Drawn(n=8, m=1, freq=367.9, own=array([ True]))])
     """
 
     COLUMNS: ClassVar = SUMMARY

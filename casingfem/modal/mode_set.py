@@ -117,6 +117,14 @@ class Modes(ModeSet):
     """Modes of a shell on a chart: `fields` stand at the nodes of `grid`.
 
     `own` holds the motions of the dofs that rings bring beside the nodes', turns about the wall's normal, (own, modes).
+
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> found = cf.modes(plate, 2)
+    >>> found.freq.round(1).tolist(), found.records()[0]["mode"]
+    ([21.5, 92.5], 1)
     """
 
     shell: Shell

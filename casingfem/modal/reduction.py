@@ -87,6 +87,17 @@ def reduce(
         another axis than that of a rim.
     NumericsError
         If the stiffness is singular.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> basis = cf.reduce(plate, cf.Tip(), modes=4)
+    >>> exact = cf.modes(plate, 4)
+    >>> bool(np.allclose(basis.freq, exact.freq)), basis.S.shape
+    (True, (2, 2))
     """
     if method not in METHODS:
         raise ModelError("reduce-method", f"method must be one of {', '.join(METHODS)}, found {method!r}")

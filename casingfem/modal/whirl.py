@@ -63,6 +63,16 @@ class WhirlModes(Reported):
         1 for a wave that runs with the rotation, -1 for one against it, 0 for none (n = 0, open shells), (modes,).
     sturm_count
         Modes up to the last one, by inertia.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> drum = cf.Shell(chart=cf.Cylinder(radius=0.2, height=0.1), thickness=2e-3, supports={"base": cf.Clamped()},
+    ...                 material=cf.Material(E=210e9, nu=0.3, rho=7800.0), rotation=cf.Rotation(omega=300.0),
+    ...                 mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> low = cf.whirl_modes(drum, 2)  # waves with and against the rotation
+    >>> low.sense.tolist(), bool(low.freq[1] > low.freq[0])
+    ([1, -1], True)
     """
 
     COLUMNS: ClassVar = COLUMNS

@@ -70,6 +70,17 @@ class UpdateResult(Reported):
         `leave_one_out`, `laplace`, `sample_posterior`.
     outliers, plain
         Rows set aside because they contradict all others, and the fit of all rows; empty and None mostly.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=7, rows=2, around=2))
+    >>> measured = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 3).freq * 1.01, sigma_hz=0.01)
+    >>> fit = cf.update(plate, measured, [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    >>> fit.arrived, bool(fit.rms_after < 1e-4 < fit.rms_before)
+    (True, True)
     """
 
     COLUMNS: ClassVar = PARAMETERS

@@ -57,6 +57,14 @@ class SensorShapes:
     ------
     ValueError
         Arrays that do not fit, a shape that is zero or partly nan, sigma that is not positive.
+
+    Examples
+    --------
+    >>> out = np.tile([1.0, 0.0, 0.0], (3, 1))
+    >>> angle = np.array([0.0, 2.0, 4.0])
+    >>> found = SensorShapes(a=np.full(3, 0.25), b=angle, directions=out, shapes=np.eye(3), sigma=0.02)
+    >>> found.labels.tolist()
+    [1, 2, 3]
     """
 
     a: FloatArray

@@ -111,6 +111,17 @@ def update(
     InputError
         Nothing pairs, fewer residuals than parameters, rigid motions among the modes, shapes of another table; a
         table in another unit, or a row above more than MOST_MODES modes where no `count` is given.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=7, rows=2, around=2))
+    >>> measured = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 3).freq * 1.01, sigma_hz=0.01)
+    >>> fit = cf.update(plate, measured, [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    >>> round(fit.value[0] / 200e9, 4)  # frequencies are 1 % higher
+    1.0201
     """
     if not vary:
         raise InputError("vary: name at least one parameter")

@@ -33,6 +33,14 @@ class ScanRecord:
         Excitation [N], (samples,), or None: waves are then not per newton, their phase that of cos(omega t).
     card
         Source lines.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> angle = 6.0 * np.pi * np.arange(2000) / 2000.0
+    >>> record = ScanRecord(fs=1000.0, velocity=np.zeros(2000), angle=angle, tones=(120.0,))
+    >>> round(record.seconds, 3), round(record.rate, 3)  # three turns in two seconds
+    (2.0, 1.5)
     """
 
     fs: float

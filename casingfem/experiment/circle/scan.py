@@ -70,6 +70,16 @@ class CircleScan(Reported):
         leak into those that are.
     card
         Source lines of the record.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> t = np.arange(8000) / 2000.0
+    >>> theta = 2.0 * np.pi * 3.0 * t
+    >>> seen = np.cos(5 * theta) * np.cos(2.0 * np.pi * 401.7 * t)
+    >>> scan = cf.circle.demodulate(cf.circle.ScanRecord(fs=2000.0, velocity=seen, angle=theta, tones=(401.7,)), 6)
+    >>> scan.n.tolist() == list(range(-6, 7)), round(float(abs(scan.V[0, 11])), 3)
+    (True, 0.5)
     """
 
     tones: FloatArray

@@ -77,6 +77,21 @@ class Correlation(Reported):
         Of every channel over the paired shapes, (channels,).
     expansion
         The measured shapes on the model's modes.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> shell = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> model = cf.modes(shell, 2)
+    >>> theta, n = np.arange(24) * np.pi / 12, int(model.nodal_diameters[0])
+    >>> out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    >>> at = np.column_stack([0.3 * out[:, :2], np.full(24, 0.1)])
+    >>> values = np.column_stack([np.cos(n * theta + 0.3), np.sin(n * theta + 0.3)])  # a pair, turned
+    >>> test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=model.freq, values=values, points=at, directions=out)
+    >>> cf.correlate(model, test).alike.round(4).tolist()
+    [1.0]
     """
 
     COLUMNS: ClassVar = COLUMNS

@@ -60,7 +60,11 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Pairing(Reported):
-    """Matches in ascending order, and what is left on both sides (indices of rows and of modes)."""
+    """Matches in ascending order, and what is left on both sides (indices of rows and of modes).
+
+    >>> Pairing(matches=(), unpaired_rows=(0,), unpaired_modes=(1, 2)).unpaired_modes
+    (1, 2)
+    """
 
     COLUMNS: ClassVar = COLUMNS
 

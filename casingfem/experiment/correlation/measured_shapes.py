@@ -219,6 +219,21 @@ def read_shapes(path: str | os.PathLike[str]) -> MeasuredShapes:
     ------
     InputError, InputError, InputError
         Another ending; what the readers refuse; an identification whose sensors have no places.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> theta, x = np.arange(8) * np.pi / 4, np.arange(80.0, 120.0, 0.1)
+    >>> H = np.cos(2 * theta)[:, None] * 100.0**2 / (100.0**2 - x**2 + 2j * 0.004 * 100.0 * x)
+    >>> frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(8),
+    ...                                  response_direction=1)
+    >>> at = {k: (0.45 * np.cos(a), 0.45 * np.sin(a), 0.25) for k, a in enumerate(theta)}
+    >>> found = cf.identify(frfs, angles=dict(enumerate(np.degrees(theta))), places=at)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     shapes = read_shapes(found.save(f"{folder}/identified.npz"))
+    >>> shapes.freq_hz.round(2).tolist()
+    [100.0]
     """
     ending = Path(path).suffix.lower()
     if ending == IDENTIFIED:

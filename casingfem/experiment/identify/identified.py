@@ -64,6 +64,17 @@ class Identified(Reported):
         What cannot be told apart and what was left out, in words.
     card
         Source lines.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import casingfem as cf
+    >>> theta, x = np.arange(8) * np.pi / 4, np.arange(80.0, 120.0, 0.1)
+    >>> H = np.cos(2 * theta)[:, None] * 100.0**2 / (100.0**2 - x**2 + 2j * 0.004 * 100.0 * x)
+    >>> frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(8))
+    >>> found = cf.identify(frfs, angles=dict(enumerate(np.degrees(theta))))
+    >>> found.freq.round(2).tolist(), found.sure.tolist()
+    ([100.0], [True])
     """
 
     COLUMNS: ClassVar = COLUMNS

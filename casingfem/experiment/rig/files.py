@@ -51,6 +51,20 @@ def write_rig_uff(path: str | os.PathLike[str], rig: Rig, sets: Sequence[FrfSet]
     ------
     ValueError
         Sets whose cards do not say so: they are not the rig's.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> rig = cf.rig.rig_of(cf.modes(casing, 2), [cf.rig.Place(at=(0.1, angle)) for angle in (0.0, 1.0)], zeta=0.002)
+    >>> import tempfile
+    >>> frfs = rig.frfs([400.0, 500.0, 600.0], sensors=[0, 1], drives=[0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = write_rig_uff(f"{folder}/rig.uff", rig, [frfs])
+    ...     len(cf.uff.read_uff(file).functions)
+    2
     """
     for functions in sets:
         if not functions.card or not functions.card[0].startswith("SYNTHETIC"):
@@ -78,7 +92,16 @@ def rig_nodes(rig: Rig) -> Nodes:
 
 
 def rig_angles(rig: Rig) -> dict[int, float]:
-    """Angle about the axis [deg] of every node, as `identify` takes them."""
+    """Angle about the axis [deg] of every node, as `identify` takes them.
+
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> rig = cf.rig.rig_of(cf.modes(casing, 2), [cf.rig.Place(at=(0.1, angle)) for angle in (0.0, 1.0)], zeta=0.002)
+    >>> {node: round(angle, 3) for node, angle in rig_angles(rig).items()}
+    {1: 0.0, 2: 57.296}
+    """
     return {probe.node: float(np.degrees(probe.angle)) for probe in rig.probes}
 
 

@@ -33,6 +33,9 @@ class Probe(NamedTuple):
     """A place and a direction: node number, position [m], angle about the axis [rad], direction as universal files.
 
     Directions: 1, 2, 3 radial, hoop, axial at a node of a closed casing (x, y, z on an open part), signed; 0 another.
+
+    >>> Probe(node=1, direction=-1, point=(0.45, 0.0, 0.25), angle=0.0).direction  # radially inwards
+    -1
     """
 
     node: int

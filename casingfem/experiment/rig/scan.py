@@ -27,7 +27,11 @@ EVEN = 1e-9  # rad: how evenly a circle's probes stand
 
 
 class Tone(NamedTuple):
-    """A force F cos(2 pi f t + phase): frequency [Hz], amplitude [N], phase [rad]."""
+    """A force F cos(2 pi f t + phase): frequency [Hz], amplitude [N], phase [rad].
+
+    >>> Tone(freq=120.0, amplitude=2.0).phase
+    0.0
+    """
 
     freq: float
     amplitude: float = 1.0
@@ -150,6 +154,19 @@ def scan(
     ------
     InputError
         Neither or both kinds of drive; probes that are not there or not evenly spaced.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> spots = cf.rig.circle(0.1, 6)
+    >>> rig = cf.rig.rig_of(cf.modes(casing, 2), [cf.rig.Place(at=(0.1, 0.5)), *spots], zeta=0.002)
+    >>> found = scan(rig, Turning(mirror=2.0), [Tone(freq=400.0)], circle=range(1, 7), drive=0, fs=1024.0, seconds=1.0,
+    ...              seed=1)
+    >>> found.record.velocity.size
+    1024
     """
     if (drive is None) == (not drive_circle):
         raise InputError("drive: expected a probe fixed to the casing, or a circle for a force fixed in space")

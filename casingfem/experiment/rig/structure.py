@@ -85,6 +85,16 @@ def rig_of(
     ------
     InputError
         Rigid motions; places off the surface.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.3, height=0.1), thickness=4e-3, supports={"base": cf.Clamped()},
+    ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                   mesh=cf.ShellMesh(order=6, rows=2, around=9))
+    >>> rig = cf.rig.rig_of(cf.modes(casing, 2), [cf.rig.Place(at=(0.1, angle)) for angle in (0.0, 1.0)], zeta=0.002)
+    >>> rig.omega.size, rig.rows.shape
+    (2, (2, 2))
     """
     if modes.rigid:
         raise InputError(f"modes: found {modes.rigid} rigid motions, expected a supported structure")

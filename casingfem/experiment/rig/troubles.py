@@ -54,6 +54,11 @@ class Troubles:
     leakage : a Hann window's, as with random forces
     fixture : number of local modes, each seen by a few neighbouring sensors
     phase_deg : rms phase of the shapes' components, of modes that are not proportionally damped
+
+    Examples
+    --------
+    >>> Troubles(snr_db=30.0, dead=1).dead
+    1
     """
 
     snr_db: float = 40.0

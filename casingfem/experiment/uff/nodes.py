@@ -20,7 +20,11 @@ NODES_OF = {
 
 
 class Units(NamedTuple):
-    """What a file's numbers are divided by to get SI units, and its name for them."""
+    """What a file's numbers are divided by to get SI units, and its name for them.
+
+    >>> Units(code=9, name="mm (milli newton)", length=1000.0, force=1000.0).length
+    1000.0
+    """
 
     code: int = 1
     name: str = "SI: Meter (newton)"
@@ -32,7 +36,14 @@ class Units(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Nodes:
-    """Nodes: labels (nodes,), points [m] (nodes, 3), the coordinate systems they and their motions refer to."""
+    """Nodes: labels (nodes,), points [m] (nodes, 3), the coordinate systems they and their motions refer to.
+
+    >>> import numpy as np
+    >>> zeros = np.zeros((2, 3), dtype=int)
+    >>> found = Nodes(labels=np.array([1, 2]), points=np.eye(3)[:2], systems=zeros[:, :1], motions=zeros[:, :1])
+    >>> found.labels.tolist()
+    [1, 2]
+    """
 
     labels: IntArray
     points: FloatArray
@@ -48,7 +59,12 @@ class Nodes:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TraceLine:
-    """A line to draw through nodes; 0 lifts the pen."""
+    """A line to draw through nodes; 0 lifts the pen.
+
+    >>> import numpy as np
+    >>> TraceLine(number=1, name="rim", color=7, nodes=np.array([1, 2, 3, 1])).nodes.size
+    4
+    """
 
     number: int
     name: str
@@ -64,6 +80,12 @@ class Elements:
     """Elements: labels and descriptors (elements,), property, material and colour (elements, 3), their nodes.
 
     `beams` holds the orientation node and the two cross-sections of beams, zeros elsewhere, (elements, 3).
+
+    >>> import numpy as np
+    >>> found = Elements(labels=np.array([1]), kinds=np.array([94]), properties=np.zeros((1, 3), dtype=int),
+    ...                  beams=np.zeros((1, 3), dtype=int), nodes=(np.array([1, 2, 3, 4]),))
+    >>> found.nodes[0].tolist()
+    [1, 2, 3, 4]
     """
 
     labels: IntArray

@@ -48,7 +48,11 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class UniversalFile:
-    """What a universal file holds. Points are in metres; shapes and functions in the units that the file names."""
+    """What a universal file holds. Points are in metres; shapes and functions in the units that the file names.
+
+    >>> UniversalFile(path="test.uff").functions
+    ()
+    """
 
     path: str
     header: tuple[str, ...] = ()
@@ -119,6 +123,16 @@ def read_headers(path: str | os.PathLike[str]) -> tuple[FunctionHeader, ...]:
         A header that is not as its format says.
     FileNotFoundError
         When there is no such file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> one = cf.frf.FrfSet.from_arrays(kind="frf", x=[10.0, 20.0], responses=[1.0, 2.0j], unit="m/N")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     heads = read_headers(cf.uff.write_uff(f"{folder}/test.uff", functions=one.functions()))
+    >>> [head.points for head in heads]
+    [2]
     """
     sets = split(read_bytes(path), str(path))
     return tuple(read_function_header(raw) for raw in sets if raw.number in ("58", "58b"))

@@ -27,6 +27,14 @@ class Shape:
     characteristic, quantity : 2 translations, 3 translations and turns, ...; 8 displacement, 11 velocity, ...
     integers, reals : what the analysis says: load case, mode number; frequency, modal mass, dampings
     nodes, values : labels (nodes,) and values
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> found = Shape(text=("mode 1",) * 5, model=1, analysis=2, characteristic=2, quantity=8, integers=(1, 1),
+    ...               reals=(120.0, 1.0, 0.0, 0.0), nodes=np.array([1, 2]), values=np.zeros((2, 3)))
+    >>> found.freq_hz
+    120.0
     """
 
     text: tuple[str, ...]

@@ -28,7 +28,11 @@ REAL, REAL_DOUBLE, COMPLEX, COMPLEX_DOUBLE = 2, 4, 5, 6
 
 
 class Channel(NamedTuple):
-    """Where something was measured: name, node, direction (1, 2, 3 = x, y, z; 4, 5, 6 turns; 0 scalar; signed)."""
+    """Where something was measured: name, node, direction (1, 2, 3 = x, y, z; 4, 5, 6 turns; 0 scalar; signed).
+
+    >>> Channel(name="rim", node=7, direction=-3).direction  # against z
+    -3
+    """
 
     name: str
     node: int
@@ -36,7 +40,11 @@ class Channel(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """What an axis shows: kind of data (17 time, 18 frequency, ...), exponents of length, force, temperature."""
+    """What an axis shows: kind of data (17 time, 18 frequency, ...), exponents of length, force, temperature.
+
+    >>> Axis(kind=18, label="Frequency", unit="Hz").exponents
+    (0, 0, 0)
+    """
 
     kind: int = 0
     exponents: tuple[int, int, int] = (0, 0, 0)
@@ -45,7 +53,11 @@ class Axis(NamedTuple):
 
 
 class Axes(NamedTuple):
-    """The four axes of a function: what it is over, what it is, what it is divided by, and z."""
+    """The four axes of a function: what it is over, what it is, what it is divided by, and z.
+
+    >>> Axes(abscissa=Axis(kind=18, unit="Hz"), ordinate=Axis(kind=8, unit="m")).denominator.unit
+    'NONE'
+    """
 
     abscissa: Axis
     ordinate: Axis
@@ -91,6 +103,16 @@ class Function(FunctionHead):
     x, values : abscissa (points,), ascending, and ordinate (points,), real or complex
     double : whether the file keeps 13 digits (8 bytes) or 6 (4 bytes)
     others : as of a `FunctionHead`
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> at = Channel(name="rim", node=7, direction=3)
+    >>> axes = Axes(abscissa=Axis(kind=18, unit="Hz"), ordinate=Axis(kind=8, unit="m"))
+    >>> found = Function(kind=4, text=("SYNTHETIC",), response=at, reference=at, step=1.0, axes=axes, x=np.arange(3.0),
+    ...                  values=np.ones(3), double=True)
+    >>> found.values.size, found.response.node
+    (3, 7)
     """
 
     x: FloatArray
@@ -118,6 +140,15 @@ class FunctionHeader(FunctionHead):
     line : where the set begins in the file
     fault : why the numbers cannot be read, "" where they can
     others : as of a `FunctionHead`
+
+    Examples
+    --------
+    >>> at = Channel(name="rim", node=7, direction=3)
+    >>> axes = Axes(abscissa=Axis(kind=18, unit="Hz"), ordinate=Axis(kind=8, unit="m"))
+    >>> head = FunctionHeader(kind=4, text=("SYNTHETIC",), response=at, reference=at, step=1.0, axes=axes, points=800,
+    ...                       start=0.0, binary=False, line=12, fault="found 30 numbers, expected 800")
+    >>> head.points, head.fault
+    (800, 'found 30 numbers, expected 800')
     """
 
     points: int

@@ -45,6 +45,14 @@ class MistunedModes:
         Share of each nodal diameter 0 .. N/2 in a mode's mass, (modes, diameters).
     energy
         Share of each blade in the elastic energy of all blades, (modes, blades).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> content = np.array([[0.9, 0.1], [0.2, 0.8]])
+    >>> found = MistunedModes(freq=np.array([100.0, 101.0]), content=content, energy=np.full((2, 2), 0.5))
+    >>> found.nodal_diameters.tolist()
+    [0, 1]
     """
 
     freq: FloatArray
@@ -92,6 +100,18 @@ def mistuned_modes(
     ------
     ModelError
         `cyclic-mistuning` for deviations that are not one for each sector, above -1.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> found = mistuned_modes(sector, [0.01, -0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1)
+    >>> found.freq.size, found.energy.shape
+    (8, (8, 8))
     """
     values = checked_deviations(deviations, sector.sectors)
     system = assemble_cyclic(sector)

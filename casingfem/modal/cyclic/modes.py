@@ -44,6 +44,18 @@ class CyclicModes:
         Of the largest pencil.
     seconds
         Run time by part.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> found = cf.modal.cyclic_modes(sector, 1, diameters=[2])
+    >>> found.nodal_diameters.tolist(), found.rank.tolist()
+    ([2], [1])
     """
 
     sector: CyclicSector
@@ -175,6 +187,16 @@ def wheel_modes(found: CyclicModes) -> MeshModes:
     """The modes of all sectors, ascending, pairs as cos and sin.
 
     Of `count` modes of each diameter the wheel's list is complete up to the least of their highest frequencies.
+
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> found = wheel_modes(cf.modal.cyclic_modes(sector, 1))
+    >>> found.freq.size, bool((np.diff(found.freq) >= 0.0).all())
+    (8, True)
     """
     whole = wheel_structure(found.sector)
     c, s = wheel_fields(found.sector, found.fields, found.nodal_diameters, whole.mesh)

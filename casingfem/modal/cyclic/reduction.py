@@ -49,6 +49,18 @@ def cyclic_reduce(
     ------
     ModelError
         As of `reduce` and `mistuned_modes`; `interface-edge` for a rim.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> basis = cyclic_reduce(sector, cf.Tip("top"), modes=1)
+    >>> basis.sectors, len(basis), basis.channels[0]
+    (8, 8, 'sector0.span')
     """
     if isinstance(interface, Rim):
         found = "a wheel is seen at its tips: found a Rim, expected Tip, TipNodes or AtNodes"

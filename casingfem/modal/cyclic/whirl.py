@@ -43,6 +43,19 @@ class CyclicWhirl:
     fields
         Complex shapes of sector 0, largest displacement 1, (nodes, 3 or 5, modes): in the axes of sector j the motion
         is the real part of shape times e^(i omega t -+ 2 pi i n j/N).
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()},
+    ...                 rotation=cf.Rotation(omega=300.0))
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> found = cf.modal.cyclic_whirl(sector, 1, diameters=[1])
+    >>> (found.freq_fixed() if callable(found.freq_fixed) else found.freq_fixed).shape
+    (2,)
     """
 
     sector: CyclicSector
@@ -81,6 +94,19 @@ def cyclic_whirl(sector: CyclicSector, count: int = 6, *, diameters: Sequence[in
         `rotation-none` for a sector at rest, `rotation-unstable` where K(Omega) is not positive definite.
     NumericsError
         If the modes cannot be computed or certified.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
+    >>> part = cf.imported.grid_mesh("hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]),
+    ...                              groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=part, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()},
+    ...                 rotation=cf.Rotation(omega=300.0))
+    >>> sector = cf.imported.CyclicSector(structure=held, sectors=8)
+    >>> found = cyclic_whirl(sector, 1, diameters=[1])
+    >>> found.sense.tolist()
+    [-1, 1]
     """
     chosen = checked_diameters(sector, diameters)
     system, rotation = assemble_cyclic(sector), sector.structure.rotation

@@ -72,6 +72,9 @@ class Tip:
 
     span points from the root to the tip, flap along the surface normal at mid-edge; on a group of facets of an imported
     part as `mesh_rows.tip_frame` says.
+
+    >>> Tip().edge, Tip("tip").channels
+    ('tip', ('span', 'flap'))
     """
 
     edge: str = "tip"

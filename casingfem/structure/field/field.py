@@ -19,7 +19,13 @@ from casingfem.io.arrays import Array
 
 
 class FieldValues(NamedTuple):
-    """A field and its exact derivatives at points: six arrays of one shape, z in m, theta in rad."""
+    """A field and its exact derivatives at points: six arrays of one shape, z in m, theta in rad.
+
+    >>> import casingfem as cf
+    >>> found = cf.field.FourierField.of({2: (1e-3, 0.0)}).derivatives(np.zeros(1), np.zeros(1))
+    >>> found.value.tolist(), found.d_theta_theta.tolist()
+    ([0.001], [-0.004])
+    """
 
     value: Array
     d_z: Array
@@ -31,7 +37,13 @@ class FieldValues(NamedTuple):
 
 @runtime_checkable
 class Field(Protocol):
-    """What a structure asks of a field; any object with these two methods will do."""
+    """What a structure asks of a field; any object with these two methods will do.
+
+    >>> import casingfem as cf
+    >>> lobes: Field = cf.field.FourierField.of({2: (1e-3, 0.0)})
+    >>> lobes.derivatives(np.zeros(1), np.zeros(1)).value.tolist()
+    [0.001]
+    """
 
     def derivatives(self, z: ArrayLike, theta: ArrayLike) -> FieldValues:
         """Evaluate value and derivatives at z [m], theta [rad], broadcast against each other."""

@@ -25,7 +25,13 @@ BASE, TOP, LEFT, RIGHT = (0, 0), (0, 1), (1, 0), (1, 1)  # (parameter held, its 
 
 
 class Surface(NamedTuple):
-    """A mid-surface at points: position and derivatives by the two parameters, each (3, ...)."""
+    """A mid-surface at points: position and derivatives by the two parameters, each (3, ...).
+
+    >>> x = np.zeros((3, 1))
+    >>> found = Surface(x=x, x1=x + 1.0, x2=x, x11=x, x12=x, x22=x)
+    >>> found.x1.ravel().tolist()
+    [1.0, 1.0, 1.0]
+    """
 
     x: Array
     x1: Array
@@ -37,7 +43,13 @@ class Surface(NamedTuple):
 
 @runtime_checkable
 class Chart(Protocol):
-    """What a shell needs to know of its mid-surface."""
+    """What a shell needs to know of its mid-surface.
+
+    >>> import casingfem as cf
+    >>> tube: Chart = cf.Cylinder(radius=0.5, height=0.3)
+    >>> tube.bounds, tube.periodic, tube.axisymmetric
+    (((0.0, 0.3), (0.0, 6.283185307179586)), True, True)
+    """
 
     @property
     def bounds(self) -> Bounds:
@@ -125,7 +137,13 @@ def cylindrical_directions(z: Array, theta: Array) -> Array:
 
 
 class Closed:
-    """What closed charts share: edges base and top, springs along e_r, e_theta, e_z; not axisymmetric."""
+    """What closed charts share: edges base and top, springs along e_r, e_theta, e_z; not axisymmetric.
+
+    >>> import casingfem as cf
+    >>> tube = cf.Cylinder(radius=0.5, height=0.3)
+    >>> isinstance(tube, Closed), sorted(tube.edges)
+    (True, ['base', 'top'])
+    """
 
     __slots__ = ()
 
@@ -150,7 +168,13 @@ class Closed:
 
 
 class ClosedOfRevolution(Closed):
-    """What closed charts of revolution about z share: as `Closed`, axisymmetric."""
+    """What closed charts of revolution about z share: as `Closed`, axisymmetric.
+
+    >>> import casingfem as cf
+    >>> tube = cf.Cylinder(radius=0.5, height=0.3)
+    >>> isinstance(tube, ClosedOfRevolution), tube.axisymmetric
+    (True, True)
+    """
 
     __slots__ = ()
 
@@ -161,7 +185,13 @@ class ClosedOfRevolution(Closed):
 
 
 class Open:
-    """What open charts share: edges root, tip, left and right; of a sector, springs along e_r, e_theta, e_z."""
+    """What open charts share: edges root, tip, left and right; of a sector, springs along e_r, e_theta, e_z.
+
+    >>> import casingfem as cf
+    >>> plate = cf.Plate(length=0.2, width=0.1)
+    >>> isinstance(plate, Open), sorted(plate.edges)
+    (True, ['left', 'right', 'root', 'tip'])
+    """
 
     __slots__ = ()
 

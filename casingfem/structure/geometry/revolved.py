@@ -36,7 +36,13 @@ class MeridianPoints(NamedTuple):
 
 
 class Meridian(Protocol):
-    """A meridian: what `Revolved` and `RevolvedPanel` turn about the z axis."""
+    """A meridian: what `Revolved` and `RevolvedPanel` turn about the z axis.
+
+    >>> import casingfem as cf
+    >>> arc: Meridian = cf.geometry.Arc(radius=0.2, start=0.0, end=0.5, r0=0.3)
+    >>> round(arc.length, 3)
+    0.1
+    """
 
     @property
     def length(self) -> float:

@@ -31,6 +31,12 @@ class MeshStructure(Protocol):
     """What everything beyond a chart asks of a structure: `Solid`, `MeshShell`, or one of your own.
 
     Modes, statics, reduction, and what is built on them take whatever has these members.
+
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> part: MeshStructure = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> part.mesh.kind, part.assembled().size
+    ('tetra10', 81)
     """
 
     @property
@@ -100,6 +106,14 @@ class MeshSystem:
         All motions of a mesh with attachments; None without.
     walls
         Where walls of a shell meet: how the nodes of walls move, and the stiffness on their dofs; None elsewhere.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> system = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0)).assembled()
+    >>> system.size, system.dofs, system.rigid
+    (81, 3, 6)
     """
 
     structure: MeshStructure

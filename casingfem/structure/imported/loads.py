@@ -157,6 +157,15 @@ class MeshDeflection(Reported):
         u_x, u_y, u_z [m], of shells w_1, w_2 [rad] too, and a third rotation where walls meet, (nodes, 3, 5 or 6).
     energy
         Strain energy u^T K u/2 [J].
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u, groups={"base": (2, 0.0), "top": (2, 1.0)})
+    >>> held = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
+    >>> found = cf.solve_static(held, [cf.imported.FacetPressure(group="top", pressure=1e6)])
+    >>> found.fields.shape[1], bool(found.energy > 0.0)
+    (3, True)
     """
 
     structure: MeshStructure

@@ -28,7 +28,7 @@ WORDS = ("point", "curve", "surface", "volume")
 
 
 def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units: str | None = None) -> MeshData:
-    """Read a mesh; its format is told by the ending.
+    r"""Read a mesh; its format is told by the ending.
 
     Parameters
     ----------
@@ -48,6 +48,18 @@ def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units:
         For a file that is malformed, cut short, or has cells that are not supported.
     OSError
         If there is no such file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> text = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=S4, ELSET=WALL\n1, 1, 2, 3, 4\n"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "plate.inp")
+    ...     _ = file.write_text(text, encoding="utf-8")
+    ...     mesh = cf.read_mesh(file, scale=1e-3)
+    >>> mesh.kind, float(mesh.points.max()), sorted(mesh.groups)
+    ('quad', 0.001, ['WALL'])
     """
     file = Path(path)
     if not (np.isfinite(scale) and scale > 0.0):

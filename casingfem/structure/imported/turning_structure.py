@@ -11,7 +11,14 @@ from casingfem.structure.shell.shell import Shell
 
 @runtime_checkable
 class TurningStructure(MeshStructure, Protocol):
-    """A structure that models its rotation: `Solid`, `MeshShell`, or a frozen dataclass of your own."""
+    """A structure that models its rotation: `Solid`, `MeshShell`, or a frozen dataclass of your own.
+
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> part: TurningStructure = cf.Solid(mesh=cube, material=cf.Material(E=210e9, nu=0.3, rho=7800.0))
+    >>> part.rotation is None
+    True
+    """
 
     @property
     def rotation(self) -> Rotation | None:

@@ -23,7 +23,14 @@ Vector: TypeAlias = tuple[float, float, float]
 
 
 class Load(Protocol):
-    """What a static solution needs to know of a load."""
+    """What a static solution needs to know of a load.
+
+    >>> import casingfem as cf
+    >>> class Wind:
+    ...     def nodal(self, shell, grid):
+    ...         return cf.loads.Pressure(pressure=50.0).nodal(shell, grid)
+    >>> load: Load = Wind()  # whatever has `nodal` is a load
+    """
 
     def nodal(self, shell: Shell, grid: Grid) -> FloatArray:
         """Nodal forces, (nodes, 5)."""
@@ -44,7 +51,15 @@ def node_surface(shell: Shell, grid: Grid) -> FloatArray:
 
 
 def forces(grid: Grid, vectors: FloatArray) -> FloatArray:
-    """Forces at the nodes (nodes, 3) as nodal loads without moments (nodes, 5)."""
+    """Forces at the nodes (nodes, 3) as nodal loads without moments (nodes, 5).
+
+    >>> import casingfem as cf
+    >>> from casingfem.structure.mesh.shell_mesh import make_grid
+    >>> grid = make_grid(cf.Plate(length=0.2, width=0.1), cf.ShellMesh(order=3, rows=1, around=1))
+    >>> found = forces(grid, np.ones((grid.nodes.shape[1], 3)))
+    >>> found.shape, found[0].tolist()
+    ((16, 5), [1.0, 1.0, 1.0, 0.0, 0.0])
+    """
     loads = np.zeros((grid.nodes.shape[1], DOFS))
     loads[:, :3] = vectors
     return loads

@@ -39,6 +39,16 @@ class Deflection(Reported):
         u_x, u_y, u_z [m], w_1, w_2 [rad] at the nodes of `grid`, (nodes, 5).
     energy
         Strain energy u^T K u/2 [J].
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> found = cf.shell.solve_static(plate, [cf.loads.EdgeLoad(edge="tip", force=(0.0, 0.0, 1.0))])
+    >>> f"{found.at(0.2, 0.05)[2] * 1e3:.2f} mm", bool(found.energy > 0.0)
+    ('0.15 mm', True)
     """
 
     shell: Shell

@@ -38,6 +38,16 @@ class System:
         and `mass`, (free, free); None where nothing is coupled.
     own
         Number of dofs that rings bring: turns about the normal at the nodes of their edges.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> system = cf.shell.assemble(plate)
+    >>> system.size == system.free.size, system.K.shape == (system.size, system.size)
+    (True, True)
     """
 
     shell: Shell

@@ -93,6 +93,14 @@ class Laplace(Reported):
         Standard deviations by either, in decades for log parameters, (parameters,).
     bend
         How far a residual leaves its tangent one standard deviation away, in its own sigma, at most, (parameters,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> found = Laplace(names=("material.E",), log=(True,), covariance=np.array([[1e-4]]),
+    ...                 gauss_newton=np.array([0.011]), bend=np.array([0.1]))
+    >>> found.sigma.tolist()
+    [0.01]
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -124,6 +132,18 @@ def laplace(fit: UpdateResult, near: Parabolas | None = None) -> Laplace:
     ------
     InputError
         If the solution is no minimum: the Hessian has a direction that falls (a fit that stopped early).
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=7, rows=2, around=2))
+    >>> measured = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 3).freq * 1.01, sigma_hz=0.01)
+    >>> fit = cf.update(plate, measured, [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    >>> found = laplace(fit)
+    >>> bool(abs(found.sigma[0] / found.gauss_newton[0] - 1.0) < 0.05)  # the residuals are nearly linear
+    True
     """
     near = parabolas(fit) if near is None else near
     prior = np.diag(fit.given.prior**2)

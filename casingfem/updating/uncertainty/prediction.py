@@ -67,7 +67,11 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut(Reported):
-    """All rows, each predicted without itself."""
+    """All rows, each predicted without itself.
+
+    >>> LeftOut(rows=()).rows
+    ()
+    """
 
     COLUMNS: ClassVar = COLUMNS
 
@@ -101,6 +105,18 @@ def leave_one_out(fit: UpdateResult, max_iterations: int = 30) -> LeftOut:
     ------
     InputError
         If what is left cannot determine the parameters.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=7, rows=2, around=2))
+    >>> measured = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 3).freq * 1.01, sigma_hz=0.01)
+    >>> fit = cf.update(plate, measured, [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    >>> found = leave_one_out(fit)
+    >>> len(found.rows), bool(found.rms < 1e-4)
+    (3, True)
     """
     rows: list[Prediction] = []
     for match in fit.pairing.matches:

@@ -57,6 +57,13 @@ class PosteriorSamples(Reported):
         Of the chains: the part of moves taken, steps until they forget, at most.
     gap
         Largest difference of a residual of the parabolas from that of modes of its own, over some samples, in sigma.
+
+    Examples
+    --------
+    >>> found = PosteriorSamples(names=("material.E",), log=(False,), samples=np.array([[1.0], [3.0]]),
+    ...                          gauss_newton=np.ones(1), acceptance=0.4, autocorrelation=20.0, gap=0.01)
+    >>> found.sigma.round(3).tolist()
+    [1.414]
     """
 
     COLUMNS: ClassVar = COLUMNS
@@ -120,6 +127,18 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
         Without emcee.
     InputError
         If the chains are too short to forget where they began.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=200e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=7, rows=2, around=2))
+    >>> measured = cf.FrequencyTable.from_arrays(freq_hz=cf.modes(plate, 3).freq * 1.01, sigma_hz=0.01)
+    >>> fit = cf.update(plate, measured, [cf.Parameter(name="material.E", lower=150e9, upper=250e9)])
+    >>> found = sample_posterior(fit, steps=400, seed=20, checks=1)
+    >>> found.names, bool(abs(found.sigma[0] / found.gauss_newton[0] - 1.0) < 0.5)
+    (('material.E',), True)
     """
     try:
         import emcee

@@ -61,6 +61,14 @@ class Estimate(Reported):
         What was found in the records, in words.
     shown
         The first block that was used.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import casingfem as cf
+    >>> one = cf.frf.FrfSet.from_arrays(kind="frf", x=[10.0, 20.0], responses=[1.0, 2.0j], unit="m/N")
+    >>> Estimate(frfs=one, coherence=None, averages=1).averages
+    1
     """
 
     frfs: FrfSet

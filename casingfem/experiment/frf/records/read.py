@@ -38,7 +38,7 @@ def read_records(
     *,
     channels: str | os.PathLike[str] | None = None,
 ) -> tuple[Take, ...]:
-    """Forces and responses of universal files, .wav, .mat, .npz or .csv, each take with its force.
+    r"""Forces and responses of universal files, .wav, .mat, .npz or .csv, each take with its force.
 
     Parameters
     ----------
@@ -52,6 +52,19 @@ def read_records(
     ------
     InputError
         An unknown ending, a file larger than 500 MB, what the readers refuse, channels without a force.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> rows = [f"{k / 256},{float(k == 9)},{2.0 * (k == 9)}" for k in range(64)]
+    >>> text = "\n".join(["time [s],force 1 z [N],rim 2 z [m/s^2]", *rows])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "hit.csv")
+    ...     _ = file.write_text(text, encoding="utf-8")
+    ...     (take,) = read_records(file)
+    >>> take.force.unit, len(take.response)
+    ('N', 1)
     """
     paths = [path] if isinstance(path, str | os.PathLike) else list(path)
     table = None if channels is None else read_channels(channels)
@@ -59,12 +72,24 @@ def read_records(
 
 
 def read_responses(path: str | os.PathLike[str], *, channels: str | os.PathLike[str] | None = None) -> FrfSet:
-    """The responses of one long record, without forces: what `identify` takes for modes of responses alone.
+    r"""The responses of one long record, without forces: what `identify` takes for modes of responses alone.
 
     Raises
     ------
     InputError
         As `read_records`; several records in the file, responses in several units, no response.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> text = "time [s],rim 2 z [m/s^2]\n" + "".join(f"{k / 256},{(-1.0) ** k}\n" for k in range(64))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "run.csv")
+    ...     _ = file.write_text(text, encoding="utf-8")
+    ...     found = read_responses(file)
+    >>> len(found), found.unit
+    (1, 'm/s^2')
     """
     table = None if channels is None else read_channels(channels)
     blocks, beside = _blocks(path, table)

@@ -38,6 +38,11 @@ class Gluing:
         Distance [m] up to which nodes are tied; a twentieth of the facet's size if left out.
     where
         What ties them, for messages.
+
+    Examples
+    --------
+    >>> Gluing(follower="flange", master="ring", tolerance=1e-4).tolerance
+    0.0001
     """
 
     follower: str

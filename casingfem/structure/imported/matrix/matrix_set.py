@@ -51,6 +51,16 @@ class MatrixSet:
         Names of matrices of the files that are none of these.
     boundary
         Nodes at which the part is joined to others, where the files say it: the grids of EXTRN cards.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> found = cf.modal.structure_matrices(plate)
+    >>> found.K.shape == found.M.shape, found.dofs[0].tolist()
+    (True, [3, 1])
     """
 
     K: csc_array

@@ -43,6 +43,19 @@ def read_matrices(
     ------
     ModelError
         `matrix-file`, `matrix-names`, `matrix-dofs`, `matrix-size`: what the files lack, with the line where it is one.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import casingfem as cf
+    >>> plate = cf.Shell(chart=cf.Plate(length=0.2, width=0.1), thickness=1e-3, supports={"root": cf.Clamped()},
+    ...                  material=cf.Material(E=210e9, nu=0.3, rho=7800.0),
+    ...                  mesh=cf.ShellMesh(order=6, rows=2, around=1))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = cf.imported.write_matrices(f"{folder}/plate.npz", cf.modal.structure_matrices(plate))
+    ...     found = read_matrices(file)
+    >>> found.K.shape
+    (420, 420)
     """
     files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
     beside = [file for file in files if file.suffix.lower() in BULK]

@@ -18,7 +18,11 @@ Renumbering: TypeAlias = Callable[[IntArray], IntArray]
 
 
 class Term(NamedTuple):
-    """A coefficient times one component of a node's motion."""
+    """A coefficient times one component of a node's motion.
+
+    >>> Term(node=3, component=2, coefficient=-1.0).component
+    2
+    """
 
     node: int
     component: int

@@ -21,6 +21,12 @@ class Group:
     """What a name stands for: nodes always; cells or facets where the file gives them.
 
     `facets` are pairs (cell, local facet), (m, 2); None where the group holds nodes only.
+
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u, groups={"base": (2, 0.0)})
+    >>> base = cube.groups["base"]
+    >>> base.nodes.size, base.facets.shape
+    (9, (2, 2))
     """
 
     nodes: IntArray
@@ -186,6 +192,13 @@ def beside(meshes: Mapping[str, MeshData]) -> MeshData:
     """Meshes of one kind as one, nothing joined: groups are called `name.group`, a mesh's cells are the group `name`.
 
     Nodes and cells are numbered anew from 1.
+
+    >>> import casingfem as cf
+    >>> cube = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u)
+    >>> far = cf.imported.grid_mesh("tetra10", (1, 1, 1), lambda u: u + [2.0, 0.0, 0.0])
+    >>> both = cf.imported.beside({"left": cube, "right": far})
+    >>> both.points.shape[0] == 2 * cube.points.shape[0], sorted(both.groups)
+    (True, ['left', 'right'])
     """
     parts = list(meshes.values())
     nodes = np.cumsum([0, *(len(mesh.points) for mesh in parts)])
