@@ -1,16 +1,19 @@
 """Pictures of the pages: `.venv/bin/python -m docs.screenshots [NAME ...]` runs the examples and writes docs/screens/.
 
-It needs a Chromium, as the tests of pages do. Every picture is the first screen of a page, 1200 pixels wide.
+It needs a Chromium, as the tests of pages do. Every picture is the first screen of a page, 1200 pixels wide, in 128
+colours. `--made DIR` takes pages that are there already, as DIR/NAME.html.
 """
 
 import argparse
 import base64
+import io
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
 from click.testing import CliRunner
+from PIL import Image
 
 from casingfem.cli import main as casingfem
 from casingfem.examples import DATA
@@ -18,20 +21,18 @@ from tests.casingfem.plot.browser import Tab, browser
 
 HERE = Path(__file__).parent / "screens"
 WIDTH, HEIGHT = 1200, 900
-BASES = (("reduce", "studies/rig_casing.toml", "scenes"), ("reduce", "studies/rig_blade.toml", "scenes"))
 PAGES = {
     "study": (("report", "studies/rig_casing.toml"), "report.html"),
     "update": (("update", "studies/rig_casing.toml"), "update.html"),
-    "scene_rub": (("report", "scenes/first_rub.toml"), "report.html"),
+    "scene_disk": (("report", "scenes/bladed_disk.toml"), "report.html"),
     "scene_rods": (("report", "scenes/two_rods.toml"), "report.html"),
-    "interactions": (("interactions", "scenes/first_rub.toml", "--runs", "30"), "interactions.html"),
+    "interactions": (("interactions", "scenes/bladed_disk.toml", "--runs", "30"), "interactions.html"),
     "sweep": (("sweep", "scenes/two_rods_sweep.toml", "--jobs", "1"), "sweep.html"),
     "cycles": (("cycles", "scenes/cycles/bouncing_ball.toml"), "cycles.html"),
     "identification": (("identify", "test/frfs.uff"), "identified.html"),
 }
-FIRST = {
-    "scene_rub": BASES, "interactions": BASES, "identification": (("rig", "studies/rig_test.toml", "test"),),
-}  # fmt: skip
+FIRST = {"identification": (("rig", "studies/rig_test.toml", "test"),)}
+COLOURS = 128  # of a picture: files of some ten kilobytes
 
 
 def page_of(name: str, data: Path, out: Path) -> Path:
@@ -54,22 +55,34 @@ def first_screen(tab: Tab, page: Path) -> bytes:
     frames = "for (let k = 0; k < 6; k++) await new Promise(requestAnimationFrame);"
     tab.run(f"(async () => {{ {frames} }})()")
     area = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT, "scale": 1}
-    return base64.b64decode(tab.send("Page.captureScreenshot", clip=area)["data"])
+    return few_colours(base64.b64decode(tab.send("Page.captureScreenshot", clip=area)["data"]))
+
+
+def few_colours(png: bytes) -> bytes:
+    """A picture with a palette of its most important colours."""
+    with Image.open(io.BytesIO(png)) as picture:
+        small = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    packed = io.BytesIO()
+    small.save(packed, "PNG", optimize=True)
+    return packed.getvalue()
 
 
 def main() -> None:
     """Write the pictures of these pages, of all if none is named."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", choices=[[], *PAGES], default=list(PAGES))
-    names = parser.parse_args().names
+    parser.add_argument("--made", type=Path, help="folder of pages that are there already")
+    given = parser.parse_args()
+    names, made = given.names, given.made
     HERE.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         data = Path(shutil.copytree(DATA, Path(folder) / "data"))
-        for verb, file, out in dict.fromkeys(one for name in names for one in FIRST.get(name, ())):
+        for verb, file, out in dict.fromkeys(one for name in names for one in FIRST.get(name, ()) if made is None):
             run(verb, str(data / file), "--out", str(data / out))
         with browser(Path(folder) / "user") as tab:
             for name in names:
-                picture = first_screen(tab, page_of(name, data, Path(folder) / name))
+                page = page_of(name, data, Path(folder) / name) if made is None else made / f"{name}.html"
+                picture = first_screen(tab, page.resolve())
                 (HERE / f"{name}.png").write_bytes(picture)
                 print(f"{name}: {len(picture) / 1e3:.0f} kB", flush=True)
 

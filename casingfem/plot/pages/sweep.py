@@ -89,10 +89,12 @@ def counted(number: int, name: str) -> str:
 
 
 def at_words(labels: Sequence[str], keys: Sequence[str], row: Mapping[str, Any]) -> str:
-    """The varied values of a run, with the units of their labels."""
-    units = (
-        label.partition("[")[2].rpartition("]")[0] if label.endswith("]") and " [" in label else "" for label in labels
-    )
+    """The varied values of a run, with the units of their labels.
+
+    >>> at_words(["rod[1].velocity [m/s]", "rod[2].elements"], ["v", "n"], {"v": 6.4, "n": 50})
+    'v = 6.4 m/s and n = 50'
+    """
+    units = (label.partition(" [")[2].removesuffix("]") for label in labels)
     return " and ".join(
         with_rpm(row[key]) if key == "speed.hz" else f"{key} = {written(short(row[key]))} {unit}".rstrip()
         for key, unit in zip(keys, units, strict=True)
