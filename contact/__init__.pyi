@@ -11,6 +11,7 @@ from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
 from .model.gaps.rub_laws import RimProfile, Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
+from .on_rotor import support_forces
 from .prepared import Scene
 from .record.record import Record
 from .result import Result
@@ -69,4 +70,5 @@ __all__ = [
     "scene",
     "scheme",
     "stability",
+    "support_forces",
 ]

@@ -15,6 +15,7 @@ from contact.io.trust import OF_LIMITS, Flag
 from contact.judged import judged, once, too_much
 from contact.model.gaps.limits import passed
 from contact.model.gaps.rub import rub_of
+from contact.on_rotor import rotor_orbit
 from contact.prepared import Prepared, allow_far
 from contact.record.energy import EnergyBudget
 from contact.record.record import Samples
@@ -88,7 +89,8 @@ def finished(
         result = with_growth(ready, result, marks)
         flags = (*flags, stepper.why()) if failed >= 0 else flags
     flags = (*flags, *(() if result.growth is None else result.growth.flags))
-    result = replace(result, notes=replace(result.notes, flags=once(flags)))
+    seen = result.notes.orbit or rotor_orbit(ready.problem, result)
+    result = replace(result, notes=replace(result.notes, flags=once(flags), orbit=seen))
     failures = [flag for flag in result.flags if flag.failed]
     if not failures or (ready.on_limit == "flag" and failed < 0 and (limit is None or limit[0] != "overflow")):
         return result

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from contact.base.arrays import Array
 from contact.model.gaps.rub import Rub, rub_of
 from contact.model.trig import harmonics
+from contact.on_rotor import rotor_motion, rotor_turned
 from contact.problem import What
-from contact.recovery import at_channels, casing_motion, rotor_motion, rub_forces
+from contact.recovery import at_channels, casing_motion, rub_forces
 from contact.result import Result
 
 ROWS = 100_000  # of a table of forces: longer records are summed up
@@ -84,7 +85,7 @@ def tip_motion(what: object, result: Result, casing: Array | None = None) -> Tip
     name = rub.names[1 + tip.blade]
     blade = at_channels(rub.blades[tip.blade], result.state_of(name), rub_forces(rub, result, name)[1])
     moved = blade @ tip.directions(rub.blades[tip.blade])[:2].T
-    turned = rub.speed.angles(result.state_time)
+    turned = -rotor_turned(rub, result)
     phi = math.radians(tip.angle_deg) - turned
     rim = _rim(casing, phi, rub.casing.n_max, tip.line, rub.casing.directions)
     x, y = rotor_motion(rub, result).T
@@ -159,7 +160,7 @@ def rub_film(what: What, result: Result, *, places: int = 360) -> RubFilm | None
     near = np.minimum(np.searchsorted(result.time, shown.state_time), result.time.size - 1)
     return RubFilm(
         time=shown.state_time,
-        turned=rub.speed.angles(shown.state_time),
+        turned=-rotor_turned(rub, shown),
         stretches=stretches,
         n=n,
         cos=cos[:, n],

@@ -15,6 +15,7 @@ from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.deflection import forces_by_wave
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.rub import Rub, rub_of
+from contact.on_rotor import rotor_turned
 from contact.result import Result
 
 
@@ -44,13 +45,6 @@ def casing_motion(what: object, result: Result) -> Array | None:
     return at_channels(rub.casing, q, rub_forces(rub, result, "casing")[1])
 
 
-def rotor_motion(rub: Rub, result: Result) -> Array:
-    """Motion of the disk along x and y, (ns, 2) [m]; zero without a rotor."""
-    if rub.rotor is None:
-        return np.zeros((len(result.state), 2))
-    return np.asarray(result.state_of("rotor") @ rub.rotor.plane.T)
-
-
 def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Array, Array]:
     """Instants (ns,) and forces on the channels of one body (ns, K), from `result.tip_force`.
 
@@ -69,7 +63,7 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
         raise InputError("state: found none stored, expected a record with state_every or at")
     number, d = rub.names.index(name), forces.shape[1] // len(rub.tips)
     if not number:
-        return result.state_time, forces_by_wave(rub, result.state_time, forces).reshape(len(forces), -1)
+        return result.state_time, forces_by_wave(rub, -rotor_turned(rub, result), forces).reshape(len(forces), -1)
     total = np.zeros((len(forces), len(rub.bodies[number].channels)))
     for j, tip in enumerate(rub.tips):
         if tip.blade == number - 1:

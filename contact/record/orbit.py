@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from contact.base.arrays import Array
 
 TURNS = 10  # at the end of a run of which the orbit is the mean
@@ -40,6 +42,22 @@ class Orbit:
         lag = f", {self.phase_deg_end:.3f} degrees behind the unbalance" if math.isfinite(self.phase_deg_end) else ""
         of = f"mean of the last {self.turns} turns" if self.turns > 1 else "mean of the last turn"
         return f"radius {self.radius_end:.6g} m{lag} ({of}); {self.speed_hz_end:.6g} Hz at the end"
+
+
+def orbit_of_states(time: Array, disk: Array, angle: Array, hz: Array, unbalance: complex) -> Orbit:
+    """The orbit from the disk's places x + i y (ns,), its angle [rad] and speed [Hz] at stored instants."""
+    if len(time) < 2:
+        return Orbit(radius_end=math.nan, phase_deg_end=math.nan, speed_hz_end=math.nan, turns=0)
+    turn = np.floor(np.abs(angle) / (2.0 * math.pi)).astype(np.int64)
+    rows = np.zeros((TURNS + 1, 5))
+    side = np.where(hz >= 0.0, 1.0, -1.0)
+    lead = disk.conj() * unbalance * np.exp(1j * angle)
+    for k in range(max(0, int(turn[-1]) - TURNS), int(turn[-1]) + 1):
+        own = turn == k
+        rows[k % (TURNS + 1)] = (
+            k, own.sum(), np.abs(disk[own]).sum(), lead[own].real.sum(), (side[own] * lead[own].imag).sum()
+        )  # fmt: skip
+    return orbit(rows, int(turn[-1]), float(hz[-1]), unbalance != 0.0)
 
 
 def orbit(turns: Array, now: int, hz: float, unbalanced: bool) -> Orbit:

@@ -1,7 +1,9 @@
-"""Scene files of kind "rotor": a rotor under its unbalance, without contact."""
+"""Scene files of kind "rotor": a rotor under its unbalance, alone or with blades that rub on a casing."""
 
 from __future__ import annotations
 
+import math
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,25 +13,32 @@ from pydantic import Field, FiniteFloat, model_validator
 from contact.base.arrays import readonly
 from contact.base.errors import InputError
 from contact.io.plausible import CHECKS
-from contact.io.tables import NotNegative, Number, table_of, value_of
+from contact.io.tables import Angle, Length, NotNegative, Number, table_of, value_of
 from contact.model.bodies.modal_body import ModalBody
+from contact.model.gaps.rub import ContactPoint, Rub, Stiffening
 from contact.model.gaps.rub_laws import Speed
 from contact.model.law import Unilateral
 from contact.model.rotor.jeffcott import Jeffcott
-from contact.model.rotor.rotor import Release, Rotor, Unbalance
+from contact.model.rotor.rotor import Release, Rotor, Spin, Unbalance
+from contact.model.rotor.rotor_rub import rigid_casing, rigid_tip, rotor_rub
 from contact.model.rotor.shaft import Bearing, Disk, Piece, Shaft
 from contact.resolved import MOST_STEPS
-from contact.scene.parts import RecordTable, read_basis
+from contact.scene.laws import CoatingTable, LawTable, require_one
+from contact.scene.parts import RecordTable, read_basis, rub_built
 from contact.scene.problems import Problems
+from contact.scene.rub import RubBlade, RubContact, blades_of, profile_of
 from contact.scene.scheme import (
     Built,
     Count,
     Mass,
+    ModalScheme,
     Name,
+    Ratio,
     RunHead,
     SceneFile,
     Stiffness,
     Table,
+    Thickness,
     Time,
     TurnsPerSecond,
 )
@@ -137,6 +146,56 @@ class RotorSpeed(Table):
         return Speed.constant(self.turns[0])
 
 
+class RotorCasing(Table):
+    """[casing] around the rotor: a modal basis, or a rigid ring on mounts by `radius`, `mass` and `stiffness`."""
+
+    basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, relative to this file")
+    radius: Length | None = Field(default=None, description="of a rigid ring [m]")
+    mass: Mass | None = Field(default=None, description="of a rigid ring [kg]")
+    stiffness: Stiffness | None = Field(default=None, description="of its mounts, both directions [N/m]")
+    zeta: Ratio = Field(default=0.0, description="damping ratio of a rigid ring on its mounts [-]")
+    thickness: Thickness | None = Field(
+        default=None,
+        description="of its wall [m]: a rim that moves beyond half of it is flagged; the basis's own if left out",
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> RotorCasing:
+        ring = [name for name in ("radius", "mass", "stiffness") if getattr(self, name) is not None]
+        if (self.basis is None) == (not ring) or 0 < len(ring) < 3:
+            found = " and ".join(([] if self.basis is None else ["basis"]) + ring) or "none"
+            raise ValueError(f"{found} found, expected basis, or radius, mass and stiffness of a rigid ring")
+        return self
+
+    def body(self, folder: Path) -> ModalBody:
+        """The casing; a basis file is found in `folder`. Raises InputError."""
+        if self.basis is not None:
+            return read_basis(folder / self.basis)
+        return rigid_casing(
+            radius=self.radius or 0.0, mass=self.mass or 0.0, stiffness=self.stiffness or 0.0, zeta=self.zeta
+        )
+
+
+class RotorTips(Table):
+    """[tips]: blades that do not deform, instead of tables [[blade]]."""
+
+    count: Annotated[int, Field(ge=1, le=1000)] = Field(description="number of equal blades around")
+    angle_deg: Angle = Field(default=0.0, description="where the first one stands at t = 0 [degrees]")
+
+
+class RotorContact(RubContact):
+    """[contact] of a rotor: that of a rub, and which blades are lost."""
+
+    lost: list[Annotated[int, Field(ge=0)]] = Field(
+        default_factory=list, description="numbers of blades that touch nothing, from 0, such as the one that leaves"
+    )
+
+
+@table_of(Spin)
+class SpinTable(Table):
+    """[spin]: the speed follows from friction and the drive; left out, it is that of [speed]."""
+
+
 class RotorGravity(Table):
     """[gravity] of a rotor: its weight along -y; it starts at rest under it where it is `settled`."""
 
@@ -153,7 +212,7 @@ class RotorScheme(Table):
 
 
 class RotorFile(SceneFile):
-    """A rotor under its unbalance, without contact."""
+    """A rotor under its unbalance; with [casing] and [contact] its blades may rub."""
 
     scene: RotorHead = Field(description="what this scene is")
     rotor: RotorTable = Field(
@@ -165,6 +224,13 @@ class RotorFile(SceneFile):
     unbalance: UnbalanceTable = Field(default_factory=UnbalanceTable, description="the unbalance; none if left out")
     speed: RotorSpeed = Field(description="how fast it turns")
     gravity: RotorGravity | None = Field(default=None, description="the weight; none if left out")
+    casing: RotorCasing | None = Field(default=None, description="the casing around it; no contact if left out")
+    tips: RotorTips | None = Field(default=None, description="blades that do not deform")
+    blade: list[RubBlade] = Field(default_factory=list, description="tables [[blade]]: blades by their modal bases")
+    contact: RotorContact | None = Field(default=None, description="the gap between tips and casing")
+    coating: CoatingTable | None = Field(default=None, description="an abradable coating of the rim")
+    law: LawTable | None = Field(default=None, description="how the contacts give way, instead of a coating")
+    spin: SpinTable | None = Field(default=None, description="inertia and drive of a speed that changes")
     scheme: RotorScheme = Field(description="method and time step")
     record: RecordTable | None = Field(default=None, description="what is stored")
 
@@ -194,9 +260,31 @@ class RotorFile(SceneFile):
             raise ValueError(f"{found} found without [[shaft]], expected pieces of a shaft beside it")
         return self
 
+    @model_validator(mode="after")
+    def _whole_contact(self) -> RotorFile:
+        require_one(self.law, self.coating)
+        around = {
+            "[casing]": self.casing is not None, "[contact]": self.contact is not None,
+            "[tips] or [[blade]]": self.tips is not None or bool(self.blade),
+        }  # fmt: skip
+        if any(around.values()) and not all(around.values()):
+            found, missing = ([name for name, there in around.items() if there == which] for which in (True, False))
+            raise ValueError(f"{', '.join(found)} found without {', '.join(missing)}, expected all of them or none")
+        if self.tips is not None and self.blade:
+            raise ValueError("[tips] found beside [[blade]], expected one of them")
+        alone = [name for name in ("coating", "law", "spin") if getattr(self, name) is not None]
+        if alone and self.casing is None:
+            raise ValueError(f"[{alone[0]}] found without [casing], expected the casing that the rotor rubs on")
+        if any(table.axial for table in self.blade):
+            raise ValueError("blade.axial = true found on a rotor, whose disk does not move along the axis")
+        return self
+
     def files(self) -> list[str]:
         """Files the scene is made of, beside its own."""
-        return [] if self.rotor.basis is None else [self.rotor.basis]
+        names = [self.rotor.basis, None if self.casing is None else self.casing.basis]
+        names += [table.basis for table in self.blade]
+        names += [None if self.contact is None else self.contact.profile]
+        return [name for name in names if name]
 
     def built(self, folder: Path, problems: Problems) -> Built:
         """What the file describes; raises SceneError."""
@@ -206,7 +294,34 @@ class RotorFile(SceneFile):
         with problems.at():
             rotor = self.model(folder, speed)
         problems.check()
-        return rotor, Unilateral(), ExactModal()
+        if self.contact is None:
+            return rotor, Unilateral(), ExactModal()
+        rub = partial(self.rub, folder, rotor)
+        scheme = ModalScheme(kind="exact-modal", dt=self.scheme.dt)
+        return rub_built(rub, self.law, self.coating, self.contact.friction, scheme, problems)
+
+    def rub(self, folder: Path, rotor: Rotor) -> Rub:
+        """The rotor in its casing; files are found in `folder`. Raises InputError."""
+        assert self.casing is not None
+        assert self.contact is not None
+        casing, stiff = self.casing.body(folder), list[Stiffening]()
+        if self.tips is not None:
+            n, first = self.tips.count, self.tips.angle_deg
+            blades = [rigid_tip()] * n
+            tips = [ContactPoint(blade=j, angle_deg=first + 360.0 * j / n) for j in range(n)]
+        else:
+            blades, tips, stiff = blades_of(self.blade, folder)
+        if gone := [j for j in self.contact.lost if j >= len(blades)]:
+            raise InputError(f"contact.lost: found blade {gone[0]}, expected 0 to {len(blades) - 1}")
+        kept = [tip for tip in tips if tip.blade not in self.contact.lost]
+        if not kept:
+            raise InputError(f"contact.lost: found all {len(blades)} blades, expected one or more left")
+        return rotor_rub(
+            rotor, casing, blades, kept, clearance=self.contact.clearance, stiffening=stiff,
+            profile=profile_of(self.contact, folder, casing),
+            thickness=math.inf if self.casing.thickness is None else self.casing.thickness,
+            spin=None if self.spin is None else value_of(self.spin, Spin),
+        )  # fmt: skip
 
     def model(self, folder: Path, speed: Speed) -> Rotor:
         """The rotor; a basis file is found in `folder`. Raises InputError."""

@@ -259,27 +259,11 @@ class RubFile(SceneFile):
 
     def rub(self, folder: Path) -> Rub:
         """The rub; basis and profile files are found in `folder`. Raises InputError."""
-        blades: list[ModalBody] = []
-        tips: list[ContactPoint] = []
-        stiff: list[Stiffening] = []
-        for table in self.blade:
-            body = read_basis(folder / table.basis)
-            if body.sectors and table.count > 1:
-                raise InputError(f"blade.count: found {table.count} of a wheel, whose basis has {body.sectors} blades")
-            nodes = table.nodes(body)
-            table.require_channels(body, nodes)
-            for k in range(table.count):
-                angle = table.angle_deg + 360.0 * k / table.count
-                if table.stiffening:
-                    stiff.append(Stiffening.of(body, len(blades)))
-                for node in nodes:
-                    given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
-                    tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
-                blades.append(body)
+        blades, tips, stiff = blades_of(self.blade, folder)
         casing = read_basis(folder / self.casing.basis)
         rub = Rub(
             casing, tuple(blades), tuple(tips), clearance=self.contact.clearance,
-            speed=self.speed.law(), turning=self.speed.side, profile=self._profile(folder, casing),
+            speed=self.speed.law(), turning=self.speed.side, profile=profile_of(self.contact, folder, casing),
             stiffening=tuple(stiff),
             closing=Closing.none() if self.closing is None else self.closing.law(),
             whirl=tuple(whirl.law() for whirl in self.whirl), forces=self._forces(),
@@ -296,12 +280,38 @@ class RubFile(SceneFile):
             forces.append(BodyForce.gravity(turning=turning, **self.gravity.model_dump(exclude={"settled"})))
         return tuple(forces)
 
-    def _profile(self, folder: Path, casing: ModalBody) -> RimProfile:
-        terms = RimProfile.fourier(self.contact.terms(casing)).terms
-        if self.contact.profile is None:
-            return RimProfile(terms)
-        theta, depth = read_profile(folder / self.contact.profile)
-        return RimProfile(terms, theta=readonly(np.radians(theta)), depth=readonly(depth))
+
+def blades_of(
+    tables: list[RubBlade], folder: Path
+) -> tuple[list[ModalBody], list[ContactPoint], list[Stiffening]]:  # fmt: skip
+    """Blades, places that touch, stiffening by speed; basis files are found in `folder`. Raises InputError."""
+    blades: list[ModalBody] = []
+    tips: list[ContactPoint] = []
+    stiff: list[Stiffening] = []
+    for table in tables:
+        body = read_basis(folder / table.basis)
+        if body.sectors and table.count > 1:
+            raise InputError(f"blade.count: found {table.count} of a wheel, whose basis has {body.sectors} blades")
+        nodes = table.nodes(body)
+        table.require_channels(body, nodes)
+        for k in range(table.count):
+            angle = table.angle_deg + 360.0 * k / table.count
+            if table.stiffening:
+                stiff.append(Stiffening.of(body, len(blades)))
+            for node in nodes:
+                given = node.model_dump() | {"angle_deg": angle + node.angle_deg}
+                tips.append(ContactPoint(blade=len(blades), lean_deg=table.lean_deg, **given))
+            blades.append(body)
+    return blades, tips, stiff
+
+
+def profile_of(gap: RubContact, folder: Path, casing: ModalBody) -> RimProfile:
+    """Out-of-roundness of a rim: harmonics and a file, found in `folder`. Raises InputError."""
+    terms = RimProfile.fourier(gap.terms(casing)).terms
+    if gap.profile is None:
+        return RimProfile(terms)
+    theta, depth = read_profile(folder / gap.profile)
+    return RimProfile(terms, theta=readonly(np.radians(theta)), depth=readonly(depth))
 
 
 def read_profile(path: Path) -> tuple[list[float], list[float]]:

@@ -50,12 +50,14 @@ def rim_rows(casing: ModalBody, dimensions: int, flexible: int) -> RimRows:
     return RimRows(readonly(rows), readonly(S) if S.any() else np.zeros((0, 0, 0, 0)), readonly(reach), readonly(soft))
 
 
-def forces_by_wave(rub: Rub, time: Array, forces: Array) -> Array:
-    """Forces of the tips (ns, K d) on the waves of the casing's lines and directions, (ns, lines, D, 2 N + 1) [N]."""
+def forces_by_wave(rub: Rub, turned: Array, forces: Array) -> Array:
+    """Forces of the tips (ns, K d) on the waves of the casing's lines and directions, (ns, lines, D, 2 N + 1) [N].
+
+    `turned` (ns,) are the angles turned.
+    """
     casing, K = rub.casing, len(rub.tips)
     d = forces.shape[1] // K
-    found = np.zeros((len(time), casing.rim_lines, casing.directions, 2 * casing.n_max + 1))
-    turned = rub.speed.angles(time)
+    found = np.zeros((len(turned), casing.rim_lines, casing.directions, 2 * casing.n_max + 1))
     for j, tip in enumerate(rub.tips):
         waves = harmonics(casing.n_max, math.radians(tip.angle_deg) - turned)
         for i in range(d):
@@ -72,7 +74,7 @@ def rim_motion(rub: Rub, time: Array, q: Array, forces: Array) -> Array:
     rim = rim_rows(rub.casing, d, rub.flexible)
     moved = np.tensordot(q, rim.rows, axes=(1, 2))
     if rim.S.size:
-        pressed = forces_by_wave(rub, time, forces)[:, :, :d].reshape(len(time), -1, rim.rows.shape[1])
+        pressed = forces_by_wave(rub, rub.turned(time, q), forces)[:, :, :d].reshape(len(time), -1, rim.rows.shape[1])
         moved = moved + np.tensordot(pressed, rim.S, axes=([1, 2], [2, 3]))
     return np.asarray(moved)
 

@@ -253,6 +253,11 @@ class Rub:
         others = 0 if self.rotor is None else self.rotor.body.omega.size + (0 if self.spin is None else 1)
         return int(self.casing.omega.size) - others
 
+    def turned(self, time: Array, q: Array) -> Array:
+        """Angles turned at instants (ns,), of a rotor's spin by the casing's modal coordinates (ns, m), (ns,) [rad]."""
+        angle = self.speed.angles(time)
+        return angle if self.spin is None else angle - q[:, -1] / math.sqrt(self.spin.inertia)
+
     @property
     def wall(self) -> float:
         """Thickness of the wall [m]: the one given, else the casing's least on the tips' lines; infinite if unknown."""

@@ -21,7 +21,7 @@ from contact.base.arrays import Array, readonly
 from contact.base.errors import InputError
 from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.body_force import BodyForce
-from contact.model.gaps.rub import ContactPoint, Rub, Start
+from contact.model.gaps.rub import ContactPoint, Rub, Start, Stiffening
 from contact.model.gaps.rub_laws import Closing, RimProfile, Speed
 from contact.model.rotor.rotor import Rotor, Spin
 
@@ -40,6 +40,7 @@ def rotor_rub(
     profile: RimProfile | None = None,
     closing: Closing | None = None,
     thickness: float = math.inf,
+    stiffening: Sequence[Stiffening] = (),
     spin: Spin | None = None,
 ) -> Rub:
     """Make the rub of blades on a rotor in a casing at rest.
@@ -56,7 +57,7 @@ def rotor_rub(
         Shaft, disks and bearings; its mass has that of the blades.
     casing
         Basis of kind rim with n_max >= 1.
-    blades, tips, clearance, profile, closing, thickness
+    blades, tips, clearance, profile, closing, thickness, stiffening
         As of `Rub`; `rigid_tip()` is a blade that does not deform.
     spin
         Inertia and drive of a rotor whose speed changes by its torques; left out, the speed is that of the rotor.
@@ -93,7 +94,7 @@ def rotor_rub(
     rub = Rub(
         joined(casing, rotor, spin), tuple(blades), tuple(tips), clearance=clearance, speed=turned,
         profile=profile or RimProfile(), closing=closing or Closing.none(), thickness=thickness, forces=forces,
-        rotor=rotor, spin=spin,
+        stiffening=tuple(stiffening), rotor=rotor, spin=spin,
     )  # fmt: skip
     return _started(rub)
 

@@ -52,7 +52,7 @@ def test_every_key_says_what_it_is_and_every_number_its_unit():
         (
             "coating",
             [
-                "coating (rim, rub, disk, cycles-rim, cycles-rub, cycles-disk)",
+                "coating (rim, rub, disk, rotor, cycles-rim, cycles-rub, cycles-disk)",
                 "whole number >= 1 <= 10000; 6 if left out",
             ],
         ),

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
+from casingfem.examples import DATA
 
 SCENE = """
 [scene]
@@ -105,3 +106,68 @@ def test_a_wrong_key_is_named_with_what_was_found(tmp_path, old, new, words):
         ct.load_scene(written(tmp_path, SCENE.replace(old, new)))
     assert words in str(caught.value)
     assert str(tmp_path / "rotor.toml") in str(caught.value)
+
+
+IN_CASING = (
+    SCENE.replace("t_end = 1.0", "t_end = 0.02")
+    + """
+[casing]
+radius = 0.25
+mass = 20.0
+stiffness = 2e7
+zeta = 0.1
+[tips]
+count = 12
+[contact]
+clearance = 5e-4
+friction = 0.1
+lost = [3]
+[spin]
+inertia = 0.3
+"""
+)
+
+
+def test_a_rotor_in_a_casing_is_the_rub_that_python_makes(tmp_path):
+    R, scene = ct.rotor, ct.load_scene(written(tmp_path, IN_CASING))
+    release = R.Release(time=0.1, moment=5e-2, angle_deg=90.0)
+    disk = R.Jeffcott(mass=10.0, stiffness=4e6, zeta=0.02)
+    rotor = R.Rotor.of(disk, 80.0, unbalance=R.Unbalance(moment=1e-3, release=release))
+    tips = [ct.ContactPoint(blade=j, angle_deg=30.0 * j) for j in range(12) if j != 3]
+    rub = R.rotor_rub(
+        rotor, R.rigid_casing(radius=0.25, mass=20.0, stiffness=2e7, zeta=0.1), [R.rigid_tip()] * 12, tips,
+        clearance=5e-4, spin=R.Spin(inertia=0.3),
+    )  # fmt: skip
+    assert (scene.what.tips, scene.what.spin, scene.law.mu) == (rub.tips, rub.spin, 0.1)
+    np.testing.assert_array_equal(scene.what.casing.rows, rub.casing.rows)
+    assert scene.what.speed.hz[0] == -80.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[tips]\ncount = 12\n", "", r"\[casing\], \[contact\] found without \[tips\] or \[\[blade\]\]"),
+        ("mass = 20.0\n", "", "radius and stiffness found, expected basis, or radius, mass and stiffness"),
+        ("lost = [3]", "lost = [12]", r"contact.lost: found blade 12, expected 0 to 11"),
+        ("count = 12", "count = 1\nangle_deg = 900.0", "angle_deg"),
+        ("inertia = 0.3", "inertia = 0.0", "spin.inertia"),
+        ("hz = 80.0", "hz = [80.0, 90.0]\ntime = [0.0, 1.0]", "spin: found a speed over time beside it"),
+        ("zeta = 0.02", "zeta = 0.02\nzeta_internal = 0.01", "found internal damping beside a speed that varies"),
+    ],
+)
+def test_rotors_in_casings_that_do_not_fit_are_refused_by_their_keys(tmp_path, old, new, message):
+    assert old in IN_CASING
+    with pytest.raises(ct.scene.SceneError, match=message):
+        ct.load_scene(written(tmp_path, IN_CASING.replace(old, new, 1)))
+
+
+@pytest.mark.slow
+def test_the_example_of_a_blade_off_slows_by_friction_and_reports_its_orbit(tmp_path):
+    text = (DATA / "scenes" / "blade_off.toml").read_text(encoding="utf-8")
+    answer = CliRunner().invoke(main, ["rub", str(written(tmp_path, text)), "--json"])
+    assert answer.exit_code == 0, answer.output
+    found = json.loads(answer.stdout)
+    impulse = sum(contact["impulse"] for contact in found["contacts"])
+    fallen = 2.0 * np.pi * (70.0 - found["rotor"]["speed_hz_end"])
+    assert fallen == pytest.approx(0.1 * 0.25 * impulse / 0.3, rel=0.05)  # and what the unbalance takes
+    assert 5e-4 < found["rotor"]["radius_end"] < 8e-4

@@ -1,0 +1,65 @@
+"""What a run of a rotor in a casing says of it: motion of the disk, angle, orbit, forces of bearings and mounts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contact.base.arrays import Array
+from contact.base.errors import InputError
+from contact.model.gaps.rub import Rub, rub_of
+from contact.model.gaps.rub_system import matrices_of
+from contact.record.orbit import Orbit, orbit_of_states
+from contact.result import Result
+
+
+def rotor_motion(rub: Rub, result: Result) -> Array:
+    """Motion of the disk along x and y, (ns, 2) [m]; zero without a rotor."""
+    if rub.rotor is None:
+        return np.zeros((len(result.state), 2))
+    return np.asarray(result.state_of("rotor") @ rub.rotor.plane.T)
+
+
+def rotor_turned(rub: Rub, result: Result) -> Array:
+    """Angle that a rotor has turned at the stored instants, from x to y, (ns,) [rad]."""
+    return -rub.turned(result.state_time, result.state_of("casing"))
+
+
+def rotor_orbit(what: object, result: Result) -> Orbit | None:
+    """The orbit with which the run of a rotor in a casing ends; None of other problems, or without states."""
+    rub: Rub | None = rub_of(what)
+    if rub is None or rub.rotor is None or result.channels.size or len(result.state) < 3:
+        return None
+    angle, disk = rotor_turned(rub, result), rotor_motion(rub, result) @ np.array([1.0, 1j])
+    hz = np.gradient(angle, result.state_time, edge_order=2) / (2.0 * math.pi)
+    return orbit_of_states(result.state_time, disk, angle, hz, rub.rotor.unbalance.after)
+
+
+def support_forces(rub: Rub, result: Result) -> dict[str, Array]:
+    """Forces of all bearings on the rotor and of all mounts on the casing, along x and y, (ns, 2) [N] each.
+
+    F = -r^T (K q + C q'), r = Phi^T M e the participation of the modes: what springs and dampers to the ground give.
+    Velocities are differences of the stored states, so that these should be a few steps apart. Raises InputError for
+    a basis without participation and results without states.
+
+    >>> import contact as ct
+    >>> disk = ct.rotor.Jeffcott(mass=10.0, stiffness=4e6)
+    >>> rotor = ct.rotor.Rotor.of(disk, 10.0, displacement=[0.01, 0.0])
+    >>> casing = ct.rotor.rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
+    >>> rub = ct.rotor.rotor_rub(rotor, casing, [ct.rotor.rigid_tip()], clearance=0.02)
+    >>> result = ct.run(rub, t_end=1e-2, dt=1e-4, record=ct.Record(state_every=1))
+    >>> ct.support_forces(rub, result)["bearings"][0].round(1).tolist()  # -k x, x = 0.01/sqrt(10)
+    [-12649.1, 0.0]
+    """
+    if rub.casing.participation is None:
+        raise InputError("participation: found none in the bases of rotor and casing, expected one in each")
+    if result.channels.size or len(result.state) < 3:
+        raise InputError("state: found none stored, expected a record with state_every")
+    C, K = matrices_of(rub).at(float(rub.speed.omega(0.0)))
+    m, q = rub.casing.omega.size, result.state_of("casing")
+    v = np.gradient(q, result.state_time, axis=0, edge_order=2)
+    force = -(q @ K[:m, :m].T + v @ (0.5 * (C + C.T))[:m, :m])
+    r = np.asarray(rub.casing.participation)[:2]
+    own = slice(rub.flexible, m)
+    return {"bearings": force[:, own] @ r[:, own].T, "mounts": force[:, : rub.flexible] @ r[:, : rub.flexible].T}
