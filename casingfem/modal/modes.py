@@ -147,7 +147,11 @@ def warn_of_surveys(found: Modes) -> None:
     for quantity, field in found.shell.defects.items():
         resolved = getattr(field, "n_resolved", None)
         if resolved is not None and 2 * n > resolved:
-            message = f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}"
+            gap = getattr(field, "coverage_deg", None)
+            wide = "" if gap is None else f": its widest gap around is {gap:.3g} degrees"
+            message = (
+                f"modes to n = {n} split by harmonic {2 * n}; the survey of the {quantity} resolves {resolved}{wide}"
+            )
             warn("field-resolution", message, stacklevel=5)
 
 

@@ -151,7 +151,7 @@ def read_points(path: str | os.PathLike[str]) -> SurveyPoints:
     _check_length_unit(table, value_name, quantity, float(np.median(value)))
     _check_height_unit(table, z_name, z, float(np.median(value)), quantity)
     if rest := [table.written.get(name, name) for name in table.header if name not in taken | {value_name}]:
-        warn("survey-columns", f"{table.path}: {', '.join(rest)}", stacklevel=4)
+        warn("survey-columns", f"{table.path}: found columns that are not read: {', '.join(rest)}", stacklevel=4)
     return SurveyPoints(theta=theta, z=z, value=value, quantity=quantity, path=table.path, card=table.card)
 
 

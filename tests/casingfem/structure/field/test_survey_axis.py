@@ -80,7 +80,10 @@ def measured_by_machine(path, place, z, unit="mm", scale=1e3):
 def test_points_in_x_y_z_are_those_in_theta_z_radius(tmp_path, unit, scale):
     theta, z, radius = turned_about(0.0, 0.0)
     path = measured_by_machine(tmp_path / "machine.csv", radius * np.exp(1j * theta), z, unit, scale)
-    with pytest.warns(cf.errors.ModelWarning, match=r"machine.csv: point, deviation: .*survey-columns"):
+    with pytest.warns(
+        cf.errors.ModelWarning,
+        match=r"machine.csv: found columns that are not read: point, deviation: .*survey-columns",
+    ):
         found = cf.SurveyField.from_csv(path, n_max=12, degree=1)
     expected = cf.SurveyField.from_points(theta, z, radius, n_max=12, degree=1)
     np.testing.assert_allclose(found.fit.cos, expected.fit.cos, atol=1e-8)

@@ -252,7 +252,9 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
 
 def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
     text = "# scan 1\nTheta [deg];Z (mm);Radius [cm];Remark\n0;20;50,0;a\n90;20;50,1;\n# scan 2\n180;0,4e2;50,2;\n"
-    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: Remark: .*survey-columns"):
+    with pytest.warns(
+        cf.errors.ModelWarning, match="rig.csv: found columns that are not read: Remark: .*survey-columns"
+    ):
         points = read_points(table(tmp_path, text))
     np.testing.assert_allclose(points.theta, np.radians([0.0, 90.0, 180.0]), rtol=1e-15)
     np.testing.assert_allclose([points.z, points.value], [[0.02, 0.02, 0.04], [0.5, 0.501, 0.502]], rtol=1e-14)
