@@ -89,7 +89,7 @@ SURFACES = {
     ),
     "field-resolution": (
         "a pair of n nodal diameters is split by harmonic 2n of a defect, which the survey is too coarse to show",
-        "survey more points around (gaps below 90/n degrees on each ring), or trust the splits of fewer nodal diameters",
+        "survey points around with gaps below 90/n degrees on each ring, or trust the splits of fewer nodal diameters",
     ),
     "field-seed": (
         "a random field needs seeds that are whole numbers from 0",
@@ -193,7 +193,8 @@ SURFACES = {
     "strip-overlap": ("two strips claim the same part of the wall", "let one strip end where the next begins"),
     "survey-columns": (
         "a survey has columns that nobody uses",
-        "nothing, if they are remarks; columns are theta_deg, theta_rad, or x and y; z; radius or thickness, each _m or _mm",
+        "nothing, if they are remarks; else name them theta_deg or theta_rad (or x and y), z, radius or thickness, with _m "
+        "or _mm",
     ),
     "survey-other": (
         "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",
