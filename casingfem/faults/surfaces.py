@@ -193,8 +193,7 @@ SURFACES = {
     "strip-overlap": ("two strips claim the same part of the wall", "let one strip end where the next begins"),
     "survey-columns": (
         "a survey has columns that nobody uses",
-        "nothing, if they are remarks; else name them theta_deg or theta_rad (or x and y), z, radius or thickness, with _m "
-        "or _mm",
+        "nothing, if they are remarks; else name them theta_deg, theta_rad, x, y, z, radius or thickness (_m or _mm)",
     ),
     "survey-other": (
         "the survey is of another casing: its mean is not the nominal value, or its heights are not the shell's",

@@ -149,7 +149,7 @@ def test_angles_beyond_two_turns_are_no_radians(tmp_path, turn, refused):
 
 def test_columns_left_out_are_named(tmp_path):
     path = table(tmp_path, "theta_deg,z_mm,radius_mm,point,date\n90,20,500,1,2\n-30,40,501,2,3\n")
-    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: point, date"):
+    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: found columns that are not read: point, date"):
         points = read_points(path)
     expected = [[np.pi / 2, -np.pi / 6], [0.02, 0.04], [0.5, 0.501]]
     np.testing.assert_allclose([points.theta, points.z, points.value], expected, rtol=1e-15)
