@@ -51,6 +51,11 @@ class PublicNames:
             return True
         return name in self.faces.get(module, {}) or (module in OPEN_MODULES and not name.startswith("_"))
 
+    def is_module(self, dotted: str) -> bool:
+        """Whether a module, given by its own name, is a package with a stub or a module that a stub exports."""
+        parent, _, name = dotted.rpartition(".")
+        return dotted in (*PACKAGES, COMMAND_LINE, *self.faces) or self.faces.get(parent, {}).get(name) == dotted
+
     def leads(self, package: str, attributes: list[str]) -> bool:
         """Whether attributes of a package, one after the other, are public until an object is reached."""
         at = package
@@ -97,7 +102,7 @@ def _of_node(node: ast.AST, aliases: dict[str, str], public: PublicNames) -> Ite
         if called in ("setattr", "delattr", "patch"):
             yield from dotted
         elif called in ("import_module", "module", "names"):
-            yield from (name for name in dotted if not public.is_public(name))
+            yield from (name for name in dotted if not public.is_module(name))
 
 
 def _chain(node: ast.Attribute) -> list[str]:

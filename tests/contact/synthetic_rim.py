@@ -56,3 +56,15 @@ def flap_blade(*, S=2e-8):
         rows=[[0.0], [1.0]],
         S=[[S, 0.0], [0.0, S]],
     )
+
+
+def dense_rows(scene, phi):
+    """Q, T, S_nn, S_nt at phi from the definition, with no table and no polynomial."""
+    h, a = harmonics(N_MAX, phi), np.radians(scene.lean_deg)
+    n, t = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
+    rows, S = scene.casing.rows, scene.casing.S
+    Q = np.concatenate([h @ rows[:SIZE], -n @ scene.blade.rows])
+    T = np.concatenate([h @ rows[SIZE:], -t @ scene.blade.rows])
+    S_nn = h @ S[:SIZE, :SIZE] @ h + n @ scene.blade.S @ n
+    S_nt = h @ S[:SIZE, SIZE:] @ h + n @ scene.blade.S @ t
+    return Q, T, S_nn, S_nt

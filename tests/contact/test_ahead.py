@@ -1,9 +1,7 @@
 """Machine code made ahead: after one tiny run of each kind no loop is left to be compiled, whatever runs then."""
 
-import importlib
 import json
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +9,6 @@ from pathlib import Path
 import numba
 import pytest
 
-import contact as ct
-from contact.ahead import KINDS, compiled_ahead
-
-PACKAGE = Path(ct.__file__).parent
 SCENES = Path(__file__).parents[2] / "data/scenes"
 # runs a command; says on stderr how many functions were compiled for it
 COUNTED = """
@@ -36,25 +30,6 @@ compiles = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="numba is told no
 
 @compiles
 @pytest.mark.slow
-def test_every_loop_that_python_calls_is_run_by_one_of_the_kinds():
-    """An entry without a signature would be compiled in somebody's first run."""
-    assert [made.kind for made in compiled_ahead()] == list(KINDS)
-    asked = re.compile(r"from (contact\.loop\.\S+) import \(?([^)]*?)\)?$", re.MULTILINE)
-    callers = [file for file in PACKAGE.rglob("*.py") if PACKAGE / "loop" not in file.parents]
-    taken = {
-        (module, name.strip())
-        for file in callers
-        for module, names in asked.findall(file.read_text(encoding="utf-8"))
-        for name in names.replace("\n", ",").split(",")
-    }
-    called = {name: getattr(importlib.import_module(module), name, None) for module, name in taken}
-    entries = {name: each for name, each in called.items() if type(each).__name__ == "Entry"}
-    assert len(entries) > 10
-    assert [name for name, each in entries.items() if not each.signatures] == []
-
-
-@compiles
-@pytest.mark.slow
 def test_a_directory_that_was_filled_ahead_leaves_nothing_to_compile(tmp_path):
     env = {**os.environ, "NUMBA_CACHE_DIR": "", "CASINGFEM_PROGRESS": "off"}
     command = [sys.executable, "-m", "casingfem", "compile", "--into", str(tmp_path / "code"), "--json"]
@@ -67,11 +42,6 @@ def test_a_directory_that_was_filled_ahead_leaves_nothing_to_compile(tmp_path):
     run = [sys.executable, "-c", COUNTED, "contact", str(SCENES / "modal_rod_on_wall.toml")]
     done = subprocess.run(run, env=env, capture_output=True, text=True, check=True)
     assert done.stderr.splitlines()[-1] == "compiled: 0"
-
-
-def test_a_kind_that_is_not_there_is_refused_with_the_kinds_that_are():
-    with pytest.raises(ct.InputError, match=r"kind: found 'rubb', expected one of rub, .*did you mean rub\?"):
-        list(compiled_ahead(("rubb",)))
 
 
 def test_a_directory_that_cannot_be_made_is_refused(tmp_path):

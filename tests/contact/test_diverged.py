@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.diverged import theory_of
-from contact.model.gaps.rub import rub_of
 from tests.contact.synthetic_rim import blade, ring
 
 DIGS = ct.Coulomb(mu=0.3)  # above tan(10 deg)
@@ -111,15 +109,6 @@ def test_a_patch_that_is_flung_far_beyond_its_start_and_load_stops():
     assert "In reality" not in str(caught.value)  # what ends such motions of a rim has no say here
 
 
-def test_theory_of_split_pairs_is_their_means():
-    split = ct.RotatingRim(ring(imperfect=1e-3), blade(), clearance=0.0, speed_hz=60.0, lean_deg=10.0)
-    rate, words = theory_of(split, 0.3, 0.0)
-    assert rate == pytest.approx(315.5, rel=0.01)  # Floquet's theory of the split casing, 315.555
-    assert words.startswith("By theory (its pairs' mean)")
-    with pytest.raises(ct.InputError, match="turn into themselves"):
-        ct.gaps.rim_contact(split, mu=0.3)
-
-
 @pytest.mark.parametrize(
     ("given", "match"),
     [
@@ -148,19 +137,6 @@ def test_mistyped_lengths_of_a_rub_are_refused(given, match):
 def test_what_to_do_at_a_limit_is_one_of_two():
     with pytest.raises(ct.InputError, match="on_limit: found 'go', expected 'stop' or 'flag'"):
         ct.run(rim(), t_end=1e-3, dt=2e-5, on_limit="go")
-
-
-@pytest.mark.slow
-def test_the_last_stretch_at_half_the_step_is_the_same_of_a_rim_and_of_its_rub():
-    """At 20 Hz the run grows for 0.34 s: half the step from a mark, of a rim and of the same rub."""
-    given = {"dt": 5e-6, "t_end": 0.5}
-    found = diverging(rim(20.0), **given).result.growth
-    assert found.state == "grows"
-    assert found.check_share < 2.0  # not from the start
-    assert found.converged
-    assert "converged" in found.words
-    of_rub = diverging(rub_of(rim(20.0)), **given).result.growth
-    assert of_rub.half_step == pytest.approx(found.half_step, rel=0.02)
 
 
 @pytest.mark.slow

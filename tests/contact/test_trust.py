@@ -1,16 +1,12 @@
 """Why not to trust a run: one table of codes, the same in results, files, rows of sweeps and exit codes."""
 
 import json
-import pickle
-from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 
 import contact as ct
 from casingfem.cli import main
-from casingfem.errors import CATALOGUE
-from contact.io.trust import TROUBLES, Flag
 
 RODS = """
 [scene]
@@ -114,32 +110,3 @@ def test_updates_that_do_not_settle_are_flagged(updates, failed):
     result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.3, dt=0.01,
                     on_limit="flag")  # fmt: skip
     assert {flag.code: flag.failed for flag in result.flags}.get("unconverged") is failed
-
-
-def test_flags_are_words_that_end_with_their_code():
-    flag = Flag("bodies overlapped by 3 m", "penetration", failed=True)
-    assert flag == "bodies overlapped by 3 m [penetration]"
-    assert flag.to_dict() == {"code": "penetration", "failed": True, "message": str(flag)}
-    for same in (pickle.loads(pickle.dumps(flag)), Flag.of(json.loads(json.dumps(flag.to_dict())))):
-        assert (same, same.code, same.failed) == (flag, "penetration", True)
-    assert (Flag.of("thin"), Flag.of("thin").code) == ("thin", "")  # of a file of an older version
-
-
-def test_every_code_can_be_looked_up():
-    assert set(TROUBLES) <= set(CATALOGUE)
-    told = CliRunner().invoke(main, ["explain", "energy-grows"])
-    assert (told.exit_code, TROUBLES["energy-grows"].remedy in " ".join(told.output.split())) == (0, True)
-
-
-def test_a_slip_against_the_rim_and_an_open_ledger_are_flags_of_the_run():
-    from contact.judged import judged
-
-    still = ct.run([ct.PointMass(mass=1.0, x=1.0, velocity=-1.0), ct.Wall()], t_end=0.1, dt=0.01)
-    for changed, code in (
-        ({"reversals": still.reversals + 7}, "slip-reverses"),
-        ({"energy": replace(still.energy, damping=1.1e-8 * still.energy.scale)}, "energy-open"),
-    ):
-        (flag,) = judged(None, ct.Unilateral(), replace(still, **changed))
-        assert (flag.code, flag.failed) == (code, False)
-    calm = replace(still, energy=replace(still.energy, damping=0.9e-8 * still.energy.scale))
-    assert judged(None, ct.Unilateral(), calm) == ()

@@ -1,27 +1,12 @@
 """Ranges over which a map in closed form is followed: steps, edges, what is refused."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.cycles.branch import Tangent
-from tests.contact.cycles.henon import FLIP, course, fixed
-
-
-@pytest.mark.slow
-def test_steps_are_at_most_a_fiftieth_where_nothing_is_said(family):
-    branch = ct.cycles.follow(family, (0.2, 0.25), most=8).branches[0]
-    along = course(family, 0.2, 0.25)
-    apart = [
-        math.sqrt(along.product(away := Tangent(b.x - a.x, b.value - a.value), away, a.x))
-        for a, b in pairwise(branch.points[1:])
-    ]
-    assert 0.0199 < max(apart) < 0.0201
-    short = ct.cycles.follow(family, (0.2, 0.25), most=2).branches[0]
-    assert (len(short.points), short.end) == (2, "2 orbits")
+from tests.contact.cycles.henon import FLIP, fixed
 
 
 @pytest.mark.parametrize(

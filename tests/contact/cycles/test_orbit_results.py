@@ -1,15 +1,10 @@
 """What a continuation found, as lines, rows and documents; what changes between neighbours; when a file is written."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 import contact as ct
-from contact.cycles.branch import Tangent, passed, signs
-from contact.cycles.passage import Event, Extremes, pressing
-from contact.cycles.shooting import _free_time, _nearer
 
 
 def orbit(value, *, multiplier=0.5, periods=1, closings=(2, 0), touching=(), size=1e-3, **more):
@@ -105,98 +100,3 @@ def test_a_continuation_in_a_file(tmp_path):
         assert file["special_branch"].tolist() == [1, 1]
         assert file["special_value"].tolist() == [2.25, 1.75]
         assert file["amplitude"].tolist() == [[1e-3, 2e-3]] * 4
-
-
-@pytest.mark.parametrize(
-    ("multipliers", "counts"),
-    [
-        ([1.0, -1.0], (0, 0, 0)), ([1.5, 2.0], (2, 0, 0)), ([-1.5, 0.5], (0, 1, 0)),
-        ([0.6 + 0.7j, 0.6 - 0.7j], (0, 0, 0)), ([1.0 + 1.0j, 1.0 - 1.0j], (0, 0, 2)),
-    ],
-)  # fmt: skip
-def test_multipliers_beyond_the_unit_circle_are_counted(multipliers, counts):
-    at = SimpleNamespace(multipliers=np.array(multipliers, complex), closings=(3, 4), rests=(0, 2))
-    assert signs(at, Tangent(np.zeros(2), 0.0))[0] is False
-    assert signs(at, Tangent(np.zeros(2), 1e-9))[0] is True
-    assert signs(at, Tangent(np.zeros(2), 1.0))[1:4] == counts
-    assert signs(at, Tangent(np.zeros(2), 1.0)).closings == (3, -2)
-
-
-def walked(*edges, fails=math.inf):
-    """Orbits by the length walked, whose one contact closes once more beyond each edge."""
-
-    def at(length):
-        if length > fails:
-            raise ct.NumericsError("no orbit")
-        closings = (sum(length > edge for edge in edges),)
-        return SimpleNamespace(value=length, multipliers=np.zeros(1), closings=closings, rests=(0,))
-
-    along = Tangent(np.zeros(1), 1.0)
-    course = SimpleNamespace(next=lambda _, __, length: at(length), tangent=lambda *_: along)
-    last = SimpleNamespace(value=1.0, multipliers=np.zeros(1), closings=(len(edges),), rests=(0,))
-    return passed(course, at(0.0), last, along, 1.0, along)
-
-
-def test_changes_between_neighbours_are_located_one_after_the_other():
-    """To 2^-16 of the step, the last orbit before and the first after each."""
-    one, two = walked(0.3, 0.72)
-    for change, edge in ((one, 0.3), (two, 0.72)):
-        assert change.kind == "grazing"
-        assert change.before.value <= edge < change.orbit.value <= edge + 2.0**-15
-    assert walked() == []
-    assert len(walked(*np.linspace(0.1, 0.9, 9))) == 8  # at most
-    (coarse,) = walked(0.3, fails=0.4)  # beyond which nothing is found
-    assert (coarse.before.value, coarse.orbit.value) == (0.0, 1.0)
-
-
-def flown(*events, start=10.0, rigid=(True, True)):
-    passage = SimpleNamespace(start=start, events=events)
-    return passage, SimpleNamespace(plant=SimpleNamespace(rigid=np.array(rigid)))
-
-
-def test_an_orbit_begins_in_the_middle_of_its_longest_flight():
-    """Of two contacts: one closed from .2 to .5 s, the other from .4 to .9 s, and hit again at 1.3 s."""
-    hits = (
-        Event(10.2, 0, True, True, 0.0), Event(10.4, 1, True, True, 0.0), Event(10.5, 0, False, False, 0.0),
-        Event(10.9, 1, False, False, 0.0), Event(11.3, 1, True, False, 1.0),
-    )  # fmt: skip
-    assert _free_time(*flown(*hits), 2.0) == pytest.approx(1.65)
-    assert _free_time(*flown(*hits), 1.5) == pytest.approx(1.1)
-    assert _free_time(*flown(), 2.0) == 0.0
-    assert _free_time(*flown(*hits, rigid=(False, False)), 2.0) == 0.0
-
-
-def test_newtons_step_is_the_longest_that_comes_nearer_or_as_it_is():
-    x, change, off = np.array([1.0]), np.array([8.0]), SimpleNamespace(x=np.array([3.0]))
-
-    def closing(distance):
-        return lambda trial: SimpleNamespace(x=trial + distance(trial[0]))
-
-    for near, taken in ((10.0, 9.0), (6.0, 5.0), (4.0, 3.0), (1.6, 1.5), (1.4, 9.0)):
-        trial, after = _nearer(closing(lambda at, near=near: 1.0 if at < near else 2.0), x, off, change)
-        assert trial.tolist() == [taken]
-        assert after.x.tolist() == [taken + (1.0 if taken < near else 2.0)]
-
-
-def test_least_gaps_and_largest_forces_so_far():
-    """A closed contact is at zero or deeper, and its force is that of the phase; an open one keeps its force."""
-    gap, force = np.array([0.5, -0.25]), np.array([2.0, 3.0])
-    before = Extremes(gap=gap, force=force, most=np.array([1.0]), least=np.array([-1.0]))
-    work = SimpleNamespace(least=np.array([0.125, 9.0, -4.0]), most=np.array([9.0, 5.0, 6.0]))
-    after = before.after(SimpleNamespace(closed=(1,)), work)
-    assert (after.gap.tolist(), after.force.tolist()) == ([0.125, -0.25], [2.0, 5.0])
-    assert (after.most.tolist(), after.least.tolist()) == ([6.0], [-4.0])
-    other = before.after(SimpleNamespace(closed=(0,)), work)
-    assert (other.gap.tolist(), other.force.tolist()) == ([0.0, 9.0], [9.0, 3.0])
-
-
-def test_forces_press_where_gaps_would_be_negative():
-    W = np.array([[2.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 4.0]])
-    assert pressing(W, np.array([1.0, 0.0, 2.0])).tolist() == [0.0] * 3
-    lam = pressing(W, np.array([-4.0, 1.0, -2.0]))
-    np.testing.assert_allclose(lam, [2.0, 0.0, 0.5], rtol=1e-14)
-    gap = W @ lam + [-4.0, 1.0, -2.0]
-    np.testing.assert_allclose(gap, [0.0, 2.5, 0.0], atol=1e-14)
-    lam = pressing(W, np.array([5.0, -3.0, 0.5]))  # the second draws the third in
-    np.testing.assert_allclose(lam, [0.0, 11.5 / 11.0, 1.5 / 11.0], rtol=1e-13)
-    np.testing.assert_allclose(pressing(W, np.array([5.0, -3.0, 1.0])), [0.0, 1.0, 0.0], rtol=1e-14)

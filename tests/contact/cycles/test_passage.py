@@ -8,34 +8,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from contact.cycles.passage import passage, pressing
-from contact.cycles.shooting import map_of
 from reports.verification.schemes.cycles import mass_on_stop, rod
 from tests.contact.cycles.bodies import random_body
 
 pytestmark = pytest.mark.slow
 HZ = 1.3 / (2.0 * math.pi)
-
-
-@pytest.mark.parametrize(
-    ("seed", "given"),
-    [
-        (2, {"stiffness": 200.0}),
-        (1, {"compliance": 2e-3}),
-        (0, {}),
-        (9, {"restitution": 0.6}),
-        (6, {"restitution": 0.6}),  # with a series of hits that ends at rest
-    ],
-)
-def test_the_derivative_is_that_of_the_motion(seed, given):
-    family = random_body(seed, 3, **given).over("freq_hz", freq_hz=HZ)
-    found = ct.cycles.orbit(family, HZ, settle=300)
-    assert sum(found.closings) > 1
-    step, x, period = 1e-7, np.asarray(found.x), map_of(family, HZ, found.start)
-    assert period(x).x == pytest.approx(x, abs=1e-12)
-    columns = [(period(x + step * e).x - period(x - step * e).x) / (2.0 * step) for e in np.eye(x.size)]
-    M = period(x).M
-    assert np.array(columns).T == pytest.approx(M, abs=1e-5 * np.abs(M).max())
 
 
 def test_the_orbit_is_the_same_whatever_the_looks():
@@ -45,25 +22,6 @@ def test_the_orbit_is_the_same_whatever_the_looks():
         assert other.x == pytest.approx(found[0].x, abs=1e-10 * np.abs(found[0].x).max())
         assert other.multiplier == pytest.approx(found[0].multiplier, abs=1e-10)
         assert other.amplitude["x"] == pytest.approx(found[0].amplitude["x"], rel=1e-10)
-
-
-@pytest.mark.parametrize("looks", [9, 10, 11, 12, 13])
-def test_a_touch_between_two_looks_is_seen(looks):
-    """Just beyond grazing the stop is touched for a thirtieth of the period."""
-    driven, freq_hz = mass_on_stop(5.0), 0.1429
-    fine, coarse = (ct.cycles.orbit(driven.over("freq_hz", freq_hz=freq_hz, looks=n), freq_hz) for n in (4096, looks))
-    assert fine.closings == (1,)
-    assert 0.0 < fine.force[0] < 0.02
-    assert coarse.closings == fine.closings
-    assert coarse.x == pytest.approx(fine.x, abs=1e-9)
-    assert coarse.force == pytest.approx(fine.force, rel=1e-6)
-    motion, period = driven.over("freq_hz", freq_hz=freq_hz, looks=looks).at(freq_hz)
-    for part in (0.21, 0.37, 0.55):  # the touch is then amid the looks
-        begin = passage(motion, np.asarray(fine.x), 0.0, part * period).x
-        end = passage(motion, begin, part * period, period)
-        assert len(end.events) == 2
-        assert end.x == pytest.approx(begin, abs=1e-9)
-        assert end.force == pytest.approx(fine.force, rel=1e-6)
 
 
 def test_an_orbit_of_the_rod_is_what_an_integrator_of_its_own_follows():
@@ -129,33 +87,6 @@ def test_two_equal_stops_are_one_of_twice_the_stiffness():
     assert orbits[1].closings == (1, 1)
     assert orbits[1].contacts == 2
     assert orbits[1].force == pytest.approx([0.5 * orbits[0].force[0]] * 2, rel=1e-9)
-
-
-def test_a_rigid_stop_without_rebound_holds_the_mass_until_it_is_pulled():
-    """Restitution 0: the mass stays while the force is above the spring's 0.1 N, and nothing of before is left."""
-    freq_hz = 0.05
-    family = mass_on_stop(amplitude=0.2).over("freq_hz", freq_hz=freq_hz)
-    found = ct.cycles.orbit(family, freq_hz)
-    assert found.gap[0] == pytest.approx(0.0, abs=1e-12)
-    assert found.multiplier < 1e-10
-    motion, period = family.at(freq_hz)
-    events = passage(motion, np.asarray(found.x), found.start * period, period).events
-    stays = [event.time for event in events if event.stays]
-    leaves = [event.time for event in events if not event.closes]
-    assert leaves[-1] > stays[-1] + 0.1
-    assert 0.2 * math.cos(2.0 * math.pi * freq_hz * leaves[-1]) == pytest.approx(0.1, abs=1e-9)
-
-
-def test_forces_of_the_pivoting_press_or_vanish():
-    rng = np.random.default_rng(77)
-    for _ in range(50):
-        A = rng.standard_normal((6, 6))
-        W, g = A @ A.T + 0.1 * np.eye(6), rng.standard_normal(6)
-        lam = pressing(W, g)
-        gap = W @ lam + g
-        assert lam.min() >= 0.0
-        assert gap.min() >= -1e-9
-        assert abs(lam @ gap) < 1e-9
 
 
 @pytest.mark.parametrize(

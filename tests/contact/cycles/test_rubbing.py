@@ -7,11 +7,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.cycles.rubbing import _waves
-from contact.cycles.shooting import map_of
-from contact.model.gaps.permanent import SplitError
-from contact.model.gaps.rub import rub_of
-from contact.record.wear import Wear
 from tests.contact.stability.test_turning_bodies import turning_ring
 from tests.contact.synthetic_rim import blade, ring
 
@@ -79,47 +74,10 @@ def test_a_rub_of_bodies_that_turn_is_what_a_run_settles_on(side):
     assert abs(found.force[0] / other.force[0] - 1.0) > 1e-3
 
 
-def test_a_blade_that_stiffens_is_what_a_run_settles_on():
-    """Its lower mode of 120 Hz rises by a twelfth at 5 turns/s."""
-    stiffening = ct.gaps.Stiffening(stiffness_by_speed=[[100.0, 30.0], [30.0, 200.0]])
-    still = rub_of(rim())
-    found = settles(replace(still, stiffening=[stiffening]), 0.05, 5.0, settle=20)
-    other = ct.cycles.orbit(ct.cycles.RimFamily(rim=still, mu=0.05), 5.0, settle=20)
-    assert abs(found.force[0] / other.force[0] - 1.0) > 1e-2
-
-
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_waves_are_what_passes_each_tip(sense):
-    """d(theta) and the whirls at theta = angle of the tip - sense Omega t; opposite waves of one order cancel."""
-    whirls = (
-        ct.gaps.Whirl(amplitude=3e-6, per_rev=-3.0, phase_deg=40.0),
-        ct.gaps.Whirl(amplitude=2e-6, per_rev=-1.0, phase_deg=25.0),
-    )
-    profile = ct.RimProfile.fourier([*WAVES, {"p": 0, "cos": 7e-6}, {"p": 5, "cos": 4e-6}, {"p": 5, "cos": -4e-6}])
-    rub = replace(rub_of(rim(angle_deg=17.0)), profile=profile, whirl=whirls)
-    found = _waves(rub, sense)
-    assert sorted(found) == [0, 2, 3]
-    for turned in np.linspace(0.0, 6.0, 7):
-        theta = math.radians(17.0) - sense * turned
-        beta = [math.radians(whirl.phase_deg) + whirl.per_rev * sense * turned for whirl in whirls]
-        exact = profile(theta) + sum(w.amplitude * math.cos(theta - b) for w, b in zip(whirls, beta, strict=True))
-        assert sum((z[0] * np.exp(1j * p * turned)).real for p, z in found.items()) == pytest.approx(exact, abs=1e-18)
-
-
 def test_out_of_roundness_of_two_waves_repeats_twice_a_turn():
     family = ct.cycles.RimFamily(rim=rim(waves=WAVES[:1]))
     _, period = family.at(5.0)
     assert period == pytest.approx(0.1)
-
-
-def test_the_derivative_of_a_turn_is_that_of_the_motion():
-    family = ct.cycles.RimFamily(rim=rim(S=1e-6), mu=0.05)
-    found = ct.cycles.orbit(family, 5.0, settle=20)
-    assert found.closings[0] > 0
-    turn, x, step = map_of(family, 5.0, found.start), np.asarray(found.x), 1e-11
-    columns = [(turn(x + step * e).x - turn(x - step * e).x) / (2.0 * step) for e in np.eye(x.size)]
-    M = turn(x).M
-    assert np.array(columns).T == pytest.approx(M, abs=1e-4 * np.abs(M).max())
 
 
 COATING = {"E": 2e8, "yield_stress": 1e9, "hardening": 0.0, "thickness": 2e-3, "width": 0.02, "tip": 5e-3}
@@ -140,8 +98,6 @@ def test_two_blades_in_a_coating_are_what_a_run_settles_on():
     assert found.stable
     assert found.force == pytest.approx(run.force[run.time > 1.4].max(axis=0), rel=5e-4)
     assert list(found.amplitude) == ["casing_1", "span_1", "flap_1", "casing_2", "span_2", "flap_2"]
-    own = map_of(family, 5.0, found.start)(np.asarray(found.x))
-    assert own.x == pytest.approx(found.x, rel=1e-9, abs=1e-12)
 
 
 def test_a_fixed_offset_is_a_wave_of_one_lobe():
@@ -171,13 +127,12 @@ def test_a_tip_gives_way_by_its_own_compliance_under_force_and_friction(sense):
 
 
 def test_a_worn_coating_is_felt_by_the_mean_over_the_tips_land():
-    law, cells, p = ct.Abradable(bars=4, **COATING), 360, 9
-    angle = 2.0 * np.pi * (np.arange(cells) + 0.5) / cells
-    worn = 1e-5 * (1.0 + np.cos(p * (angle - 0.3)))
-    none = np.zeros(cells)
-    wear = Wear(angle=angle, made=none, cut=none, worn=worn, map_time=none[:1], map=worn[None], volume=1.0, stated=1.0,
-                dissipated=1.0, bare=0)  # fmt: skip
+    law, p = ct.Abradable(bars=4, **COATING), 9
     one = two_blades(tips=(ct.ContactPoint(),))
+    wear = ct.run(one, law=law, t_end=1e-4, dt=1e-5).wear
+    cells = wear.angle.size
+    worn = 1e-5 * (1.0 + np.cos(p * (wear.angle - 0.3)))
+    wear = replace(wear, made=np.zeros(cells), cut=np.zeros(cells), worn=worn)
     left, stiffness = ct.cycles.as_worn(one, law, wear, 12)
     h = math.pi / cells
     land = math.sin(4 * p * h) / (4.0 * math.sin(p * h))  # mean of a wave over four bars
@@ -214,7 +169,7 @@ def test_clearance_and_friction_may_vary():
 
 def test_what_has_no_such_frame_is_refused():
     split = ct.RotatingRim(ring(imperfect=0.01), blade(), clearance=1e-5, speed_hz=5.0)
-    with pytest.raises(SplitError, match="perfect casing"):
+    with pytest.raises(ct.InputError, match="perfect casing"):
         ct.cycles.RimFamily(rim=split)
     with pytest.raises(ct.InputError, match="name: found 'gap'"):
         ct.cycles.RimFamily(rim=rim(), name="gap")

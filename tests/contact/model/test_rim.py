@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import contact as ct
-from tests.contact.synthetic_rim import N_MAX, SIZE, blade, flap_blade, harmonics, ring
+from tests.contact.synthetic_rim import N_MAX, SIZE, blade, dense_rows, flap_blade, harmonics, ring
 
 ROUND = [{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]
 
@@ -31,18 +31,6 @@ def modes_of(scene):
 def rigid_gap(phi):
     """Gap of the bodies at rest with 10 um of interference and the waves ROUND."""
     return -1e-5 + 2e-5 * np.cos(2.0 * phi) + 1e-5 * np.sin(3.0 * phi)
-
-
-def dense_rows(scene, phi):
-    """Q, T, S_nn, S_nt at phi from the definition, with no table and no polynomial."""
-    h, a = harmonics(N_MAX, phi), np.radians(scene.lean_deg)
-    n, t = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
-    rows, S = scene.casing.rows, scene.casing.S
-    Q = np.concatenate([h @ rows[:SIZE], -n @ scene.blade.rows])
-    T = np.concatenate([h @ rows[SIZE:], -t @ scene.blade.rows])
-    S_nn = h @ S[:SIZE, :SIZE] @ h + n @ scene.blade.S @ n
-    S_nt = h @ S[:SIZE, SIZE:] @ h + n @ scene.blade.S @ t
-    return Q, T, S_nn, S_nt
 
 
 @pytest.mark.parametrize("imperfect", [0.0, 0.05])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.loop.linear.leapfrog import advance_leapfrog
 from reports.verification.schemes.cases import methods
 from tests.contact.synthetic_rim import blade, ring
 
@@ -107,12 +106,6 @@ def test_channels_beside_a_regular_record():
     assert whole.state_of("body 1").shape == (10, 4)
     with pytest.raises(ct.InputError, match="1 channels of all bodies"):
         part.state_of("body 1")
-
-
-def test_a_loop_is_compiled_once_with_channels_and_without():
-    tree(record=ct.Record(state_every=50))
-    tree(record=ct.Record(state_every=50, channels=np.eye(4)[:1]))
-    assert len(advance_leapfrog.signatures) == 1
 
 
 def test_both_survive_a_file(tmp_path):

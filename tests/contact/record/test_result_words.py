@@ -1,17 +1,11 @@
 """What a result says beside its table: what never touched, what did not settle, what is stored, tracks and flags."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.io.trust import Flag
-from contact.record.energy import Divergence
-from contact.record.wear import Wear
-from contact.result import _listed
-from contact.scheme.protocol import Notes
 
 STILL = ct.record.Stored(kinetic=2.0, strain=0.0, potential=0.0, residual=0.0, discrete=2.0)
 ENERGY = ct.record.EnergyBudget(start=STILL, end=STILL, contact=0.0, rotation=0.0, friction=0.0, damping=0.0)
@@ -23,15 +17,6 @@ CALM = ct.Result(
     intervals=((), ()), energy=ENERGY, motions=(), blocks=(("casing", 0, 2), ("blade", 2, 3)), steps=3, dt=0.25,
     window=0.5, seconds=0.3, scheme="some scheme", source={}, channels=np.zeros((0, 3)),
 )  # fmt: skip
-THIN = Flag("thin", "wall-deflection")
-
-
-def track(tips, volume):
-    none = np.zeros(2)
-    return Wear(
-        angle=none, made=none, cut=none, worn=np.array([1e-6, 3e-6]), map_time=none[:1], map=np.zeros((1, 2)),
-        volume=volume, stated=2.0, dissipated=2.0, bare=0, tips=tips,
-    )  # fmt: skip
 
 
 def test_a_calm_result_says_no_more_than_its_table():
@@ -65,19 +50,6 @@ def test_what_is_stored_is_told_unless_it_is_every_step():
     assert "stored: 3 samples, at the steps nearest to the instants; sums" in repr(replace(CALM, every=0))
 
 
-def test_tracks_are_told_one_by_one_where_there_are_more():
-    one = repr(replace(CALM, tracks=(track((0,), 1e-9),)))
-    assert "coating: worn 1 mm^3, at most 3 um" in one
-    assert "track" not in one
-    two = replace(CALM, tracks=(track((0, 2), 1e-9), track((1,), 2e-9)))
-    assert "coating: worn 3 mm^3" in repr(two)
-    assert "\n  track 1 (tips 1, 3): worn 1 mm^3" in repr(two)
-    assert "\n  track 2 (tips 2): worn 2 mm^3" in repr(two)
-    assert [each["contacts"] for each in two.to_dict()["coating"]] == [[1, 3], [2]]
-    assert _listed(tuple(range(8))) == "1, 2, 3, 4, 5, 6, 7, 8"
-    assert _listed(tuple(range(9))) == "1, 2, 3, 4, 5, 6, ..., 9"
-
-
 def test_the_energy_of_an_impact_is_a_quarter_of_impulse_times_speed():
     """Of each contact by its closings, at the greatest rate at which its gap ever changed."""
     hit = replace(CALM, impulse=np.array([8.0, 3.0]), intervals=(((0.0, 0.25), (0.25, 0.5)), ()))
@@ -85,23 +57,3 @@ def test_the_energy_of_an_impact_is_a_quarter_of_impulse_times_speed():
     assert replace(hit, impulse=np.array([80.0, 3.0])).impact_energy == 0.25 * 40.0 * 1.0
     assert replace(hit, time=hit.time[:1], gap=GAP[:1]).impact_energy == 0.0
     assert replace(hit, time=hit.time[:2], gap=GAP[:2]).impact_energy == 0.25 * 3.0 * 2.5
-
-
-def test_a_saved_result_has_every_part(tmp_path):
-    end = Divergence(limit="gap", step=3, time=0.5, reached=3.0, allowed=2.0, words="far", growth=1.5)
-    full = replace(
-        CALM, tracks=(track((0, 2), 1e-9), track((1,), 2e-9)), sticking=(((0.25, 0.5),), ()), divergence=end, every=3,
-        intervals=(((0.0, 0.25),), ((0.25, 0.5),)), source={"numpy": "2"},
-        notes=Notes(flags=(THIN, Flag("far", "motion-unbounded", failed=True)), heat=np.ones(1)),
-    )  # fmt: skip
-    again = ct.Result.load(full.save(tmp_path / "full.npz"))
-    assert repr(again) == repr(full)
-    for name in ("sticking", "intervals", "every", "source", "blocks", "steps", "dt", "window", "energy", "scheme"):
-        assert getattr(again, name) == getattr(full, name)
-    assert again.divergence.growth == 1.5
-    assert math.isnan(again.divergence.theory)
-    for one, other in zip(full.tracks, again.tracks, strict=True):
-        assert (one.tips, one.volume, one.worn.tolist()) == (other.tips, other.volume, other.worn.tolist())
-    assert (again.notes.heat.tolist(), again.notes.drive.tolist()) == ([1.0], [])
-    assert [flag.to_dict() for flag in again.flags] == [flag.to_dict() for flag in full.flags]
-    np.testing.assert_array_equal(again.gap, GAP)

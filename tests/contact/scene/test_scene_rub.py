@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.scheme.modal.wear_track import track_tips
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3
 
@@ -303,22 +302,6 @@ thickness = 1e-3
 width = 8e-3
 tip = 6e-3
 """
-
-
-@pytest.mark.slow
-def test_a_coating_of_the_file_wears(write):
-    scene = ct.load_scene(write(RUB + COATING + "bars = 3\nmachined = 1e-5\n"))
-    given = {"yield_stress": 2e4, "hardening": 1e6, "thickness": 1e-3, "width": 8e-3, "tip": 6e-3}
-    assert scene.law == ct.Abradable(E=1e9, bars=3, machined=1e-5, mu=0.2, **given)
-    result = ct.run(scene)
-    assert [track.tips for track in result.tracks] == [(0, 2), (1, 3), (4,)]
-    assert all(track.volume > 0.0 and abs(track.residual) <= 1e-12 for track in result.tracks)
-    for track in result.tracks:
-        made = np.array([scene.what.profile(float(phi)) for phi in track.angle])  # harmonics and table
-        assert track.made == pytest.approx(made - made.mean(), abs=1e-18)
-    assert result.wear.cut.max() == pytest.approx(1e-5, rel=1e-3)
-    sharing = ct.load_scene(write(RUB.replace("angle_deg = 0.5\nline = 1", "angle_deg = 9.0\ntrack = 1") + COATING))
-    assert track_tips(sharing.what, 6e-3) == [[0, 2], [1, 3, 4]]
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,11 @@
 import hashlib
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.scene.turning import BasinsTable
 from tests.contact.synthetic_rim import blade, ring
 
 PAIR = """
@@ -160,18 +158,3 @@ def test_turning_rims_that_cannot_be_followed_are_refused(turning, more, words):
     with pytest.raises(ct.scene.SceneError, match=r"expected a range of speeds, or .vary. with speed.hz"):
         turning(TURNING.replace("from_hz = 3.0\nto_hz = 5.0", "hz = 4.0"))
     assert turning(TURNING + COATING + "machined = 0.0\n").between == (3.0, 5.0)
-
-
-def test_random_starts_are_as_large_as_the_six_orbits_next_to_their_value(turning, monkeypatch):
-    told = {}
-    monkeypatch.setattr(
-        "contact.scene.cycles.basins", lambda family, at, size, **more: told.update(size=size, at=at, **more)
-    )
-    points = [SimpleNamespace(value=4.0 + 0.1 * k * (-1) ** k, x=np.array([k, -2.0 * k])) for k in range(9)]
-    found = SimpleNamespace(branches=[SimpleNamespace(points=points[::2]), SimpleNamespace(points=points[1::2])])
-    scene = turning(TURNING)
-    assert scene.reached(found) is None
-    assert told == {}
-    replace(scene, ask=BasinsTable(at=4.0, seed=3, spread=1.5, starts=7, settle=11)).reached(found)
-    assert told.pop("size").tolist() == [1.5 * 5.0, 1.5 * 10.0]
-    assert told == {"at": 4.0, "starts": 7, "seed": 3, "settle": 11, "progress": None}

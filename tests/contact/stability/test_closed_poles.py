@@ -4,19 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
 
 import contact as ct
-from contact.stability.closed_contact import closed_poles, growth, poles_each
-from contact.stability.split_casing import mean_contact
-from contact.stability.waves import waves_of
 from tests.contact.synthetic_rim import blade, ring
-
-B6 = ct.gaps.HandPair(
-    casing=ct.gaps.ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
-    blade=ct.gaps.ModalPair(freq_hz=120.0, modal_mass=0.4),
-    compliance=1e-4,
-)
 
 
 def rim(casing=None, **more):
@@ -28,42 +18,6 @@ TWO_BLADES = ct.Rub(
     ring(), (blade(), blade(psi=0.8)),
     [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=180.0 * k, lean_deg=10.0) for k in range(2)],
 )  # fmt: skip
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.3])
-@pytest.mark.parametrize("hz", [0.3, 5.0, 60.0, -20.0])
-def test_the_characteristic_equation_has_the_eigenvalues(mu, hz):
-    contact = ct.gaps.rim_contact(rim(), mu=mu)
-    sense = np.sign(hz)
-    found = closed_poles(waves_of(contact), float(contact.compliance(sense)[0, 0]), 2.0 * np.pi * hz)
-    every = ct.stability.poles(contact, np.array([hz]))[0]
-    distance = np.abs(found[:, None] - every)
-    assert distance[linear_sum_assignment(distance)].max() < 1e-9 * np.abs(every).max()
-
-
-def test_many_modes_go_by_the_equation_and_few_or_many_contacts_by_eigenvalues(monkeypatch):
-    contact, speeds = ct.gaps.rim_contact(rim(), mu=0.3), np.array([5.0, 60.0])
-    by_eigenvalues = growth(contact, speeds)
-    monkeypatch.setattr("contact.stability.closed_contact.MANY", 1)
-    assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-9)
-    two = mean_contact(TWO_BLADES, mu=0.3)[0]
-    assert growth(two, speeds) == pytest.approx(
-        [every.real.max() for every in ct.stability.poles(two, speeds)], rel=1e-12
-    )
-    monkeypatch.setattr("contact.stability.closed_contact.closed_poles", lambda *_: None)  # it did not settle
-    assert growth(contact, speeds) == pytest.approx(by_eigenvalues, rel=1e-12)
-    assert len(poles_each(contact, speeds)) == 2
-
-
-def test_a_perfect_casing_is_its_own_mean_and_split_pairs_come_near_it():
-    at = np.array([5.0, 20.0, 60.0])
-    own = growth(ct.gaps.rim_contact(rim(), mu=0.3), at)
-    assert growth(ct.gaps.rim_contact(rim(ct.stability.perfect_mean(ring())), mu=0.3), at) == pytest.approx(
-        own, rel=1e-9
-    )
-    mean, averaged = mean_contact(rim(ring(imperfect=1e-3)), mu=0.3)
-    assert averaged
-    assert growth(mean, at) == pytest.approx([32.159, 27.929, 315.555], rel=0.02)  # Floquet's theory of the split one
 
 
 def test_the_mean_of_split_pairs_is_that_over_all_angles_at_which_they_could_stand():

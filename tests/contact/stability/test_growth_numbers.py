@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.permanent import disk_contact, rub_contact
-from contact.stability.closed_contact import growth
-from contact.stability.split_casing import floquet_growth
 from tests.contact.cycles.bodies import random_body
+from tests.contact.stability.rates import floquet_growth, growth
 from tests.contact.synthetic_rim import blade, ring
 
 B6 = ct.gaps.HandPair(
@@ -29,18 +27,10 @@ def two_blades():
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_numbers_of_closed_contact(mu, held):
-    of_rim, of_rub = ct.gaps.rim_contact(rim(), mu=mu), rub_contact(two_blades(), mu=mu)
+    of_rim = ct.gaps.rim_contact(rim(), mu=mu)
     every = np.stack([np.sort_complex(p) for p in ct.stability.poles(of_rim, np.array([5.0, 40.0]))])
-    disk = disk_contact(
-        ct.gaps.ModalPair(n=5, freq_hz=300.0, modal_mass=2.0),
-        ct.gaps.ModalPair(n=5, freq_hz=120.0, modal_mass=1.0),
-        stiffness=1e4,
-        blades=22,
-    )
     held(
         rim=growth(of_rim, SPEEDS),
-        rub=growth(of_rub, SPEEDS[::5]),
-        disk=growth(disk, np.linspace(80.0, 90.0, 11)),
         size=np.abs(every),
         mean=ct.stability.perfect_mean(ring(imperfect=0.05)).omega,
     )

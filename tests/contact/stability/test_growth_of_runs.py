@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.stability.envelope import envelope, growth_of
-from contact.stability.of_run import groups_of
-from tests.contact.synthetic_rim import blade, ring
+from tests.contact.synthetic_rim import blade
 
 PAIR = ct.gaps.ModalPair(n=4, freq_hz=100.0, modal_mass=1.5, zeta=0.004)
 
@@ -88,48 +86,6 @@ def test_growth_of_a_contact_that_stays_closed_is_that_of_its_pole():
     assert grown.cause.travel > 0.9  # the wave that the blade overtakes
     further = ct.stability.of_run(rub, ct.run(rub, t_end=0.4, dt=2e-5, record=ct.Record(state_every=10)))
     assert further.time_to_half_wall == pytest.approx(grown.time_to_half_wall, rel=0.05)
-
-
-def test_a_limit_cycle_after_its_rise_is_bounded_and_its_rise_alone_grows():
-    t = np.linspace(0.0, 4.0, 801)
-    size = 1e-3 / np.sqrt(1.0 + 1e6 * np.exp(-20.0 * t))  # x' = 10 x (1 - (x/1e-3)^2)
-    q = size[:, None] * np.stack([np.cos(700.0 * t), np.sin(700.0 * t)], axis=1)
-    omega, one = np.full(2, 700.0), np.zeros(2, dtype=int)
-    whole, rise = envelope(t, q, omega, one), envelope(t[:90], q[:90], omega, one)
-    assert abs(growth_of(whole.time, whole.energy[:, 0]).rate) < 0.05
-    grows = growth_of(rise.time, rise.energy[:, 0])
-    assert grows.low < grows.rate < grows.high
-    assert grows.rate == pytest.approx(10.0, rel=0.02)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("depends", "share"), [(0.0, 0.92), (0.5, 0.8)])
-def test_interval_of_growth_has_the_true_one_though_windows_depend_on_each_other(depends, share):
-    rng, inside, t = np.random.default_rng(3), 0, np.linspace(0.0, 1.0, 32)
-    for _ in range(400):
-        noise = rng.standard_normal(80)
-        for k in range(1, 80):
-            noise[k] += depends * noise[k - 1]
-        fit = growth_of(t, np.exp(2.0 * (3.0 * t + 0.1 * noise[-32:])))
-        inside += fit.low <= 3.0 <= fit.high
-    assert inside >= share * 400
-
-
-def test_an_approach_to_an_end_state_is_no_growth():
-    t = np.linspace(0.0, 4.0, 801)
-    size = np.sqrt(1.0 - np.exp(-3.0 * t))
-    q = size[:, None] * np.stack([np.cos(700.0 * t), np.sin(700.0 * t)], axis=1)
-    found = envelope(t, q, np.full(2, 700.0), np.zeros(2, dtype=int))
-    assert abs(growth_of(found.time, found.energy[:, 0]).rate) < 0.01
-
-
-def test_modes_are_grouped_by_the_nodal_diameters_of_rim_and_disk():
-    disk = ct.BladedDisk(blades=6, freq_hz=300.0, modal_mass=0.5, coupling=0.1)
-    groups = groups_of((ring(), disk.body()), disk.tips())
-    assert [groups.named[k] for k in groups.of[:10:2]] == [("casing", n) for n in range(2, 7)]
-    assert [groups.named[k][1] for k in groups.of[10:]] == [0, 1, 1, 2, 2, 3]
-    single = groups_of((ring(), blade()), (ct.ContactPoint(),))
-    assert single.named[-1] == ("blades", None)
 
 
 def test_without_states_or_a_rim_there_is_no_growth():

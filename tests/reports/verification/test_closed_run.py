@@ -9,8 +9,6 @@ import pytest
 from scipy.linalg import expm
 
 import contact as ct
-from contact.stability.closed_contact import first_order
-from contact.stability.split_casing import mean_contact
 from reports.verification.rubs.closed_run import ConfirmingRun, _start, _step, closed_rub, confirming_run, exponent
 from tests.contact.stability.test_closed_poles import TWO_BLADES, rim
 from tests.contact.stability.test_turning_bodies import turning_ring
@@ -65,24 +63,6 @@ def test_a_confirming_run_starts_at_rest_plus_its_leading_motion(hz, sign):
     np.testing.assert_allclose((back @ np.concatenate([q, v]))[:3], earlier[:3], rtol=1e-12)
     velocity = np.linalg.solve(back[:3, 3:], earlier[:3] - back[:3, :3] @ q)
     np.testing.assert_allclose(v, velocity, rtol=1e-6, atol=1e-9 * np.abs(velocity).max())
-
-
-def test_no_contact_of_several_moves_by_more_than_a_share_of_the_least_force():
-    points = [ct.ContactPoint(blade=k, span="span", flap="flap", angle_deg=130.0 * k, lean_deg=10.0) for k in range(2)]
-    contact = mean_contact(ct.Rub(ring(), (blade(), blade(psi=0.8)), points), mu=0.3)[0]
-    m, turn, S = contact.omega.size, 2.0 * np.pi * 20.0 * contact.G, contact.compliance(1.0)
-    values, vectors = np.linalg.eig(first_order(contact, 40.0 * np.pi).closed())
-    k = int(values.real.argmax())
-    press, q, _ = _start(contact, 20.0, values[k], 1e-5, 2e-5)
-    free = turn @ turn + np.diag(2.0 * contact.zeta * contact.omega) @ turn + np.diag(contact.omega**2)
-    pushed = contact.pushes(1.0).T @ np.linalg.inv(S)
-    rest = np.linalg.solve(free + pushed @ contact.Q, pushed @ [press, press])
-    force = np.linalg.solve(S, press - contact.Q @ rest)
-    parts = np.column_stack([vectors[:m, k].real, -vectors[:m, k].imag])
-    (a, b), *_ = np.linalg.lstsq(parts, q - rest, rcond=None)
-    moved = np.abs(np.linalg.solve(S, contact.Q @ vectors[:m, k] * complex(a, b)))
-    assert moved.min() < 0.9 * moved.max()
-    assert moved.max() == pytest.approx(1e-3 * force.min(), rel=1e-5)
 
 
 def test_the_step_resolves_the_fastest_mode_the_motion_and_the_turning():
@@ -154,23 +134,6 @@ def test_a_confirming_run_compares_growths():
         "speed_hz": 5.0, "growth_poles_1_s": 4.0, "growth_run_1_s": 4.5, "off_rel": 0.125, "seconds": 0.25,
     }  # fmt: skip
     assert math.isnan(replace(run, poles=0.0).off)
-
-
-def test_how_a_split_casing_starts_and_what_pulls_at_it_does_not_keep_it_from_its_mean():
-    """A mode without a partner is gone from the mean, and the start of the others fits it no more."""
-    split = ring(imperfect=1e-3)
-    odd = replace(
-        split, omega=split.omega[:9], zeta=split.zeta[:9], rows=split.rows[:, :9], participation=np.ones((3, 9))
-    )
-    bare = ct.Rub(odd, [replace(blade(), participation=np.ones((3, 2)))])
-    started = replace(bare, casing_start=ct.gaps.Start(velocity=np.ones(9)), forces=(ct.gaps.BodyForce.gravity(),))
-    (contact, mean), (other, again) = (mean_contact(rub, mu=0.2) for rub in (bare, started))
-    assert mean
-    assert again
-    assert contact.omega.size == 10
-    np.testing.assert_array_equal(contact.omega, other.omega)
-    rim = ct.RotatingRim(odd, blade(), clearance=0.0, speed_hz=5.0, casing_velocity=np.ones(9))
-    np.testing.assert_array_equal(mean_contact(rim, mu=0.2)[0].omega, contact.omega)
 
 
 @pytest.mark.slow
