@@ -87,7 +87,7 @@ def _size(problem: Problem) -> tuple[float, str]:
 
 def _slip(result: Result) -> tuple[Flag, ...]:
     count = int(result.reversals.sum())
-    words = f"the tip slipped against the motion of the rim in {count} steps, where it would stick"
+    words = f"the slip of the tip changed its sign in {count} steps: the tip moved along faster than the rim"
     return (Flag(words, "slip-reverses"),) if count else ()
 
 

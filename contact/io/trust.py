@@ -70,8 +70,8 @@ TROUBLES = MappingProxyType({
         "reduce dt, or take a stiffer contact spring",
     ),
     "slip-reverses": Trouble(
-        "a single tip slipped against the motion of the rim: it would stick there", "warning from the first step on",
-        "take a scene of kind rub, whose tips stick and slip",
+        "a single tip moved along faster than the rim, so that its slip changed sign", "warning from the first step on",
+        "possible at low speed or high friction; else check speed, friction and the compliance of the blade",
     ),
     "step-too-long": Trouble(
         "the step is long for something that was asked for",

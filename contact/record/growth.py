@@ -12,6 +12,7 @@ from contact.io.trust import Flag
 Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
 Check = Literal["", "converged", "numerical", "irregular", "depends on the step"]
 AGREED = 0.1  # of the growth: by how much half the step may change it
+NUMERICAL = 0.5  # of the growth: where half the step gives less, it is that of the step
 STANDS = 0.3  # share of one travelling wave below which the motion stands
 
 
@@ -99,17 +100,21 @@ class RunGrowth:
 
     @property
     def converged(self) -> bool | None:
-        """Whether half the step gives the same growth, to 10 % or within both intervals; None where it was not run.
+        """Whether half the step gives the same growth, to 10 % or within both intervals, and at least half of it.
+
+        None where it was not run.
 
         >>> grows = RunGrowth(rate=10.0, low=9.8, high=10.2, state="grows", amplitude=1e-4, steady=1.0, since=0.1,
         ...                   time_to_half_wall=0.5, cause=None)
         >>> grows.converged, grows.checked(10.5, 0.1, 0.3).converged, grows.checked(2.0, 0.1, 0.3).converged
         (None, True, False)
+        >>> replace(grows, low=-50.0, high=70.0).checked(1.0, 0.1, 0.3).check  # however wide the interval
+        'numerical'
         """
         return self._agrees(self.half_step) if math.isfinite(self.half_step) else None
 
     def _agrees(self, other: float) -> bool:
-        both = math.hypot(0.5 * (self.high - self.low), self.half_step_width)
+        both = min(math.hypot(0.5 * (self.high - self.low), self.half_step_width), NUMERICAL * abs(self.rate))
         return abs(other - self.rate) <= max(AGREED * abs(self.rate), both)
 
     @property
@@ -123,7 +128,7 @@ class RunGrowth:
     @property
     def numerical(self) -> bool:
         """Whether half the step gives less than half of the growth, of a motion that is not irregular."""
-        less = self.half_step + self.half_step_width < 0.5 * self.rate
+        less = self.half_step + self.half_step_width < NUMERICAL * self.rate
         return self.converged is False and less and not self.irregular
 
     @property

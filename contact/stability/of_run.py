@@ -20,8 +20,8 @@ from contact.record.energy import Divergence, EnergyBudget
 from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
 
-SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that the whole interval must have
-VAGUE = 1.0  # e-folds over the last stretch by which an interval that tells nothing is wide
+SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that its whole interval must have
+RISE = 0.5  # e-folds over the last stretch that its interval must exclude where a motion is bounded
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
 EVEN = 1e-6  # of a turn
@@ -171,12 +171,17 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 
 def _state(fit: Fit, span: float) -> Ending:
-    """What the last stretch of `span` seconds does."""
-    if fit.rate * span > SLIGHT and fit.low * span > SURE:
+    """What the last stretch of `span` seconds does, by its mean growth: a bend within it changes how fast, not whether.
+
+    >>> [_state(Fit(rate, 0.0, 0.0, scatter, 0), 0.2) for rate, scatter in ((3, 1), (1, 1), (2, 2), (-3, 1))]
+    ['grows', 'bounded', 'undecided', 'decays']
+    """
+    folds, scatter = fit.rate * span, fit.scatter * span
+    if folds > SLIGHT and folds - scatter > SURE:
         return "grows"
-    if -fit.rate * span > SLIGHT and -fit.high * span > SURE:
+    if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
-    return "bounded" if fit.scatter * span < VAGUE else "undecided"
+    return "bounded" if folds + scatter < RISE else "undecided"
 
 
 def _stopped(result: Ran) -> float:

@@ -32,7 +32,7 @@ def rubbing(kind, wall=WALL):
 
 def measured(what, result):
     """The deflection at 6,720 points of every line, from modes and compliance written out."""
-    rub, theta = rub_of(what), np.arange(6720) * (2.0 * np.pi / 6720)
+    rub, theta = rub_of(what), (np.arange(6720) + 0.5) * (2.0 * np.pi / 6720)
     N, D = rub.casing.n_max, rub.casing.directions
     h = np.concatenate([np.cos(np.outer(theta, np.arange(N + 1))), np.sin(np.outer(theta, np.arange(1, N + 1)))], 1)
     found = []
@@ -52,7 +52,7 @@ def test_the_largest_deflection_around_is_that_of_the_sum_over_all_angles():
     z, theta = np.random.default_rng(53).normal(size=(7, 17)), np.linspace(0.0, 2.0 * np.pi, 20_000)
     waves = [np.cos(n * theta) for n in range(9)] + [np.sin(n * theta) for n in range(1, 9)]
     exact = np.abs(z @ np.array(waves)).max(axis=1)
-    np.testing.assert_allclose(around(z), exact, rtol=0.02)
+    np.testing.assert_allclose(around(z), exact, rtol=0.005)
 
 
 @pytest.mark.parametrize("kind", ["rim", "rub"])
@@ -61,8 +61,8 @@ def test_deflection_is_the_largest_around_all_lines_with_residual_compliance(kin
     scene = rubbing(kind)
     result = ct.run(scene)
     exact, motion = measured(scene.what, result), rim_motion(scene.what, result)
-    assert np.all(motion.deflection <= exact * (1.0 + 1e-9))
-    np.testing.assert_allclose(motion.deflection, exact, rtol=0.02, atol=1e-3 * exact.max())
+    assert np.all(motion.deflection <= exact * (1.0 + 1e-5))
+    np.testing.assert_allclose(motion.deflection, exact, rtol=0.005, atol=1e-3 * exact.max())
     modes = deflection(rub_of(scene.what), result.state_time, result.state_of("casing"), 0.0 * result.tip_force)
     assert np.abs(modes / motion.deflection - 1.0)[10:].max() > 0.1  # compliance counts
 
