@@ -63,6 +63,17 @@ def test_the_page_of_columns_is_current_and_has_those_of_every_module():
     assert set(made["RESULTS"].values()) == defined
 
 
+@pytest.mark.slow
+def test_the_picture_of_the_architecture_shows_every_package_and_no_package_imports_itself_by_a_circle():
+    made = runpy.run_path(str(DOCS / "architecture.py"))
+    arrows = made["arrows_of"](made["Structure"](ROOT))
+    level = made["floors"](arrows)
+    assert [(a, b) for a, b in arrows if level[a] <= level[b]] == []
+    picture = (DOCS / "architecture.svg").read_text(encoding="utf-8")
+    shown = set(re.findall(r">(\w+)</text>", picture))
+    assert {box.rpartition(".")[2] for box in level} <= shown, "run .venv/bin/python -m docs.architecture"
+
+
 def test_the_page_of_names_has_every_public_name_and_each_has_a_docstring_with_an_example():
     made = runpy.run_path(str(DOCS / "names.py"))
     names = {f"{room}.{name}": item for room, items in made["public"]().items() for name, item in items.items()}
