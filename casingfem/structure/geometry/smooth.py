@@ -1,14 +1,17 @@
 """A meridian through given points: a cubic spline in the plane of r and z."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from casingfem.errors import ModelError
 from casingfem.io.arrays import Array, FloatArray
 from casingfem.structure.geometry.pieces import Point
 from casingfem.structure.geometry.revolved import MeridianPoints
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 CORNER = np.radians(30.0)  # between neighbouring chords: a spline would swing on both sides of a sharper bend
 SAMPLES = 20  # of each chord, where the spline is looked at
@@ -41,6 +44,7 @@ class SmoothMeridian:
 
     points: tuple[Point, ...]
     chords: FloatArray = field(init=False, repr=False)
+    spline: "CubicSpline" = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         places = np.array(self.points, dtype=float)
@@ -58,7 +62,10 @@ class SmoothMeridian:
             found = f"a corner of {np.degrees(np.abs(turns).max()):.3g} degrees at point {k}"
             raise ModelError("meridian-points", f"chart.points: found {found}, expected at most 30")
         object.__setattr__(self, "points", tuple((float(r), float(z)) for r, z in places))
+        from scipy.interpolate import CubicSpline
+
         object.__setattr__(self, "chords", np.append(0.0, np.cumsum(sizes)))
+        object.__setattr__(self, "spline", CubicSpline(self.chords, places))
         lowest = float(self.at(np.linspace(0.0, self.length, SAMPLES * len(places))).r.min())
         if lowest <= 1e-9 * self.length:
             raise ModelError("meridian-axis", f"chart.points: found a radius of {lowest:.3g} m on the meridian")
@@ -70,6 +77,5 @@ class SmoothMeridian:
 
     def at(self, s: Array) -> MeridianPoints:
         """Radius, height and their derivatives at s."""
-        spline = CubicSpline(self.chords, np.array(self.points))
-        value, slope, bend = (spline(s, nu) for nu in range(3))
+        value, slope, bend = (self.spline(s, nu) for nu in range(3))
         return MeridianPoints(value[..., 0], slope[..., 0], bend[..., 0], value[..., 1], slope[..., 1], bend[..., 1])

@@ -42,9 +42,9 @@ def said(**tables):
         ({"support": 3}, "support: found 3, expected a table of keys (edge or group -> kind and stiffnesses) "
                          "[study-value]"),
         ({"chart": {"radius": 0.5}}, "chart.kind: found nothing, expected one of frustum, cylinder, panel, plate, "
-                                     "twisted-plate, dome, meridian, blade [study-value]"),
+                                     "twisted-plate, dome, meridian, points, blade [study-value]"),
         ({"chart": {"kind": "cone"}}, "chart.kind: found 'cone', expected one of frustum, cylinder, panel, plate, "
-                                      "twisted-plate, dome, meridian, blade [study-value]"),
+                                      "twisted-plate, dome, meridian, points, blade [study-value]"),
         ({"chart": GOOD["chart"] | {"height": 0.0}},
          "chart.height: found 0.0, expected greater than 0 (length along the axis [m]) [chart-dimension]"),
         ({"chart": {"kind": "cylinder", "radius": 0.5}},

@@ -13,6 +13,7 @@ from casingfem.study.tables.fields import ImperfectionTable
 from casingfem.study.tables.shapes import BladeTable, DomeTable, MeshTable
 from casingfem.study.tables.tasks import StudyFile
 
+HERE = Path()
 STEEL = {"E": 210e9, "nu": 0.3, "rho": 7800.0}
 ALUMINIUM = {"E": 70e9, "nu": 0.33, "rho": 2700.0}
 CASING = {
@@ -123,12 +124,12 @@ def test_a_shell_on_no_support_is_doubted(support, said):
 
 
 def test_a_dome_and_a_blade_have_radians():
-    dome = build_chart(DomeTable(kind="dome", radius=0.2, start_deg=-30.0, end_deg=90.0, r0=0.05)).profile
+    dome = build_chart(DomeTable(kind="dome", radius=0.2, start_deg=-30.0, end_deg=90.0, r0=0.05), HERE).profile
     assert isinstance(dome, cf.geometry.Arc)
     assert (dome.radius, dome.r0) == (0.2, 0.05)
     assert (dome.start, dome.end) == pytest.approx((-np.pi / 6, np.pi / 2), rel=1e-15)
     blade = build_chart(BladeTable(kind="blade", length=0.2, chord=[0.1, 0.08], camber_deg=30.0, sweep=0.01,
-                                   twist_deg=[0.0, 45.0], lean=[0.0, 0.02]))  # fmt: skip
+                                   twist_deg=[0.0, 45.0], lean=[0.0, 0.02]), HERE)  # fmt: skip
     assert isinstance(blade, cf.Blade)
     assert (blade.length, blade.chord, blade.sweep, blade.lean) == (0.2, (0.1, 0.08), 0.01, (0.0, 0.02))
     assert blade.camber == pytest.approx(np.pi / 6, rel=1e-15)
@@ -166,24 +167,24 @@ WAVES = [{"p": 2, "median": 0.1, "high": 0.5}, {"p": 4, "median": 0.02}]
 
 def test_a_random_field_has_the_spectrum_seed_and_stream_of_its_table():
     table = ImperfectionTable(of="thickness", random=WAVES, seed=7, scale=0.5, p_max=4)
-    field = build_random(table, 3, StudyFile())
+    field = build_random(table, 3, StudyFile(), HERE)
     assert (field.seed, field.stream, field.spectrum.p.tolist()) == (7, 3, [2, 3, 4])
     np.testing.assert_allclose(field.spectrum.median[[0, 2]], [0.05, 0.01], rtol=1e-14)
     # 90 % of Rayleigh amplitudes are below sqrt(ln 10/ln 2) medians
     np.testing.assert_allclose(field.spectrum.high[[0, 2]], [0.25, 0.01 * np.sqrt(np.log2(10.0))], rtol=1e-12)
-    plain = build_random(ImperfectionTable(of="thickness", random=WAVES, seed=0), 1, StudyFile())
+    plain = build_random(ImperfectionTable(of="thickness", random=WAVES, seed=0), 1, StudyFile(), HERE)
     np.testing.assert_allclose(plain.spectrum.median[[0, 2]], [0.1, 0.02], rtol=1e-14)
 
 
 def test_the_example_of_a_random_field_wants_chart_and_wall():
     table = ImperfectionTable(of="radius", random="example", seed=7)
     tables = StudyFile.model_validate(CASING)
-    field = build_random(table, 2, tables)
+    field = build_random(table, 2, tables, HERE)
     assert (field.spectrum.p[0], field.spectrum.p[-1], field.seed, field.stream) == (2, 32, 7, 2)
     assert field.spectrum.median[0] == pytest.approx(0.24 * 3e-3 / 0.45, rel=1e-12)
-    assert build_random(table.model_copy(update={"p_max": 9}), 2, tables).spectrum.p[-1] == 9
+    assert build_random(table.model_copy(update={"p_max": 9}), 2, tables, HERE).spectrum.p[-1] == 9
     for name in ("chart", "shell"):
-        assert build_random(table, 2, tables.model_copy(update={name: None})) is None
+        assert build_random(table, 2, tables.model_copy(update={name: None}), HERE) is None
 
 
 def test_the_stream_of_a_random_field_is_its_number_in_the_file():
