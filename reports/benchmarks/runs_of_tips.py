@@ -6,14 +6,15 @@ It imports `contact` alone, from wherever PYTHONPATH says, and knows what former
 import json
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import contact as ct
-from contact.prepared import prepared
 from contact.record.record import samples
 from contact.run import steps
 
+prepared: Any = import_module("contact.run").prepared  # former versions define it there
 DT, SPEED, LEAN = 1e-5, 5.0, 10.0
 ROUGH = ({"p": 2, "cos": 2e-4}, {"p": 3, "cos": 5e-5})
 

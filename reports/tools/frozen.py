@@ -1,4 +1,4 @@
-"""The numbers of two checkouts, held against each other: every example, every scheme, published values.
+"""The numbers of two checkouts, compared: every example, every scheme, published values.
 
 `python -m reports.tools.frozen OTHER [--only PATTERN] [--out DIR]`. OTHER is a checkout of another commit (`git
 worktree add ../before COMMIT`). Each command runs in both, on this machine and these libraries, and all numbers and
@@ -27,6 +27,7 @@ from contact.scene.scheme import SCHEMES
 from reports.tables import OUT, ROOT, Row, show, write
 
 BY_MACHINE = re.compile(r"second|version|^source$|^us/|\[s\]$|^wall|processor|speed-up|^million|^%")
+LEDGER = ".energy"
 CLOSE = 1e-13  # of the largest number of a list: sums in another order
 LONG = ("interaction_map/map", "two_rods_sweep")  # sweeps: their runs are those of scenes
 # table -> its report and flags
@@ -110,8 +111,13 @@ def plain(cell: str) -> float | str:
 
 
 def flat(document: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Every list of numbers, number and word with its place; what the machine decides is left out."""
-    if isinstance(document, dict):
+    """Every list of numbers, number and word with its place; what the machine decides is left out.
+
+    The terms of an energy balance are one list: what is left of them is round-off of the largest.
+    """
+    if place.endswith(LEDGER) and all(isinstance(value, float | int | None) for value in document.values()):
+        yield place, [document[key] for key in sorted(document)]
+    elif isinstance(document, dict):
         for key, value in document.items():
             if not BY_MACHINE.search(str(key)):
                 yield from flat(value, f"{place}.{key}")

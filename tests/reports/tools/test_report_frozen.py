@@ -47,6 +47,12 @@ def test_what_is_compared():
     assert dict(flat(document)) == {".contacts[0].force": [1.0, None], ".steps": 4, ".flags": []}
 
 
+def test_what_is_left_of_an_energy_balance_is_compared_with_its_largest_term():
+    now, before = ({"energy": {"external": 2.0, "unaccounted": rest}} for rest in (1e-16, -3e-16))
+    assert dict(flat(now)) == {".energy": [2.0, 1e-16]}
+    assert row_of("any", now, before)["verdict"] == "equal to 1e-13"
+
+
 @pytest.mark.parametrize(
     ("before", "verdict", "only"),
     [({"a": 1.0}, "equal to the bit", ""), ({"a": 1.0 + 1e-15}, "equal to 1e-13", ""), ({"a": 1.1}, "changed", ""),
