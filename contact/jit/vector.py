@@ -123,11 +123,16 @@ def _below_zero(typing: Any, vector: Any) -> Any:
 
 def _total(typing: Any, vector: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        parts = [builder.extract_element(args[0], ir.Constant(ir.IntType(32), i)) for i in range(WIDTH)]
-        while len(parts) > 1:
-            half = len(parts) // 2
-            parts = [builder.fadd(a, b) for a, b in zip(parts[:half], parts[half:], strict=True)]
-        return parts[0]
+        part, size = args[0], WIDTH
+        while size > 1:  # of single numbers the compiler would make one chain of sums
+            size //= 2
+            kind, none = ir.VectorType(ir.IntType(32), size), ir.Constant(part.type, ir.Undefined)
+            low, high = (
+                builder.shuffle_vector(part, none, ir.Constant(kind, list(range(first, first + size))))
+                for first in (0, size)
+            )
+            part = builder.fadd(low, high)
+        return builder.extract_element(part, ir.Constant(ir.IntType(32), 0))
 
     return types.float64(VECTOR), generate
 
