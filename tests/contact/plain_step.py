@@ -3,11 +3,12 @@
 q'' + C q' + K q = f + R^T lam of all bodies, rows R(t) of the contacts' directions, normal first. With Phi = exp(A h),
 Psi = exp(-A h), A = [0 I; -K -C]: X = Phi_12 Psi_12^-1, T = Phi_11 - X Psi_11, alpha = -X, beta = I - T - X and
 c = beta K^-1. D* = alpha D - beta q + c f; gaps of q_(n+1) (or means of three) + S lam and slips
-T D + S (lam - lam_old) + what slides by itself obey Coulomb's law together with Signorini's, or with a force-depth law,
-found by projected Gauss-Seidel sweeps.
+T D + S (lam - lam_old) + what slides by itself obey Coulomb's law together with Signorini's, with a force-depth law, or
+with bars of a coating, which flow after each step. Forces are found by projected Gauss-Seidel sweeps.
 """
 
 import math
+from collections import Counter
 
 import numpy as np
 from scipy.linalg import block_diag, expm
@@ -31,25 +32,37 @@ class Plain:
         """What slides by itself along each direction in the step after t."""
         return np.zeros(self.K * self.d)
 
-    def pressed(self, yields, gap, past):
-        """Force of one contact with a free gap, and its depth."""
-        if self.law.response is None or gap >= 0.0:
-            return max(0.0, -gap / yields), 0.0
+    def response(self, depth, past, bars):
+        """Force of one contact at a depth; None of a rigid one."""
+        if bars is not None:
+            return bars.force(depth)
+        if self.law.response is None:
+            return None
+        return self.law.response(depth, (1.5 * depth - 2.0 * past[0] + 0.5 * past[1]) / self.h)[0]
+
+    def pressed(self, yields, gap, past, bars):
+        """Force of one contact with a free gap."""
+        if gap >= 0.0 or self.response(0.0, past, bars) is None:
+            return max(0.0, -gap / yields)
         low, high = 0.0, -gap
         for _ in range(60):
             depth = 0.5 * (low + high)
-            force = self.law.response(depth, (1.5 * depth - 2.0 * past[0] + 0.5 * past[1]) / self.h)[0]
-            low, high = (low, depth) if depth + yields * force + gap > 0.0 else (depth, high)
-        return max(0.0, -(gap + depth) / yields), depth
+            opened = depth + yields * self.response(depth, past, bars) + gap
+            low, high = (low, depth) if opened > 0.0 else (depth, high)
+        return max(0.0, -(gap + depth) / yields)
 
-    def solved(self, W, b, lam, past):
+    def bars(self, t):
+        """What is under each contact at t, None where it is not coated."""
+        return [None] * self.K
+
+    def solved(self, W, b, lam, past, bars):
         """Forces with W lam + b in the laws."""
         d = self.d
         for _ in range(5000):
             before = lam.copy()
             for j in range(self.K):
                 a, tangents = j * d, slice(j * d + 1, j * d + d)
-                lam[a] = self.pressed(W[a, a], W[a] @ lam + b[a] - W[a, a] * lam[a], past[j])[0]
+                lam[a] = self.pressed(W[a, a], W[a] @ lam + b[a] - W[a, a] * lam[a], past[j], bars[j])
                 if d > 1:
                     steep = np.linalg.norm(W[tangents, tangents], 2)
                     aim = lam[tangents] - (W[tangents] @ lam + b[tangents]) / steep
@@ -74,16 +87,48 @@ class Plain:
             W[normal] = self.share * ahead[normal] @ self.c @ R.T + S[normal]
             b[normal] = gap if self.share == 1.0 else 0.25 * (gap + 2.0 * now + last)
             b += self.slides(step * h)
-            lam = self.solved(W, b, lam, past)
+            bars = self.bars(step * h)
+            lam = self.solved(W, b, lam, past, bars)
             D = free + self.c @ R.T @ lam
             q, strain, found[step] = q + D, S @ lam, lam
             last, now = now, gaps + ahead[normal] @ q
             past = np.stack([-(W @ lam + b)[normal], past[:, 0]], axis=1)
+            for under, depth, force in zip(bars, past[:, 0], lam[normal], strict=True):
+                if under is not None and force > 0.0:
+                    under.flow(depth)
         return found
 
 
+class Bars:
+    """Bars of a `ct.Abradable` under one tip: `worn` of the whole track, which `flow` changes, and the cut there."""
+
+    def __init__(self, law, worn, phi, cut, length):
+        n = worn.size
+        first = math.floor(phi / (2.0 * math.pi) % 1.0 * n - 0.5 * (law.bars - 1))
+        self.law, self.worn, self.own = law, worn, (first + np.arange(law.bars)) % n
+        self.area, self.cut = law.width * length / n, cut
+
+    def depths(self, depth):
+        """Worn depths of the bars where the tip presses to `depth`: stress E (d - w)/t <= Y + H w/t, no more than t."""
+        law = self.law
+        flown = (law.E * (depth - self.cut) - law.yield_stress * law.thickness) / (law.E + law.hardening)
+        return np.maximum(self.worn[self.own], min(flown, law.thickness - self.cut))
+
+    def force(self, depth):
+        """Sum of the stresses by the area of one bar."""
+        strain = np.maximum(depth - self.cut - self.depths(depth), 0.0) / self.law.thickness
+        return self.area * self.law.E * strain.sum()
+
+    def flow(self, depth):
+        """Wear the bars."""
+        self.worn[self.own] = self.depths(depth)
+
+
 class PlainRub(Plain):
-    """A `ct.Rub` without loads; modes that a speed couples need a constant speed."""
+    """A `ct.Rub` without loads; modes that a speed couples need a constant speed.
+
+    `worn` after `forces`: of a coating, by line and number of the track.
+    """
 
     def __init__(self, rub, *, law, h, averaged):
         self.rub, omega = rub, rub.speed.omega(0.0)
@@ -94,6 +139,25 @@ class PlainRub(Plain):
         super().__init__(C, K, law=law, h=h, averaged=averaged, contacts=len(rub.tips), dimensions=dimensions)
         self.first = np.cumsum([0, *(body.omega.size for body in rub.bodies)])
         self.along = [tip.directions(rub.blades[tip.blade])[: self.d] for tip in rub.tips]
+        self.worn, self.tracks, places = {}, [], Counter()
+        for tip in rub.tips if law.coating else ():
+            self.tracks.append((tip.line, places[tip.blade, tip.line]))
+            places[tip.blade, tip.line] += 1
+            around = 2.0 * math.pi * rub.casing.line_radius(tip.line) * law.bars / law.tip
+            self.worn[self.tracks[-1]] = np.zeros(round(around))
+
+    def bars(self, t):
+        """Bars under the tips at t; they were cut to a circle `machined` beyond the rim's highest point."""
+        if not self.worn:
+            return super().bars(t)
+        found, rub = [], self.rub
+        for tip, track in zip(rub.tips, self.tracks, strict=True):
+            worn, length = self.worn[track], 2.0 * math.pi * rub.casing.line_radius(tip.line)
+            made = [rub.profile(2.0 * math.pi * (k + 0.5) / worn.size) for k in range(worn.size)]
+            phi = math.radians(tip.angle_deg) - rub.speed.angle(t)
+            cut = max(min(made) + self.law.machined - rub.profile(phi), 0.0) if self.law.machined else 0.0
+            found.append(Bars(self.law, worn, phi, cut, length))
+        return found
 
     def slides(self, t):
         """The rim turns past the tips."""

@@ -60,8 +60,13 @@ def fill_some(rows: RowBlocks, waves: Array, first: int, row: Array) -> None:
         place = WIDTH * (block - first)
         if entry(rows.alike, block) == 1:
             next_block = WIDTH * (last - begin)
-            for j in range(begin, last):
+            for j in range(begin, last, 2):
                 wave, at = same(entry(waves, entry(rows.wave, j))), WIDTH * j
+                a = a + load(rows.value, at) * wave
+                b = b + load(rows.value, at + next_block) * wave
+                c = c + load(rows.value, at + 2 * next_block) * wave
+                d = d + load(rows.value, at + 3 * next_block) * wave
+                wave, at = same(entry(waves, entry(rows.wave, j + 1))), at + WIDTH
                 a = a + load(rows.value, at) * wave
                 b = b + load(rows.value, at + next_block) * wave
                 c = c + load(rows.value, at + 2 * next_block) * wave

@@ -10,23 +10,23 @@ from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
 from contact.loop.rub.solve import place_now
-from contact.loop.rub.state import ModalBlocks, RubState, Work
+from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
 from contact.record.record import Tally
-from contact.solver.friction.one_contact import one_contact
+from contact.solver.friction.one_contact import one_contact, only_contact
 
 UNSOLVED, SOLVED, DONE = 0, 1, 2
 
 
 @jit
-def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float, slid: float,
-          step: int, sums: Tally) -> int:  # fmt: skip
-    """Force of the one tip marked, gap and slip; UNSOLVED where the general way is to be taken. `slid` = Omega h.
+def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solver: Solver | None, dim: int,
+          share: float, slid: float, step: int, sums: Tally) -> int:  # fmt: skip
+    """Force of the one tip marked, gap and slip; UNSOLVED where `solver` is to find it. `slid` = Omega h.
 
     Without friction or with one slip direction, in one pass over the modes: what `gather` and `solve` do for many tips.
     DONE where the run has no other tip: the force is added to the increments and the sums, too.
     """
     chosen = 0
-    for j in range(s.mu.size):
+    for j in range(tips(s, solver)):
         if s.inside[j] == 2:
             chosen = j
         else:
@@ -63,19 +63,22 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: 
         S_nt, S_tt = yields(rows, w, j, 0, 1, dim), yields(rows, w, j, 1, 1, dim)
         nt, tn, tt = nt + S_nt, tn + S_nt, tt + S_tt
     nn += S_nn
-    found, press, drag = one_contact(nn, nt, tn, tt, s.test[j], slip, s.mu[j] if rubs else 0.0)
+    mu = s.mu[j] if rubs else 0.0
+    if solver is None:
+        found, press, drag = only_contact(nn, nt, tn, tt, s.test[j], slip, mu)
+    else:
+        found, press, drag = one_contact(nn, nt, tn, tt, s.test[j], slip, mu)
     if not found:
         return UNSOLVED
     s.scale[j], s.lam[R], s.motion[R] = nn, press, nn * press + nt * drag + s.test[j]
     if rubs:
         s.lam[R + 1], s.motion[R + 1] = drag, tn * press + tt * drag + slip
-    if blocks is None:  # a branch of its own, which is left out where modes are coupled
-        if s.mu.size == 1:
-            across, along = push_now(s, normal, tangent, press, drag, rubs)
-            add_work(s, rows, w, across, along, S_nn * press + S_nt * drag, S_nt * press + S_tt * drag, share, sums)
-            if rubs:
-                s.drive[0] -= drag * rows.glide[1] * slid
-            return DONE
+    if solver is None:
+        across, along = push_now(s, normal, tangent, press, drag)
+        add_work(s, rows, w, across, along, S_nn * press + S_nt * drag, S_nt * press + S_tt * drag, share, sums)
+        if rubs:
+            s.drive[0] -= drag * rows.glide[1] * slid
+        return DONE
     w.slots[0], w.slot[p], w.column[0] = 1, 0, 0
     if rubs:
         w.column[1] = 1
@@ -97,20 +100,20 @@ def couplings(s: RubState, normal: Array, ahead: Array, tangent: Array,
 
 
 @jit_inside
-def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float,
-             rubs: bool) -> tuple[float, float]:  # fmt: skip
-    """Add what the forces of the only tip push to the increments; its motion along them over two steps."""
+def push_now(s: RubState, normal: Array, tangent: Array, press: float, drag: float) -> tuple[float, float]:
+    """Add what the forces of the only tip push to the increments; its motion along them over two steps.
+
+    Without friction `drag` is zero, and `tangent` any row.
+    """
     to, drags, across, along = same(press), same(drag), same(0.0), same(0.0)
     for i in range(0, normal.size, WIDTH):
         row, pull = load(normal, i), load(tangent, i)
-        pushed = row * to + pull * drags if rubs else row * to
+        pushed = row * to + pull * drags
         put(s.contact, i, pushed)
         step = load(s.d, i) + load(s.c, i) * pushed
         put(s.d, i, step)
         both = load(s.old, i) + step
-        across = across + row * both
-        if rubs:
-            along = along + pull * both
+        across, along = across + row * both, along + pull * both
     return total(across), total(along)
 
 
@@ -119,7 +122,7 @@ def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, s
              share: float, sums: Tally) -> None:  # fmt: skip
     """Work of the only tip's forces along its motion, as `add_works` of many; the gap that they leave."""
     press, drag, turned, soft = s.lam[0], 0.0, 0.0, 0.0
-    s.free[0] += (s.motion[0] - s.test[0] - strain) / share
+    s.free[0] += 1.0 / share * (s.motion[0] - s.test[0] - strain)
     rubs = s.lam.size > 1
     if rubs:
         drag = s.lam[1]
@@ -127,8 +130,9 @@ def add_work(s: RubState, rows: RubRows, w: Work, across: float, along: float, s
         s.heat[0] -= drag * s.motion[1]
         s.strain[1] = strain_along
     if rows.turns:
-        nt, tt = (w.S[0, 1] - w.S_old[0, 1], w.S[0, 3] - w.S_old[0, 3]) if rubs else (0.0, 0.0)
-        turned = turned_work(press, drag, w.S[0, 0] - w.S_old[0, 0], nt, tt)
+        now, before = w.side[0], 1 - w.side[0]
+        nt, tt = (w.S[now, 0, 1] - w.S[before, 0, 1], w.S[now, 0, 3] - w.S[before, 0, 3]) if rubs else (0.0, 0.0)
+        turned = turned_work(press, drag, w.S[now, 0, 0] - w.S[before, 0, 0], nt, tt)
     opened = press * (s.free[0] - s.last[0])
     work, rotation, friction = works(0.5, opened, turned, press * across, drag * along, soft)
     sums.work[0] += work

@@ -25,18 +25,16 @@ def copy(row: Array, out: Array) -> None:
 @jit
 def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
     """S of the chosen tips at phi_n and at phi_{n-1}; the waves at t_n are at their places."""
-    blocks = w.S.shape[1] // WIDTH
+    blocks, now = w.S.shape[2] // WIDTH, w.side[0]
     for n in range(count):
         j = w.chosen[n]
         if w.S_at[j] == step:  # solved for a second time
             continue
-        if w.S_at[j] == step - 1:
-            copy(w.S[j], w.S_old[j])
-        else:
+        if w.S_at[j] != step - 1:
             waves_at(rows, j, w.angles, BEFORE, w.turn)
-            fill_some(rows.S, w.turn, j * blocks, w.S_old[j])
+            fill_some(rows.S, w.turn, j * blocks, w.S[1 - now, j])
         w.S_at[j] = step
-        fill_some(rows.S, w.waves[w.side[0], rows.place[j]], j * blocks, w.S[j])
+        fill_some(rows.S, w.waves[now, rows.place[j]], j * blocks, w.S[now, j])
 
 
 @jit
@@ -73,7 +71,7 @@ def yields(rows: RubRows, w: Work, j: int, i: int, k: int, dim: int) -> float:
     R = j * dim
     found = entry(rows.still, (R + i) * rows.still.shape[1] + R + k)
     if rows.turns:
-        found += w.S[j, i * rows.still.shape[1] + R + k] if rows.few else soft_at(rows, w, i, j, k, dim)
+        found += w.S[w.side[0], j, i * rows.still.shape[1] + R + k] if rows.few else soft_at(rows, w, i, j, k, dim)
     return found  # type: ignore[no-any-return]
 
 
@@ -87,7 +85,7 @@ def strains(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
             for n in range(count):  # S is symmetric
                 j = w.chosen[n]
                 for i in range(dim):
-                    turning += w.S[j, i * R + k] * s.lam[j * dim + i]
+                    turning += w.S[w.side[0], j, i * R + k] * s.lam[j * dim + i]
         w.strain[k], w.turning[k] = dot(rows.still[k], s.lam, R) if count > 0 else 0.0, turning
     if count > 0 and rows.turns and not rows.few:
         for j in range(s.mu.size):
@@ -112,7 +110,7 @@ def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) ->
             for i in range(dim):
                 total = 0.0
                 for k in range(R):
-                    total += w.S_old[j, i * R + k] * s.lam[k]
+                    total += w.S[1 - w.side[0], j, i * R + k] * s.lam[k]
                 w.before[j * dim + i] = total
         return
     n = w.turn.size

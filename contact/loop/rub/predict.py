@@ -27,7 +27,7 @@ from contact.loop.rub.rows import (
     rigid_gap,
     straight,
 )
-from contact.loop.rub.state import RubState, Work
+from contact.loop.rub.state import RubState, Solver, Work, tips
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
 
 
@@ -106,8 +106,8 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
 
 
 @jit
-def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, share: float, every: bool, now_too: bool,
-         t: float, h: float) -> int:  # fmt: skip
+def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver | None, dim: int, share: float,
+              every: bool, now_too: bool, t: float, h: float) -> int:  # fmt: skip
     """Free gaps of the tips that could touch; marks those that are solved for and returns how many.
 
     Whether a tip that was near in the last step still is, is asked where `now_too`: for one tip the bound costs as much
@@ -118,9 +118,9 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, dim: int, shar
     for line in range(w.bound.size):
         w.bound[line] = -1.0
     if not rows.steady:
-        for p in range(w.fresh.shape[1]):
+        for p in range(1 if solver is None else w.fresh.shape[1]):
             w.fresh[side, p] = 0
-    for j in range(s.mu.size):
+    for j in range(tips(s, solver)):
         R, line, p = j * dim, rows.line[j], rows.place[j]
         pressed = s.lam[R] > 0.0 or (s.known[j] == 1 and min(s.now[j], s.last[j]) < 0.0)
         if not (pressed or every or rows.steady) and (now_too or s.known[j] == 0):

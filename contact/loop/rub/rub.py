@@ -2,12 +2,10 @@
 
 Tips meet a rigid surface, or press into bars of a coating, which flow (`coats`), or into a surface with a force-depth
 law (`y`); with `blocks` None each mode moves by itself, else some are coupled; the rows of `steady` contacts do not
-change. Each is a loop of its own.
+change; a single tip needs no `solver`. Each is a loop of its own, which holds no code of the others.
 """
 
 from __future__ import annotations
-
-import math
 
 from contact.jit.compiled import jit, jit_vectors
 from contact.loop.formulas import works
@@ -32,7 +30,7 @@ from contact.loop.rub.rows import (
     turned,
 )
 from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
-from contact.loop.rub.state import ModalBlocks, RubState, Work
+from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
 from contact.loop.rub.steady import Steady, frictionless, note_slips
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
 from contact.model.gaps.limits import LOOK
@@ -102,10 +100,10 @@ def pace(s: RubState, y: Yielding, h: float) -> None:
 
 
 @jit
-def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, steady: Steady | None, dim: int, slid: float,
-         sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
+def note(s: RubState, rows: RubRows, w: Work, solver: Solver | None, y: Yielding | None, steady: Steady | None,
+         dim: int, slid: float, sums: Tally, out: Samples, h: float, time: float) -> None:  # fmt: skip
     """Forces, gaps and events of this step; the gaps of q move on."""
-    for j in range(s.mu.size):
+    for j in range(tips(s, solver)):
         R = j * dim
         s.force[j] = s.lam[R]
         before, predicted = 0.0, 0.0
@@ -129,7 +127,7 @@ def note(s: RubState, rows: RubRows, w: Work, y: Yielding | None, steady: Steady
         if dim > 1 and not rows.steady:
             stuck = sticks(s, R, dim, j)
             note_stick(sums, out, j, int(stuck), time)
-            if s.mu.size == 1 and not stuck and s.force[j] > 0.0 and s.lam[R + 1] * slid > 0.0:
+            if tips(s, solver) == 1 and not stuck and s.force[j] > 0.0 and s.lam[R + 1] * slid > 0.0:
                 sums.reversals[j] += 1
     if steady is not None:
         if dim > 1:
@@ -169,10 +167,10 @@ def note_line(s: RubState, rows: RubRows, w: Work, dim: int, line: int, ends: bo
 @jit
 def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
     """Whether a contact presses and its tangential force lies inside the cone."""
-    pull = 0.0
+    pull, radius = 0.0, s.mu[j] * s.lam[row] * (1.0 - INSIDE)
     for i in range(row + 1, row + dim):
         pull += s.lam[i] * s.lam[i]
-    return bool(s.lam[row] > 0.0 and math.sqrt(pull) < s.mu[j] * s.lam[row] * (1.0 - INSIDE))
+    return bool(s.lam[row] > 0.0 and pull < radius * radius)
 
 
 @jit
@@ -196,7 +194,7 @@ def note_torque(s: RubState, laws: RubLaws, omega: float, sums: Tally, h: float)
 
 @jit
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
-          steady: Steady | None, w: Work, dim: int, share: float, slid: float, solved: bool,
+          steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
     """Forces of the tips marked and of those that they draw in; how many, -1 where none are found.
 
@@ -211,7 +209,7 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
             count = gather(s, rows, blocks, w, dim, share)
             if rows.turns and rows.few:
                 fill_few(rows, w, count, step)
-            if not solve(s, rows, w, coats, y, count, dim, share, slid):
+            if not solve(s, rows, w, solver, coats, y, count, dim, share, slid):
                 return -1
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count
@@ -249,11 +247,13 @@ def settle(s: RubState, rows: RubRows, coats: Coats | None, blocks: ModalBlocks 
 
 @jit_vectors
 def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, y: Yielding | None,
-                blocks: ModalBlocks | None, steady: Steady | None, flight: FreeFlight, w: Work, dim: int,
-                averaged: bool, sums: Tally, out: Samples, h: float, first: int, steps: int) -> int:  # fmt: skip
+                blocks: ModalBlocks | None, steady: Steady | None, solver: Solver | None, flight: FreeFlight, w: Work,
+                dim: int, averaged: bool, sums: Tally, out: Samples, h: float, first: int,
+                steps: int) -> int:  # fmt: skip
     """Whole steps: bars and force at phi_n, gap at phi_{n+1}, slip over the step.
 
-    Contact-free time is skipped to the next step that is stored; what a coating has lost only widens the gap.
+    Without `solver` there is a single tip with at most one slip direction, on a rigid surface. Contact-free time is
+    skipped to the next step that is stored; what a coating has lost only widens the gap.
     """
     share, pressed = 0.25 if averaged else 1.0, True
     before, _ = turned(laws.speed, (first - 1) * h)
@@ -293,7 +293,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             fly_coupled(s, blocks, w)
         slid = 1.0 if rows.steady else base * h
         every = due(step, out.every, out.at, sums.filled[0])
-        closing = find_near(s, laws, rows, w, dim, share, every, step % AGAIN == 0 or s.mu.size > 1, t, h)
+        closing = find_near(s, laws, rows, w, solver, dim, share, every, step % AGAIN == 0 or tips(s, solver) > 1, t, h)
         if coats is not None:
             closing -= stand(s, laws, rows, w, coats, dim, angle)
         if y is not None:
@@ -302,17 +302,19 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if coats is None:  # branches that are left out of loops of another kind, and not compiled there
             if y is None:
                 if closing == 1:
-                    done = alone(s, rows, blocks, w, dim, share, slid, step, sums)
-        if done != DONE:
-            if closing > 0:
-                count = close(s, rows, coats, y, blocks, steady, w, dim, share, slid, done == SOLVED, step)
-                if count < 0:
-                    return step
-                settle(s, rows, coats, blocks, w, count, dim, share, slid, sums)
-            elif pressed:
-                clear(s.contact, 0)
-                strains(s, rows, w, 0, dim)
-                assign(s.strain, w.strain, w.strain.size)
+                    done = alone(s, rows, blocks, w, solver, dim, share, slid, step, sums)
+        if solver is None:
+            if closing > 0 and done != DONE:
+                return step
+        elif closing > 0:
+            count = close(s, rows, coats, y, blocks, steady, w, solver, dim, share, slid, done == SOLVED, step)
+            if count < 0:
+                return step
+            settle(s, rows, coats, blocks, w, count, dim, share, slid, sums)
+        if pressed and closing == 0:
+            clear(s.contact, 0)
+            for a in range(s.strain.size):
+                s.strain[a] = 0.0
         if closing > 0:
             s.counts[2] += 1.0
             retry = max(retry, step + PAUSE)
@@ -331,7 +333,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if laws.spin.mode >= 0:
             note_torque(s, laws, omega, sums, h)
         advance_modes(s, sums)
-        note(s, rows, w, y, steady, dim, slid, sums, out, h, t)
+        note(s, rows, w, solver, y, steady, dim, slid, sums, out, h, t)
         store(sums, out, step, t, s.force, s.gap)
         angle, omega = ahead, omega_ahead
         for i in range(3):

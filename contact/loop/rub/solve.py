@@ -8,7 +8,7 @@ from contact.jit.vector import WIDTH, entry, load, put, same
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import copy, fill_soft, soft_at
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
-from contact.loop.rub.state import ROUGH, TOGETHER, ModalBlocks, RubState, Work
+from contact.loop.rub.state import ROUGH, TOGETHER, ModalBlocks, RubState, Solver, Work
 from contact.solver.abradable.tips import Coats
 from contact.solver.dense import affine, dot
 from contact.solver.friction.coulomb import friction_forces
@@ -98,8 +98,8 @@ def add_part(row: Array, share: float, out: Array) -> None:
 
 
 @jit
-def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding | None, count: int, dim: int,
-          share: float, slid: float) -> bool:  # fmt: skip
+def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | None, y: Yielding | None, count: int,
+          dim: int, share: float, slid: float) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
     if rows.W.size == 0:
@@ -109,14 +109,14 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding 
     start(s, rows, w, count, dim, slid)
     if coats is None:
         if y is None:
-            solved = rigid(s, w, count, dim, not rows.steady)
+            solved = rigid(s, w, solver, count, dim, not rows.steady)
         else:
             solved = yielding_forces(
-                None, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
+                None, y, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
             )
     else:
         solved = yielding_forces(
-            coats, None, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, w.all_sliding, w.room
+            coats, None, w.chosen, w.W, w.b, w.mu, dim, count, w.lam, w.depth, solver.all_sliding, solver.room
         )
     if not solved:
         s.counts[3] = ROUGH
@@ -135,11 +135,11 @@ def solve(s: RubState, rows: RubRows, w: Work, coats: Coats | None, y: Yielding 
 
 
 @jit
-def rigid(s: RubState, w: Work, count: int, dim: int, fast: bool) -> bool:
+def rigid(s: RubState, w: Work, solver: Solver, count: int, dim: int, fast: bool) -> bool:
     """Forces of the chosen tips on a rigid surface; `fast`: the surface turns, and most tips slide."""
     if fast and dim > 1 and count > 1:
-        w.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, w.room)
-    iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, w.room)
+        solver.all_sliding(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
+    iterations, miss = friction_forces(w.W, w.b, w.mu, dim, count, w.lam, solver.room)
     s.counts[0] = max(s.counts[0], float(iterations))
     s.counts[1] += float(iterations)
     return bool(miss <= TOLERANCE)
@@ -193,38 +193,51 @@ def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: f
         for n in range(count):
             for i in range(dim):
                 for k in range(size):
-                    w.W[n * dim + i, k] += w.S[w.chosen[n], i * s.lam.size + w.row[k]]
+                    w.W[n * dim + i, k] += w.S[w.side[0], w.chosen[n], i * s.lam.size + w.row[k]]
 
 
 @jit
 def casing_yields(rows: RubRows, w: Work, dim: int) -> None:
-    """Fill `casing`: tests rows^T, and what turns of the residual compliance; four rows by eight slots at a time."""
+    """Fill `casing`: tests rows^T, and what turns of the residual compliance; eight rows by eight slots at a time."""
     width, slots, columns, waves = rows.width, w.row_columns.shape[1], w.casing.shape[1], w.strained.size
     n = w.turn.size
     for i in range(dim):
         for q in range(0, w.slots[0], WIDTH):
             for a in range(0, w.slots[0] * dim, TOGETHER):
                 test, soft = a * width, a * waves
-                first, second, third, fourth = same(0.0), same(0.0), same(0.0), same(0.0)
+                a0, a1, a2, a3 = same(0.0), same(0.0), same(0.0), same(0.0)
+                a4, a5, a6, a7 = same(0.0), same(0.0), same(0.0), same(0.0)
                 for k in range(width):
-                    row = load(w.row_columns, (i * width + k) * slots + q)
-                    first = first + same(entry(w.tests, test + k)) * row
-                    second = second + same(entry(w.tests, test + width + k)) * row
-                    third = third + same(entry(w.tests, test + 2 * width + k)) * row
-                    fourth = fourth + same(entry(w.tests, test + 3 * width + k)) * row
+                    row, at = load(w.row_columns, (i * width + k) * slots + q), test + k
+                    a0 = a0 + same(entry(w.tests, at)) * row
+                    a1 = a1 + same(entry(w.tests, at + width)) * row
+                    a2 = a2 + same(entry(w.tests, at + 2 * width)) * row
+                    a3 = a3 + same(entry(w.tests, at + 3 * width)) * row
+                    a4 = a4 + same(entry(w.tests, at + 4 * width)) * row
+                    a5 = a5 + same(entry(w.tests, at + 5 * width)) * row
+                    a6 = a6 + same(entry(w.tests, at + 6 * width)) * row
+                    a7 = a7 + same(entry(w.tests, at + 7 * width)) * row
                 for line in range(w.pressed.shape[0] // dim):
                     begin = soft + (line * dim + i) * n
                     for k in range(n):
-                        row = load(w.wave_columns, (line * n + k) * slots + q)
-                        first = first + same(entry(w.soft, begin + k)) * row
-                        second = second + same(entry(w.soft, begin + waves + k)) * row
-                        third = third + same(entry(w.soft, begin + 2 * waves + k)) * row
-                        fourth = fourth + same(entry(w.soft, begin + 3 * waves + k)) * row
+                        row, at = load(w.wave_columns, (line * n + k) * slots + q), begin + k
+                        a0 = a0 + same(entry(w.soft, at)) * row
+                        a1 = a1 + same(entry(w.soft, at + waves)) * row
+                        a2 = a2 + same(entry(w.soft, at + 2 * waves)) * row
+                        a3 = a3 + same(entry(w.soft, at + 3 * waves)) * row
+                        a4 = a4 + same(entry(w.soft, at + 4 * waves)) * row
+                        a5 = a5 + same(entry(w.soft, at + 5 * waves)) * row
+                        a6 = a6 + same(entry(w.soft, at + 6 * waves)) * row
+                        a7 = a7 + same(entry(w.soft, at + 7 * waves)) * row
                 place = a * columns + i * slots + q
-                put(w.casing, place, first)
-                put(w.casing, place + columns, second)
-                put(w.casing, place + 2 * columns, third)
-                put(w.casing, place + 3 * columns, fourth)
+                put(w.casing, place, a0)
+                put(w.casing, place + columns, a1)
+                put(w.casing, place + 2 * columns, a2)
+                put(w.casing, place + 3 * columns, a3)
+                put(w.casing, place + 4 * columns, a4)
+                put(w.casing, place + 5 * columns, a5)
+                put(w.casing, place + 6 * columns, a6)
+                put(w.casing, place + 7 * columns, a7)
 
 
 @jit
@@ -280,7 +293,7 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, c
             for n in range(count):
                 first = w.chosen[n] * dim
                 for i in range(dim):
-                    gap += w.S[w.chosen[n], i * s.lam.size + R] * s.lam[first + i]
+                    gap += w.S[w.side[0], w.chosen[n], i * s.lam.size + R] * s.lam[first + i]
         if rows.turns and not rows.few:
             place_now(rows, w, j)
             gap += soft_at(rows, w, -1, j, 0, dim)

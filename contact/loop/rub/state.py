@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned
+from contact.jit.compiled import jit_inside
 from contact.jit.vector import WIDTH
 from contact.loop.modal.rows import RowBlocks
 from contact.loop.rub.rows import RubRows
@@ -14,7 +15,7 @@ from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
 
-TOGETHER = 4  # rows that `solve.casing` takes at a time
+TOGETHER = 8  # rows that `solve.casing` takes at a time
 JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
 
 
@@ -119,14 +120,32 @@ class Work(NamedTuple):
     strained: Array  # (waves,) what the forces strain of the casing
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
-    S: Array  # (K, d K d and zeros) compliance of few tips at phi_n; rows of tips that are not solved for may be stale
-    S_old: Array  # at phi_{n-1}
+    S: Array  # (2, K, d K d and zeros) compliance of few tips at phi_n, at phi_{n-1}; stale where not solved for
     S_at: Indices  # (K,) the step in which a row of S was filled
     turning: Array  # (K d,) part of S lam that turns
     before: Array  # (K d,) with S at phi_{n-1}
     strain: Array  # (K d,) S lam
+
+
+class Solver(NamedTuple):
+    """What solves for the forces of several tips. Loops without one have a single tip, whose force has a formula."""
+
     all_sliding: AllSliding
     room: Room  # of the friction solver
+
+
+@jit_inside
+def tips(s: RubState, solver: Solver | None) -> int:
+    """How many there are: known to the compiler where it is one."""
+    if solver is None:
+        return 1
+    return s.mu.size
+
+
+def solver_of(s: RubState, *, newton: bool = True) -> Solver:
+    """Buffers; `newton`: whether Newton's method on the forces solves for the tips."""
+    K, R = s.mu.size, s.lam.size
+    return Solver(all_sliding=AllSliding(used=R > K > 1), room=solver_room(K if newton else 0, R // K))
 
 
 def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
@@ -137,7 +156,7 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
     made = (
         (0, 0, 0) if rows.steady or rows.W.size else (D, d * width, slots)
     )  # where the loop fills the matrix of the contacts
-    solved = (R, K) if newton else (0, 0)
+    solved = R if newton else 0
     few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
     waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
 
@@ -150,11 +169,10 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
         angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
         soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
-        casing=aligned(made[0], d * made[2]), W=aligned(solved[0], solved[0]), b=aligned(R), lam=aligned(R),
+        casing=aligned(made[0], d * made[2]), W=aligned(solved, solved), b=aligned(R), lam=aligned(R),
         motion=aligned(R), mu=aligned(K),
         depth=aligned(K), pushed=aligned(width), both=aligned(2 * s.q.size), moved_by=aligned(s.q.size),
         normal_moves=aligned(width), tangent_moves=aligned(width), strained=aligned(waves), spread=aligned(waves),
-        pressed=aligned(spread, 2, n), S=aligned(few, wide), S_old=aligned(few, wide), S_at=whole(few) - 2,
-        turning=aligned(R), before=aligned(R), strain=aligned(R), all_sliding=AllSliding(used=R > K > 1),
-        room=solver_room(solved[1], d),
+        pressed=aligned(spread, 2, n), S=aligned(2, few, wide), S_at=whole(few) - 2,
+        turning=aligned(R), before=aligned(R), strain=aligned(R),
     )  # fmt: skip

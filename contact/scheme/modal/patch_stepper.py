@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.deflection import RimWaves
     from contact.loop.rub.free_flight import FreeFlight
     from contact.loop.rub.rows import RubLaws, RubRows
-    from contact.loop.rub.state import ModalBlocks, RubState, Work
+    from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work
     from contact.loop.rub.steady import Steady
     from contact.solver.yielding.yields import Yielding
 
@@ -53,6 +53,7 @@ class PatchStepper(ExactRun):
     steady: Steady
     flight: FreeFlight
     work: Work
+    solver: Solver
     law: Law
     averaged: bool
     y: Yielding | None
@@ -73,17 +74,17 @@ class PatchStepper(ExactRun):
         from contact.loop.rub.rub import advance_rub
 
         failed = advance_rub(
-            self.wide, self.laws, self.rows, None, self.y, self.coupled, self.steady, self.flight, self.work,
-            self.dimensions, self.averaged, self.sums, out, self.dt, first, steps,
+            self.wide, self.laws, self.rows, None, self.y, self.coupled, self.steady, self.solver, self.flight,
+            self.work, self.dimensions, self.averaged, self.sums, out, self.dt, first, steps,
         )  # fmt: skip
-        self.work.room.otherwise.pass_on()
+        self.solver.room.otherwise.pass_on()
         return failed
 
     @property
     def memory(self) -> tuple[Any, ...]:
         """State, work arrays and sums."""
         coupled = () if self.coupled is None else self.coupled
-        return self.wide, self.work, self.steady, self.sums, coupled, memory_of(self.y)
+        return self.wide, self.work, self.solver, self.steady, self.sums, coupled, memory_of(self.y)
 
     @property
     def overlap(self) -> float:
@@ -116,7 +117,7 @@ class PatchStepper(ExactRun):
     def notes(self) -> Notes:
         """What friction left of the motion, where double precision does no better."""
         long = too_long(self.y, self.stiffest, self.dt)
-        return Notes(flags=(*inexact(float(self.work.room.left[0])), *long))
+        return Notes(flags=(*inexact(float(self.solver.room.left[0])), *long))
 
     @property
     def dimensions(self) -> int:
@@ -145,7 +146,7 @@ class PatchStepper(ExactRun):
 
 def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, averaged: bool) -> PatchStepper:
     """Stepper at t = 0; without friction only the normal rows take part. `averaged`: for laws with a response."""
-    from contact.loop.rub.state import work_space
+    from contact.loop.rub.state import solver_of, work_space
 
     parts, mu = speeds.parts[0], law.mu
     rough = mu > 0.0 and problem.dimensions > 1
@@ -168,8 +169,8 @@ def patch_stepper(problem: Patch, speeds: AtSpeeds, law: Law, label: str, *, ave
     state.limits[1] = FAR_FETCHED * _reach(problem, given[:: len(given) // k], parts)
     return PatchStepper(
         problem=problem, parts=parts, state=state, wide=wide, laws=_laws(), rows=rows, steady=steady,
-        flight=no_flight(parts), work=work, sums=tally(k), averaged=averaged, law=law, label=label,
-        y=yielding_of(law, state.now, state.last), coupled=coupled,
+        flight=no_flight(parts), work=work, solver=solver_of(wide, newton=newton), sums=tally(k), averaged=averaged,
+        law=law, label=label, y=yielding_of(law, state.now, state.last), coupled=coupled,
     )  # fmt: skip
 
 

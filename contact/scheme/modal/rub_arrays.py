@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from contact.loop.modal.rows import RowBlocks
     from contact.loop.rub.deflection import RimWaves
     from contact.loop.rub.rows import RubLaws, RubRows
-    from contact.loop.rub.state import RubState, Work
+    from contact.loop.rub.state import RubState, Solver, Work
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
 
@@ -37,15 +37,23 @@ class LoopArrays:
     laws: RubLaws
     rows: RubRows
     work: Work
+    solver: Solver | None
 
     @staticmethod
-    def of(rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool) -> LoopArrays:
-        """Those of a rub; `share` as of `unchanging`, `vary`: the speed changes the coefficients of the modes."""
-        from contact.loop.rub.state import work_space
+    def of(
+        rub: Rub, system: RubSystem, parts: Propagator, state: RubState, share: float, *, vary: bool, plain: bool
+    ) -> LoopArrays:
+        """Those of a rub; `share` as of `unchanging`, `vary`: the speed changes the coefficients of the modes.
+
+        `plain`: the surface is rigid and each mode moves by itself.
+        """
+        from contact.loop.rub.state import solver_of, work_space
 
         W = np.zeros((0, 0)) if vary or rub.spin is not None else unchanging(rub, system, parts, share)
         rows = rub_rows(rub, system, parts, W)
-        return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows))
+        alone = plain and state.mu.size == 1 and state.lam.size < 3
+        solver = None if alone else solver_of(state)
+        return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows, newton=not alone), solver)
 
 
 def rub_state(rub: Rub, system: RubSystem, parts: Propagator, mu: float, dimensions: int) -> RubState:

@@ -87,7 +87,13 @@ class RubStepper(ExactRun):
         if not self.made:
             self.made.append(
                 LoopArrays.of(
-                    self.rub, self.system, self.now(), self.wide, 0.25 if self.averaged else 1.0, vary=self.speeds.vary
+                    self.rub,
+                    self.system,
+                    self.now(),
+                    self.wide,
+                    0.25 if self.averaged else 1.0,
+                    vary=self.speeds.vary,
+                    plain=self.worn is None and self.y is None and self.coupled is None,
                 )
             )
         return self.made[0]
@@ -108,9 +114,9 @@ class RubStepper(ExactRun):
 
         if not self.given:
             a = self.arrays
-            parts = (self.wide, a.laws, a.rows, coats, self.y, self.coupled, self.flight, a.work, self.sums)
+            parts = (self.wide, a.laws, a.rows, coats, self.y, self.coupled, a.solver, self.flight, a.work, self.sums)
             self.given.extend(map(bundled, parts))
-        state, laws, rows, coating, y, coupled, flight, work, sums = self.given
+        state, laws, rows, coating, y, coupled, solver, flight, work, sums = self.given
         failed, at, end = -1, first, first + steps
         while failed < 0 and (at < end or at == first):
             count = end - at
@@ -118,11 +124,12 @@ class RubStepper(ExactRun):
                 self._turn(at // self.speeds.stretch)
                 count = min(count, self.speeds.stretch - at % self.speeds.stretch)
             failed = advance_rub(
-                state, laws, rows, coating, y, coupled, None, flight, work, self.dimensions, self.averaged, sums, out,
-                self.dt, at, count,
+                state, laws, rows, coating, y, coupled, None, solver, flight, work, self.dimensions, self.averaged,
+                sums, out, self.dt, at, count,
             )  # fmt: skip
             at += max(count, 1)
-        self.arrays.work.room.otherwise.pass_on()
+        if self.arrays.solver is not None:
+            self.arrays.solver.room.otherwise.pass_on()
         return failed
 
     def _turn(self, stretch: int) -> None:
@@ -163,9 +170,8 @@ class RubStepper(ExactRun):
         coupled = () if self.coupled is None else self.coupled
         a = self.arrays
         return (
-            self.wide, a.work, a.rows, self.flight, self.sums, self.steps, self.stretch, self.spun, a.laws.spin.load,
-            coupled, coating,
-            memory_of(self.y),
+            self.wide, a.work, a.rows, a.solver or (), self.flight, self.sums, self.steps, self.stretch, self.spun,
+            a.laws.spin.load, coupled, coating, memory_of(self.y),
         )  # fmt: skip
 
     @property
@@ -213,7 +219,8 @@ class RubStepper(ExactRun):
         """Heat and drive of friction, and what the run went through that its theory does not carry."""
         deflection, tangential = float(self.limits[LARGEST]), float(self.state.peaks[0])
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
-        left = float(self.arrays.work.room.left[0]) if self.made else 0.0
+        solver = self.made[0].solver if self.made else None
+        left = 0.0 if solver is None else float(solver.room.left[0])
         flags += (*inexact(left), *too_long(self.y, self.stiffest, self.dt))
         return Notes(
             flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive), deflection=deflection

@@ -55,6 +55,20 @@ def one_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: fl
 
 
 @jit
+def only_contact(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
+                 mu: float) -> tuple[bool, float, float]:  # fmt: skip
+    """Forces of `drag_ratio`'s contact, open or closed; False where none obey the laws.
+
+    Of several answers the first: it sticks before it slips.
+    """
+    if gap >= 0.0:
+        return True, 0.0, 0.0
+    ratio = drag_ratio(nn, nt, tn, tt, gap, slip, mu) if mu > 0.0 else 0.0
+    press = scalar_force(nn - ratio * nt, gap)
+    return bool(press >= 0.0), press, -ratio * press
+
+
+@jit
 def force_and_ratio(nn: float, nt: float, tn: float, tt: float, gap: float, slip: float,
                     mu: float) -> tuple[bool, float, float]:  # fmt: skip
     """Normal force of `one_contact`, and the drag over it."""

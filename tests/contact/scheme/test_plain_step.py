@@ -102,6 +102,28 @@ def test_tips_with_a_law_on_a_rim_that_whirls_closes_and_changes_speed(law, mu):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("machined", [0.0, 3e-5])
+def test_tips_in_a_coating_press_and_wear_it_as_steps_of_whole_matrices_say(machined, mu):
+    steps = 100
+    coating = ct.Abradable(
+        E=1e9, yield_stress=2e5, hardening=1e8, thickness=2e-3, width=0.04, tip=0.02, machined=machined, mu=mu
+    )
+    rub = three_tips(rim3(), profile=ct.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]))
+    found = ct.run(
+        rub, law=coating, scheme=ct.ExactModal(law="averaged"), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
+        record=ct.Record(every=1),
+    )  # fmt: skip
+    plain = PlainRub(rub, law=coating, h=H, averaged=True)
+    compare(found, plain, steps)
+    worn, wanted = (
+        np.concatenate(parts) for parts in ([track.worn for track in found.tracks], list(plain.worn.values()))
+    )
+    assert (wanted > 0.0).sum() > 10
+    np.testing.assert_allclose(worn, wanted, rtol=0.0, atol=1e-7 * wanted.max())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("tangents", [0, 1, 2])
 @pytest.mark.parametrize("law", ["rigid", "Hertz"])
 def test_contacts_of_a_patch_press_as_steps_of_whole_matrices_say(law, tangents):
