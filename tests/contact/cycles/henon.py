@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 
 import contact as ct
-from contact.cycles.branch import Course
 
 B = 0.3
 FOLD, FLIP = -((1.0 - B) ** 2) / 4.0, 3.0 * (1.0 - B) ** 2 / 4.0
@@ -42,7 +41,3 @@ def followed_map(motion, x, start, period, *, tangent=True, extremes=True):
 
 def fixed(v, sign=1.0):
     return (-(1.0 - B) + sign * math.sqrt((1.0 - B) ** 2 + 4.0 * v)) / 2.0
-
-
-def course(family, low=-0.3, high=0.6, size=1e-3):
-    return Course(family=family, low=low, high=high, size=size)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.bodies.chain import assemble
 
 ROD = ct.Rod(length=3.0, area=0.5, E=8.0, rho=2.0, elements=3, x=1.0, velocity=-2.0, end_mass=0.25, damping=0.5)
 
@@ -61,13 +60,6 @@ def test_defaults_of_a_mass_and_a_wall():
     assert mass.moves
     assert not wall.moves
     assert ct.PointMass(mass=1.0, x=2.0, anchor=0.5).stretch == 1.5
-
-
-def chain():
-    """A wall at 0, a mass of 2 kg at 0.5 on a spring stretched by 0.25, the rod from 1 to 4; gravity 10."""
-    mass = ct.PointMass(mass=2.0, x=0.5, velocity=7.0, stiffness=6.0, anchor=0.25, damping=0.75, force=3.0,
-                        force_hz=2.0, force_deg=90.0)  # fmt: skip
-    return assemble([ROD, mass, ct.Wall(x=0.0)], gravity=10.0)
 
 
 MASS = ct.PointMass(mass=1.0, x=1.0)

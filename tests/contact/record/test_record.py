@@ -1,7 +1,5 @@
 """What a run stores: at instants, as channels, in chunks of any size; the same numbers for every scheme."""
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -49,13 +47,12 @@ QUICK = ("forward Lagrange", "linear body")  # the others compile other loops
 
 
 @pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in QUICK)) for kind in KINDS])
-def test_instants_and_channels_are_what_a_full_record_holds_there(kind, monkeypatch):
+def test_instants_and_channels_are_what_a_full_record_holds_there(kind):
     make = KINDS[kind]
     whole = make(record=ct.Record(state_every=1))
     stored = np.hstack([whole.state, whole.tip_force])
     R = np.random.default_rng(5).standard_normal((3, stored.shape[1]))
     steps = sorted({min(round(t / whole.dt), whole.steps - 1) for t in INSTANTS})
-    monkeypatch.setattr(importlib.import_module("contact.run"), "CHUNK", 7)
     some = make(record=ct.Record(at=INSTANTS, channels=R))
     assert len(steps) < len(INSTANTS)  # two instants share a step
     assert np.array_equal(some.time, whole.time[steps])
