@@ -35,3 +35,10 @@ def test_campbell_refuses_scenes_of_other_kinds():
     found = invoke("campbell", SCENES / "two_rods.toml")
     assert found.exit_code == 2
     assert "scene.kind: found another kind, expected a study or a scene of kind 'rotor'" in found.stderr
+
+
+def test_campbell_of_a_rotor_in_a_casing_is_that_of_the_rotor():
+    found = invoke("campbell", SCENES / "blade_off.toml", "--steps", 3, "--json")
+    assert found.exit_code == 0, found.stderr
+    critical = json.loads(found.stdout)["critical_speeds"]
+    np.testing.assert_allclose([one["speed_hz"] for one in critical], np.sqrt(4e5) / (2.0 * np.pi), rtol=1e-9)

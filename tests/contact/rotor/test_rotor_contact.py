@@ -1,7 +1,10 @@
 """A rotor whose tips rub on a casing: synchronous rub, blade-off, momentum and energy, what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import contact as ct
 from tests.contact.rotor.penalty_rotor import penalty_run
@@ -129,6 +132,39 @@ def test_speed_after_a_blade_off_falls_as_in_a_fine_penalty_model():
     assert fallen == pytest.approx(speed - start, rel=5e-3)
     np.testing.assert_allclose(result.impulse, impulse, rtol=1e-2, atol=1e-9)
     assert np.abs(disk(rub, result) - places[: len(ahead), 0]).max() < 1e-2 * np.abs(places).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("factor", "stays"), [(0.99, False), (1.01, True)])
+def test_dry_whirl_rolls_on_above_the_lower_speed_of_black(factor, stays):
+    """A rotor that rolls backward at w = R Omega/c needs mu >= |Im B/Re B| of B = 1/Z_rotor + 1/Z_casing at w.
+
+    Black, J. Mech. Eng. Sci. 10, 1968, 1. The lower speed is c w/R of the w where mu suffices.
+    """
+    clearance, mu, zeta = 1e-3, 0.3, 0.05
+    radius, bodies = CASING["radius"], ((M, K), (CASING["mass"], CASING["stiffness"]))
+
+    def soft(w):
+        return np.array([1.0 / (k - m * w * w + 2j * zeta * np.sqrt(k * m) * w) for m, k in bodies])
+
+    w = factor * brentq(lambda w: ((1.0 - 1j * mu) * soft(w).sum()).imag, 1000.0, 1300.0)
+    force = -clearance / np.conj(soft(w).sum())
+    places = np.array([-force, force]) * np.conj(soft(w))  # of disk and casing; both turn by e^(-i w t)
+    rotor = jeffcott(w * clearance / (2.0 * np.pi * radius), zeta=zeta)
+    n = 240
+    rub = R.rotor_rub(
+        rotor, R.rigid_casing(**CASING | {"zeta": zeta}), clearance=clearance, **tips(np.arange(n) * 360.0 / n)
+    )  # fmt: skip
+    scale = np.sqrt([CASING["mass"], M])
+    start = (scale * places[::-1])[:, None]
+    q, v = (np.hstack([part.real, part.imag]).ravel() for part in (start, -1j * w * start))
+    rub = replace(rub, casing_start=replace(rub.casing_start, displacement=q, velocity=v))
+    result = ct.run(rub, law=ct.Coulomb(mu=mu), t_end=0.1, dt=1e-5, record=ALL)
+    found = disk(rub, result)
+    assert bool(abs(found[-1]) > 0.9 * abs(places[0])) == stays
+    if stays:
+        turned = np.unwrap(np.angle(found))
+        assert (turned[-1] - turned[len(turned) // 2]) / (0.05 * w) == pytest.approx(-1.0, rel=0.01)
 
 
 def shaft():
