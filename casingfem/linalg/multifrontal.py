@@ -81,7 +81,7 @@ class Kept:
         self.single: dict[int, OneFront] = {}
 
     def take(self, number: int, front: Front, block: Block) -> None:
-        """A front just eliminated."""
+        """Keep a front that was just eliminated, alone or in the stack of its group."""
         group = int(self.fronts.groups.of[number])
         count = int(self.fronts.groups.counts[group])
         if count < FEWEST or not front.pivots or block.D is not None:

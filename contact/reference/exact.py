@@ -179,7 +179,7 @@ def stopped_period(omega: float, gap: float, amplitude: float) -> float:
     """
     require_positive(omega=omega, amplitude=amplitude)
     if abs(gap) > amplitude:
-        raise InputError(f"gap: found {gap:g} m with amplitude {amplitude:g} m, expected a stop within reach")
+        raise InputError(f"gap: found {gap:g} m with amplitude {amplitude:g} m, expected a gap below the amplitude")
     return (math.pi + 2.0 * math.asin(gap / amplitude)) / omega
 
 

@@ -103,7 +103,7 @@ class Taper:
 
     @property
     def even(self) -> bool:
-        """Whether it is the same all across: around a casing, that is."""
+        """Whether the factors are constant across (around, for a casing)."""
         return np.size(self.across) == 1
 
     @property

@@ -87,7 +87,7 @@ def check_survey(survey: SurveyField, quantity: str, chart: Chart | None, thickn
         return
     part = covered(survey, chart)
     if part <= (-ALIKE if survey.heights == 1 else 0.0):
-        raise ModelError("survey-other", f"{name}: found {over(survey, chart)}, expected points on it")
+        raise ModelError("survey-other", f"{name}: found {over(survey, chart)}, expected points on the shell")
     if survey.heights > 1 and part < MOST and survey.outside == "fit":
         raise ModelError("survey-part", f"{name}: found {over(survey, chart)}, expected at least half of it or a rule")
 

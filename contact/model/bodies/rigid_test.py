@@ -82,7 +82,7 @@ def rigid_findings(matrices: Matrices, null: Array, rate: float) -> str:
 
 
 def rows_of_nodes(matrices: Matrices) -> Rows | None:
-    """Rows of translations and rotations, amplitudes condensed where K couples them; None without such rows."""
+    """Rows of translations and rotations, coupled modal amplitudes condensed; None if a model has no such rows."""
     from scipy.sparse import csr_array
 
     q = np.array([direction == "q" for _, direction in matrices.dofs])

@@ -234,7 +234,7 @@ def require_waves(casing: ModalPair, disk: ModalPair, *, stiffness: float, blade
     require_positive(stiffness=stiffness)
     if casing.n != disk.n or casing.n < 1 or blades <= 2 * casing.n:
         found = f"casing {casing.n}, disk {disk.n}, {blades} blades"
-        raise InputError(f"n: found {found}, expected the same n >= 1 and blades > 2 n")
+        raise InputError(f"n: found {found}, expected one n >= 1 for both pairs and more than 2 n blades")
 
 
 def turning(n: list[int], size: int) -> Array:

@@ -96,7 +96,7 @@ class Closing:
 
     @staticmethod
     def none() -> Closing:
-        """Clearances that stay."""
+        """Constant clearances."""
         return Closing(readonly([0.0]), readonly([0.0]))
 
     @staticmethod

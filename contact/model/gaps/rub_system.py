@@ -56,7 +56,9 @@ def place(rub: Rub, blade: int) -> tuple[float, float]:
     """Angle at t = 0 and lean of one blade [rad]; raises InputError where its tips stand in several places."""
     tips = [tip for tip in rub.tips if tip.blade == blade]
     if not tips:
-        raise InputError(f"forces: found no tip of blade {blade + 1}, expected one that says where it stands")
+        raise InputError(
+            f"forces: found no tip of blade {blade + 1}, expected at least one, which gives the blade's angle"
+        )
     first, leans = tips[0].angle_deg, [tip.lean_deg for tip in tips]
     away = [(tip.angle_deg - first + 180.0) % 360.0 - 180.0 for tip in tips]  # 359 and 1 degree are near each other
     if np.ptp(away) > SPREAD or np.ptp(leans) > 0.0:

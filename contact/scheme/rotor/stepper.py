@@ -52,7 +52,7 @@ class RotorStepper(PlainStepper):
 
     @property
     def blocks(self) -> tuple[Block, ...]:
-        """The rotor."""
+        """One block, that of the rotor: name, first and last coordinate."""
         return (("rotor", 0, self.size),)
 
     def advance(self, out: Samples, first: int, steps: int) -> int:

@@ -163,7 +163,9 @@ def test_forces_that_make_no_sense_are_refused():
             ct.Rub(casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce.gravity()]), t_end=0.1, dt=1e-4
         )
     idle = ct.Rub(casing(), [blade(), blade()], [ct.ContactPoint()], forces=[ct.gaps.BodyForce.gravity()])
-    with pytest.raises(ct.InputError, match="forces: found no tip of blade 2, expected one that says where it stands"):
+    with pytest.raises(
+        ct.InputError, match="forces: found no tip of blade 2, expected at least one, which gives the blade's angle"
+    ):
         ct.gaps.settled(idle)
     pulled = ct.Rub(
         casing(), [blade()], apart, clearance=0.01, forces=[ct.gaps.BodyForce(on="casing", acceleration=1.0)]

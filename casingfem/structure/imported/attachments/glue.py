@@ -120,7 +120,7 @@ def glued(mesh: MeshData, gluing: Gluing) -> MeshData:
 
 
 def faces_of(mesh: MeshData, name: str) -> tuple[str, IntArray]:
-    """Kind and nodes of what a group can be followed on: its facets, or the cells of a shell."""
+    """Kind and nodes of the surface of a group: its facets, or the cells of a shell."""
     group = mesh.groups[name]
     if mesh.cell_kind.dim == 2 and group.facets is None and len(group.cells):
         return mesh.kind, mesh.cells[group.cells]

@@ -224,7 +224,9 @@ def take_tie(rows: Rows, tie: Tie, held: IntArray) -> None:
         if joints is not None:
             along = share @ joints.normals[walls]
             if len(motions.turns(node)) > 2 or not along @ joints.normals[node] > ALIGNED:
-                raise motions.fault(tie.where, node, "walls that meet at an angle, expected faces that run on")
+                raise motions.fault(
+                    tie.where, node, "walls that meet at an angle, expected walls in one smooth surface"
+                )
             across = np.cross(joints.normals[walls][:, None], joints.frames[node]) * share[:, None, None]
             across /= np.linalg.norm(along)
             for a in (0, 1):

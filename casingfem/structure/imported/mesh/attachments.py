@@ -191,7 +191,7 @@ class Attachments:
 
     @property
     def weighed(self) -> bool:
-        """Whether it has numbers in the file's units of mass or force."""
+        """Whether there are masses or springs, whose numbers have the file's units of mass and force."""
         return bool(self.masses or self.springs)
 
     @property

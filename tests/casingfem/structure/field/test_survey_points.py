@@ -219,7 +219,7 @@ survey = "rig.csv"
         ((50, 400), 'outside = "nearest"', "", "nearest"),
         ((20, 480), 'outside = "refuse"', "", "fit"),
         ((50, 400), 'outside = "refuse"', r"refused.*70% of the shell's 0 to 0.5 m, expected at least 90%", ""),
-        ((600, 700), "", r"refused.*0% of the shell's 0 to 0.5 m, expected points on it.*survey-other", ""),
+        ((600, 700), "", r"refused.*0% of the shell's 0 to 0.5 m, expected points on the shell.*survey-other", ""),
     ],
 )  # fmt: skip
 def test_a_survey_of_a_part_of_the_height_says_what_holds_outside(heights, rule, words, outside, tmp_path):
