@@ -139,7 +139,7 @@ def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | N
         with problems.at(f"{key}.mesh"):
             place = problems.file.parent / table.mesh
             mesh = read_mesh(place, scale=table.scale, join=table.join, units=table.units)
-            faces = [Gluing(**tie.model_dump(), where=f"{key}.tie {k}") for k, tie in enumerate(table.tie, 1)]
+            faces = [value_of(tie, Gluing, where=f"{key}.tie {k}") for k, tie in enumerate(table.tie, 1)]
             return tied(mesh, faces)
     return None
 

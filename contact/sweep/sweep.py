@@ -6,6 +6,7 @@ already. So the table is the same to the last bit.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -23,12 +24,13 @@ from contact.prepared import Scene
 from contact.run_many import Outcome, first_step, run_many
 from contact.scene.load import scene_of
 from contact.sweep.columns import COLUMNS, MEASURED
-from contact.sweep.plan import SweepPlan, Value, changed
+from contact.sweep.plan import SweepPlan, Value, changed, unit_of
 from contact.sweep.row import Row, Store, read_run, row_of, run_path, sweep_record, write_run
 
 MOST = 64  # runs a task holds at most
 BATCH = 8  # runs that share one compiled loop
 TRIES = 5  # of a task whose workers die
+IN_NAMES = ("", "-", "degrees", "Hz", "turns/s", "rpm")  # units that the name of a key has itself
 Rows = dict[str, Row]
 
 
@@ -206,26 +208,21 @@ def _load_loop(task: Task) -> None:
 
 def columns(plan: SweepPlan) -> tuple[str, ...]:
     """Names of the table's columns: run, the varied keys with their units, what was measured."""
-    return ("run", *(f"{key}{UNITS.get(key.rpartition('.')[2], '')}" for key in plan.keys), *COLUMNS)
+    return ("run", *(f"{key}{ending(unit_of(plan.base, key))}" for key in plan.keys), *COLUMNS)
+
+
+def ending(unit: str) -> str:
+    """How a unit ends the name of a column; nothing for the units that the name of a key has itself.
+
+    >>> ending("kg/m^3"), ending("turns/s"), ending("")
+    ('_kg_m3', '', '')
+    """
+    return "" if unit in IN_NAMES else re.sub(r"[/ ]", "_", f"_{unit}").replace("^", "")
 
 
 def varied(k: int, name: str) -> Column:
     """The column of the k-th varied key."""
     return Column(name, "Value of a varied key of the scene.", lambda found: [run.values[k] for run in found.plan.runs])
-
-
-UNITS = {
-    "clearance": "_m", "cos": "_m", "sin": "_m", "t_end": "_s", "dt": "_s", "length": "_m", "width": "_m",
-    "height": "_m", "radius": "_m", "offset": "_m", "x": "_m", "velocity": "_m_s", "mass": "_kg", "E": "_Pa",
-    "rho": "_kg_m3", "area": "_m2", "stiffness": "_N_m", "gravity": "_m_s2", "force": "_N", "torque": "_N_m",
-    "thickness": "_m", "tip": "_m", "machined": "_m", "yield_stress": "_Pa", "hardening": "_Pa", "end_mass": "_kg",
-    "modal_mass": "_kg", "compliance": "_m_N", "load": "_N_m", "k_r": "_N_m2", "k_t": "_N_m2", "spin": "_rad_s",
-    "amplitude": "_m", "by": "_m", "rms": "_m", "median": "_m", "high": "_m", "acceleration": "_m_s2",
-    "time_constant": "_s", "closed_depth": "_m", "k": "_N_mp", "dissipation": "_s_m",
-    "rpm": "_rpm", "moment": "_kg_m", "at": "_m", "time": "_s", "loss_time": "_s", "kxx": "_N_m", "kyy": "_N_m",
-    "kxy": "_N_m", "kyx": "_N_m", "cxx": "_N_s_m", "cyy": "_N_s_m", "cxy": "_N_s_m", "cyx": "_N_s_m",
-    "k_tilt": "_N_m_rad", "polar": "_kg_m2", "diametral": "_kg_m2", "diameter": "_m", "inner_diameter": "_m",
-}  # fmt: skip
 
 
 def table(result: SweepResult) -> str:

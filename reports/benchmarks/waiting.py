@@ -19,36 +19,16 @@ import casingfem as cf
 from casingfem.examples import examples
 from reports.benchmarks.first_use import CACHE, spent
 from reports.tables import ROOT, Row, command_line, show, write
+from reports.verification.rubs.beside import WALL
 
 ROUNDS = 2
 QUICK = ("rods", "rods, files")
 REST = ("", "commands with one of these words in their name, between commas")
 SEED = 12301
-BOLTED = """# titanium, cylinder, cone and flange, bolted at its base
-[material]
-E = 114e9
-nu = 0.34
-rho = 4430.0
-[chart]
-kind = "meridian"
-start = [0.60, 0.0]
-fillet = 4e-3
-[[chart.piece]]
-to = [0.60, 0.80]
-[[chart.piece]]
-to = [0.52, 1.05]
-thickness = 4e-3
-[[chart.piece]]
-to = [0.545, 1.05]
-thickness = 5e-3
-[shell]
-thickness = 3.5e-3
-[[stiffener]]
-at = 0.40
-width = 20e-3
-depth = 6e-3
-offset = [11.75e-3, 0.0]
-[support.base]
+BOLTED = (
+    "# titanium, cylinder, cone and flange, bolted at its base\n"
+    + WALL
+    + """[support.base]
 kind = "bolts"
 count = 36
 k = 1e8
@@ -56,6 +36,7 @@ k_rot = 1e4
 [modes]
 count = 30
 """
+)
 ORBITS = """[scene]
 kind = "patch"
 [body]

@@ -10,6 +10,7 @@ from casingfem.structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from casingfem.structure.geometry.revolved import Arc
 from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
+from casingfem.structure.imported.attachments.glue import Gluing
 from casingfem.structure.material import Material
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.study.tables.table import (
@@ -144,12 +145,9 @@ class TaperTable(Table):
     """[taper]: factors of the thickness at equally spaced stations."""
 
 
+@table_of(Gluing)
 class TieTable(Table):
     """[[solid.tie]], [[shell.tie]]: faces of parts that do not share nodes."""
-
-    follower: str = Field(min_length=1, description="group whose nodes follow: the smaller face, or the finer mesh")
-    master: str = Field(min_length=1, description="group whose facets they follow")
-    tolerance: Positive | None = Field(default=None, description="largest gap [m]; a twentieth of a facet if left out")
 
 
 class ImportTable(Table):

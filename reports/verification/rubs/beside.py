@@ -25,7 +25,7 @@ from reports.verification.rubs import rotor37
 
 WORST, SAFE = 6, 3  # rows of each table, and speeds that it calls safe
 TITANIUM = cf.Material(E=114e9, nu=0.34, rho=4430.0)
-CASING = """
+WALL = """
 [material]
 E = 114e9
 nu = 0.34
@@ -49,7 +49,10 @@ at = 0.40
 width = 20e-3
 depth = 6e-3
 offset = [11.75e-3, 0.0]
-[support.base]
+"""  # titanium: cylinder, cone and flange, one stiffener
+CASING = (
+    WALL
+    + """[support.base]
 kind = "clamped"
 [modes]
 count = 16
@@ -60,6 +63,7 @@ n_max = 20
 modes = 60
 zeta = 0.002
 """
+)
 
 
 def tutorial() -> tuple[ct.Scene, Interactions]:

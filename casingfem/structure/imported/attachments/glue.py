@@ -10,7 +10,7 @@ integral tie, mortar, passes it exactly).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from casingfem.structure.imported.mesh.cell_kind import KINDS, shape_functions
 from casingfem.structure.imported.mesh.collapsed import native
 from casingfem.structure.imported.mesh.findings import nodes_named
 from casingfem.structure.imported.mesh.mesh_data import MeshData
+from contact.io.keys import Key
 from contact.io.names import hint
 
 TOLERANCE = 0.05  # of the facet's size: how far from it a node is still tied
@@ -45,9 +46,9 @@ class Gluing:
     0.0001
     """
 
-    follower: str
-    master: str
-    tolerance: float | None = None
+    follower: Annotated[str, Key("group whose nodes follow: the smaller face, or the finer mesh")]
+    master: Annotated[str, Key("group whose facets they follow")]
+    tolerance: Annotated[float | None, Key("largest gap [m]; a twentieth of a facet if left out", "positive")] = None
     where: str = "tie"
 
 
