@@ -269,7 +269,8 @@ def _extra_columns(csv: StrictCsv, sigma: float | None) -> list[str]:
         if name not in csv.header and not (name == "sigma_hz" and sigma is not None):
             raise csv.refuse_header(column=name, found="no such column", expected=meaning)
     if extra:
-        warn("table-columns", f"{csv.path}: {', '.join(csv.written.get(name, name) for name in extra)}", stacklevel=4)
+        names = ", ".join(csv.written.get(name, name) for name in extra)
+        warn("table-columns", f"{csv.path}: found columns that are kept and not used: {names}", stacklevel=4)
     return extra
 
 

@@ -128,8 +128,7 @@ RESULTS = {
     "study-value": ("a value has the wrong type or lies out of range", "give what is expected there, in SI units"),
     "table-columns": (
         "a frequency table has columns that nobody uses",
-        "nothing need be done: they are kept; a number that should count has one of the names mode, n, freq_hz, "
-        "sigma_hz, angle_deg, zeta",
+        "nothing, if they are remarks; else name them mode, n, freq_hz, sigma_hz, angle_deg or zeta",
     ),
     "uff-bytes": (
         "the first line of a binary function states another number of bytes than its data have",

@@ -59,7 +59,10 @@ TABLE = (
     Quantity("mode", ("mode", "mode_no", "mode_nr", "mode_number", "no", "nr")),
     Quantity("n", ("n", "nd", "nodal_diameter", "nodal_diameters", "knotendurchmesser")),
     FREQUENCY,
-    Quantity("sigma_hz", ("sigma", "std", "uncertainty", "sigma_f"), _units("sigma_hz", hz=1.0, khz=1e3)),
+    Quantity(
+        "sigma_hz", ("sigma", "std", "stdev", "std_dev", "uncertainty", "sigma_f", "streuung", "unsicherheit"),
+        _units("sigma_hz", hz=1.0, khz=1e3),
+    ),
     Quantity(
         "angle_deg", ("angle", "orientation", "winkel"),
         dict.fromkeys(_DEG, ("angle_deg", 1.0)) | dict.fromkeys(_RAD, ("angle_deg", 180.0 / _PI)),

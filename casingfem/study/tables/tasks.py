@@ -67,7 +67,7 @@ class ParameterTable(Table):
 class UpdateTable(Table):
     """[update]."""
 
-    table: str = Field(min_length=1, description="frequency table CSV, relative to this file")
+    table: str = Field(min_length=1, description="frequency table: CSV file or workbook, relative to this file")
     sigma: Positive | None = Field(
         default=None, lt=1, description="relative standard uncertainty of frequencies whose row states no sigma_hz [-]"
     )
