@@ -132,7 +132,7 @@ def with_growth(
 
 
 def _finite(part: Samples) -> Samples:
-    """Samples up to the first that is not a number."""
+    """Samples before the first that is not finite."""
     bad = np.flatnonzero(~np.isfinite(part.force + part.gap).all(axis=1))
     if not bad.size:
         return part

@@ -36,7 +36,7 @@ class ProgressMessage:
     """Shows what a command does while it takes long; `say` changes the text and the share that is done.
 
     The remaining time is the time since the first share divided by what was done since, times what is left. Where
-    `say` gave no share, that of the step counts, which the computation tells (`tell`).
+    `say` gives no share, the share that the computation reports to `tell` counts.
 
     >>> with ProgressMessage("modes") as working:
     ...     working.say("modes: assembling")

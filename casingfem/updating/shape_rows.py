@@ -56,7 +56,7 @@ def rows_of_shapes(measured: MeasuredShapes, table: FrequencyTable, *, reach: fl
 
 
 def nothing_near(measured: MeasuredShapes, table: FrequencyTable, reach: float) -> InputError:
-    """The error where no shape belongs to a row: another test, or another unit than Hz, in which most shapes do."""
+    """Return the error of shapes that fit no row: they come from another test, or their frequencies are not in Hz."""
     for unit, factor in UNITS.items():
         if np.mean(np.abs(np.log(factor * measured.freq_hz[:, None] / table.freq_hz)).min(axis=1) <= reach) > 0.5:
             found = f"no shape of a row of {table.path}, whose freq_hz is {factor:.4g} times that of the shapes"

@@ -102,7 +102,7 @@ def update(
     progress
         Called after each evaluation with its number and the RMS of the weighted residuals.
     outliers
-        "keep" fits all rows, whatever they say.
+        "keep" fits all rows, also those that contradict all others.
 
     Raises
     ------

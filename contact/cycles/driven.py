@@ -171,7 +171,7 @@ class ForcedFamily:
 
 
 def looks_of(period: float, rate: float, looks: int | None) -> float:
-    """Step between looks at the gaps [s]: as many as wanted, or by the fastest vibration."""
+    """Time between samples of the gaps [s]: as many a period as asked for, or by the fastest vibration."""
     return period / (looks or min(max(math.ceil(period * rate / ANGLE), FEWEST), MOST))
 
 

@@ -237,7 +237,7 @@ def _at_rest(motion: Motion, x: Array, M: Array | None, closed: Closed, hit: int
 
 
 def _kept(motion: Motion, x: Array, closed: Closed, stays: list[int], time: float) -> Closed:
-    """Closed contacts after an impact: the compliant ones as they were, of the rigid ones those that press."""
+    """Contacts that are closed after an impact: compliant ones as before it, rigid ones if they press."""
     plant = motion.plant
     soft = tuple(i for i in closed if not plant.rigid[i])
     if not stays:

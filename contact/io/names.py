@@ -1,4 +1,4 @@
-"""Names that go into tables and messages: each prints on one line as it is stored, and is there once."""
+"""Names in tables and messages: each is unique, and prints on one line as it is stored."""
 
 from collections.abc import Collection, Iterable
 from difflib import get_close_matches

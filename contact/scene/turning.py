@@ -110,7 +110,7 @@ class TurningFile(CheckedFile):
         if self.continuation.channels:
             raise ValueError("continuation.channels found with a rim, which shows casing, span and flap")
         if self.coating is not None and self.coating.machined > 0.0:
-            raise ValueError("coating.machined found, expected the profile that is left as out_of_roundness")
+            raise ValueError("coating.machined found, expected the machined profile as out_of_roundness")
         require_one(self.law, self.coating)
         if self.law is not None and self.law.damping > 0.0:
             raise ValueError("law.damping found, expected a spring alone: a run (casingfem rub) takes the rest")

@@ -113,7 +113,7 @@ class CircleScan(Reported):
         return one_wave(float(self.tones[tone]), n, self.V[tone, [up, down]], self.sigma[tone, [up, down]])
 
     def waves(self) -> list[Wave]:
-        """All waves: tone by tone, order by order."""
+        """All waves, by tone and nodal diameters."""
         orders = sorted({abs(k) for k in self.n.tolist()})
         return [self.wave(tone, n) for tone in range(len(self.tones)) for n in orders]
 

@@ -90,7 +90,7 @@ class FunctionHead:
 
     @property
     def word(self) -> str:
-        """The kind in words."""
+        """The kind of response in words, such as `acceleration`."""
         return KIND_WORDS[self.kind]
 
 

@@ -63,7 +63,7 @@ def edge_rotation(shell: ShellParts, parameters: FloatArray, along: int) -> Arra
 
 
 def held_frames(shell: ShellParts, grid: Grid) -> dict[str, Array]:
-    """Edge -> the frames (nodes, 5, 5) in which its support holds the dofs of its nodes; edges that hold any."""
+    """Frames (nodes, 5, 5) in which supports fix dofs of the nodes of their edges, by edge."""
     frames: dict[str, Array] = {}
     for name, support in shell.supports.items():
         edge = grid.edges[name]

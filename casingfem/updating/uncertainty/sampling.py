@@ -154,7 +154,7 @@ def sample_posterior(fit: UpdateResult, *, steps: int = 3000, seed: int = 20, ch
     sampler.run_mcmc(emcee.State(first, random_state=state), steps, skip_initial_state_check=True)
     forgotten = float(np.max(sampler.get_autocorr_time(quiet=True, tol=0)))
     if not steps > 20.0 * forgotten:
-        raise InputError(f"posterior: chains of {steps} steps forget their start after {forgotten:.0f}; take more")
+        raise InputError(f"posterior: chains of {steps} steps are correlated over {forgotten:.0f}; take more")
     samples = sampler.get_chain(discard=steps // 3, thin=max(1, int(forgotten / 2.0)), flat=True)
     return PosteriorSamples(
         names=tuple(p.name for p in fit.parameters),

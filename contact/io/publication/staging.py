@@ -30,7 +30,7 @@ LONGEST = 100  # bytes of a name that the name of its part repeats
 
 
 def part_name(name: str) -> str:
-    """A hidden name, which nobody can guess, for a file or a folder on its way."""
+    """A hidden random name for a file or folder that is still being written."""
     label = name if len(os.fsencode(name)) <= LONGEST else "long"
     return f".{label}.{HERE}-{os.getpid()}-{start_of(os.getpid())}-{os.urandom(16).hex()}.part"
 

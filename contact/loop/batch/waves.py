@@ -119,7 +119,7 @@ def half_turns(phi: float) -> float:
 
 @jit_inside
 def within(phi: float, turns: float) -> float:
-    """Angle less these half turns."""
+    """Reduce an angle by a number of half turns."""
     left: float = ((phi - turns * same(HIGH)) - turns * same(LOW)) - turns * same(REST)
     return left
 

@@ -37,7 +37,7 @@ def add_waves(force: Array, amount: float, c: float, s: float) -> None:
 
 @jit_inside
 def strained(rim: RimWaves, line: int) -> None:
-    """Add what the forces strain of a line to the motion by waves."""
+    """Add the static deflection of a line under the forces to its motion by waves."""
     for a in range(rim.z.size if rim.S.size > 0 else 0):
         part = 0.0
         for b in range(rim.force.shape[0]):
@@ -79,7 +79,7 @@ def most_of(reach: Array, q: Array) -> float:
 
 @jit_inside
 def matters(limits: Array, bound: float, ends: bool) -> bool:
-    """Whether a deflection of no more than `bound` may be larger than what is watched and what was noted."""
+    """Whether a deflection below `bound` may exceed the limit or the largest one so far."""
     return not bound <= max(limits[WATCHED], limits[REACHED + RIM] if ends else limits[LARGEST])
 
 

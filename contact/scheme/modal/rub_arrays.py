@@ -164,7 +164,7 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
 
 
 def rim_of(rub: Rub, dimensions: int, width: int) -> RimWaves:
-    """What the deflection of a rim is computed from, its rows in `width` places."""
+    """Arrays from which the deflection of a rim is computed; rows have `width` entries."""
     from contact.loop.rub.deflection import RimWaves
 
     rim = rim_rows(rub.casing, dimensions, rub.flexible)

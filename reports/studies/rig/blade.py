@@ -60,11 +60,12 @@ def prediction(study: Study, table: cf.FrequencyTable, row: int) -> float:
 
 
 def verdict(blade: BladeFit) -> str:
-    """Whether the update has learnt something that carries over."""
+    """Whether the update predicts frequencies that it has not seen better than the nominal model."""
     if rms(blade.left_out) < rms(blade.errors_nominal):
-        return "the update carries over to what it has not seen"
+        return "better than the nominal model"
     return (
-        "no better than the nominal model, so seven frequencies do not carry three parameters; mode 6 holds the radius"
+        "no better than the nominal model. Seven frequencies cannot determine three parameters: only mode 6 constrains "
+        "the radius"
     )
 
 

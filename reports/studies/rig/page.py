@@ -182,19 +182,19 @@ def rub_section(rub: Rub, plan: RubPlan) -> Section:
         "n f is below every frequency of the casing, so f_c + f_b = n f cannot be met. The coincidence is "
         "f_b = f_c - n f.",
         "No coating wears in this model: a motion of a millimetre is not to be expected in a machine.",
-        *(f"Warning: {flag}." for flag in result.flags),
+        *(f"{capital(str(flag))}." for flag in result.flags),
     )
     numbers = (
-        ("impulse [N s]", float(result.impulse[0])),
-        ("largest force, averaged [N]", ran.force),
-        ("largest force, raw [N] (depends on the time step)", float(result.peak_force[0])),
-        ("violation of the contact law [m]", float(result.residual[0])),
-        ("steps in which the tip slipped against the rim's motion", int(result.reversals[0])),
-        ("energy from the rotation [J]", float(energy.rotation)),
-        ("energy from friction [J]", float(energy.friction)),
-        ("energy unaccounted for, part of the largest", ran.unaccounted),
-        ("steps", result.steps),
-        ("time of the run [s]", float(result.seconds)),
+        ("impulse", f"{result.impulse[0]:.5g} N s"),
+        ("largest force, averaged", f"{ran.force:.4g} N"),
+        ("largest force, raw (depends on the time step)", f"{result.peak_force[0]:.4g} N"),
+        ("violation of the contact law", f"{result.residual[0]:.1e} m"),
+        ("steps in which the tip slipped against the rim's motion", f"{result.reversals[0]:,}"),
+        ("energy from the rotation", f"{energy.rotation:.4g} J"),
+        ("energy from friction", f"{energy.friction:.4g} J"),
+        ("energy unaccounted for, part of the largest", f"{ran.unaccounted:.1e}"),
+        ("steps", f"{result.steps:,}"),
+        ("time of the run", f"{result.seconds:.3g} s"),
     )
     figures = (
         Picture.of(

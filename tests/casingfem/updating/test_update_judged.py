@@ -250,7 +250,7 @@ def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monk
     emcee = pytest.importorskip("emcee")
     monkeypatch.setattr(emcee.EnsembleSampler, "get_autocorr_time", lambda *_, **__: np.array([1.0, 2.5, 2.0]))
     assert cf.updating.sample_posterior(fit, steps=51, checks=1).autocorrelation == 2.5
-    with pytest.raises(cf.errors.InputError, match="chains of 50 steps forget their start after 2; take more"):
+    with pytest.raises(cf.errors.InputError, match="chains of 50 steps are correlated over 2; take more"):
         cf.updating.sample_posterior(fit, steps=50, checks=1)
 
 
