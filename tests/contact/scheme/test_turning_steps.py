@@ -11,7 +11,7 @@ import contact as ct
 from tests.contact.synthetic_rim import N_MAX, SIZE, blade
 from tests.contact.turning_ring import turning_ring
 
-LEAN, MU, PARTS = math.radians(10.0), 0.3, 50
+LEAN, MU, PARTS = math.radians(10.0), 0.3, 4
 
 
 def closed_contact(casing, tip, turning, hz, depth):
