@@ -89,11 +89,15 @@ def bundle_type(of: type[Any], kinds: Sequence[Any]) -> BundleType:
 
 
 def array_type(array: Any) -> Any:
-    """Numba's type of an array; looking it up took most of the time to make a bundle."""
+    """Numba's type of an array; looking it up took most of the time to make a bundle.
+
+    Whether it can be written is no part of it: a loop would be compiled anew where one of its many arrays is kept
+    read-only and in another run is not.
+    """
     key = (array.dtype.char, array.ndim, array.flags.num)
     found = TYPES.get(key)
     if found is None:
-        found = TYPES[key] = typeof(array)
+        found = TYPES[key] = typeof(array).copy(readonly=False)
     return found
 
 

@@ -1,11 +1,14 @@
-"""The digest of machine code covers all compiled sources; parts, announcements and garbage while loops compile."""
+"""The digest of machine code covers all compiled sources; what loops may hold, and what they are compiled for."""
 
 import ast
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 import contact
+from contact.jit.bundle import Bundle
 from contact.jit.machine_code import SOURCES
 from tests.conftest import PLACE, Groups
 
@@ -48,6 +51,16 @@ def test_the_cache_watches_every_module_that_compiles() -> None:
 def test_the_cache_watches_what_compiled_modules_take_from_elsewhere() -> None:
     taken = {module for source in SOURCES for module in imported(source)} - NOT_COMPILED
     assert {file_of(module) for module in taken} <= set(SOURCES)
+
+
+class Values(NamedTuple):
+    values: np.ndarray
+
+
+def test_a_loop_is_the_same_for_arrays_that_can_be_written_and_that_cannot() -> None:
+    kept = np.zeros(3)
+    kept.setflags(write=False)
+    assert Bundle(Values(kept)).kind is Bundle(Values(np.zeros(5))).kind
 
 
 def counted_from_the_end(source: Path) -> list[str]:
