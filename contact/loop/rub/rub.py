@@ -319,7 +319,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             s.counts[2] += 1.0
             retry = max(retry, step + PAUSE)
         pressed = closing > 0
-        stored = state_due(sums, out, step)
+        stored = every and state_due(sums, out, step)  # states are stored with forces
         if not rows.steady and (stored or step % LOOK == 0):
             note_rim(s, rows, w, dim, step % LOOK == 0)
         if stored:
@@ -334,7 +334,8 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             note_torque(s, laws, omega, sums, h)
         advance_modes(s, sums)
         note(s, rows, w, solver, y, steady, dim, slid, sums, out, h, t)
-        store(sums, out, step, t, s.force, s.gap)
+        if every:
+            store(sums, out, step, t, s.force, s.gap)
         angle, omega = ahead, omega_ahead
         for i in range(3):
             w.angles[BEFORE, i], w.angles[NOW, i] = w.angles[NOW, i], w.angles[AHEAD, i]
