@@ -11,8 +11,8 @@ the rim passes half its wall, or where the level at the end is more than e^0.5 t
 It decays below e^-0.5. Else it is bounded: levels of irregular motions wander by as much. A verdict of growth that half
 the step calls numerical counts as none; one that is still not decided counts as no growth.
 
-Where the short run grows by e or more in its last stretch and half the step gives the same growth, the rates of both in
-that stretch are compared: where contact stays closed, and where it opens and the interval is within 10 %.
+Where the short run grows by e or more in its last stretch, its interval is within 10 % and half the step gives the same
+growth, the rates of both in that stretch are compared: with contact that stays closed, and with contact that opens.
 
 A run that passed half its wall or a tenth of the radius before its growth could be fitted grows ("passed").
 
@@ -221,8 +221,7 @@ def compared(seed: int) -> Row:
     }  # fmt: skip
     end = short.steps * short.dt
     linear = grown.check == "converged" and grown.rate * (end - grown.since) > 1.0
-    closed = grown.cause is not None and grown.cause.closed > CLOSED
-    if linear and (closed or 0.5 * (grown.high - grown.low) < WITHIN * grown.rate):
+    if linear and 0.5 * (grown.high - grown.low) < WITHIN * grown.rate:
         fine = rate_in(what, long, grown.since, min(end, float(long.state_time[-1])))
         row |= {"fine 1/s": fine, "off": grown.rate / fine - 1.0}
     same = grows(verdict) == (becomes == "grows")
