@@ -14,7 +14,7 @@ modes into S), rho <= 1 for the averaged law, n_max Omega h <= .3.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Literal, cast
 
@@ -43,7 +43,8 @@ from contact.scheme.rotor.stepper import rotor_stepper
 
 Numbers = tuple[float, float, float]
 LAWS = ("auto", "forward", "averaged", "energy")
-ABOVE, QUICK = 1.2, 10.0  # times the speed at the start: highest speed of a rotor, and its change in a second
+ABOVE = 1.2  # times the speed at the start: the highest speed of a rotor whose speed is unknown
+SPINS = 64  # steps that it takes with the coefficients of one speed
 AUTO_RHO = 0.1  # "auto" takes the averaged law up to here: beyond, long series of impacts gain energy
 
 
@@ -138,11 +139,12 @@ class ExactModal:
         fastest = float(np.abs(rub.speed.table[:, 3]).max())
         if rub.spin is not None:  # unknown beforehand: from standstill to a fifth above the start
             low, high = sorted((0.0, ABOVE * rub.speed.omega(0.0)))
-            fastest = QUICK * rub.speed.fastest
         speeds = at_speeds(
             system.matrices, system.omega, system.zeta, system.load, low, high, fastest,
             lambda top: _step(top, dt, courant),
         )  # fmt: skip
+        if rub.spin is not None:
+            speeds = replace(speeds, stretch=SPINS)
         h = speeds.parts[0].h
         self._require_slow(speeds.top, h)
         n_max = max([system.rim.n_max, *(p for p, _, _ in rub.profile.terms)])

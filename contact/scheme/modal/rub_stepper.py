@@ -147,7 +147,8 @@ class RubStepper(ExactRun):
         self.stretch[0] = stretch
         fill_blocks(self.coupled, self.speeds.weights(self.omega(stretch)), self.values)
         s.kick[:] = after.push(after.load)
-        self.arrays.rows.fixed[:] = fixed_delassus(self.system, after)
+        if any(body.varies for body in self.rub.blades):
+            self.arrays.rows.fixed[:] = fixed_delassus(self.system, after)
 
     def omega(self, stretch: int) -> float:
         """Speed in the middle of a stretch of steps, or at its begin where it is unknown beforehand [rad/s]."""
