@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.rig import BITS
-from casingfem.structure.field.survey.points import SurveyPoints
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -24,7 +22,8 @@ BELOW, ABOVE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
 
 
 def points(value):
-    return SurveyPoints(theta=np.zeros(1), z=np.zeros(1), value=np.array([value]))
+    theta = np.arange(36) * np.pi / 18.0
+    return cf.SurveyField.from_points(theta, np.zeros(36), np.full(36, value))
 
 
 def scan(**changes):
@@ -99,8 +98,8 @@ TAKEN_REFUSED = {
     "order of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "omega": [1.0, x]}), 1.0, BELOW),
     "damping of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "zeta": [0.1, x]}), BELOW, 1.0),
     "least damping of a rig": (lambda x: cf.rig.Rig.of(**{**RIGS, "zeta": [0.1, x]}), 1e-9, 0.0),
-    "bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), BITS[0], BITS[0] - 1),
-    "most bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), BITS[1], BITS[1] + 1),
+    "bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), 4, 3),
+    "most bits": (lambda x: cf.rig.Converter(bits=x, full_scale=1.0), 32, 33),
     "full scale": (lambda x: cf.rig.Converter(bits=8, full_scale=x), 1e-9, 0.0),
     "shift of set-ups": (lambda x: cf.rig.Troubles(shift=x), 0.05, 0.0501),
     "set-ups": (lambda x: cf.rig.Troubles(setups=x), 1, 0),

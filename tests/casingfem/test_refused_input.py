@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.estimate import estimate
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PLATE = cf.Shell(
@@ -121,9 +120,9 @@ REFUSED = {
     ),
     "values of too few channels": (lambda: shapes(np.ones((2, 1))), "expected"),
     "a shape of zeros": (lambda: shapes(np.zeros((1, 1))), "zero everywhere"),
-    "a window": (lambda: estimate(recorded(), window="flat"), "window: found 'flat', expected"),
-    "an estimator": (lambda: estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
-    "an empty band": (lambda: estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz with no line in it"),
+    "a window": (lambda: cf.rig.estimate(recorded(), window="flat"), "window: found 'flat', expected"),
+    "an estimator": (lambda: cf.rig.estimate(recorded(), estimator="H3"), "estimator: found 'H3', expected"),
+    "an empty band": (lambda: cf.rig.estimate(recorded(), band=(1.0, 2.0)), "found 1 to 2 Hz with no line in it"),
     "bits": (lambda: cf.rig.Converter(bits=1, full_scale=1.0), "bits: found 1, expected"),
     "a quantity": (
         lambda: ONE.frfs([10.0], sensors=[0], drives=[0], quantity="velocity"),

@@ -63,6 +63,18 @@ def split_pair(scan: CircleScan, n: int) -> Pair:
     InputError
         Too few tones, an order that was not fitted, or data that do not tell two members apart: one frequency and
         damping fit them as well but for noise.
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> f = np.linspace(98.0, 102.0, 9)
+    >>> low, high = (1j * f / (f0**2 - f**2 + 2j * 0.004 * f0 * f) for f0 in (99.5, 100.5))
+    >>> V = np.stack([low + 1j * high, low - 1j * high], axis=1) / 2.0  # cos 3 theta by low, sin 3 theta by high
+    >>> small = np.full(V.shape, 1e-6)
+    >>> scan = cf.circle.CircleScan(tones=f, n=np.array([-3, 3]), V=V, sigma=small, floor=small, rate=2.0, left=1.0)
+    >>> pair = cf.circle.split_pair(scan, 3)
+    >>> pair.freq.round(3).tolist(), pair.angle_deg.round(2).tolist()
+    ([99.5, 100.5], [0.0, 30.0])
     """
     if n < 1 or n not in scan.n:
         raise InputError(f"order n = {n}: expected one of the orders fitted, 1 or more")

@@ -1,6 +1,7 @@
+from .estimate import estimate
 from .excitation import BurstRandom, Impact, Random, StepSine
-from .files import rig_angles, write_rig_uff
-from .record import record
+from .files import rig_angles, truth, write_rig_uff
+from .record import measured, record
 from .rig import Converter, Probe, Rig, noisy
 from .scan import Tone, Turning, scan
 from .structure import Place, circle, rig_of
@@ -19,11 +20,14 @@ __all__ = [
     "Troubles",
     "Turning",
     "circle",
+    "estimate",
+    "measured",
     "noisy",
     "record",
     "rig_angles",
     "rig_of",
     "scan",
     "troubled_frfs",
+    "truth",
     "write_rig_uff",
 ]

@@ -149,6 +149,13 @@ def measured(
     """The record as the chain gives it: noise below each response's rms, then a converter's steps, force and all.
 
     Without `full_scale` each channel has a range 1.25 times its largest value.
+
+    >>> import casingfem as cf
+    >>> rig = cf.rig.Rig.of(omega=[600.0], zeta=[0.01], rows=[[1.0]])
+    >>> force = [cf.rig.Random(rms=1.0, band=(60.0, 140.0))]
+    >>> clean = cf.rig.record(rig, force, drives=[0], sensors=[0], fs=512.0, block=256, blocks=4, seed=1)
+    >>> cf.rig.measured(clean, seed=2, snr_db=40.0, bits=16).card[-2:]
+    ('noise: 40 dB below the rms of each response, seed 2', 'converter: 16 bits over +-1.25 x the largest value')
     """
     rng = np.random.default_rng(seed)
     response, notes = clean.response, []

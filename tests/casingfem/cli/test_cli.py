@@ -11,11 +11,6 @@ from click.testing import CliRunner, Result
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.cli.sweep import result_files
-from casingfem.cli.sweep import words as sweep_words
-from contact.sweep.columns import COLUMNS
-from contact.sweep.plan import load_sweep
-from contact.sweep.sweep import SweepResult
 from tests.casingfem.study.study_texts import STEEL, THICK
 
 SCENES = Path(__file__).parents[3] / "data" / "scenes"
@@ -274,62 +269,6 @@ def test_a_sweep_of_which_nothing_is_done_ends_with_3(tmp_path):
     assert last.startswith("1,40,done,")
 
 
-@pytest.mark.parametrize(
-    ("flags", "lines"),
-    [
-        (["", "", ""], []),
-        (["", "slips", ""], ["1 run has flags: read their column"]),
-        (["slips", "", "gaps"], ["2 runs have flags: read their column"]),
-    ],
-)
-def test_a_sweep_says_how_many_runs_have_flags(tmp_path, flags, lines):
-    file = tmp_path / "rods.toml"
-    vary = '[sweep]\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0, 3.0]\n'
-    file.write_text((SCENES / "two_rods.toml").read_text() + vary)
-    rows = tuple(dict.fromkeys(COLUMNS) | {"status": "done", "flags": said, "why": ""} for said in flags)
-    found = SweepResult(plan=load_sweep(file), rows=rows, resumed=0)
-    assert sweep_words(found, 1.0).splitlines()[1:] == lines
-
-
-def test_a_sweep_says_where_growth_is_largest_and_what_became_of_the_others(tmp_path):
-    file = tmp_path / "rods.toml"
-    vary = '[sweep]\nkind = "list"\n[[sweep.vary]]\nkey = "rod[1].velocity"\nvalues = [1.0, 2.0, 3.0, 4.0, 5.0]\n'
-    vary += '[[sweep.vary]]\nkey = "rod[2].x"\nvalues = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3]\n'
-    file.write_text((SCENES / "two_rods.toml").read_text() + vary)
-    ends = [
-        ("done", "decays", -9.0, ""),
-        ("diverged", "grows", 5.5, "far"),
-        ("refused", None, None, "no"),
-        ("done", "grows", 2.0, ""),
-        ("refused", None, None, "n"),
-    ]
-    more = {"growth_low_1_s": 5.0, "growth_high_1_s": 6.0, "half_wall_at_s": 0.25, "body": "casing", "n": 4}
-    more |= {"source": "friction"}
-    rows = tuple(
-        dict.fromkeys(COLUMNS) | more | {"status": s, "motion": m, "growth_1_s": g, "why": why} for s, m, g, why in ends
-    )
-    lines = sweep_words(SweepResult(plan=load_sweep(file), rows=rows, resumed=1), 12.3456).splitlines()
-    assert lines[0] == "5 runs over rod[1].velocity, rod[2].x in 12.3 s"
-    assert lines[1] == "1 run was there already"
-    assert lines[2] == "motion of the runs: 2 grows, 1 decays"
-    assert lines[3] == (
-        "fastest growth 5.5 1/s (95 %: 5 to 6) at rod[1].velocity = 2.0, rod[2].x = 0.002: n = 4 of the casing, energy "
-        "from friction; half the wall at 0.25 s"
-    )
-    assert lines[4:] == ["2 of 5 runs refused, the first: no", "1 of 5 runs diverged, the first: far"]
-
-
-@pytest.mark.parametrize("varied", ['"rod[1].velocity"\nvalues = [1.0]', '"scheme.kind"\nvalues = ["newmark", "hht"]'])
-def test_a_sweep_of_one_run_or_of_words_alone_is_not_drawn(tmp_path, varied):
-    file = tmp_path / "rods.toml"
-    file.write_text((SCENES / "two_rods.toml").read_text() + f"[sweep]\n[[sweep.vary]]\nkey = {varied}\n")
-    plan = load_sweep(file)
-    rows = tuple(dict.fromkeys(COLUMNS) | {"status": "done", "flags": "", "why": ""} for _ in plan.runs)
-    runs = [dict(zip(plan.keys, run.values, strict=True)) | row for run, row in zip(plan.runs, rows, strict=True)]
-    files = result_files(SweepResult(plan=plan, rows=rows, resumed=0), {"runs": runs, "seconds": 1.0})
-    assert sorted(files) == ["sweep.csv", "sweep.html", "sweep.json"]
-
-
 def test_sweep_refuses_a_scene_without_one():
     result = invoke("sweep", SCENES / "two_rods.toml")
     assert result.exit_code == 2
@@ -340,17 +279,6 @@ def test_rub_refuses_rods(tmp_path):
     result = invoke("rub", SCENES / "two_rods.toml")
     assert result.exit_code == 2
     assert "scene.kind: found 'rods', expected 'rim', 'rub', 'disk' or 'rotor'" in result.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("code", "words"), [("import os; os.abort()", "ended by signal 6"), ("assert False, 'wrong'", "wrong")]
-)
-def test_doctor_names_a_numpy_that_cannot_multiply(monkeypatch, code, words):
-    monkeypatch.setattr(sys.modules["casingfem.cli.doctor"], "PRODUCT", code)
-    found = json.loads(invoke("doctor", "--json").stdout)["products"]
-    assert (found["right"], found["install"]) == (False, "pip install 'numpy<2.5.2'")
-    assert words in found["why"]
 
 
 @pytest.mark.slow
@@ -369,27 +297,6 @@ def test_rigid_modes_are_shown_unless_elastic_ones_are_asked_for(study):
     result = invoke("modes", study, "--json")
     assert json.loads(result.stdout)["rigid"] == 6
     assert "rigid" in invoke("modes", study).stdout
-
-
-@pytest.mark.parametrize("kind", [cf.errors.NumericsError, np.linalg.LinAlgError])
-def test_failed_numerics_end_with_3(study, monkeypatch, kind):
-    def fails(*_: object, **__: object) -> None:
-        raise kind("41 modes lie below 371 Hz, 40 were found")
-
-    monkeypatch.setattr("casingfem.modal.modes.modes", fails)
-    result = invoke("modes", study, "--json")
-    assert result.exit_code == 3
-    assert result.stdout == ""
-    assert f"modes {study}: the numerics failed: 41 modes lie below 371 Hz" in result.stderr
-
-
-@pytest.mark.parametrize("kind", [ValueError, RuntimeError])
-def test_a_mistake_in_the_program_is_not_called_bad_input(study, monkeypatch, kind):
-    def breaks(*_: object, **__: object) -> None:
-        raise kind("shapes (3,) and (4,) not aligned")
-
-    monkeypatch.setattr("casingfem.modal.modes.modes", breaks)
-    assert isinstance(invoke("modes", study).exception, kind)
 
 
 # what is wrong, what stands in its place, and the words the message must have beside the file's name

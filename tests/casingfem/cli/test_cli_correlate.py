@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.export.modes_uff import write_modes_uff
 from tests.casingfem.study.study_texts import THIN
 
 STUDY = (
@@ -41,8 +39,13 @@ def folder(tmp_path_factory):
     bolts = shell.supports["base"]
     assert isinstance(bolts, cf.Bolts)
     tight = cf.modes(shell, 14, method="shell")
-    write_modes_uff(tight, where / "shapes.uff", range(6))
-    write_modes_uff(cf.modes(loosened(shell, bolts), 14), where / "loose.uff", range(10))
+    (where / "with_loose.toml").write_text(
+        STUDY.replace("count = 12", "count = 12\nloose = [{bolt = 4, factor = 0.2}]", 1)
+    )
+    for study, shown, file in (("casing", "1,2,3,4,5,6", "shapes"), ("with_loose", "1,2,3,4,5,6,7,8,9,10", "loose")):
+        done = invoke("modes", where / f"{study}.toml", "--uff", "--modes", shown, "--out", where / study)
+        assert done.exit_code == 0, done.output
+        (where / study / "modes.uff").rename(where / f"{file}.uff")
     for name, found in (("tight", tight), ("loose", cf.modes(loosened(shell, bolts), 14))):
         n, angle = found.nodal_diameters, found.angle_deg.copy()
         for low, high in found.doublets:
@@ -146,49 +149,6 @@ def test_locate_refuses_to_judge_masses_by_shapes(folder):
     )
     assert result.exit_code == 2
     assert "--shapes judges loose bolts, not masses" in result.stderr
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ((), {}),
-        (("--among", "mass", "--edge", "top", "--most", "7"), {"among": "mass", "edge": "top", "most": 7}),
-        (("--most", "1", "--model-error", "0.03"), {"most": 1, "model_error": 0.03}),
-        (("--edge", "base", "--most", "12", "--model-error", "0.5"), {"edge": "base", "most": 12, "model_error": 0.5}),
-        (("--baseline", "before.csv"), {"baseline": [500.0, 501.0]}),
-    ],
-)
-def test_what_locate_is_told_reaches_the_search(tmp_path, monkeypatch, words, told):
-    """The model that is searched hears of the same table and the same places."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "casing.toml").write_text(STUDY, encoding="utf-8")
-    for name, freq in (("now", [400.0, 410.0]), ("before", [500.0, 501.0])):
-        cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=0.1, n=[4, 4]).to_csv(tmp_path / f"{name}.csv")
-    heard = []
-
-    def model(shell, table, **more):
-        heard.extend((shell, table, more))
-        return "the model"
-
-    def search(shell, table, **more):
-        heard.extend((shell, table, more))
-        raise SystemExit(7)  # what it answers is judged elsewhere
-
-    module = import_module("casingfem.locate.localisation")  # casingfem.locate is also a function
-    monkeypatch.setattr(module, "search_model", model)
-    monkeypatch.setattr(module, "locate", search)
-    result = invoke("locate", "casing.toml", "now.csv", *words)
-    assert result.exit_code == 7, result.output
-    modelled, of, places, shell, table, how = heard
-    assert modelled is shell
-    assert of is table
-    assert shell.supports["base"].count == 12
-    assert table.freq_hz.tolist() == [400.0, 410.0]
-    if how["baseline"] is not None:
-        how["baseline"] = how["baseline"].freq_hz.tolist()
-    every = {"baseline": None, "among": "bolts", "edge": None, "most": 4, "model_error": 0.0} | told
-    assert how == every | {"model": "the model"}
-    assert places == {"among": every["among"], "edge": every["edge"]}
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.plot.cycles import figure_cycles
 from tests.contact.scene.test_scene_cycles import TEXT, written
 
 
@@ -57,14 +56,3 @@ def test_bad_input_ends_with_2_and_writes_nothing(tmp_path):
     assert result.exit_code == 2
     assert "drive: from_hz, to_hz found" in result.stderr
     assert not (tmp_path / "out").exists()
-
-
-def test_stable_orbits_are_full_lines_and_the_others_dashed():
-    rows = [{"branch": 1, "freq_hz": f, "amplitude_x": a, "stable": kept}
-            for f, a, kept in ((1.0, 1.0, True), (2.0, 2.0, True), (1.5, 3.0, False), (1.2, 4.0, False))]  # fmt: skip
-    marks = [{"kind": "fold", "branch": 1, "freq_hz": 2.0, "amplitude_x": 2.0}]
-    lines = figure_cycles(rows, marks).axes[0].get_lines()
-    assert [(line.get_linestyle(), line.get_xdata().tolist()) for line in lines[:2]] == [
-        ("-", [1.0, 2.0, 1.5]), ("--", [1.5, 1.2])
-    ]  # fmt: skip
-    assert lines[2].get_marker() == "s"

@@ -10,8 +10,6 @@ from click.testing import CliRunner
 import casingfem as cf
 import contact as ct
 from casingfem.cli import main
-from casingfem.cli.schema import roots
-from contact.io.tables import keys, members
 from tests.casingfem.structure.imported.test_imported import ROTATION, SKIN, SOLID, study
 
 HISTORIES = ("time", "force", "gap", "windowed_force")
@@ -73,17 +71,6 @@ def test_short_histories_stay_in_the_document(tmp_path):
     assert document["left_out"] == {}
     assert set(HISTORIES) <= document["contacts"][0].keys()
     assert "--history" not in ran.stderr
-
-
-def test_schema_without_a_key_lists_the_tables_of_each_kind_of_file():
-    text = call("schema").stdout
-    blocks = {block.split(":")[0]: block for block in text.split("\n\n")[1:]}
-    assert list(blocks) == list(roots())
-    for name, model in roots().items():
-        tables = [key for key, info in keys(model).items() if members(info.annotation)]
-        assert [key for key in tables if key not in blocks[name].replace(",", " ").split()] == []
-    assert len(text.splitlines()) < 60
-    assert set(json.loads(call("schema", "--json").stdout)) >= {"study", "scene"}
 
 
 @pytest.mark.slow

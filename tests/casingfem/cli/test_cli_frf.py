@@ -1,14 +1,11 @@
 """casingfem frf: records in, responses with coherence and geometry, page and pictures out; identify goes on."""
 
-import json
-
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.frf.files import file_coherence
 
 THETA = np.r_[np.radians(np.arange(12) * 30.0 + 5.0), 0.4]
 RIG = cf.rig.Rig.of(
@@ -27,26 +24,6 @@ def records(tmp_path_factory):
 
 def invoke(*arguments):
     return CliRunner().invoke(main, [*map(str, arguments)])
-
-
-@pytest.mark.slow
-def test_records_become_responses_and_those_modes(records, tmp_path):
-    result = invoke("frf", records, "--exponential", 0.4, "--out", tmp_path / "out", "--json")
-    assert result.exit_code == 0, result.output
-    document = json.loads(result.stdout)
-    assert (document["channels"], document["averages"], document["test"]) == (12, 3, "hammer")
-    assert [hit["used"] for hit in document["hits"]] == [True] * 3
-    page = (tmp_path / "out" / "frfs.html").read_text(encoding="utf-8")
-    for words in ("SYNTHETIC", "3 of 3 hits are used", "Hits of the hammer", "ringing left"):
-        assert words in page, words
-    coherence = file_coherence(tmp_path / "out" / "frfs.uff")
-    assert np.median(coherence.responses.real, axis=1) == pytest.approx(document["median_coherence"], abs=1e-3)
-    assert min(document["median_coherence"]) > 0.99
-    found = invoke("identify", tmp_path / "out" / "frfs.uff", "--json")
-    modes = json.loads(found.stdout)["modes"]
-    assert [mode["n"] for mode in modes] == [3, 3, 2]
-    np.testing.assert_allclose([mode["freq_hz"] for mode in modes], RIG.freq, rtol=1e-5)
-    np.testing.assert_allclose([mode["zeta"] for mode in modes], 0.002, rtol=0.01)
 
 
 @pytest.mark.slow

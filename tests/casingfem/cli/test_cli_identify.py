@@ -1,7 +1,6 @@
 """casingfem identify: files in, table and pictures out."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.plot.identify import figure_fit, figure_responses, figure_stabilisation
 
 THETA = np.radians(np.arange(12) * 30.0 + 5.0)
 
@@ -96,21 +94,6 @@ def test_picked_poles_are_refined_and_no_other_is_added(frfs, tmp_path):
 
 
 @pytest.mark.slow
-def test_coherence_is_drawn_with_the_fit(frfs, tmp_path):
-    path = frfs.save(tmp_path / "frfs.npz")
-    replace(frfs, kind="spectrum", responses=np.full(frfs.responses.shape, 0.9), unit="").save(tmp_path / "c.npz")
-    assert invoke(path, "--coherence", tmp_path / "c.npz", "--out", tmp_path / "out").exit_code == 0
-    assert (tmp_path / "out" / "fit.png").read_bytes()[:4] == b"\x89PNG"
-    found = cf.identify(frfs)
-    assert len(figure_fit(found).axes) == 2
-    upper, middle, lower = figure_fit(found, cf.frf.FrfSet.load(tmp_path / "c.npz")).axes
-    assert sum(line.get_label() == "sure mode" for line in upper.lines) == 3
-    sizes = [np.nanmedian(line.get_ydata()) for line in middle.lines]
-    assert sizes[2] < 0.1 * sizes[0]  # the residual
-    assert np.median(lower.lines[0].get_ydata()) == 0.9
-
-
-@pytest.mark.slow
 def test_an_open_part_has_no_n(uff, tmp_path):
     result = invoke(uff, "--open", "--json", "--out", tmp_path)
     assert [mode["n"] for mode in json.loads(result.stdout)["modes"]] == [None, None, None]
@@ -149,20 +132,3 @@ def test_a_window_without_a_time_constant_ends_with_2(frfs, tmp_path):
     result = invoke(frfs.save(tmp_path / "frfs.npz"), "--exponential", "0")
     assert result.exit_code == 2
     assert "exponential_window_s 0.0" in result.stderr
-
-
-@pytest.mark.slow
-def test_pictures_mark_every_mode_and_keep_stable_poles_apart(frfs):
-    found = cf.identify(frfs, angles=dict(enumerate(np.degrees(THETA), start=1)))
-    figure = figure_stabilisation(found)
-    axes = next(axes for axes in figure.axes if axes.get_ylabel() == "model order")
-    drawn = {line.get_label(): line for line in axes.lines}
-    assert len(drawn["stable pole"].get_xdata()) == found.diagram.stable.sum()
-    assert sum(line.get_label() == "mode" for line in axes.lines) == 3
-    assert [text.get_text() for text in axes.texts] == ["3", "3", "0"]
-    measured, fitted = figure_responses(found, 4).axes[0].lines[:2]
-    np.testing.assert_allclose(measured.get_ydata(), np.abs(found.measured[4]))
-    there = np.isfinite(fitted.get_ydata())
-    left = fitted.get_ydata()[there] - measured.get_ydata()[there]
-    assert there.mean() > 0.5
-    assert np.linalg.norm(left) < 0.02 * np.linalg.norm(measured.get_ydata()[there])

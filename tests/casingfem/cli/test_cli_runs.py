@@ -12,7 +12,6 @@ import pytest
 from click.testing import CliRunner
 
 from casingfem.cli import main
-from casingfem.cli.contact import is_scene
 
 
 @pytest.mark.parametrize(
@@ -37,16 +36,6 @@ def test_words_that_go_together_are_taken(tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(main, list(words))
     assert (result.exit_code, "Usage" in result.stderr, "none.toml" in result.stderr) == (2, False, True)
-
-
-@pytest.mark.parametrize(
-    ("content", "scene"),
-    [(b"[scene]", True), (b"[material]", False), (b"[scene", False), (b"a = '\xff'", False), (None, False)],
-)
-def test_a_scene_is_a_file_with_its_table(tmp_path, content, scene):
-    if content is not None:
-        (tmp_path / "a.toml").write_bytes(content)
-    assert is_scene(tmp_path / "a.toml") is scene
 
 
 LONG = """

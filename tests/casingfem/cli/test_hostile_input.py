@@ -130,26 +130,6 @@ def test_numbers_of_bolts_and_waves_are_whole_and_modest():
         cf.FourierField.of({10**9: 1e-3})
 
 
-@pytest.mark.parametrize(
-    ("command", "out", "words"),
-    [
-        ("modes", None, "stopped: nothing was kept; run the same command again\n"),
-        ("modes", "out", "stopped: no file in {out} is half written; run the same command again\n"),
-        ("sweep", None, "stopped: nothing was kept; run the same command again, with --out DIR it goes on\n"),
-        ("sweep", "out", "stopped: what is finished is safe in {out}/store; the same command goes on from there\n"),
-    ],
-)
-def test_ctrl_c_says_what_is_safe(tmp_path, monkeypatch, command, out, words):
-    def pressed(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("casingfem.study.load_study", pressed)
-    monkeypatch.setattr("contact.sweep.plan.load_sweep", pressed)
-    arguments = [command, "file.toml", *(["--out", str(tmp_path / out)] if out else [])]
-    result = CliRunner().invoke(main, arguments)
-    assert (result.exit_code, result.stderr) == (130, words.format(out=tmp_path / "out"))
-
-
 @pytest.mark.parametrize("command", ["modes", "contact", "rig", "sweep", "report"])
 def test_results_are_not_written_over_a_file(tmp_path, command):
     """Said before anything is computed: the study is not there."""

@@ -2,6 +2,8 @@
 
 import hashlib
 import os
+import platform
+import re
 import shutil
 import stat
 from pathlib import Path
@@ -10,9 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from casingfem import cli
 from casingfem.cli import main
-from contact.io.publication.manifest import HERE, MANIFEST
 from reports.verification.robustness.kill_targets import write_inputs
 
 ROTATION = "[rotation]\nspeed_hz = 10.0\n"
@@ -26,15 +26,16 @@ READ = {  # arguments of each command; the exit code is 0, or 2 where the files 
     "sweep": ("sweep.toml", "--jobs", "1"), "schema": (), "explain": ("shell-thickness",), "doctor": (),
 }  # fmt: skip
 REFUSED = {"correlate", "mistune", "rig", "locate", "cycles"}
+MANIFEST = ".casingfem-publication.json"
+HERE = re.sub(r"\W", "_", platform.node())  # names of unfinished sets begin with their machine
 NAMES = ("study.toml", "table.csv", "rim.toml", "casing.npz", "blade.npz", "part.npz", "frfs.npz", "records.npz")
 
 
-def test_every_command_says_whether_it_writes():
-    """A new command stands in one of the two lists, and one that reads has a case here."""
-    reading, writing = ({command.name for command in part} for part in (cli.READING, cli.WRITING))
-    assert reading | writing == set(main.commands)
-    assert not reading & writing
-    assert reading == set(READ)
+WRITE = {"compile", "example", "new", "recover", "reduce", "report", "watch"}
+
+
+def test_every_command_that_reads_has_a_case_here():
+    assert set(main.commands) == set(READ) | WRITE
 
 
 def state(folder):

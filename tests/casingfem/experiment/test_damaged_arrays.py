@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.field.survey.points import read_points
-from contact.io.npz import load_npz
 from reports.tables import DATA
 from reports.verification.robustness.sample_files import frfs
 
@@ -64,19 +62,3 @@ def test_responses_of_other_kinds_in_hdf5(changes, message, tmp_path):
         file.attrs["unit"] = "m/N"
     with pytest.raises(cf.errors.InputError, match=rf"a\.h5: .*{message}"):
         cf.frf.read_frfs(tmp_path / "a.h5")
-
-
-def test_text_of_characters_that_are_none(tmp_path):
-    """numpy makes a string of any 32 bits, which nothing can print."""
-    np.savez(tmp_path / "a.npz", card=np.array([0x41, 0xF0000041], dtype=np.uint32).view("<U2"))
-    with pytest.raises(ValueError, match="member 'card': found characters that are none"):
-        load_npz(tmp_path / "a.npz")
-    np.savez(tmp_path / "b.npz", card=np.array(["\U0010ffff é", ""]))
-    assert load_npz(tmp_path / "b.npz")["card"].tolist() == ["\U0010ffff é", ""]
-
-
-def test_a_radius_beyond_all_others_is_no_stray_point(tmp_path):
-    rows = [f"{a},0.0,{0.5 if a else '1e300'}" for a in range(0, 360, 10)]
-    (tmp_path / "s.csv").write_text("theta_deg,z_m,radius_m\n" + "\n".join(rows) + "\n")
-    with pytest.raises(cf.errors.InputError, match=r"s\.csv, line 2.*found 1e300; expected a value like the others"):
-        read_points(tmp_path / "s.csv")

@@ -4,14 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.record import from_tacho
-from casingfem.experiment.correlation.mac import paired
-from casingfem.experiment.frf.sensor_grid import form_of
-from casingfem.experiment.identify.exponential import window_time
-from casingfem.experiment.identify.identification import _picked
-from casingfem.experiment.identify.usable import LEAST_LINES, usable
-from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.rig import noise
 
 NAN, INF = float("nan"), float("inf")
 BAND = (20.0, 180.0)
@@ -49,15 +41,18 @@ def estimated(drives=1, overlap=0.0, **options):
     rig = cf.rig.Rig.of(omega=[600.0], zeta=[0.02], rows=[[1.0], [0.5]])
     force = [cf.rig.BurstRandom(rms=1.0, band=BAND)] * drives
     test = cf.rig.record(rig, force, drives=list(range(drives)), sensors=[0], fs=512.0, block=256, blocks=4, seed=11)
-    return estimate(test, overlap=overlap, **options)
+    return cf.rig.estimate(test, overlap=overlap, **options)
 
 
-def of_a_band(x=10.0, lines=LEAST_LINES + 1, **options):
-    return read(frfs(lines, x=x * np.arange(lines), kind=options.pop("kind", "frf")), **options)
+def resonance(lines=61, x=None, factor=1.0, **changes):
+    """Mobility of one mode at 100 Hz over evenly spaced lines."""
+    x = np.linspace(85.0, 115.0, lines) if x is None else np.asarray(x)
+    H = 1e3j * x / (100.0**2 - x**2 + 2j * 0.01 * 100.0 * x)
+    return frfs(x=x, responses=factor * H[None, :], unit="m/s/N", **changes)
 
 
-def read(what, band=None):
-    return usable(what, band, None, None)
+def read(what, **options):
+    return cf.identify(what, **options)
 
 
 TAKEN, REFUSED = 0, 1
@@ -69,14 +64,22 @@ BOUNDS = {
     "velocity": (lambda k: scan(velocity=[1.0, (2.0, INF)[k]]), "velocity: found shape .* expected finite numbers"),
     "angle": (lambda k: scan(angle=([0.0, 1.0], [0.0])[k]), "angle: found shape .1,., expected finite numbers, one"),
     "force": (lambda k: scan(force=[1.0, (2.0, NAN)[k]]), "force: found shape .2,., expected finite numbers"),
-    "tacho.few": (lambda k: from_tacho([0.0, 1.0][: 2 - k], 1.0, 1), "tacho: expected the instants of two pulses"),
-    "tacho.order": (lambda k: from_tacho([0.0, (1e-9, 0.0)[k]], 1.0, 1), "tacho: expected the instants of two pulses"),
-    "tacho.first": (lambda k: from_tacho([(0.0, 1e-9)[k], 9.0], 1.0, 2), "pulses from 1e-09 to 9 s, expected them to"),
-    "tacho.last": (lambda k: from_tacho([0.0, (1.0, 0.999)[k]], 1.0, 2), "from 0 to 0.999 s, expected .* 0 to 1 s"),
-    "paired.zero": (lambda k: paired([[1.0, (1e-9, 0.0)[k]]], [[1.0, 1.0]]), "one is zero at every channel"),
-    "paired.computed": (lambda k: paired([[1.0]], [[(1e-9, 0.0)[k]]]), "one is zero at every channel"),
-    "paired.size": (lambda k: paired([[1.0, 1.0]], [[1.0] * (2 - k)]), r"not \(1, 2\) and \(1, 1\)"),
-    "paired.flat": (lambda k: paired(*[([[1.0]], [1.0])[k]] * 2), r"not \(1,\) and \(1,\)"),
+    "tacho.few": (
+        lambda k: cf.circle.from_tacho([0.0, 1.0][: 2 - k], 1.0, 1),
+        "tacho: expected the instants of two pulses",
+    ),
+    "tacho.order": (
+        lambda k: cf.circle.from_tacho([0.0, (1e-9, 0.0)[k]], 1.0, 1),
+        "tacho: expected the instants of two pulses",
+    ),
+    "tacho.first": (
+        lambda k: cf.circle.from_tacho([(0.0, 1e-9)[k], 9.0], 1.0, 2),
+        "pulses from 1e-09 to 9 s, expected them to",
+    ),
+    "tacho.last": (
+        lambda k: cf.circle.from_tacho([0.0, (1.0, 0.999)[k]], 1.0, 2),
+        "from 0 to 0.999 s, expected .* 0 to 1 s",
+    ),
     "shapes.direction": (lambda k: shapes(directions=[OUT[0], [0.0, (1e-9, 0.0)[k], 0.0]]), "a direction of no length"),
     "shapes.modes": (lambda k: shapes(values=[[1.0, 2.0][: 2 - k]] * 2), r"values \(2, 1\); expected \(channels, 2 m"),
     "shapes.flat": (lambda k: shapes(values=(np.eye(2), [1.0, 2.0])[k]), r"values \(2,\); expected \(channels, 2 m"),
@@ -97,24 +100,39 @@ BOUNDS = {
     "frf.ascends": (lambda k: frfs(x=[0.0, 10.0, (10.1, 10.0)[k]]), "10 after 10; expected an abscissa that ascends"),
     "frf.lines": (lambda k: frfs(x=[0.0, 1.0, 2.0][: 3 - k]), r"x \(2,\), responses \(1, 3\).*expected x \(lines,\)"),
     "frf.places": (lambda k: frfs(response_point=[1] * (1 + k)), r"response_point \(2,\).*; expected x \(lines,\)"),
-    "form": (lambda k: form_of(frfs(), ("receptance", "compliance")[k]), "form 'compliance'; expected .*receptance"),
-    "window": (lambda k: window_time(frfs(), (1e-9, 0.0)[k]), "expected the window's time constant .s., above 0"),
-    "window.inf": (lambda k: window_time(frfs(), (1e9, INF)[k]), "expected the window's time constant .s., above 0"),
+    "form": (
+        lambda k: read(resonance(), form=("mobility", "compliance")[k]),
+        "form 'compliance'; expected .*receptance",
+    ),
+    "window": (
+        lambda k: read(resonance(), exponential=(1.0, 0.0)[k]),
+        "expected the window's time constant .s., above 0",
+    ),
+    "window.inf": (
+        lambda k: read(resonance(), exponential=(1e9, INF)[k]),
+        "expected the window's time constant .s., above 0",
+    ),
     "window.card": (
-        lambda k: window_time(frfs(card=[f"exponential_window_s: {('2', 'two')[k]}"]), None),
+        lambda k: read(resonance(card=[f"exponential_window_s: {('2', 'two')[k]}"])),
         "window_s two; expected",
     ),
-    "pick.low": (lambda k: _picked("f", [(1.1, 1.0)[k]], np.array([1.0, 3.0])), "1 Hz picked; expected .* 1 and 3 Hz"),
-    "pick.high": (lambda k: _picked("f", [2.0, (2.9, 3.0)[k]], np.array([1.0, 3.0])), "3 Hz picked; expected .* 1 and"),
-    "pick.none": (lambda k: _picked("f", [2.0][k:], np.array([1.0, 3.0])), "no frequency picked; expected frequencies"),
-    "usable.kind": (lambda k: of_a_band(kind=("frf", "spectrum")[k]), "kind 'spectrum'; expected frequency responses"),
-    "usable.band": (lambda k: of_a_band(band=(0.0, (1e4, 0.0)[k])), "band 0 to 0 Hz; expected 0 <= from < to"),
-    "usable.below": (lambda k: of_a_band(band=((0.0, -1.0)[k], 1e4)), "band -1 to 10000 Hz; expected 0 <= from < to"),
-    "usable.few": (lambda k: of_a_band(lines=LEAST_LINES + 1 - k), "lines in the band; expected at least"),
-    "usable.silent": (lambda k: read(frfs(40, responses=np.full((1, 40), (1e-9j, 0.0j)[k]))), "expected a signal"),
-    "usable.phase": (lambda k: read(frfs(40, responses=np.full((1, 40), (1.0 + 1e-9j, 1.0)[k]))), "without phase"),
+    "pick.low": (lambda k: read(resonance(), pick=[(100.0, 85.0)[k]]), "85 Hz picked; expected .* 85 and 115 Hz"),
+    "pick.high": (lambda k: read(resonance(), pick=[(100.0, 115.0)[k]]), "115 Hz picked; expected .* 85 and"),
+    "pick.none": (lambda k: read(resonance(), pick=[100.0][k:]), "no frequency picked; expected frequencies"),
+    "usable.kind": (
+        lambda k: read(resonance(kind=("frf", "spectrum")[k])),
+        "kind 'spectrum'; expected frequency responses",
+    ),
+    "usable.band": (lambda k: read(resonance(), band=(0.0, (1e4, 0.0)[k])), "band 0 to 0 Hz; expected 0 <= from < to"),
+    "usable.below": (
+        lambda k: read(resonance(), band=((0.0, -1.0)[k], 1e4)),
+        "band -1 to 10000 Hz; expected 0 <= from < to",
+    ),
+    "usable.few": (lambda k: read(resonance(30 - k)), "lines in the band; expected at least"),
+    "usable.silent": (lambda k: read(resonance(factor=(1e-9, 0.0)[k])), "expected a signal"),
+    "usable.phase": (lambda k: read(resonance() if k == 0 else frfs(40, responses=np.ones((1, 40)))), "without phase"),
     "usable.even": (
-        lambda k: read(frfs(40, x=np.r_[0.0:39.0, (39.0, 39.1)[k]])),
+        lambda k: read(resonance(x=np.r_[85.0:124.0, (124.0, 124.1)[k]])),
         "steps from 1 to 1.1 Hz; expected even steps",
     ),
     "band": (
@@ -152,7 +170,7 @@ BOUNDS = {
         lambda k: cf.rig.StepSine(amplitude=1.0, freq=((3.0,), ())[k]),
         r"freq: found \(\), expected frequencies",
     ),
-    "snr": (lambda k: noise(np.ones((1, 4)), (1e3, INF)[k], np.random.default_rng(7)), "snr_db: found inf, expected"),
+    "snr": (lambda k: cf.rig.noisy(frfs(), (1e3, INF)[k], seed=7), "snr_db: found inf, expected"),
     "bits.low": (lambda k: cf.rig.Converter(bits=(4, 3)[k], full_scale=1.0), "bits: found 3, expected 4 to 32"),
     "bits.high": (lambda k: cf.rig.Converter(bits=(32, 33)[k], full_scale=1.0), "bits: found 33, expected 4 to 32"),
     "full_scale": (

@@ -4,10 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.record import turning
-from casingfem.experiment.correlation.sensors import sensors_of
-from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.record import measured
 from tests.casingfem.experiment.identify.test_identification import THETA, ring_rig
 from tests.probed import probed
 
@@ -72,15 +68,15 @@ def test_numbers_of_records(excitation, quantity, held):
     test = cf.rig.record(
         SMALL, [excitation], drives=[0], sensors=[0, 1], fs=2048.0, block=1024, blocks=3, seed=5, quantity=quantity
     )
-    noisy_test = measured(test, snr_db=40.0, seed=6)
-    found = estimate(noisy_test, band=(80.0, 600.0))
+    noisy_test = cf.rig.measured(test, snr_db=40.0, seed=6)
+    found = cf.rig.estimate(noisy_test, band=(80.0, 600.0))
     H, coherence = (np.stack([part.responses[k] for k in range(2)]) for part in (found.frfs, found.coherence))
     held(1e-5, H=H[:, ::23], coherence=coherence[:, ::23], averages=[found.averages])
 
 
 def test_numbers_of_circle_scans(held):
     fs, count = 2000.0, 8000
-    theta, t = turning(2.3, fs, count, first_angle=0.3), np.arange(count) / fs
+    theta, t = cf.circle.turning(2.3, fs, count, first_angle=0.3), np.arange(count) / fs
     noise = 0.01 * np.random.default_rng(4).standard_normal(count)
     seen = np.cos(8 * (theta - 0.11)) * np.cos(2.0 * np.pi * 371.3 * t + 0.4) + 0.2 * np.cos(
         2.0 * np.pi * 371.3 * t + 5 * theta
@@ -95,30 +91,4 @@ def test_numbers_of_circle_scans(held):
         amplitude=[w.amplitude for w in waves],
         travelling=[w.travelling for w in waves],
         angle=[w.angle_deg for w in waves],
-    )
-
-
-@pytest.mark.slow
-def test_numbers_of_correlation(frustum, held):
-    casing = frustum(
-        radius_defect=cf.FourierField.of({3: 1e-3, 14: 3e-4}), mesh=cf.ShellMesh(order=5, rows=1, around=11)
-    )
-    other = frustum(radius_defect=cf.FourierField.of({3: 2e-3, 14: 3e-4}), thickness=3.1e-3, mesh=casing.mesh)
-    found, test = cf.modes(casing, 8, method="shell"), cf.modes(other, 6, method="shell")
-    theta, z = np.tile(2.0 * np.pi * np.arange(18) / 18 + 0.1, 2), np.repeat([0.12, 0.25], 18)
-    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
-    points = np.real(casing.geometry(z, theta).surface.x).T
-    values = sensors_of(test, points, out).shapes(test.fields)
-    noise = 0.02 * np.abs(values).max() * np.cos(np.arange(values.size) ** 2).reshape(values.shape)
-    shapes = cf.correlation.MeasuredShapes.from_arrays(
-        freq_hz=test.freq, values=values + noise, points=points, directions=out
-    )
-    result = cf.correlate(found, shapes)
-    held(
-        1e-4,
-        alike=np.sort(np.ravel(result.alike)),
-        nco=np.sort(np.ravel(np.abs(result.nco))),
-        comac=result.comac,
-        ecomac=result.ecomac,
-        rows=[row for match in result.pairing.matches for row in match.rows],
     )

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.correlation.matches import other_unit, refuse_unpaired, require_hz
 
 
 def table(freq, **more):
@@ -181,43 +180,3 @@ def test_another_column_beside_the_right_ones_is_kept(name, tmp_path):
     (tmp_path / "t.csv").write_text(f"mode,freq_hz,sigma_hz,{name}\n1,3.5,0.1,7\n")
     with pytest.warns(cf.errors.ModelWarning, match="table-columns"):
         assert cf.FrequencyTable.from_csv(tmp_path / "t.csv").extra == {name: ("7",)}
-
-
-FREQ = np.array([100.0, 200.0, 450.0])
-FACTORS = {"rad/s": 2.0 * np.pi, "kHz": 1e-3, "1/min": 60.0}
-
-
-@pytest.mark.parametrize("unit", FACTORS)
-@pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_unit_is_seen_where_every_row_is_within_a_fifth_of_it(unit, way):
-    freq = FREQ * FACTORS[unit]
-    for off, seen in ((0.19, unit), (0.21, "")):
-        rows = freq * np.exp(way * np.array([0.0, off, 0.0]))
-        assert other_unit(table(rows, sigma_hz=1e-3 * rows), FREQ, None) == seen
-    one = table(freq[:1], sigma_hz=1e-3 * freq[:1])
-    assert other_unit(one, FREQ, None) == ""
-    assert other_unit(table(freq, sigma_hz=1e-3 * freq), np.r_[0.0, FREQ[1:]], None) == ""
-
-
-def test_rows_of_an_order_stand_beside_the_lowest_mode_of_it():
-    """Rows by label: 3 at 2 pi 100, 5 at 2 pi 300; by order they would stand beside 50 and 100 Hz."""
-    freq, n = np.array([50.0, 100.0, 120.0, 300.0, 330.0]), np.array([0, 3, 3, 5, 5])
-    rows = 2.0 * np.pi * np.array([330.0, 100.0, 300.0, 120.0])
-    assert other_unit(table(rows, n=[5, 3, 5, 3]), freq, n) == "rad/s"
-    assert other_unit(table(rows, n=[5, 3, 5, -1]), freq, n) == ""
-    assert other_unit(table(rows, n=[5, 3, 5, 3]), freq, None) == ""
-
-
-def test_a_table_in_another_unit_is_refused_with_its_first_row_and_the_first_mode():
-    require_hz(table(FREQ), FREQ, None)
-    wrong = table(FREQ[::-1] * 60.0, sigma_hz=1.0, path="t.csv")
-    words = (
-        r"t\.csv, column 'freq_hz': found 6000 to 27000, where the lowest computed mode has 100 Hz: in every row about"
-    )
-    with pytest.raises(cf.errors.InputError, match=words + " 60 times what is computed, as of 1/min; expected Hz"):
-        require_hz(wrong, FREQ, None)
-    with pytest.raises(cf.errors.InputError, match="as of 1/min"):
-        refuse_unpaired(wrong, FREQ, None, 0.5)
-    words = r"no row of t\.csv pairs .* within 20%: measured 7\.0 to 9\.0 Hz, computed 100\.0 to 450\.0 Hz"
-    with pytest.raises(cf.errors.InputError, match=words):
-        refuse_unpaired(table([9.0, 7.0], path="t.csv"), FREQ, None, 0.2)

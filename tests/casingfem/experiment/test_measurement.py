@@ -4,13 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import casingfem as cf
-from casingfem.experiment.frequency_table import COLUMNS
-from casingfem.experiment.grouping import Doublet, Single
-from casingfem.io.strict_csv import read
 
 DATA = Path(__file__).resolve().parents[3] / "data"
 
@@ -144,37 +139,6 @@ def test_bytes_that_are_not_utf8_name_their_line(tmp_path):
     assert len(cf.FrequencyTable.from_csv(path)) == 1
 
 
-tables = st.integers(1, 8).flatmap(
-    lambda rows: st.fixed_dictionaries(
-        {
-            "freq_hz": st.lists(st.floats(1e-3, 1e6), min_size=rows, max_size=rows),
-            "n": st.lists(st.integers(-1, 40), min_size=rows, max_size=rows),
-            "angle_deg": st.lists(st.floats(0, 360, exclude_max=True) | st.just(np.nan), min_size=rows, max_size=rows),
-            "zeta": st.lists(st.floats(0, 0.5) | st.just(np.nan), min_size=rows, max_size=rows),
-            "sigma_hz": st.just(0.9e-3 / 7),
-            "card": st.lists(st.text(st.characters(categories=["L", "N", "P", "Zs"])), max_size=3),
-            "synthetic": st.booleans(),
-        }
-    )
-)
-
-
-@settings(max_examples=40, deadline=None)
-@given(tables)
-@pytest.mark.slow
-def test_round_trip_is_bit_identical(tmp_path_factory, arguments):
-    folder = tmp_path_factory.mktemp("round")
-    table = cf.FrequencyTable.from_arrays(**arguments)
-    table.to_csv(folder / "a.csv")
-    again = cf.FrequencyTable.from_csv(folder / "a.csv")
-    for name in COLUMNS:
-        assert getattr(again, name).tobytes() == getattr(table, name).tobytes(), name
-    assert again.card == table.card
-    assert again.synthetic == table.synthetic
-    again.to_csv(folder / "b.csv")
-    assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
-
-
 @pytest.mark.parametrize("space", ["\u00a0", "\u1680", "\u2009", "\u3000"])
 def test_spaces_of_other_scripts_stand_in_a_card(tmp_path, space):
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], sigma_hz=0.1, card=[f"5{space}mm wall"])
@@ -231,15 +195,6 @@ def groups_of(n, freq, angle=np.nan):
     return [g.rows for g in cf.FrequencyTable.from_arrays(n=n, freq_hz=freq, sigma_hz=0.1, angle_deg=angle).groups()]
 
 
-def test_doublets_are_neighbours_of_one_n():
-    assert groups_of([8, 8, 4, 4], [368.0, 369.0, 655.0, 640.0]) == [(0, 1), (3, 2)]
-    assert groups_of([0, 0, -1, -1], [10.0, 10.1, 20.0, 20.1]) == [(0,), (1,), (2,), (3,)]
-    assert groups_of([4, 5], [100.0, 100.1]) == [(0,), (1,)]
-    assert groups_of([4, 4], [100.0, 130.0]) == [(0,), (1,)]
-    table = cf.FrequencyTable.from_arrays(n=[4, 4, 0], freq_hz=[1.0, 1.01, 3.0], sigma_hz=0.1)
-    assert table.groups() == (Doublet((0, 1), 4), Single(2, 0))
-
-
 def test_the_closest_neighbours_pair_first():
     assert groups_of([4, 4, 4], [100.0, 110.0, 111.0]) == [(0,), (1, 2)]
     assert groups_of([4, 4, 4], [100.0, 101.0, 110.0]) == [(0, 1), (2,)]
@@ -259,25 +214,6 @@ def test_the_measured_blade_reads():
     assert not table.synthetic
     assert table.card[0].startswith("MEASURED")
     assert any("AFFDL-TR-68-150" in line for line in table.card)
-
-
-@pytest.mark.parametrize(
-    ("name", "rows", "column", "first"),
-    [
-        ("reference_frustum", 21, "f1_3d", 1726.1051),
-        ("cyl_shear_diaphragm_exact", 650, "omega_3d", 0.954455779),
-        ("olson_lindberg_fan_blade", 12, "computed_love_ritz_hz", 85.90),
-    ],
-)
-def test_reference_tables_read_and_carry_their_card(name, rows, column, first):
-    table = read(DATA / f"reference/{name}.csv")
-    values = table.numbers(column)
-    assert len(values) == rows
-    assert values[0] == first
-    assert (values > 0).all()
-    text = " ".join(table.card)
-    for word in ("nu = 0.3", "Boundary conditions", "How sure"):
-        assert word in text
 
 
 def test_further_columns_are_kept_and_said_to_be_used_by_nobody(tmp_path):

@@ -14,8 +14,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.faults import CATALOGUE, PARTS
-from casingfem.modal.modes import FINEST, finest_shares
 from reports.verification.robustness.broken import table as broken_models
 from reports.verification.robustness.broken.files import STUDY
 
@@ -23,17 +21,53 @@ DOCS = Path(__file__).parents[3] / "docs"
 MODELS = broken_models.models()
 
 
+def explained(*arguments):
+    return CliRunner().invoke(main, ["explain", *arguments])
+
+
+@pytest.fixture(scope="module")
+def catalogue():
+    """Cause and remedy of every code."""
+    return json.loads(explained("--json").stdout)["faults"]
+
+
 # every third; `python -m reports.verification.robustness.broken` takes all
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS[::3], ids=[model.name for model in MODELS[::3]])
-def test_no_broken_model_computes_in_silence(model):
+def test_no_broken_model_computes_in_silence(model, catalogue):
     happened, messages = broken_models.outcome(model)
     assert happened in ("refused", "warned"), messages
     assert all(name in "\n".join(messages) for name in model.names), messages
     said = {cf.errors.code_of(message): message for message in messages}
     assert model.code in (*said, "")
     if model.code and not model.code.startswith(("study-", "survey-")) and not model.name.startswith("study"):
-        assert CATALOGUE[model.code].remedy in said[model.code]
+        assert catalogue[model.code]["remedy"] in said[model.code]
+
+
+def test_every_code_has_a_cause_and_a_remedy_and_an_unknown_one_is_a_mistake(catalogue):
+    for code, fault in catalogue.items():
+        assert code == code.lower().strip("-")
+        assert min(len(fault["cause"]), len(fault["remedy"])) > 10
+    with pytest.raises(KeyError):
+        cf.errors.ModelError("no-such-code", "message")
+    with pytest.warns(cf.errors.ModelWarning, match="shell-thin"):
+        cf.errors.warn("shell-thin", "message")
+
+
+def test_the_page_of_codes_is_current(catalogue):
+    spec = importlib.util.spec_from_file_location("errors_page", DOCS / "errors.py")
+    page = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(page)
+    text = (DOCS / "errors.md").read_text(encoding="utf-8")
+    assert text == page.page(), "run .venv/bin/python docs/errors.py"
+    assert text.count("\n| ") == len(catalogue) + 1
+
+
+def test_explain_prints_one_code_and_corrects_a_misspelt_one(catalogue):
+    assert catalogue["mesh-coarse"]["remedy"] in explained("mesh-coarse").stdout
+    wrong = explained("mesh-corse")
+    assert wrong.exit_code == 2
+    assert "did you mean mesh-coarse" in wrong.stderr
 
 
 def test_a_refusal_keeps_the_doubts_that_came_before_it():
@@ -124,51 +158,6 @@ def test_sound_models_meet_no_doubt(name):
         assert np.all(cf.modes(sound()[name], 4).freq > 0.0)
 
 
-@pytest.mark.slow
-def test_the_finest_share_tells_a_coarse_mesh_from_a_good_one(frustum, perfect_modes):
-    coarse = cf.modes(frustum(mesh=cf.ShellMesh(order=5, around=9)), 12, method="shell")
-    assert finest_shares(perfect_modes).max() < 0.2 * FINEST
-    assert finest_shares(coarse).max() > FINEST
-    assert (coarse.freq / perfect_modes.freq[:12]).max() > 1.05
-
-
-def test_a_polynomial_of_the_order_itself_is_seen_and_lower_ones_are_not(steel):
-    plate = cf.Shell(
-        chart=cf.Plate(length=0.2, width=0.1), thickness=3e-3, material=steel, supports={"root": cf.Clamped()},
-        mesh=cf.ShellMesh(order=4, rows=1, around=1),
-    )  # fmt: skip
-    found = cf.modes(plate, 2)
-    x = found.grid.nodes[0] / 0.2 * 2.0 - 1.0
-    for power, share in ((3, 0.0), (4, 8.0 / 35.0)):
-        fields = np.zeros((len(x), 5, 2))
-        fields[:, 2] = x[:, None] ** power
-        replaced = type(found)(**{**vars(found), "fields": fields})
-        assert finest_shares(replaced)[0] == pytest.approx(share, abs=1e-12)
-        assert finest_shares(replaced)[1] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_every_code_of_the_package_stands_in_the_catalogue_with_words():
-    for code, fault in CATALOGUE.items():
-        assert code == code.lower().strip("-")
-        assert min(len(fault.cause), len(fault.remedy)) > 10
-        assert not (fault.cause + fault.remedy).endswith(".")
-        assert "|" not in fault.cause + fault.remedy
-    assert sum(map(len, PARTS)) == len(CATALOGUE), "a code stands twice"
-    with pytest.raises(KeyError):
-        cf.errors.ModelError("no-such-code", "message")
-    with pytest.warns(cf.errors.ModelWarning, match="shell-thin"):
-        cf.errors.warn("shell-thin", "message")
-
-
-def test_the_page_of_codes_is_current():
-    spec = importlib.util.spec_from_file_location("errors_page", DOCS / "errors.py")
-    page = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(page)
-    text = (DOCS / "errors.md").read_text(encoding="utf-8")
-    assert text == page.page(), "run .venv/bin/python docs/errors.py"
-    assert text.count("\n| ") == len(CATALOGUE) + 1
-
-
 def written(folder: Path, text: str) -> Path:
     path = folder / "study.toml"
     path.write_text(text, encoding="utf-8")
@@ -205,16 +194,6 @@ def test_refusals_show_their_code_on_the_command_line(tmp_path):
     result = CliRunner().invoke(main, ["modes", str(written(tmp_path, text))])
     assert result.exit_code == 2
     assert result.stderr.endswith("[shell-thickness-size]\n")
-
-
-def test_explain_prints_one_code_or_all():
-    one = CliRunner().invoke(main, ["explain", "mesh-coarse"])
-    assert CATALOGUE["mesh-coarse"].remedy in one.stdout
-    every = CliRunner().invoke(main, ["explain", "--json"])
-    assert json.loads(every.stdout)["faults"].keys() == CATALOGUE.keys()
-    wrong = CliRunner().invoke(main, ["explain", "mesh-corse"])
-    assert wrong.exit_code == 2
-    assert "did you mean mesh-coarse" in wrong.stderr
 
 
 @pytest.mark.slow

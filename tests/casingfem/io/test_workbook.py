@@ -2,8 +2,7 @@
 
 import json
 import re
-import sys
-from zipfile import ZIP_DEFLATED, ZipFile
+from zipfile import ZipFile
 
 import pytest
 from click.testing import CliRunner
@@ -11,7 +10,6 @@ from openpyxl import Workbook
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.extras import remedy
 
 TABLE = [
     ["# SYNTHETIC rig"],
@@ -119,23 +117,6 @@ def test_what_is_no_workbook_is_refused(tmp_path):
     with ZipFile(path, "w") as archive:
         archive.writestr("other.txt", "x")
     refused(path, "found no readable workbook (")
-
-
-def test_workbooks_that_unpack_to_too_much_or_expand_are_refused(tmp_path, monkeypatch):
-    good, path = saved(tmp_path / "good.xlsx", s=[["f_hz"], [1]]), tmp_path / "t.xlsx"
-    with ZipFile(good) as source, ZipFile(path, "w", ZIP_DEFLATED) as target:
-        for name in source.namelist():
-            entity = b'<!DOCTYPE x [<!ENTITY a "aaaa">]>' if "sheet1" in name else b""
-            target.writestr(name, entity + source.read(name))
-    refused(path, "found a document type or UTF-16 in its part 'xl/worksheets/sheet1.xml'", cf.frf.read_picks)
-    monkeypatch.setattr("casingfem.io.workbook.MOST_TEXT", 2e3)
-    refused(good, "found a workbook that unpacks to", cf.frf.read_picks)
-
-
-def test_without_openpyxl_the_extra_is_named(tmp_path, monkeypatch):
-    book = saved(tmp_path / "t.xlsx", s=TABLE)
-    monkeypatch.setitem(sys.modules, "openpyxl", None)
-    refused(book, f"{book}: found an Excel workbook; expected the package openpyxl ({remedy('excel')})")
 
 
 STUDY = """

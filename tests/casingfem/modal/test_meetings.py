@@ -6,22 +6,11 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.campbell import zero_crossings
-from casingfem.modal.interaction import blade_over_speed, casing_pairs
-from casingfem.modal.mode_set import ModeSet
 
 DATA = cf.modal.Campbell(
     omega=2.0 * np.pi * np.array([0.0, 20.0, 60.0]), freq=np.array([[100.0, 300.0], [120.0, 290.0], [150.0, 280.0]]),
     southwell=np.array([1.5, -0.25]), overlap=np.array([[1.0, 1.0], [0.9, 0.8], [0.99, 0.7]]),
 )  # fmt: skip
-
-
-def test_a_sign_change_is_met_between_its_speeds_and_a_zero_once():
-    speed = np.array([1.0, 3.0, 7.0, 8.0])
-    gap = np.array(
-        [[-1.0, 0.0, 2.0, 0.0, 5.0], [3.0, 1.0, 0.0, 0.0, 4.0], [5.0, 2.0, -1.0, 1.0, 1.0], [-5.0, 3.0, -1.0, 2.0, 0.0]]
-    )
-    assert sorted(zero_crossings(speed, gap)) == [(0, 1.5), (0, 7.5), (1, 1.0), (2, 3.0), (3, 3.0), (4, 8.0)]
 
 
 def test_engine_orders_are_met_linearly_between_speeds():
@@ -63,42 +52,6 @@ def test_a_diagram_is_a_table_of_speeds():
                                [[0.0, 100.0, 300.0], [20.0, 120.0, 290.0], [60.0, 150.0, 280.0]])  # fmt: skip
 
 
-def mode_set(n, freq, doublets, rigid=0):
-    nothing = np.full(len(n), np.nan)
-    return ModeSet(
-        freq=np.array(freq), fields=np.zeros((0, 5, len(n))), nodal_diameters=np.array(n), purity=nothing,
-        meridional=np.arange(1, len(n) + 1), doublets=doublets, angle_deg=nothing, rigid=rigid, sturm_count=None,
-        dofs=0,
-    )  # fmt: skip
-
-
-def test_pairs_of_a_casing_are_those_with_diameters_beyond_the_rigid_motions():
-    """A mode whose partner was cut off stands alone; n = 0 and rigid motions do not count, n = 1 does."""
-    found = mode_set([1, 1, 3, 0, 3, 1, 4], [0.0, 0.0, 10.0, 20.0, 14.0, 30.0, 40.0], ((0, 1), (2, 4)), rigid=2)
-    assert casing_pairs(found) == ((3, 3, 12.0), (1, 6, 30.0), (4, 7, 40.0))
-    assert casing_pairs({0: [5.0], 1: [7.0], 3: [20.0, 12.0]}) == ((1, 1, 7.0), (3, 1, 12.0), (3, 2, 20.0))
-
-
-@pytest.mark.parametrize("casing", [{0: [5.0]}, {2: [0.0, 5.0]}, {2: [-1.0]}])
-def test_a_casing_without_pairs_or_with_frequencies_of_zero_is_refused(casing):
-    with pytest.raises(cf.errors.ModelError, match="interaction-casing"):
-        casing_pairs(casing)
-
-
-def test_a_blade_over_a_range_has_the_speeds_inside_and_both_ends():
-    speed, freq = blade_over_speed(DATA, 3, 10.0, 70.0)
-    np.testing.assert_allclose(speed, [10.0, 20.0, 60.0], rtol=1e-12)  # nothing is known beyond 60
-    np.testing.assert_allclose(freq, [[110.0, 295.0], [120.0, 290.0], [150.0, 280.0]], rtol=1e-12)
-    speed, _ = blade_over_speed(DATA, 3, 20.0, 60.0)
-    np.testing.assert_allclose(speed, [20.0, 60.0], rtol=1e-12)
-    speed, freq = blade_over_speed([50.0, 70.0], 3, 10.0, 70.0)
-    assert speed.tolist() == [10.0, 70.0]
-    assert freq.tolist() == [[50.0, 70.0]] * 2
-    disk = cf.modal.DiskFrequencies(blades=7, freq={3: (11.0,), 1: (12.0, 13.0)})
-    assert blade_over_speed(disk, 8, 0.0, 5.0)[1].tolist() == [[12.0, 13.0]] * 2
-    assert blade_over_speed(disk, 5, 0.0, 5.0)[1].shape == (2, 0)
-
-
 @pytest.mark.parametrize(("n", "folded"), [(0, 0), (3, 3), (4, 3), (6, 1), (7, 0), (9, 2), (18, 3)])
 def test_diameters_fold_at_half_the_number_of_blades(n, folded):
     assert cf.modal.DiskFrequencies(blades=7, freq={}).folded(n) == folded
@@ -114,12 +67,6 @@ def test_a_disk_that_is_none_is_refused(blades, n, said):
     assert said in str(caught.value)
     assert cf.modal.DiskFrequencies(blades=7, freq={3: (1.0,), 0: (2.0,)}).of(4) == (1.0,)
     assert cf.modal.DiskFrequencies(blades=1, freq={0: (2.0,)}).of(5) == (2.0,)
-
-
-@pytest.mark.parametrize("freq", [[0.0], [np.nan], [5.0, -1.0]])
-def test_blade_frequencies_are_positive(freq):
-    with pytest.raises(cf.errors.ModelError, match="interaction-blade"):
-        blade_over_speed(freq, 3, 0.0, 10.0)
 
 
 def test_meetings_of_one_pair_have_all_three_conditions():

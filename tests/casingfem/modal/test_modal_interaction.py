@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.interaction import casing_pairs
-from casingfem.plot.interaction import figure_campbell, figure_zzenf
 
 CASING = {n: [300.0 + 10.0 * (n - 6) ** 2] for n in range(3, 10)}
 
@@ -65,20 +63,6 @@ def test_a_blade_that_stiffens_with_speed_is_met_where_it_then_is():
     assert found.blade_hz == pytest.approx(8.0 * exact - 300.0, rel=1e-5)
 
 
-def test_modes_give_their_pairs_by_the_mean_of_each():
-    shell = cf.Shell(
-        chart=cf.Frustum(r_base=0.50, r_top=0.45, height=0.25), thickness=20e-3,
-        material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()},
-        radius_defect=cf.FourierField.of({6: 0.004}), mesh=cf.ShellMesh(order=5, rows=1, around=9),
-    )  # fmt: skip
-    modes = cf.modes(shell, count=6)
-    pairs = casing_pairs(modes)
-    low, high = modes.doublets[0]
-    assert pairs[0] == (modes.nodal_diameters[low], 1, pytest.approx(modes.freq[[low, high]].mean()))
-    assert len(pairs) == 6 - len(modes.doublets)
-    assert len(cf.interactions(modes, [100.0], speed_hz=(0.0, 1000.0)).of("sum")) == len(pairs)
-
-
 @pytest.mark.parametrize(
     ("casing", "blade", "speeds", "turning", "code"),
     [
@@ -96,17 +80,3 @@ def test_bad_input_is_refused(casing, blade, speeds, turning, code):
 def test_a_disk_cannot_have_more_diameters_than_half_its_blades():
     with pytest.raises(cf.errors.ModelError, match="interaction-blade"):
         cf.modal.DiskFrequencies(blades=12, freq={7: (100.0,)})
-
-
-def test_pictures_mark_each_coincidence_and_draw_engine_orders():
-    found = cf.interactions(CASING, [120.0], speed_hz=(0.0, 90.0))
-    axes = figure_campbell(found, [120.0], orders=5).axes[0]
-    by_label = {line.get_label(): line for line in axes.lines}
-    drawn = by_label["f_c + f_b = n f: flutter"]
-    assert drawn.get_xdata() == pytest.approx([c.speed_hz for c in found.of("sum")])
-    assert sum(line.get_linestyle() == ":" and len(line.get_xdata()) > 2 for line in axes.lines) == 5
-    disk = cf.modal.DiskFrequencies(blades=14, freq={k: (100.0 + 5.0 * k,) for k in range(8)})
-    panels = figure_zzenf(cf.interactions(CASING, disk, speed_hz=(0.0, 90.0)), disk, 80.0).axes
-    assert len(panels) == 2
-    zigzag = panels[1].lines[0].get_xdata()
-    assert list(zigzag) == [0, 1, 2, 3, 4, 5, 6, 7, 6, 5]

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.affine import affine_model, bolt_changes, mass_changes
-from casingfem.modal.modes import count_below, finest_shares
 from tests.probed import probed
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -53,25 +51,6 @@ def solid(**parts):
 
 def turning(part):
     return replace(part, rotation=cf.Rotation.of_blade(PLATE, omega=200.0, hub_radius=0.3, stagger=0.4))
-
-
-@pytest.mark.slow
-def test_numbers_of_modes(held):
-    imperfect, even = casing(radius_defect=WAVES), casing()
-    found, waves = cf.modes(imperfect, 12, method="shell"), cf.modes(even, 8)
-    band = cf.modes(imperfect, band=(found.freq[1] - 1.0, found.freq[6] + 1.0))
-    held(
-        freq=found.freq,
-        n=found.nodal_diameters,
-        angle=found.angle_deg,
-        splits=found.splits,
-        pairs=found.doublets,
-        shares=finest_shares(found),
-        waves=waves.freq,
-        waves_n=waves.nodal_diameters,
-        band=band.freq,
-        below=[found.sturm_count, waves.sturm_count, count_below(imperfect, 700.0)],
-    )
 
 
 @pytest.mark.slow
@@ -148,13 +127,3 @@ def test_numbers_of_draws(held):
     random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
     found = cf.mistune(casing(radius_defect=random), 2, count=6)
     held(1e-5, **{f"{k}": column for k, column in found.columns().items() if np.asarray(column).dtype.kind in "if"})
-
-
-@pytest.mark.slow
-def test_numbers_of_changes(held):
-    bolts = cf.Bolts(count=6, k=2e8, k_rot=1e5)
-    shell = casing(supports={"base": bolts}, mesh=cf.ShellMesh(order=4, rows=1, around=12))
-    system = cf.shell.assemble(shell)
-    model = affine_model(system, [*bolt_changes(system, "base"), *mass_changes(system, "top", np.array([0.3, 2.0]))], 6)
-    amounts = np.array([-0.5, 0.0, 0.0, -0.1, 0.0, 0.0, 0.3, 0.1])
-    held(freq=model.modes(amounts, 6).freq, size=[model.changes])

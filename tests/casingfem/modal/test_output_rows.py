@@ -4,14 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array
 
 import casingfem as cf
-from casingfem.modal.affine import independent, products
-from casingfem.modal.interface.chart_rows import rim_shape, rim_thickness
-from casingfem.modal.interface.output import output_rows
-from casingfem.modal.interface.view import load_columns
-from casingfem.modal.matrices import channel_dofs, of_system
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 PANEL = cf.shell.assemble(
@@ -77,15 +71,6 @@ def test_outputs_that_a_chart_does_not_have_are_refused(output, words):
     assert words in str(caught.value)
 
 
-def test_rows_of_outputs_stand_in_their_order_under_names_of_their_own():
-    both = (cf.modal.Displacement(name="u", at=AT), cf.modal.Strain(name="e", at=AT))
-    rows = output_rows(PLATE, both)
-    np.testing.assert_array_equal(rows, [output.row(PLATE).ravel() for output in both])
-    assert output_rows(PLATE, ()).shape == (0, 5 * len(PLATE.points))
-    with pytest.raises(cf.errors.ModelError, match="found the names u, u, expected each once"):
-        output_rows(PLATE, both[:1] * 2)
-
-
 MESH = cf.imported.grid_mesh(
     "hexahedron20", (2, 1, 1), lambda u: u * [0.4, 0.1, 0.2] + 0.03 * np.roll(u, 1, axis=1) ** 2,
     groups={"root": (0, 0.0)},
@@ -140,54 +125,11 @@ def test_outputs_that_a_solid_does_not_have_are_refused(output, words):
     assert words in str(caught.value)
 
 
-def test_loads_on_channels_leave_rotations_out():
-    rows = np.zeros((2, len(PLATE.points), 3))
-    rows[0, 7, 2], rows[1, 9, 0] = 2.0, -3.0
-    nodal = np.zeros((len(PLATE.points), 5, 2))
-    nodal[7, 2, 0], nodal[9, 0, 1] = 2.0, -3.0
-    np.testing.assert_array_equal(load_columns(PLATE, rows.reshape(2, -1)), PLATE.restrict(nodal))
-
-
-RIM = cf.Rim("top", n_max=3)
-TUBE = cf.Shell(
-    chart=cf.Cylinder(radius=0.5, height=0.2), thickness=3e-3, material=STEEL, supports={"base": cf.Clamped()},
-    radius_defect=cf.FourierField.of({0: 0.1, 2: (2e-3, -1e-3), 3: (0.0, 4e-3), 5: 0.01}),
-    thickness_defect=cf.FourierField.of({2: (0.3, 0.0)}),
-)  # fmt: skip
-
-
-def test_the_shape_of_a_rim_is_its_radius_less_the_mean():
-    np.testing.assert_allclose(rim_shape(TUBE, RIM), [[0.0, 0.0, 1e-3, 0.0, 0.0, -0.5e-3, 2e-3]], atol=1e-15)
-    terms = cf.out_of_roundness(TUBE, RIM)
-    assert [term["p"] for term in terms] == [2, 3]
-    assert terms[0] == {"p": 2, "cos": pytest.approx(1e-3), "sin": pytest.approx(-0.5e-3)}
-    assert terms[1] == {"p": 3, "cos": pytest.approx(0.0, abs=1e-15), "sin": pytest.approx(2e-3)}
-    assert rim_thickness(TUBE, RIM) == pytest.approx(3e-3 * 0.7, rel=1e-3)
-    many = cf.Rim("top", n_max=40)
-    assert rim_shape(replace(TUBE, radius_defect=cf.FourierField.of({33: 1e-3})), many)[0, 33] == pytest.approx(0.5e-3)
-    for line in (1, -1):
-        with pytest.raises(cf.errors.ModelError, match=f"line must lie between 0 and 0 here, found {line}"):
-            cf.out_of_roundness(TUBE, RIM, line=line)
-    cone = replace(TUBE, chart=cf.Frustum(r_base=0.5, r_top=0.25, height=0.2))
-    two = rim_shape(cone, cf.Rim("top", n_max=3, lines=(0.0, 0.2)))
-    np.testing.assert_allclose(two[1], 0.5 * two[0], atol=1e-15)
-    assert cf.out_of_roundness(cone, cf.Rim("top", n_max=3, lines=(0.0, 0.2)), line=1)[0]["cos"] == pytest.approx(
-        0.5e-3
-    )
-
-
 def basis(S, channels=("6.x", "6.z"), zeta=0.02):
     rows = np.array([[1.0, 0.5, -0.2], [0.3, -1.0, 0.7]])
     return cf.ModalBasis(
         omega=np.array([10.0, 20.0, 40.0]), zeta=np.full(3, zeta), channels=channels, rows=rows, S=S, kind="point"
     )
-
-
-def test_channels_and_scalars_are_numbered():
-    S = np.diag([1e-3, 2e-3])
-    assert channel_dofs(basis(S), 2).tolist() == [[6, 1], [6, 3], [7, 0], [8, 0]]
-    assert channel_dofs(basis(S, ("span", "6.z")), 1).tolist() == [[1, 0], [2, 0], [3, 0]]
-    assert channel_dofs(basis(S, ("6.w", "7.z")), 1).tolist() == [[1, 0], [2, 0], [3, 0]]
 
 
 @pytest.mark.parametrize("S", [np.array([[1e-3, 2e-4], [2e-4, 2e-3]]), np.zeros((2, 2))])
@@ -216,36 +158,3 @@ def test_matrices_of_channels_that_hang_together_are_refused():
     )
     with pytest.raises(cf.errors.ModelError, match="found 2 channels that 1 modes"):
         cf.modal.basis_matrices(few)
-
-
-def test_free_dofs_are_named_by_node_and_direction():
-    K = csc_array(np.eye(4))
-    found = of_system(K, K, np.array([1, 2, 5, 9]), 3, np.array([11, 12, 13, 14]), np.arange(12.0).reshape(4, 3))
-    assert found.dofs.tolist() == [[11, 2], [11, 3], [12, 3], [14, 1]]
-    assert {node: x.tolist() for node, x in found.points.items()} == {11: [0, 1, 2], 12: [3, 4, 5], 14: [9, 10, 11]}
-
-
-def test_directions_beside_others_are_orthonormal_in_energy_and_span_the_rest():
-    """One of the three is the first once more, one hardly anything beside another."""
-    rng = np.random.default_rng(8)
-    half = rng.standard_normal((6, 6))
-    K = half @ half.T + np.eye(6)
-    first = rng.standard_normal((6, 1))
-    first /= np.sqrt(first.T @ K @ first)
-    more = rng.standard_normal((6, 2))
-    V = independent(csc_array(K), first, np.column_stack([more, 1e3 * more[:, 0] + 1e-3 * first[:, 0]]))
-    assert V.shape == (6, 3)
-    np.testing.assert_array_equal(V[:, :1], first)
-    np.testing.assert_allclose(V.T @ K @ V, np.eye(3), atol=1e-9)
-    left = more - V @ (V.T @ (K @ more))
-    assert np.abs(left).max() < 1e-9
-
-
-def test_forms_in_a_basis_are_zero_where_a_change_has_none():
-    class Form:
-        def product(self, motions):
-            return 2.0 * motions.T @ motions
-
-    motions = np.arange(6.0).reshape(3, 2)
-    assert products([None, None], motions) is None
-    np.testing.assert_array_equal(products([None, Form()], motions), [np.zeros((2, 2)), 2.0 * motions.T @ motions])

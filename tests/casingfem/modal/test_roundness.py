@@ -7,7 +7,6 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.modal.interface.chart_rows import rim_shape, rim_thickness
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 WAVES = {2: (1e-3, -4e-4), 5: (0.0, 2e-4), 8: (3e-4, 0.0)}
@@ -56,32 +55,6 @@ def test_it_grows_with_the_defect_and_turns_with_it():
     fields = FIELD, cf.FourierField.of(turned)
     one, two = (cf.out_of_roundness(replace(CASING, radius_defect=field), TOP) for field in fields)
     np.testing.assert_allclose(at(two, theta), 2.0 * at(one, theta - angle), atol=1e-15)
-
-
-@pytest.mark.slow
-def test_the_basis_carries_the_least_thickness_of_the_rim(tmp_path):
-    thinned = replace(CASING, radius_defect=None, thickness_defect=cf.FourierField.of({3: 0.1}))
-    assert rim_thickness(thinned, TOP) == pytest.approx(2.7e-3, rel=1e-3)
-    basis = cf.reduce(thinned, cf.Rim("top", n_max=6), modes=4)
-    file = basis.save(tmp_path / "casing.npz")
-    assert cf.ModalBasis.load(file).thickness == basis.thickness == rim_thickness(thinned, TOP)[0]
-    body = ct.ModalBody.load(file)
-    assert body.thickness == basis.thickness
-    body.save(tmp_path / "again.npz")
-    assert ct.ModalBody.load(tmp_path / "again.npz").thickness == basis.thickness
-    old = {key: part for key, part in np.load(file).items() if key != "thickness"}
-    np.savez(tmp_path / "old.npz", **old)  # files of before
-    assert ct.ModalBody.load(tmp_path / "old.npz").thickness == 0.0
-    assert cf.ModalBasis.load(tmp_path / "old.npz").thickness == 0.0
-
-
-def test_a_round_rim_has_none_and_lines_are_told_apart():
-    assert not rim_shape(replace(CASING, radius_defect=None), TOP).any()
-    lines = cf.Rim("top", n_max=4, lines=(0.1, 0.2))
-    lower, upper = (cf.out_of_roundness(CASING, lines, line=k) for k in (0, 1))
-    np.testing.assert_allclose([t["cos"] for t in lower], [t["cos"] * 0.45 / 0.4 for t in upper], atol=1e-16)
-    with pytest.raises(cf.errors.InputError, match=r"line must lie between 0 and 1 here, found 2"):
-        cf.out_of_roundness(CASING, lines, line=2)
 
 
 @pytest.fixture(scope="module")

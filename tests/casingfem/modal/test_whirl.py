@@ -4,12 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, eigs
 
 import casingfem as cf
-from casingfem.modal import whirl
-from casingfem.structure.shell.assembly import spin
 from reports.verification import rotation as verify_rotation
 from reports.verification.rotation import drum, in_plane, ring_waves
 
@@ -28,21 +24,6 @@ def test_hardly_turning_the_modes_are_those_at_rest(casing):
     slow = replace(casing, rotation=cf.Rotation(omega=1e-3))
     found = cf.whirl_modes(slow, 6)
     np.testing.assert_allclose(found.freq, cf.modes(replace(casing, rotation=None), 6, method="shell").freq, rtol=1e-5)
-
-
-@pytest.mark.slow
-def test_pairs_split_by_their_gyroscopic_coupling(casing):
-    """First order: omega -+ Omega |phi_c^T G phi_s|/2 about the pair at speed; forward waves are the lower ones."""
-    found, pairs = cf.whirl_modes(casing, 6), cf.modes(casing, 6)
-    system = cf.shell.assemble(replace(casing, rotation=None))
-    shapes = system.collect(pairs.fields, pairs.own)
-    coupling = np.abs(shapes.T @ (spin(system, casing.rotation).G @ shapes)) * 200.0 / (2.0 * np.pi)
-    assert found.sense[np.argsort(found.nodal_diameters, kind="stable")].tolist() == [1, -1] * 3
-    for low, high in pairs.doublets[:3]:
-        n = pairs.nodal_diameters[low]
-        forward, backward = found.freq[found.nodal_diameters == n]
-        assert backward - forward == pytest.approx(coupling[low, high], rel=1e-2)
-        assert np.sqrt(forward * backward) == pytest.approx(pairs.freq[low], rel=1e-3)
 
 
 @pytest.mark.slow
@@ -71,48 +52,6 @@ def test_ring_waves_reach_the_closed_form_with_the_speed_squared():
     strain = 7800.0 * 240.0**2 * 0.25 / 210e9
     assert abs(gaps[1]) < 3.0 * strain
     assert gaps[1] / gaps[0] == pytest.approx(16.0, rel=0.35)
-
-
-@pytest.mark.slow
-def test_a_missed_mode_is_noticed(casing, monkeypatch):
-    monkeypatch.setattr(
-        whirl, "gap_after", lambda values, count: (count - 1, 0.5 * (values[count - 1] + values[count]))
-    )
-    with pytest.raises(cf.errors.NumericsError, match="lie below"):
-        cf.whirl_modes(casing, 4)
-
-
-def test_masses_on_turning_springs_have_their_closed_form(monkeypatch):
-    """x'' + g J x' + w^2 x = 0 of a mass in a plane: sqrt(w^2 + g^2/4) +- g/2."""
-    w, g = np.array([3.0, 7.0, 11.0, 16.0, 22.0, 29.0]), np.array([0.5, 1.0, 2.0, 0.3, 0.4, 0.2])
-    A, G = csc_array(np.diag(np.repeat(w**2, 2))), csc_array(np.kron(np.diag(g), [[0.0, -1.0], [1.0, 0.0]]))
-    exact = np.sort(np.hypot(w, 0.5 * g) + 0.5 * g * np.array([[1.0], [-1.0]]), axis=None)
-    found, _, certified = whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
-    np.testing.assert_allclose(found, exact[:2], rtol=1e-12)
-    assert certified == 2
-    for count in (0, 3):
-        with pytest.raises(cf.errors.NumericsError, match=f"count must lie between 1 and 2, found {count}"):
-            whirl.gyroscopic_modes(A, G, count, scale=3.0, extra=3)
-
-    def hands_over(part):
-        def fails(*given, **more):
-            values, vectors = eigs(*given, **more)
-            raise ArpackNoConvergence("No convergence", values[:part], vectors[:, :part])
-
-        return fails
-
-    monkeypatch.setattr(whirl, "eigs", hands_over(10))
-    assert np.array_equal(whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)[0], found)
-    monkeypatch.setattr(whirl, "eigs", hands_over(9))
-    with pytest.raises(cf.errors.NumericsError, match="ARPACK did not converge on 5 rotating modes"):
-        whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
-
-    def fails(*_, **__):
-        raise ArpackError(-9999)
-
-    monkeypatch.setattr(whirl, "eigs", fails)
-    with pytest.raises(cf.errors.NumericsError, match="ARPACK did not converge on 5 rotating modes"):
-        whirl.gyroscopic_modes(A, G, 2, scale=3.0, extra=3)
 
 
 @pytest.mark.slow

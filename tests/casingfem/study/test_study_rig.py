@@ -1,8 +1,9 @@
 """[rig] of a study file: what is made of it, the command, the pictures, what is refused."""
 
 import json
-from dataclasses import replace
+import re
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.plot.experiment import figure_deflections, figure_responses, figure_scan
-from casingfem.study.rig import run_rig
 from tests.casingfem.study.study_texts import STEEL, THIN, written
 
 CASING = (
@@ -67,9 +66,23 @@ def study(tmp_path):
     return partial(written, tmp_path)
 
 
+def made(path):
+    """What the command writes, read back."""
+    out = path.with_suffix("")
+    done = CliRunner().invoke(main, ["rig", str(path), "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    found = SimpleNamespace(truth=cf.FrequencyTable.from_csv(out / "truth.csv"))
+    for name in ("frfs", "coherence"):
+        file = out / f"{name}.npz"
+        setattr(found, name, cf.frf.FrfSet.load(file) if file.exists() else None)
+    file = out / "scan.npz"
+    found.scan = cf.circle.ScanRecord.load(file) if file.exists() else None
+    return found
+
+
 @pytest.mark.slow
 def test_exact_responses_carry_the_truth(study):
-    test = run_rig(cf.load_study(study(CASING + EXACT)))
+    test = made(study(CASING + EXACT))
     assert len(test.frfs) == 24
     assert test.frfs.card[0].startswith("SYNTHETIC")
     assert any("seed 4711" in line for line in test.frfs.card)
@@ -88,29 +101,28 @@ def test_exact_responses_carry_the_truth(study):
 @pytest.mark.slow
 def test_records_give_nearly_the_same_responses(study):
     plain = CASING.replace("mass = 0.01", "")
-    exact = run_rig(cf.load_study(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5")))).frfs
-    test = run_rig(cf.load_study(study(plain + BURST)))
+    exact = made(study(plain + EXACT.replace("snr_db = 60.0", "").replace("0.25", "0.5"))).frfs
+    test = made(study(plain + BURST))
     assert np.linalg.norm(test.frfs.responses - exact.responses) < 0.01 * np.linalg.norm(exact.responses)
     assert np.median(test.coherence.responses.real) > 0.99
 
 
 @pytest.mark.slow
 def test_a_scan_finds_the_orders_of_the_modes(study):
-    test = run_rig(cf.load_study(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23"))))
-    largest = [np.abs(V).argmax() for V in test.waves.V]
-    seen = [abs(test.waves.n[k]) for k in largest]
+    test = made(study(CASING + SCAN.replace("orders = 10", "orders = 11\npoints = 23")))
+    waves = cf.circle.demodulate(test.scan, 11)
+    seen = [abs(waves.n[np.abs(V).argmax()]) for V in waves.V]
     nearest = [test.truth.n[np.abs(test.truth.freq_hz - tone).argmin()] for tone in (370.1, 384.3)]
     assert seen == nearest
-    assert np.all(np.abs(test.waves.V - test.scan.V) < 6.0 * test.waves.sigma)
 
 
 @pytest.mark.slow
 def test_the_same_file_twice_is_the_same_to_the_last_bit(study):
-    one, two = (run_rig(cf.load_study(study(CASING + EXACT + SCAN))) for _ in range(2))
+    one, two = (made(study(CASING + EXACT + SCAN)) for _ in range(2))
     assert np.array_equal(one.frfs.responses, two.frfs.responses)
-    assert np.array_equal(one.scan.record.velocity, two.scan.record.velocity)
-    other = run_rig(cf.load_study(study((CASING + EXACT).replace("4711", "4712"))))
-    assert not np.array_equal(one.rig.zeta, other.rig.zeta)
+    assert np.array_equal(one.scan.velocity, two.scan.velocity)
+    other = made(study((CASING + EXACT).replace("4711", "4712")))
+    assert not np.array_equal(one.truth.zeta, other.truth.zeta)
     assert not np.array_equal(one.frfs.responses, other.frfs.responses)
 
 
@@ -143,25 +155,6 @@ def test_the_command_writes_everything_and_all_of_it_says_synthetic(study, tmp_p
     words = CliRunner().invoke(main, ["rig", str(path)]).stdout
     assert words.startswith("SYNTHETIC")
     assert "waves above 4 sigma" in words
-
-
-@pytest.mark.slow
-def test_pictures_of_what_nobody_measured_say_so(study):
-    test = run_rig(cf.load_study(study(CASING + EXACT + SCAN)))
-    drawn = [
-        figure_responses(test.frfs, marks=test.truth.freq_hz),
-        figure_scan(test.scan.record, test.waves),
-        figure_deflections(test.waves, [(0, 8), (1, 0)]),
-    ]
-    for figure in drawn:
-        assert [text.get_text() for text in figure.texts] == ["SYNTHETIC"]
-    measured = replace(test.frfs, card=("measured",))
-    assert not figure_responses(measured).texts
-    lines = {tuple(np.round(line.get_xdata(), 9)) for line in drawn[0].axes[0].lines if len(line.get_xdata()) == 2}
-    inside = [f for f in test.truth.freq_hz.tolist() if 360.0 <= f <= 440.0]
-    assert {x[0] for x in lines} == {round(f, 9) for f in inside}
-    _, size = drawn[2].axes[0].lines[1].get_data()
-    assert size.max() == pytest.approx(1.45, abs=0.02)  # the largest deflection is drawn .45 beyond the circle
 
 
 @pytest.mark.slow
@@ -207,7 +200,7 @@ resolution_hz = 4.0
 blocks = 2
 """
     )
-    test = run_rig(cf.load_study(study(plate)))
+    test = made(study(plate))
     assert test.truth.n.tolist() == [-1] * 4
     assert abs(test.frfs.x[np.abs(test.frfs.responses[0]).argmax()] - test.truth.freq_hz[0]) <= 4.0
 
@@ -236,12 +229,6 @@ blocks = 2
     ],
 )
 def test_what_cannot_be_is_refused_with_its_key(study, text, words):
-    with pytest.raises(cf.errors.InputError, match=words):
-        run_rig(cf.load_study(study(text)))
-
-
-@pytest.mark.slow
-def test_a_refusal_is_exit_code_2(study):
-    result = CliRunner().invoke(main, ["rig", str(study(CASING + SCAN.replace("6.0", "0.3")))])
-    assert result.exit_code == 2
-    assert "too short" in result.stderr
+    refused = CliRunner().invoke(main, ["rig", str(study(text))])
+    assert refused.exit_code == 2
+    assert re.search(words, refused.stderr), refused.stderr

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import casingfem as cf
-from casingfem.export.modes_uff import write_modes_uff
-from casingfem.study import updated_toml
-from casingfem.updating.shape_rows import rows_of_shapes
+from casingfem.cli import main
 
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 BENCH = STUDIES / "bench_model.toml"
@@ -48,9 +47,11 @@ upper = 250e9
 def folder(tmp_path_factory):
     """A casing's own frequencies and shapes."""
     where = tmp_path_factory.mktemp("study")
-    (where / "bare.toml").write_text(STUDY.partition("[update]")[0], encoding="utf-8")
+    (where / "bare.toml").write_text(STUDY.partition("[update]")[0] + "[modes]\ncount = 8\n", encoding="utf-8")
     found = cf.modes(cf.load_study(where / "bare.toml").shell, 8)
-    write_modes_uff(found, where / "shapes.uff", range(4))
+    arguments = ["modes", str(where / "bare.toml"), "--uff", "--modes", "1,2,3,4", "--out", str(where)]
+    assert CliRunner().invoke(main, arguments).exit_code == 0
+    (where / "modes.uff").rename(where / "shapes.uff")
     table = cf.FrequencyTable.from_arrays(freq_hz=found.freq[:6], sigma_hz=0.01, n=found.nodal_diameters[:6])
     table.to_csv(where / "table.csv")
     return where
@@ -89,9 +90,9 @@ def test_identified_shapes_bring_their_noise_and_n():
 @pytest.mark.slow
 def test_the_digest_knows_the_shapes_and_an_updated_study_finds_them(folder, tmp_path):
     loaded = cf.load_study(study(folder))
-    text = updated_toml(loaded, {"material.E": 205e9}, tmp_path)
-    (tmp_path / "again.toml").write_text(text, encoding="utf-8")
-    again = cf.load_study(tmp_path / "again.toml")
+    done = CliRunner().invoke(main, ["update", str(study(folder)), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    again = cf.load_study(next((tmp_path / "out").glob("*.toml")))
     np.testing.assert_array_equal(again.shapes.shapes, loaded.shapes.shapes)
     other = study(folder, "shape_sigma = 0.01 #")
     before = cf.load_study(other).source["sha256"]
@@ -160,28 +161,3 @@ def shapes_at(freq, n=-1):
 
 def rows(freq, n=-1):
     return cf.FrequencyTable.from_arrays(freq_hz=freq, sigma_hz=0.01, n=n, path="table.csv")
-
-
-def test_n_settles_what_frequency_does_not():
-    table = rows([100.0, 100.02], n=[3, 7])
-    assert rows_of_shapes(shapes_at([100.01, 100.011], n=[7, 3]), table).tolist() == [1, 0]
-    with pytest.raises(cf.errors.InputError, match=r"modes 1 and 2 of table.csv, 100 and 100.02 Hz"):
-        rows_of_shapes(shapes_at([100.0101]), table)
-
-
-def test_members_of_a_doublet_share_a_plane():
-    table = rows([100.0, 100.02, 130.0], n=[3, 3, 5])
-    assert rows_of_shapes(shapes_at([100.01, 130.0]), table).tolist() in ([0, 2], [1, 2])
-
-
-def test_two_shapes_for_one_row_are_refused():
-    with pytest.raises(cf.errors.InputError, match=r"two shapes, 99.99 and 100.01 Hz, near mode 1"):
-        rows_of_shapes(shapes_at([99.99, 100.01]), rows([100.0]))
-    assert rows_of_shapes(shapes_at([99.95, 100.001]), rows([100.0])).tolist() == [-1, 0]
-
-
-def test_another_test_is_refused_by_its_nearest():
-    with pytest.raises(cf.errors.InputError, match=r"the nearest has 101 Hz, mode 1 of table.csv at 100 Hz"):
-        rows_of_shapes(shapes_at([101.0, 200.0]), rows([100.0, 300.0]))
-    with pytest.raises(cf.errors.InputError, match=r"\(n = 4\), mode 1 of table.csv at 100 Hz \(n = 3\)"):
-        rows_of_shapes(shapes_at([100.0], n=4), rows([100.0], n=3))

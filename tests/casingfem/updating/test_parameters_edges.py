@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.study.updated import updated_toml
 from tests.casingfem.study.study_texts import THIN, written
 
 STUDY = (
@@ -50,24 +49,6 @@ def test_a_section_by_its_numbers_changes_one_of_them():
     assert free.with_number("width", 0.04) == replace(free, width=0.04)
     with pytest.raises(KeyError, match="a section has width, depth, area"):
         free.number("diameter")
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("support.base.section.width", 0.035),
-        ("support.base.section.depth", 0.025),
-        ("support.base.material.E", 190e9),
-        ("support.base.k_r", 1e8),
-        ("support.base.support.k_r", 1e8),  # as the study nests it
-        ("mass.base.1.mass", 0.2),
-        ("mass.top.1.angle", 0.5),
-    ],
-)
-def test_numbers_go_in_and_back_into_a_study(study, tmp_path, name, value):
-    assert cf.updating.get_value(cf.updating.with_value(study.shell, name, value), name) == value
-    (tmp_path / "new.toml").write_text(updated_toml(study, {name: value}, tmp_path))
-    assert cf.updating.get_value(cf.load_study(tmp_path / "new.toml").shell, name) == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +9,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.correlation.sensors import sensors_at_nodes
-from casingfem.updating.numbers import mesh_numbers
-from casingfem.updating.sensitivity import of_mesh
 from reports.verification.modes.mesh_files import write_inp
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -46,28 +42,6 @@ def shell(**change):
         supports={"root": cf.Clamped()},
     )  # fmt: skip
     return replace(part, **change)
-
-
-NUMBERS = [
-    (solid, "material.E"), (solid, "material.rho"), (solid, "material.nu"), (solid, "solid.material.far.E"),
-    (solid, "support.root.k_face"), (shell, "shell.thickness"), (shell, "shell.thicknesses.far"),
-    (shell, "shell.material.far.rho"),
-]  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("make", "name"), NUMBERS, ids=[name for _, name in NUMBERS])
-def test_derivatives_are_those_of_the_frequencies(make, name):
-    part = make()
-    value = cf.updating.get_value(part, name)
-    found, h = cf.modes(part, 4), 1e-3
-    up, down = (cf.modes(cf.updating.with_value(part, name, value * (1.0 + s * h)), 4).omega ** 2 for s in (1, -1))
-    for log, unit in ((False, value), (True, np.log10((1 + h) / (1 - h)) / (2 * h))):
-        parameter = cf.Parameter(name=name, lower=0.5 * value, upper=2.0 * value, log=log)
-        K, M = of_mesh(found, [parameter], found.fields)
-        rate = np.diagonal(K[0] - found.omega**2 * M[0])
-        np.testing.assert_allclose(rate, (up - down) / (2 * h * unit), rtol=1e-5, atol=1e-6 * np.abs(rate).max())
-        assert cf.updating.eigen_derivatives(found, [parameter]).shape == (1, 4, 4)
 
 
 def table_of(part, count=6, noise=0.0):
@@ -147,16 +121,6 @@ def test_shapes_are_not_fitted_on_an_imported_part(make):
         cf.update(make(), table, [cf.Parameter(name="material.E", lower=1e11, upper=3e11)], shapes=shapes)
 
 
-def test_only_solids_and_shells_have_numbers_to_vary():
-    """A structure of one's own has modes, but says nothing of what it is made of."""
-    assert "shell.thickness" in mesh_numbers(shell())
-    assert "solid.material.far.E" in mesh_numbers(solid())
-    with pytest.raises(
-        cf.errors.ModelError, match=r"found SimpleNamespace, expected a Solid or MeshShell.*structure-chart"
-    ):
-        mesh_numbers(SimpleNamespace(mesh=solid().mesh))
-
-
 STUDY = """[material]
 E = 200e9
 nu = 0.3
@@ -189,42 +153,3 @@ def test_update_and_correlate_on_the_command_line(tmp_path):
     again = cf.load_study(tmp_path / "out" / "study_updated.toml").structure
     assert again.material.E == pytest.approx(210e9, rel=1e-6)
     assert len(again.mesh.points) == len(twin.mesh.points)
-
-
-def test_updated_studies_keep_groups(tmp_path):
-    from casingfem.study import updated_toml
-
-    mesh = grouped(solid().mesh)
-    write_inp(mesh, tmp_path / "part.inp")
-    cells = ",".join(str(k + 1) for k in mesh.groups["far"].cells)
-    (tmp_path / "part.inp").write_text((tmp_path / "part.inp").read_text() + f"*ELSET, ELSET=outer\n{cells}\n")
-    path = tmp_path / "study.toml"
-    own = "[solid.material.outer]\nE = 70e9\nnu = 0.33\nrho = 2700.0\n"
-    path.write_text(STUDY.partition("[update]")[0] + own)
-    study = cf.load_study(path)
-    path.write_text(updated_toml(study, {"solid.material.outer.E": 72e9}, tmp_path))
-    assert cf.load_study(path).structure.materials["outer"].E == 72e9
-
-
-def test_shapes_measured_beside_nodes_correlate_with_their_modes():
-    part = solid()
-    found = cf.modes(part, 6)
-    rng = np.random.default_rng(8)
-    nodes = rng.choice(part.mesh.used, 20, replace=False)
-    points = part.mesh.points[nodes] + 1e-4
-    directions = np.tile([0.0, 0.0, 1.0], (20, 1))
-    values = found.fields[nodes, 2]
-    test = cf.correlation.MeasuredShapes.from_arrays(
-        freq_hz=1.01 * found.freq, values=values, points=points, directions=directions
-    )
-    result = cf.correlate(found, test, mass="Guyan", system=part.assembled())
-    paired = {row: mode for match in result.pairing.matches for row, mode in zip(match.rows, match.modes, strict=True)}
-    flapping = [
-        mode for mode in range(6) if np.abs(values[:, mode]).max() > 0.1 * np.abs(found.fields[:, :3, mode]).max()
-    ]
-    assert len(flapping) >= 3
-    assert all(paired.get(mode) == mode for mode in flapping)
-    assert all(result.mac[mode, mode] > 0.999 for mode in flapping)
-    assert result.sensors.distance.max() == pytest.approx(1e-4 * np.sqrt(3), rel=1e-6)
-    with pytest.raises(cf.errors.ModelError, match=r"sensor 17 at .* m is .* m from a node"):
-        sensors_at_nodes(part, points + 1.0, directions)

@@ -1,20 +1,12 @@
 """What is said about an update: identifiability, regularisation, left-out rows, posteriors, the model's own error."""
 
 import json
-import sys
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.extras import remedy
-from casingfem.study import tasks
-from casingfem.updating.identifiability import identifiability
-from casingfem.updating.regularisation import WEIGHTS, chosen_weight, corner, trade_off
-from casingfem.updating.result import weak_priors
-from casingfem.updating.uncertainty.posterior import parabolas
 
 BOUNDS = {"material.E": (150e9, 250e9), "shell.thickness": (2e-3, 4e-3), "material.nu": (0.2, 0.4)}
 
@@ -39,61 +31,6 @@ def vary(*names, **more):
 @pytest.fixture(scope="module")
 def fit():
     return cf.update(blade(), table(1e-3), vary(*BOUNDS))
-
-
-def test_singular_values_tell_what_is_known():
-    """Two residuals of one sum: one direction known to 1/sqrt(1 + s^2), the other not at all."""
-    two = [cf.Parameter(name=f"material.{n}", lower=0.0, upper=1.0, sigma=1.0) for n in ("E", "rho")]
-    found = identifiability(two, np.array([[3.0, 3.0], [4.0, 4.0]]))
-    np.testing.assert_allclose(found.singular, [5 * np.sqrt(2), 0.0], atol=1e-12)
-    assert found.rank == 1
-    np.testing.assert_allclose(found.left**2, 0.5 / 51 + 0.5)  # half of each width lies in either direction
-    assert found.words(0) == "+0.71 material.E +0.71 material.rho"
-    assert found.unseen == ()
-
-
-def test_a_parameter_that_the_table_cannot_see_is_named(fit):
-    """A shell so thin does not feel its shear correction; its fibres at the wrong place do."""
-    seen = identifiability(fit.parameters, fit.jacobian)
-    assert seen.unseen == ()
-    assert "the data determine 3 of 3" in repr(seen)
-    blind = identifiability(fit.parameters, fit.jacobian * [1.0, 1.0, 1e-6])
-    assert blind.unseen == ("material.nu",)
-    assert "does not see material.nu" in repr(blind)
-
-
-def test_discrepancy_takes_the_weight_at_which_residuals_are_noise():
-    J, r = np.eye(4)[:, :2] * 10.0, np.array([10.0, 0.0, 1.0, 1.0])
-    curve = trade_off(J, r, np.zeros(2), np.zeros(2), np.ones(2))
-    weight, rule, _ = chosen_weight("discrepancy", curve, 4)
-    # |r|^2 = 2 + (10 w^2/(100 + w^2))^2 = 4
-    assert rule == "discrepancy"
-    assert weight == pytest.approx(np.sqrt(100 * np.sqrt(2) / (10 - np.sqrt(2))), rel=0.06)
-
-
-def test_discrepancy_that_cannot_be_met_says_so():
-    J, r = np.eye(4)[:, :2], np.array([1.0, 0.0, 9.0, 9.0])
-    _, rule, note = chosen_weight("discrepancy", trade_off(J, r, np.zeros(2), np.zeros(2), np.ones(2)), 4)
-    assert rule == "l-curve"
-    assert "6.36 times their noise" in note
-
-
-def test_the_corner_of_an_ill_posed_problem_lies_between_noise_and_signal():
-    """Singular values 10^-k, a smooth solution, noise 1e-3: the best weight is near the noise, and the corner too."""
-    random = np.random.default_rng(17)
-    U, V = (np.linalg.qr(random.standard_normal((12, 12)))[0] for _ in range(2))
-    A = U @ np.diag(10.0 ** (3.0 - 0.75 * np.arange(12))) @ V.T  # in units of the noise
-    true = V @ (10.0 ** (-0.1 * np.arange(12)))
-    r = -A @ true + random.standard_normal(12)
-    curve = trade_off(A, r, np.zeros(12), np.zeros(12), np.ones(12))
-
-    def error(w):
-        d = np.linalg.solve(A.T @ A + w**2 * np.eye(12), -A.T @ r)
-        return np.linalg.norm(d - true)
-
-    best = min(error(w) for w in WEIGHTS)
-    assert error(corner(curve)) < 2.0 * best
-    assert error(WEIGHTS[0]) > 100.0 * best
 
 
 def many_harmonics(values):
@@ -184,17 +121,6 @@ def test_a_prior_stands_in_for_a_row_left_out():
 
 
 @pytest.mark.slow
-def test_parabolas_are_right_to_second_order(fit):
-    near = parabolas(fit)
-    step = 2.0 * fit.sigma * [1.0, -1.0, 1.0]
-    problem = fit.problem
-    problem.anchor = None
-    exact = problem.state(fit.x + step).values
-    tangent = near.r + near.J @ step
-    assert np.abs(near(fit.x + step)[0] - exact).max() < 0.05 * np.abs(tangent - exact).max()
-
-
-@pytest.mark.slow
 def test_laplace_equals_gauss_newton_where_residuals_are_straight():
     """f^2 ~ E: in log E nearly straight; without noise the Hessian is J^T J."""
     fit = cf.update(blade(), table(), [cf.Parameter(name="material.E", lower=150e9, upper=250e9, log=True)])
@@ -220,31 +146,6 @@ def test_laplace_sees_what_gauss_and_newton_leave_out(fit):
                                atol=2e-3)  # fmt: skip
 
 
-def bent(fit, part):
-    """Parabolas whose curvatures take so much from J^T J: sum r H = -part J^T J."""
-    near = parabolas(fit)
-    return replace(near, H=-part * near.r[:, None, None] / (near.r @ near.r) * (near.J.T @ near.J))
-
-
-@pytest.mark.slow
-def test_a_fit_is_a_minimum_while_its_curvatures_leave_something(fit):
-    left = 1e-6
-    sure = cf.updating.laplace(fit, bent(fit, 1.0 - left))
-    np.testing.assert_allclose(sure.sigma, fit.stated_sigma / np.sqrt(left), rtol=1e-6)
-    J = parabolas(fit).J
-    steepest = np.linalg.norm(J / np.linalg.norm(J, axis=0), 2) ** 2
-    words = rf"posterior: the fit is no minimum \(lowest curvature {-left * steepest:.2g}\): "
-    with pytest.raises(cf.errors.InputError, match=words):
-        cf.updating.laplace(fit, bent(fit, 1.0 + left))
-
-
-def test_without_emcee_it_is_named(fit, monkeypatch):
-    monkeypatch.setitem(sys.modules, "emcee", None)
-    with pytest.raises(cf.errors.MissingExtraError) as caught:
-        cf.updating.sample_posterior(fit)
-    assert str(caught.value) == f'posterior = "emcee" needs the package emcee: {remedy("sampling")}'
-
-
 @pytest.mark.slow
 def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monkeypatch):
     emcee = pytest.importorskip("emcee")
@@ -252,15 +153,6 @@ def test_chains_of_20_times_their_memory_are_taken_and_no_shorter_ones(fit, monk
     assert cf.updating.sample_posterior(fit, steps=51, checks=1).autocorrelation == 2.5
     with pytest.raises(cf.errors.InputError, match="chains of 50 steps are correlated over 2; take more"):
         cf.updating.sample_posterior(fit, steps=50, checks=1)
-
-
-@pytest.mark.slow
-def test_what_a_study_asks_beyond_its_fit_is_refused_with_its_file(fit, monkeypatch):
-    study = SimpleNamespace(path="blade.toml")
-    monkeypatch.setattr(tasks, "laplace", lambda fit: cf.updating.laplace(fit, bent(fit, 2.0)))
-    with pytest.raises(cf.errors.InputError, match=r"^blade\.toml: update: posterior: the fit is no minimum"):
-        tasks.judge_update(study, fit, left_out=False, posterior="laplace", say=lambda _: None)
-    assert tasks.judge_update(study, fit, left_out=False, posterior=None, say=lambda _: None) == {}
 
 
 @pytest.mark.slow
@@ -319,15 +211,6 @@ def test_chi_square_decides_whether_sigma_are_called_too_small_or_too_large(fit)
     assert [scaled(squares).overstated for squares in (0.553, 0.556)] == [True, False]
 
 
-def test_a_prior_is_called_all_that_is_known_where_the_data_narrow_it_by_less_than_a_tenth():
-    """A posterior sigma of 0.9 of the prior's: J^T J = (1/0.81 - 1)/sigma^2."""
-    edge = np.sqrt(1.0 / 0.81 - 1.0) / 1e9
-    vary = [cf.Parameter(name=f"material.{name}", lower=1e9, upper=1e12, sigma=1e9) for name in ("E", "nu")]
-    free = cf.Parameter(name="material.rho", lower=1.0, upper=1e5)
-    jacobian = np.array([[0.6, 0.6, 0.0], [0.8, 0.8, 0.0]]) * [edge * 0.99, edge * 1.01, 1.0]
-    assert weak_priors([*vary, free], jacobian) == (True, False, False)
-
-
 @pytest.mark.slow
 def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
     """Row 5, 3 % low, lies 4.9 % off at the start and 3.1 % at the end, of a reach of 4 %; f^2 is as E."""
@@ -345,37 +228,6 @@ def test_rows_that_pair_only_after_the_fit_do_not_count_in_the_rms():
     assert [float(told[f"{k}"][5]) for k in range(1, 6)] == pytest.approx(errors, abs=6e-4)
     said = f"RMS {100.0 * (before - 1.0):.3f} % -> {100.0 * (1.0 - after):.3f} %, misfit {fit.misfit:.2f} sigma"
     assert said in repr(fit)
-
-
-def test_what_is_left_of_each_parameter_is_its_sigma_by_data_and_width_over_the_width():
-    J = np.random.default_rng(8).standard_normal((5, 3)) * [1.0, 0.2, 3.0]
-    sigma = np.array([0.5, 2.0, 1.0])
-    three = [cf.Parameter(name=f"p{k}", lower=-9.0, upper=9.0, sigma=s) for k, s in enumerate(sigma)]
-    C = np.linalg.inv(J.T @ J + np.diag(sigma**-2.0))
-    np.testing.assert_allclose(identifiability(three, J).left, np.sqrt(np.diag(C)) / sigma, rtol=1e-12)
-
-
-def test_a_trade_off_is_the_regularised_least_squares_of_its_linear_problem():
-    """One parameter regularised, one held by a prior about its start, one free; from a point away from the start."""
-    rng, k = np.random.default_rng(5), 140
-    J, r, away = rng.standard_normal((6, 3)), rng.standard_normal(6), np.array([0.3, -0.4, 0.2])
-    prior, inverse = np.array([0.0, 2.0, 0.0]), np.array([0.7, 0.0, 0.0])
-    w, left, size = trade_off(J, r, away, prior, inverse)[k]
-    weights = np.diag(prior**2 + (w * inverse) ** 2)
-    d = np.linalg.solve(J.T @ J + weights, J.T @ (J @ away - r))
-    assert w == WEIGHTS[k]
-    assert left == pytest.approx(np.linalg.norm(r + J @ (d - away)), rel=1e-10)
-    assert size == pytest.approx(abs(0.7 * d[0]), rel=1e-10)
-
-
-@pytest.mark.slow
-def test_bend_is_how_far_a_residual_leaves_its_tangent_at_one_sigma(fit):
-    near = parabolas(fit)
-    bend = cf.updating.laplace(fit, near).bend
-    for k, sigma in enumerate(fit.stated_sigma):
-        step = sigma * (np.arange(3) == k)
-        gap = near(near.x0 + step)[0] - near.r - near.J @ step
-        assert bend[k] == pytest.approx(np.abs(gap).max(), rel=1e-9)
 
 
 @pytest.mark.slow

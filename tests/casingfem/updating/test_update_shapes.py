@@ -1,13 +1,9 @@
 """Measured shapes: sign and turn do not matter, derivatives are exact, and they say what frequencies cannot."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.neighbour import solved
-from casingfem.updating.shapes import redundant, shape_jacobian, shape_values
 
 MESH = cf.ShellMesh(order=5, rows=1, around=9)
 COUNT, ROWS = 16, 8
@@ -37,53 +33,6 @@ def measured(shell, turn=0.0, noise=0.0):
     shapes = shapes / np.linalg.norm(shapes, axis=0) * random.choice([-3.0, 2.0], ROWS)
     shapes += noise * np.linalg.norm(shapes, axis=0) * random.standard_normal(shapes.shape)
     return table, cf.updating.SensorShapes.on_edge(shell, "top", THETA, shapes, noise or 0.01)
-
-
-def matched(solution, table):
-    return sorted(cf.correlation.pair(solution.modes, table).matches, key=lambda match: match.rows)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("turn", [0.0, 0.6])
-def test_its_own_shapes_leave_nothing_however_turned(frustum, turn):
-    table, shapes = measured(casing(frustum), turn)
-    solution = solved(casing(frustum), COUNT)
-    values = shape_values(solution.modes, shapes, matched(solution, table))
-    assert len(values) == ROWS * len(THETA)
-    assert np.abs(values).max() < 1e-6
-
-
-@pytest.mark.slow
-def test_a_shape_is_no_information_in_the_plane_of_its_modes(frustum):
-    """All rows belong to pairs, with two directions a shape each; of mode 3 there is none, of mode 8 no row."""
-    table, shapes = measured(casing(frustum))
-    solution = solved(casing(frustum), COUNT)
-    blank = np.where(np.arange(ROWS) == 2, np.nan, shapes.shapes)
-    without = replace(shapes, shapes=blank).only(range(ROWS - 1))
-    assert redundant(solution.modes, shapes, matched(solution, table)) == 2 * ROWS
-    assert redundant(solution.modes, without, matched(solution, table.without(8))) == 2 * (ROWS - 2)
-    assert redundant(solution.modes, None, matched(solution, table)) == 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["radius.p8.cos", "support.base.around.p3.cos", "shell.thickness"])
-def test_derivatives_equal_central_differences(frustum, name):
-    table, shapes = measured(casing(frustum, c8=0.003, k=3e11), turn=0.3)
-    shell = casing(frustum)
-    p, x = cf.Parameter(name=name, lower=-1.0, upper=1.0), float(cf.updating.get_value(shell, name))
-
-    def at(value):
-        solution = solved(cf.updating.with_value(shell, name, value), COUNT)
-        return solution, matched(solution, table)
-
-    solution, matches = at(x)
-    exact = shape_jacobian(solution, [p], shapes, matches)[:, 0]
-    slopes = []
-    for h in (2e-3 * abs(x), 1e-3 * abs(x)):
-        ends = [shape_values(s.modes, shapes, m) for s, m in (at(x + h), at(x - h))]
-        slopes.append((ends[0] - ends[1]) / (2.0 * h))
-    numeric = (4.0 * slopes[1] - slopes[0]) / 3.0
-    assert np.abs(exact - numeric).max() < 1e-4 * np.abs(numeric).max()
 
 
 @pytest.mark.slow

@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.updating.regularisation import chosen_weight, corner, trade_off
-from casingfem.updating.uncertainty.posterior import parabolas
-from casingfem.updating.uncertainty.sampling import log_density
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
 BAR = cf.edge.Section.rectangle(width=0.02, depth=0.012)
@@ -128,47 +125,4 @@ def test_numbers_of_a_fit(fit, held):
         values=fit.values,
         singular=fit.identifiability.singular,
         history=fit.history[:3],
-    )
-
-
-@pytest.mark.slow
-def test_numbers_of_a_posterior(fit, held):
-    near = parabolas(fit)
-    around = cf.updating.laplace(fit, near)
-    rows = cf.updating.leave_one_out(fit)
-    at = fit.x + np.outer([0.0, 0.3, -0.5], fit.sigma)
-    held(
-        1e-3,
-        covariance=np.sqrt(np.diag(around.covariance)),
-        sigma=around.sigma,
-        gauss_newton=around.gauss_newton,
-        bend=around.bend,
-        error=[row.error for row in rows.rows],
-        predicted=[row.predicted_hz for row in rows.rows],
-        rms=[rows.rms, rows.rms_sigma],
-        density=np.diff(log_density(at, fit, near)),
-    )
-
-
-@pytest.mark.slow
-def test_bounds_belong_to_the_posterior(fit):
-    near, inside = parabolas(fit), np.array(fit.x)
-    for bound, beyond in ((fit.lower, -1e-9), (fit.upper, 1e-9)):
-        for k, width in enumerate(fit.upper - fit.lower):
-            x = np.stack([inside, inside])
-            x[:, k] = bound[k], bound[k] + beyond * width
-            assert np.isfinite(log_density(x, fit, near)).tolist() == [True, False]
-
-
-def test_numbers_of_a_trade_off(held):
-    random = np.random.default_rng(17)
-    U, V = (np.linalg.qr(random.standard_normal((8, 8)))[0] for _ in range(2))
-    A = U @ np.diag(10.0 ** (3.0 - 0.75 * np.arange(8))) @ V.T
-    r = -A @ (V @ (10.0 ** (-0.1 * np.arange(8)))) + random.standard_normal(8)
-    curve = trade_off(A, r, np.zeros(8), np.zeros(8), np.ones(8))
-    held(
-        1e-5,
-        curve=curve,
-        corner=[corner(curve)],
-        chosen=[chosen_weight(rule, curve, 8)[0] for rule in ("discrepancy", "l-curve")],
     )

@@ -7,12 +7,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.circle.lines import clear_rate, fit_lines, line_frequencies
-from casingfem.experiment.circle.pair import described, split_pair
-from casingfem.experiment.circle.record import from_tacho
-from casingfem.experiment.circle.scan import one_wave
-from casingfem.experiment.rig.files import truth
-from casingfem.experiment.rig.scan import repeating_noise, spot_angle
 
 SEED = 7719
 FS = 2000.0
@@ -127,7 +121,7 @@ def test_a_tacho_mends_an_uneven_rate():
     time = np.arange(len(turns)) / FS
     pulses = np.interp(np.arange(int(16 * turns[-1]) + 1) / 16, turns, time)
     after = pulses[-1] + np.diff(pulses)[-1]
-    angle = from_tacho(np.r_[pulses, after], FS, len(turns), per_turn=16)
+    angle = cf.circle.from_tacho(np.r_[pulses, after], FS, len(turns), per_turn=16)
     known, blind = (
         cf.circle.demodulate(
             cf.circle.ScanRecord(fs=FS, velocity=made.record.velocity, angle=a, tones=(370.4,)), [8]
@@ -151,11 +145,11 @@ def ring_rig(split=0.0, psi=0.13, zeta=0.002, count=48):
 
 def test_the_truth_is_labelled_by_its_shapes():
     rig, circle = ring_rig(split=0.5)
-    found = truth(rig, circle)
+    found = cf.rig.truth(rig, circle)
     assert found.n.tolist() == [8, 8, 7, 7]
     np.testing.assert_allclose(found.angle_deg, [np.degrees(0.13), np.degrees(0.13) + 11.25, 0.0, 90.0 / 7], atol=1e-9)
-    assert truth(rig).n.tolist() == [-1] * 4
-    turned = truth(replace(rig, rows=-rig.rows), circle)  # a shape and its negative are one
+    assert cf.rig.truth(rig).n.tolist() == [-1] * 4
+    turned = cf.rig.truth(replace(rig, rows=-rig.rows), circle)  # a shape and its negative are one
     np.testing.assert_allclose(turned.angle_deg, found.angle_deg, atol=1e-9)
 
 
@@ -297,34 +291,6 @@ def test_run_out_and_speckle_repeat_every_turn_and_are_told_from_the_wave():
     assert whole.shape == (8, 2000)
 
 
-def test_run_out_is_its_series_in_the_angle():
-    angle = np.linspace(-3.0, 9.0, 50)
-    seen = repeating_noise(
-        cf.rig.Turning(mirror=1.0, runout=((0.1, -0.3), (0.2, 0.05))), angle, np.random.default_rng(SEED)
-    )
-    exact = 0.1 * np.cos(angle) - 0.3 * np.sin(angle) + 0.2 * np.cos(2.0 * angle) + 0.05 * np.sin(2.0 * angle)
-    np.testing.assert_allclose(seen, exact, atol=1e-12)
-
-
-def test_a_spot_wanders_by_its_rms_about_its_mean_rate():
-    """rms of the rate over many scans, each of which begins where it shall and turns as often as without."""
-    turn, rng = cf.rig.Turning(mirror=-2.0, wander=0.02, first_angle=0.7), np.random.default_rng(SEED)
-    angles = np.array([spot_angle(turn, FS, 1001, rng) for _ in range(300)])
-    rate = np.diff(angles, axis=1) * FS / (2.0 * np.pi)
-    np.testing.assert_allclose(angles[:, 0], 0.7, atol=1e-12)
-    np.testing.assert_allclose(rate.mean(axis=1), -2.0, rtol=1e-3)
-    assert np.sqrt(np.mean((rate / -2.0 - 1.0) ** 2)) == pytest.approx(0.02, rel=0.1)
-
-
-def test_speckle_closes_after_a_turn():
-    """It runs straight from each of its 4096 grains to the next, and from the last to the first."""
-    angle = 2.0 * np.pi * np.arange(4096 * 8 + 1) / (4096 * 8)
-    speckle = repeating_noise(cf.rig.Turning(mirror=1.0, speckle=1e-3), angle, np.random.default_rng(SEED))
-    steps = np.diff(speckle).reshape(4096, 8)
-    np.testing.assert_allclose(steps, np.broadcast_to(steps[:, :1], steps.shape), atol=1e-12)
-    assert speckle[-1] == speckle[0]
-
-
 def test_force_makes_mobility():
     rig, circle = ring_rig(split=0.8)
     tone = cf.rig.Tone(370.2, 2.0, 0.3)
@@ -345,7 +311,7 @@ def test_a_close_pair_both_excited_is_told_apart(split):
     made = cf.rig.scan(
         rig, cf.rig.Turning(mirror=2.71), tones, circle=circle, drive=5, fs=FS, seconds=20.0, seed=SEED, snr_db=30.0
     )
-    pair = split_pair(cf.circle.demodulate(made.record, [8]), 8)
+    pair = cf.circle.split_pair(cf.circle.demodulate(made.record, [8]), 8)
     np.testing.assert_allclose(pair.freq, rig.freq[:2], atol=0.01)
     assert np.all(np.abs(pair.freq - rig.freq[:2]) < 4.0 * pair.freq_sigma)
     truth = np.degrees(0.13) + np.array([0.0, 90.0 / 8])
@@ -390,7 +356,7 @@ def left_over(seen, pair):
 @pytest.mark.slow
 def test_the_misfit_of_a_pair_is_over_the_equations_that_its_ten_unknowns_leave():
     seen = close_pair(np.random.default_rng(SEED))
-    pair = split_pair(seen, 8)
+    pair = cf.circle.split_pair(seen, 8)
     assert pair.misfit == pytest.approx(np.sqrt(left_over(seen, pair) / (24 - 10)), rel=1e-6)
 
 
@@ -403,7 +369,7 @@ def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
     (freq, zeta, angle), draws = CLOSE, 40
     rng, off, misfits = np.random.default_rng(SEED), [], []
     for _ in range(draws):
-        pair = split_pair(close_pair(rng), 8)
+        pair = cf.circle.split_pair(close_pair(rng), 8)
         turned = (pair.angle_deg - np.degrees(angle) + 90.0 / 8) % (180.0 / 8) - 90.0 / 8
         parts = (
             (pair.freq - freq) / pair.freq_sigma, (pair.zeta - zeta) / pair.zeta_sigma,
@@ -413,34 +379,6 @@ def test_uncertainties_of_a_pair_are_the_scatter_of_repeated_scans():
         misfits.append(pair.misfit**2)
     assert np.sqrt(np.mean(np.square(off), axis=0)) == pytest.approx(np.ones(7), abs=3.5 / np.sqrt(2.0 * draws))
     assert np.mean(misfits) == pytest.approx(1.0, abs=3.5 * np.sqrt(2.0 / 14 / draws))
-
-
-def test_lines_that_fall_together_are_named_and_a_better_rate_works():
-    n = np.arange(-9, 10)
-    tones = (370.0, 383.0)  # 13 Hz apart: 13 W at 1 turn/s
-    with pytest.raises(
-        cf.errors.InputError, match=r"fall together: n = \d of 3\d\d.000 Hz .* turn at ([\d.]+) turns/s"
-    ) as caught:
-        cf.circle.demodulate(
-            cf.circle.ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(1.0, FS, 20000), tones=tones), 9
-        )
-    better = float(str(caught.value).split("turn at ")[1].split()[0])
-    freq = np.sort(line_frequencies(tones, n, better))
-    assert np.diff(freq).min() >= 0.19
-    cf.circle.demodulate(
-        cf.circle.ScanRecord(fs=FS, velocity=np.ones(20000), angle=turning(better, FS, 20000), tones=tones), 9
-    )
-    assert clear_rate(tones, n, 0.1, 1.0, FS) is None
-
-
-def test_lines_are_told_apart_by_the_record_until_it_is_too_short():
-    """Two lines d apart correlate over T as sin(x)/x, x = pi d T: the least eigenvalue is 1 - sin(x)/x."""
-    record = wave(0, 0.0, tone=300.0, seconds=1.0, phase=0.0)
-    close, closer = (np.array([300.0, 300.0 + x / np.pi]) for x in (0.0246, 0.0244))  # 1.009e-4 and 0.992e-4
-    found = fit_lines(record, 2.0 * np.pi * close, np.zeros(2))
-    np.testing.assert_allclose(found.amplitude, [1.0, 0.0], atol=1e-9)
-    with pytest.raises(cf.errors.InputError, match=r"does not tell its lines apart \(least eigenvalue 9\.9e-05\)"):
-        fit_lines(record, 2.0 * np.pi * closer, np.zeros(2))
 
 
 def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
@@ -459,7 +397,7 @@ def scan_of_a_pair(freq, amplitude=(1.0, 0.8), seed=None):
 
 @pytest.mark.slow
 def test_two_members_of_nearly_one_frequency_are_told_apart_without_noise():
-    pair = split_pair(scan_of_a_pair([370.0, 370.01]), 8)
+    pair = cf.circle.split_pair(scan_of_a_pair([370.0, 370.01]), 8)
     np.testing.assert_allclose(pair.freq, [370.0, 370.01], rtol=1e-9)
     np.testing.assert_allclose(pair.angle_deg, np.degrees(PSI), rtol=1e-6)
 
@@ -479,12 +417,12 @@ def test_two_members_of_one_frequency_and_damping_are_not_told_apart(freq, ampli
     with pytest.raises(
         cf.errors.InputError, match="the pair n = 8: the tones do not tell two members apart: found a misfit of"
     ):
-        split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
+        cf.circle.split_pair(scan_of_a_pair(freq, amplitude, seed), 8)
 
 
 @pytest.mark.slow
 def test_a_split_of_a_fifteenth_of_the_bandwidth_is_told_from_noise():
-    pair = split_pair(scan_of_a_pair([369.95, 370.05], seed=5), 8)
+    pair = cf.circle.split_pair(scan_of_a_pair([369.95, 370.05], seed=5), 8)
     assert pair.split == pytest.approx(0.1, abs=4.0 * pair.split_sigma)
     assert pair.split_sigma < 0.02
 
@@ -494,7 +432,7 @@ def test_noise_makes_no_two_of_a_double():
     """At a level of 1e-3 none of 200 draws, but once in five such counts."""
     for seed in range(200):
         with pytest.raises(cf.errors.InputError, match="do not tell two members apart"):
-            split_pair(scan_of_a_pair([370.0, 370.0], seed=seed), 8)
+            cf.circle.split_pair(scan_of_a_pair([370.0, 370.0], seed=seed), 8)
 
 
 def test_what_cannot_be_demodulated_is_refused():
@@ -516,14 +454,14 @@ def test_what_cannot_be_demodulated_is_refused():
     found = cf.circle.demodulate(record(), 8)
     for call, words in (
         (lambda: found.wave(0, 9), "order n = 9"),
-        (lambda: split_pair(found, 8), "found 1 tones"),
-        (lambda: split_pair(found, 9), "order n = 9"),
+        (lambda: cf.circle.split_pair(found, 8), "found 1 tones"),
+        (lambda: cf.circle.split_pair(found, 9), "order n = 9"),
         (lambda: record(tones=(0.0,)), "tones"),
         (lambda: record(tones=()), "tones"),
         (lambda: cf.circle.ScanRecord(fs=FS, velocity=[1.0], angle=[1.0, 2.0], tones=(3.0,)), "angle: found shape"),
         (lambda: cf.circle.ScanRecord(fs=FS, velocity=[np.nan], angle=[1.0], tones=(3.0,)), "velocity: found shape"),
-        (lambda: from_tacho([0.0, 1.0], FS, 5000), "span the record"),
-        (lambda: from_tacho([0.0, 0.0], FS, 5), "ascending"),
+        (lambda: cf.circle.from_tacho([0.0, 1.0], FS, 5000), "span the record"),
+        (lambda: cf.circle.from_tacho([0.0, 0.0], FS, 5), "ascending"),
     ):
         with pytest.raises(cf.errors.InputError, match=words):
             call()
@@ -546,14 +484,6 @@ def test_what_cannot_be_scanned_is_refused():
             cf.rig.Turning(**bad)
 
 
-@pytest.mark.parametrize(("seconds", "kept"), [(2.0001, True), (1.9999, False)])
-def test_a_rate_is_clear_from_two_bins_between_lines_on(seconds, kept):
-    """Lines 1 Hz apart at one turn/s: two bins after two seconds."""
-    found = clear_rate((300.0,), np.array([-1, 0, 1]), 1.0, seconds, FS)
-    assert (found == 1.0) == kept
-    assert found is not None
-
-
 def test_the_floor_is_the_noise_in_one_bin_and_goes_by_the_force():
     """White noise has its variance in count/2 bins alike; a force of 2 N halves all but what has no unit."""
     clean, level = wave(8, 0.11), 0.5
@@ -570,21 +500,6 @@ def test_the_floor_is_the_noise_in_one_bin_and_goes_by_the_force():
     assert other.travelling_sigma == pytest.approx(one.travelling_sigma, rel=1e-8)
 
 
-def test_the_sigma_of_a_wave_are_those_of_its_two_lines():
-    """Lines of different size and noise: by central differences, along and across each line."""
-    n, V, sigma = 5, np.array([3.0 * np.exp(0.4j), np.exp(1.1j)]), np.array([0.02, 0.05])
-    moved = np.zeros(3)
-    for k, way in ((0, 1.0), (1, 1.0), (0, 1j), (1, 1j)):
-        step = np.zeros(2, complex)
-        step[k] = 1e-5 * way * V[k] / abs(V[k])
-        up, down = one_wave(1.0, n, V + step, sigma), one_wave(1.0, n, V - step, sigma)
-        slope = [(getattr(up, name) - getattr(down, name)) / 2e-5 for name in ("amplitude", "angle_deg", "travelling")]
-        moved += (np.array(slope) * sigma[k]) ** 2
-    found = one_wave(1.0, n, V, sigma)
-    told = found.amplitude_sigma, found.angle_sigma_deg, found.travelling_sigma
-    np.testing.assert_allclose(told, np.sqrt(moved), rtol=1e-6)
-
-
 @pytest.mark.parametrize("psi", [0.05, 0.3])
 def test_the_phase_of_a_wave_is_that_at_its_antinode(psi):
     assert cf.circle.demodulate(wave(5, psi, phase=0.4), 6).wave(0, 5).phase_deg == pytest.approx(
@@ -595,19 +510,6 @@ def test_the_phase_of_a_wave_is_that_at_its_antinode(psi):
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_tacho_of_an_even_rate_says_what_the_rate_does(direction):
     at = np.arange(20) / (4 * 2.3)
-    angle = from_tacho(at, FS, 3000, per_turn=4, first_angle=0.7, direction=direction)
+    angle = cf.circle.from_tacho(at, FS, 3000, per_turn=4, first_angle=0.7, direction=direction)
     np.testing.assert_allclose(angle, turning(direction * 2.3, FS, 3000, first_angle=0.7), atol=1e-10)
     assert angle[0] == pytest.approx(0.7)
-
-
-def test_a_pair_is_told_lower_member_first_whichever_the_fit_has_first():
-    factor = np.random.default_rng(SEED).standard_normal((10, 10))
-    covariance = factor @ factor.T
-    poles, parts = np.array([370.0, 371.0, -6.0, -5.0]), np.array([[1.0, 0.5], [-0.3, 0.8], [0.1, 0.2]])
-    swap = [1, 0, 3, 2, 5, 4, 6, 8, 7, 9]  # f, ln zeta, a, c, b, s
-    one = described(8, poles, parts, covariance, 1.0)
-    other = described(8, poles[[1, 0, 3, 2]], parts[[1, 0, 2]], covariance[np.ix_(swap, swap)], 1.0)
-    for name in ("freq", "freq_sigma", "zeta", "zeta_sigma", "angle_deg", "angle_sigma_deg", "split", "split_sigma"):
-        np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=1e-12, err_msg=name)
-    np.testing.assert_allclose(one.zeta, np.exp([-6.0, -5.0]))
-    np.testing.assert_allclose(one.zeta_sigma, one.zeta * np.sqrt(np.diag(covariance)[2:4]))

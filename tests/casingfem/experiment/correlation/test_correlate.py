@@ -1,22 +1,12 @@
 """Measured shapes against modes: where sensors stand, what pairs, where shapes differ, what expansion predicts."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
 import casingfem as cf
-from casingfem.experiment.correlation.expansion import (
-    expand,
-    guyan_mass,
-    serep_mass,
-    well_conditioned,
-)
-from casingfem.experiment.correlation.mac import comac, ecomac
-from casingfem.experiment.correlation.measured_shapes import uff_shapes
-from casingfem.experiment.correlation.sensors import nearest, sensors_of, sensors_on
-from casingfem.export.modes_uff import write_modes_uff
 
 HEIGHTS = (0.12, 0.25)
 
@@ -46,9 +36,188 @@ def placed(casing, count=24, outward=0.0):
     return x + outward * out, out
 
 
+def channels(count=24):
+    """The same channels as sensors of an update: where they are on the chart, along what they measure."""
+    theta = np.tile(2.0 * np.pi * np.arange(count) / count + 0.1, len(HEIGHTS))
+    out = np.column_stack([np.cos(theta), np.sin(theta), 0.0 * theta])
+    blank = np.ones((len(theta), 1))
+    return cf.updating.SensorShapes(a=np.repeat(HEIGHTS, count), b=theta, directions=out, shapes=blank, sigma=1.0)
+
+
+def readings(found):
+    """Computed shapes at the channels, (channels, modes)."""
+    return channels().readings(found)
+
+
+def measured_of(found, values, casing, freq=None):
+    points, out = placed(casing)
+    freq = found.freq[: values.shape[1]] if freq is None else freq
+    return cf.correlation.MeasuredShapes.from_arrays(freq_hz=freq, values=values, points=points, directions=out)
+
+
+def orthogonality(shapes, computed, M):
+    """(psi^T M phi)^2/(psi^T M psi phi^T M phi)."""
+    sizes = [np.sqrt(np.einsum("ik,ij,jk->k", x, M, x)) for x in (shapes, computed)]
+    return (shapes.T @ M @ computed / np.multiply.outer(*sizes)) ** 2
+
+
+@pytest.mark.slow
+def test_orthogonality_is_by_guyans_mass_or_by_that_of_serep(casing, system, found):
+    """Guyan: G^T M G, G the statics of unit motions of the channels; SEREP: the pseudo-inverse of the modes."""
+    values = readings(found)
+    rng = np.random.default_rng(6)
+    shapes = values + 0.05 * np.abs(values).max() * rng.standard_normal(values.shape)
+    test = measured_of(found, shapes, casing)
+    result = cf.correlate(found, test, mass="Guyan", system=system)
+    loads = np.zeros((len(system.points), system.dofs, len(values)))
+    loads[:, :5] = channels().loads(found.grid)
+    P = system.restrict(loads)
+    attachment = splu(system.K.tocsc()).solve(P)
+    G = np.linalg.solve(P.T @ attachment, attachment.T).T
+    np.testing.assert_allclose(P.T @ G, np.eye(len(values)), atol=1e-6)
+    np.testing.assert_allclose(result.nco, orthogonality(shapes, values, G.T @ (system.M @ G)), atol=1e-6)
+    result = cf.correlate(found, test)
+    inverse = np.linalg.pinv(values[:, result.expansion.modes])
+    assert (result.mass_by, len(result.expansion.modes)) == ("SEREP", 12)
+    np.testing.assert_allclose(result.nco, orthogonality(shapes, values, inverse.T @ inverse), atol=1e-9)
+    for mass, options in (("Guyan", {}), ("guyan", {"system": system}), ("IRS", {})):
+        with pytest.raises(ValueError, match='mass must be "SEREP", or "Guyan" with the assembled system'):
+            cf.correlate(found, test, mass=mass, **options)
+
+
+def test_two_channels_of_one_motion_have_no_guyan_mass(casing, system, found):
+    points, out = placed(casing)
+    twice = np.r_[np.arange(48), 7]
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=found.freq, values=readings(found)[twice], points=points[twice], directions=out[twice]
+    )
+    with pytest.raises(cf.errors.ModelError, match="sensor-twice"):
+        cf.correlate(found, test, mass="Guyan", system=system)
+
+
+def test_an_expansion_is_a_fit_and_its_left_out_errors_are_those_of_refits(casing, found):
+    values = readings(found)
+    rng = np.random.default_rng(5)
+    noisy = values[:, :3] + 0.05 * np.abs(values[:, :3]).max() * rng.standard_normal((len(values), 3))
+    exact, whole = (cf.correlate(found, measured_of(found, v, casing)).expansion for v in (values[:, :3], noisy))
+    np.testing.assert_allclose(exact.fields(found.fields), found.fields[:, :, :3], atol=1e-8 * abs(found.fields).max())
+    assert exact.outside.max() < 1e-9
+    basis = values[:, whole.modes]
+    best = np.linalg.lstsq(basis, noisy, rcond=None)[0]
+    np.testing.assert_allclose(whole.coordinates, best, atol=1e-9 * np.abs(best).max())
+    np.testing.assert_allclose(whole.smoothed, basis @ best, atol=1e-9 * np.abs(noisy).max())
+    left = np.linalg.norm(noisy - basis @ best, axis=0)
+    np.testing.assert_allclose(whole.outside, left / np.linalg.norm(noisy, axis=0), rtol=1e-9)
+    assert whole.condition == pytest.approx(np.linalg.cond(basis), rel=1e-9)
+    kept = np.arange(len(values)) != 7
+    predicted = values[7][whole.modes] @ np.linalg.lstsq(basis[kept], noisy[kept], rcond=None)[0]
+    error = np.abs(predicted - noisy[7]) / np.sqrt(np.mean(noisy**2, axis=0))
+    np.testing.assert_allclose(whole.left_out[7], error, rtol=1e-8)
+
+
+@pytest.mark.parametrize(("count", "kept"), [(3, 2), (4, 2), (6, 4)])
+def test_an_expansion_takes_at_most_two_modes_for_three_channels(casing, found, count, kept):
+    points, out = placed(casing)
+    values = readings(found)
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=found.freq[:1], values=values[:count, :1], points=points[:count], directions=out[:count]
+    )
+    assert len(cf.correlate(found, test).expansion.modes) <= kept
+
+
+def test_comac_is_the_agreement_of_each_channel_and_ecomac_sees_signs(casing, found):
+    """COMAC: (sum |a b|)^2/(sum a^2 sum b^2) over shapes of unit norm, singles of distinct n: planes are the modes."""
+    values = readings(found)
+    changed = values * (1.0 + 0.2 * np.random.default_rng(3).standard_normal((len(values), 1)))
+    changed[2] *= -1.0
+    result = cf.correlate(found, measured_of(found, changed, casing))
+    near = np.empty_like(values)
+    for match in result.pairing.matches:
+        plane = values[:, list(match.modes)]
+        near[:, list(match.rows)] = plane @ np.linalg.lstsq(plane, changed[:, list(match.rows)], rcond=None)[0]
+    order = [row for match in result.pairing.matches for row in match.rows]
+    a, b = (x[:, order] / np.linalg.norm(changed, axis=0)[order] for x in (changed, near))
+    comac = np.sum(np.abs(a * b), axis=1) ** 2 / np.sum(a**2, axis=1) / np.sum(b**2, axis=1)
+    np.testing.assert_allclose(result.comac, comac, rtol=1e-9)
+    assert result.comac[2] > 0.9
+    assert int(result.ecomac.argmax()) == 2
+
+
+def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
+    points, out = placed(casing, outward=2e-3)
+    given = {"freq_hz": found.freq, "values": readings(found), "directions": out}
+    sensors = cf.correlate(found, cf.correlation.MeasuredShapes.from_arrays(points=points, **given)).sensors
+    np.testing.assert_allclose(sensors.a, np.repeat(HEIGHTS, 24), atol=1e-3)
+    np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
+    assert sensors.labels.tolist() == list(range(1, 49))
+    with pytest.raises(cf.errors.ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
+        cf.correlate(found, cf.correlation.MeasuredShapes.from_arrays(points=1.2 * points, **given))
+
+
+def test_sensors_of_an_imported_part_read_its_nearest_nodes(steel):
+    """Displacements of nodes, named a little beside them."""
+    block = cf.imported.grid_mesh("hexahedron20", (6, 2, 1), lambda u: u * [0.3, 0.1, 0.02])
+    part = cf.Solid(mesh=block, material=steel)
+    found = cf.modes(part, 12)
+    nodes = np.random.default_rng(2).choice(len(block.points), 24, replace=False)
+    out = np.tile([0.0, 0.0, 1.0], (24, 1))
+    test = cf.correlation.MeasuredShapes.from_arrays(
+        freq_hz=found.freq[6:], values=found.fields[nodes, 2, 6:], points=block.points[nodes] + 1e-4, directions=out
+    )
+    result = cf.correlate(found, test)
+    np.testing.assert_allclose(result.alike, 1.0, atol=1e-9)
+    np.testing.assert_allclose(result.sensors.distance, np.sqrt(3.0) * 1e-4, rtol=1e-6)
+    assert result.sensors.nodes[:, 0].tolist() == nodes.tolist()
+
+
+NODES = cf.uff.Nodes(
+    labels=np.array([2, 4]), points=np.array([[0.0, 1.0, 2.0], [6.0, 7.0, 8.0]]), systems=np.zeros(2, int),
+    motions=np.zeros(2, int),
+)  # fmt: skip
+MOVED = np.array([[1.0, 0.0, 0.5], [2.0, 3.0, 0.0]])
+
+
+def shape(freq=50.0, width=3, **changes):
+    values = np.zeros((2, width))
+    values[:, :3], values[:, 3:] = MOVED, 1e9  # turns, which no translation is
+    given = {
+        "text": ("",) * 5, "model": 1, "analysis": 2, "characteristic": width // 3 + 1, "quantity": 8,
+        "integers": (1, 1), "reals": (freq, 1.0, 0.0, 0.0), "nodes": np.array([4, 2]), "values": values,
+    }  # fmt: skip
+    return cf.uff.Shape(**given | changes)
+
+
+@pytest.mark.parametrize("width", [3, 6])
+def test_translations_of_a_universal_file_come_sorted_with_or_without_turns(tmp_path, width):
+    path = cf.uff.write_uff(tmp_path / "a.uff", nodes=NODES, shapes=[shape(60.0, width), shape(30.0, width)])
+    test = cf.correlation.MeasuredShapes.from_uff(path)
+    assert test.freq_hz.tolist() == [30.0, 60.0]
+    for label, point, row in ((4, [6.0, 7.0, 8.0], MOVED[0]), (2, [0.0, 1.0, 2.0], MOVED[1])):
+        of = test.labels == label
+        assert (test.points[of] == point).all()
+        np.testing.assert_array_equal(test.directions[of].T @ test.values[of, 0], row)
+
+
+@pytest.mark.parametrize(
+    ("nodes", "changes", "words"),
+    [
+        (None, {}, "found no nodes; expected a set 15 or 2411"),
+        (NODES, {"nodes": np.array([4]), "values": MOVED[:1]}, "found shapes with values at different nodes"),
+        (replace(NODES, labels=np.array([2, 5])), {}, "found node 4, not among the nodes of the file"),
+        (replace(NODES, motions=np.array([0, 7])), {}, "motions in coordinate system 7; expected global motions, 0"),
+        (NODES, {"characteristic": 1, "values": MOVED[:, :1]}, "found data characteristic 1; expected 2 or 3"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*uff-shapes:casingfem.errors.ModelWarning")
+def test_universal_files_whose_shapes_have_no_place_are_refused(tmp_path, nodes, changes, words):
+    path = cf.uff.write_uff(tmp_path / "a.uff", nodes=nodes, shapes=[shape(), shape(60.0, **changes)])
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.correlation.MeasuredShapes.from_uff(path)
+
+
 def test_of_itself(casing, found):
     points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)
+    values = readings(found)
     test = cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=found.freq, values=values * -3.0, points=points, directions=out
     )
@@ -65,7 +234,7 @@ def test_of_itself(casing, found):
 
 def test_a_rotated_doublet_is_no_difference_and_a_sensor_turned_over_is_found(casing, found):
     points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)
+    values = readings(found)
     turned = values.copy()
     for low, high in found.doublets:
         turned[:, [low, high]] = values[:, [low, high]] @ np.array([[0.6, -0.8], [0.8, 0.6]])
@@ -80,7 +249,7 @@ def test_a_rotated_doublet_is_no_difference_and_a_sensor_turned_over_is_found(ca
 
 def test_unpaired_shapes_are_listed(casing, found):
     points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)[:, :6]
+    values = readings(found)[:, :6]
     freq = found.freq[:6].copy()
     freq[5] = 2.0 * freq[5]
     test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=freq, values=values, points=points, directions=out)
@@ -89,200 +258,6 @@ def test_unpaired_shapes_are_listed(casing, found):
     assert 5 in result.pairing.unpaired_modes
     assert "unpaired: 1 measured, 7 computed" in repr(result)
     assert result.records()[5]["mode"] is None
-
-
-@pytest.mark.slow
-def test_guyan_mass_is_exact_in_statics_and_serep_for_its_modes(casing, system, found):
-    points, out = placed(casing)
-    sensors = sensors_of(found, points, out)
-    at = sensors.shapes(found.fields)
-    M = guyan_mass(system, sensors)
-    np.testing.assert_allclose(M, M.T, atol=1e-9 * abs(M).max())
-    assert np.linalg.eigvalsh(M)[0] > 0.0
-    force = np.random.default_rng(2).standard_normal(len(at))
-    static = splu(system.K).solve(sensors.loads(system) @ force)
-    motion = sensors.loads(system).T @ static
-    assert motion @ M @ motion == pytest.approx(static @ (system.mass * static), rel=1e-8)
-    guyan = cf.correlation.mac(at, at, M)
-    assert (guyan - np.diag(np.diag(guyan)))[:4, :4].max() < 0.01
-    basis = at[:, :8]
-    np.testing.assert_allclose(basis.T @ serep_mass(basis) @ basis, np.eye(8), atol=1e-10)
-    twice = sensors_on(casing, found.grid, points[[0, 1, 0]], out[[0, 1, 0]])
-    with pytest.raises(cf.errors.ModelError, match="sensor-twice"):
-        guyan_mass(system, twice)
-
-
-def test_the_mass_of_orthogonality_is_the_one_that_is_asked_for(casing, system, found):
-    points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)
-    test = cf.correlation.MeasuredShapes.from_arrays(freq_hz=found.freq, values=values, points=points, directions=out)
-    sensors = sensors_of(found, points, out)
-    for mass, options, M in (
-        ("Guyan", {"system": system}, guyan_mass(system, sensors)), ("SEREP", {"system": system}, None),
-    ):  # fmt: skip
-        result = cf.correlate(found, test, mass=mass, **options)
-        M = serep_mass(values[:, result.expansion.modes]) if M is None else M
-        size = np.sqrt(np.einsum("ik,ij,jk->k", values, M, values))
-        inner = (values.T @ M @ values / np.multiply.outer(size, size)) ** 2
-        assert result.mass_by == mass
-        np.testing.assert_allclose(result.nco, inner, atol=1e-9)
-    for mass, options in (("Guyan", {}), ("guyan", {"system": system}), ("IRS", {})):
-        with pytest.raises(ValueError, match='mass must be "SEREP", or "Guyan" with the assembled system'):
-            cf.correlate(found, test, mass=mass, **options)
-
-
-def test_loads_are_the_sensors_own(system, found):
-    """Work of a unit force at a channel is the motion there: P^T x = S x."""
-    points, out = placed(found.shell, count=5)
-    sensors = sensors_of(found, points, out)
-    vectors = system.collect(found.fields, found.own)
-    np.testing.assert_allclose(sensors.loads(system).T @ vectors, sensors.shapes(found.fields), atol=1e-10)
-
-
-def test_expansion_gives_the_whole_shape_and_the_left_out_error_of_a_refit(casing, found):
-    points, out = placed(casing)
-    sensors = sensors_of(found, points, out)
-    at = sensors.shapes(found.fields)
-    rng = np.random.default_rng(5)
-    noisy = at[:, :3] + 0.05 * np.abs(at[:, :3]).max() * rng.standard_normal((len(at), 3))
-    whole = expand(noisy, at, sensors.labels)
-    exact = expand(at[:, :3], at, sensors.labels)
-    np.testing.assert_allclose(exact.fields(found.fields), found.fields[:, :, :3], atol=1e-8 * abs(found.fields).max())
-    assert exact.outside.max() < 1e-9
-    assert 0.01 < whole.outside.max() < 0.3
-    basis = at[:, whole.modes]
-    best = np.linalg.lstsq(basis, noisy, rcond=None)[0]
-    np.testing.assert_allclose(whole.coordinates, best, atol=1e-9 * np.abs(best).max())
-    np.testing.assert_allclose(whole.smoothed, basis @ best, atol=1e-9 * np.abs(noisy).max())
-    left = np.linalg.norm(noisy - basis @ best, axis=0)
-    np.testing.assert_allclose(whole.outside, left / np.linalg.norm(noisy, axis=0), rtol=1e-9)
-    assert whole.condition == pytest.approx(np.linalg.cond(basis), rel=1e-9)
-    kept = np.arange(len(at)) != 7
-    refit = at[kept][:, whole.modes]
-    predicted = at[7][whole.modes] @ np.linalg.lstsq(refit, noisy[kept], rcond=None)[0]
-    error = np.abs(predicted - noisy[7]) / np.sqrt(np.mean(noisy**2, axis=0))
-    np.testing.assert_allclose(whole.left_out[7], error, rtol=1e-8)
-
-
-def test_expansion_refuses_what_the_sensors_do_not_tell():
-    shapes = np.column_stack([np.ones(6), np.ones(6), np.arange(6.0)])
-    assert well_conditioned(shapes) == [0, 2]
-    with pytest.raises(cf.errors.ModelError, match="look alike"):
-        expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1])
-    with pytest.raises(cf.errors.ModelError, match="4 modes on 3 channels"):
-        expand(np.ones((3, 1)), np.ones((3, 4)), np.arange(3), modes=[0, 1, 2, 3])
-    shapes[:, 1] += np.arange(6.0)
-    with pytest.raises(cf.errors.ModelError, match="3 modes look alike on 6 channels"):
-        expand(shapes[:, :1], shapes, np.arange(6), modes=[0, 1, 2])
-
-
-def test_one_mode_expands_by_its_share():
-    """q = phi.psi/phi.phi."""
-    found = expand(np.array([[5.0], [1.0], [2.0]]), np.array([[1.0], [2.0], [2.0]]), np.arange(3), modes=[0])
-    assert found.coordinates.item() == pytest.approx(11.0 / 9.0, rel=1e-12)
-    assert found.condition == 1.0
-
-
-@pytest.mark.parametrize(("channels", "most"), [(1, 1), (2, 1), (3, 2), (9, 6), (10, 6)])
-def test_expansion_takes_at_most_two_modes_for_three_channels(channels, most):
-    assert well_conditioned(np.eye(channels)) == list(range(most))
-
-
-def test_expansion_leaves_out_what_makes_the_shapes_ill_conditioned():
-    """Two unit shapes at an angle a have the condition 1/tan(a/2)."""
-    for condition, taken in ((9.9, [0, 1]), (10.1, [0])):
-        a = 2.0 * np.arctan(1.0 / condition)
-        assert well_conditioned(np.array([[1.0, np.cos(a)], [0.0, np.sin(a)], [0.0, 0.0]]), worst=10.0) == taken
-    zero = np.column_stack([np.zeros(6), np.eye(6)[0], np.eye(6)[1]])
-    assert well_conditioned(zero) == [1, 2]
-
-
-def test_sensors_are_put_on_the_wall_and_refused_when_far(casing, found):
-    points, out = placed(casing, outward=2e-3)
-    a, _ = nearest(casing, points)
-    np.testing.assert_allclose(a, np.repeat(HEIGHTS, 24), atol=1e-3)
-    sensors = sensors_of(found, points, out)
-    np.testing.assert_allclose(sensors.distance, 2e-3, rtol=0.05)
-    assert sensors.labels.tolist() == list(range(1, 49))
-    assert sensors_on(casing, found.grid, points[:2], out[:2], [7, 7]).labels.tolist() == [7, 7]
-    with pytest.raises(cf.errors.ModelError, match=r"sensor \d+ at .* is 0\.\d+ m from the wall.*sensor-far"):
-        sensors_of(found, points * 1.2, out)
-
-
-def test_sensors_on_a_plate(steel):
-    plate = cf.Shell(chart=cf.Plate(length=0.4, width=0.2), thickness=2e-3, material=steel)
-    a, b = nearest(plate, np.array([[0.1, 0.05, 0.0], [0.39, -0.1, 0.01]]))
-    x = np.real(plate.geometry(a, b).surface.x).T
-    np.testing.assert_allclose(x[0], [0.1, 0.05, 0.0], atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(x[1] - [0.39, -0.1, 0.01]), 0.01, rtol=1e-9)
-
-
-def test_comac_is_one_where_shapes_agree_and_enhanced_comac_sees_signs():
-    rng = np.random.default_rng(3)
-    a = rng.standard_normal((6, 4))
-    b = a.copy()
-    b[2] *= -1.0
-    assert comac(a, b)[2] == pytest.approx(1.0)
-    assert ecomac(a, b).argmax() == 2
-    with pytest.raises(ValueError, match="equal sizes"):
-        comac(a, b[:, :2])
-
-
-@pytest.mark.slow
-def test_universal_files_give_shapes_at_their_points(tmp_path, found):
-    path = write_modes_uff(found, tmp_path / "modes.uff", [0, 1, 4], nodes_set="2411")
-    test = cf.correlation.MeasuredShapes.from_uff(path)
-    np.testing.assert_allclose(test.freq_hz, found.freq[[0, 1, 4]], rtol=1e-5)
-    result = cf.correlate(found, test)
-    assert [match.modes for match in result.pairing.matches] == [(0, 1), (4,)]
-    assert result.alike.min() > 0.9999
-    assert result.sensors.distance.max() < 1e-4
-
-
-def scalars(shape):
-    return replace(shape, characteristic=1, values=shape.values[:, :1])
-
-
-@pytest.mark.parametrize(
-    ("nodes", "change", "words"),
-    [
-        (lambda nodes: None, lambda shape: shape, "found no nodes; expected a set 15 or 2411"),
-        (
-            lambda nodes: nodes,
-            lambda shape: replace(shape, nodes=shape.nodes[:-1], values=shape.values[:-1]),
-            "found shapes with values at different nodes",
-        ),
-        (
-            lambda nodes: cf.uff.Nodes(**{field.name: getattr(nodes, field.name)[1:] for field in fields(nodes)}),
-            lambda shape: shape,
-            "found values at node 1, which has no point; expected its point",
-        ),
-        (
-            lambda nodes: replace(nodes, motions=7 * (nodes.labels == 3)),
-            lambda shape: shape,
-            "found motions in coordinate system 7; expected global motions, 0",
-        ),
-        (lambda nodes: nodes, scalars, "found data characteristic 1; expected 2 or 3: translations"),
-        (lambda nodes: nodes, lambda shape: replace(shape, analysis=1), "found 2 shapes, none of a mode"),
-    ],
-)
-def test_universal_files_whose_shapes_have_no_place_are_refused(tmp_path, found, nodes, change, words):
-    given = cf.uff.read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0, 1]))
-    first, second = given.shapes
-    if words.startswith("found 2 shapes"):
-        first = change(first)
-    with pytest.raises(cf.errors.InputError, match=words):
-        uff_shapes(replace(given, nodes=nodes(given.nodes), shapes=(first, change(second))))
-
-
-@pytest.mark.parametrize("width", [3, 6])
-def test_translations_of_a_universal_file_come_with_or_without_turns(tmp_path, found, width):
-    given = cf.uff.read_uff(write_modes_uff(found, tmp_path / "modes.uff", [0]))
-    values = np.zeros((len(given.nodes.labels), width))
-    values[:, :3] = np.arange(1.0, 1.0 + values[:, :3].size).reshape(-1, 3)
-    values[:, 3:] = 1e9  # turns, which no translation is
-    shape = replace(given.shapes[0], characteristic=width // 3 + 1, values=values)
-    np.testing.assert_array_equal(uff_shapes(replace(given, shapes=(shape,))).values[:, 0], values[:, :3].ravel())
 
 
 def test_complex_shapes_are_made_real():
@@ -335,18 +310,9 @@ def test_the_collinearity_of_an_ellipse_is_the_share_of_its_longer_axis():
     assert test.collinearity[0] == pytest.approx(0.8, rel=1e-12)
 
 
-def test_errors_of_an_expansion_are_relative():
-    """Three decades of unit apart; alone, the one mode (1, 1, 1, 1) leaves of (1, 1, 1, 0) a quarter of its square."""
-    basis, shape, labels = np.ones((4, 1)), np.array([[1.0], [1.0], [1.0], [0.0]]), np.arange(4)
-    found = expand(shape * [1.0, 1e3], basis, labels, modes=[0])
-    left = np.sqrt(np.mean(shape**2)) * found.left_out  # each channel less the mean of the other three
-    np.testing.assert_allclose(found.outside, np.sqrt([0.25, 0.25]))
-    np.testing.assert_allclose(left, np.array([1.0, 1.0, 1.0, 3.0])[:, None] / 3.0 * [1.0, 1.0])
-
-
 def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
     points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)[:, :3].copy()
+    values = readings(found)[:, :3].copy()
     values[5] *= 1.5
     result = cf.correlate(found, cf.correlation.MeasuredShapes.from_arrays(
         freq_hz=found.freq[:3], values=values, points=points, directions=out))  # fmt: skip
@@ -354,14 +320,9 @@ def test_the_left_out_error_of_a_record_is_the_rms_over_sensors(casing, found):
     np.testing.assert_allclose(np.square(told), np.mean(result.expansion.left_out**2, axis=0))
 
 
-def test_enhanced_comac_sees_neither_sign_nor_scale_of_a_shape():
-    shapes = np.random.default_rng(4).standard_normal((6, 3))
-    np.testing.assert_allclose(ecomac(shapes, shapes * [-1.0, 3.0, -0.2]), 0.0, atol=1e-15)
-
-
 def test_shapes_a_fifth_off_in_frequency_pair_and_no_others_unless_asked(casing, found):
     points, out = placed(casing)
-    values = sensors_of(found, points, out).shapes(found.fields)[:, :1]
+    values = readings(found)[:, :1]
     near, far = (
         cf.correlation.MeasuredShapes.from_arrays(
             freq_hz=factor * found.freq[:1], values=values, points=points, directions=out

@@ -1,35 +1,32 @@
 """Correlation: MAC, planes of doublets, and pairings that are known beforehand."""
 
 from dataclasses import dataclass
-from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import casingfem as cf
-from casingfem.experiment.correlation.pairing import ModeSet, align
-from casingfem.io.arrays import FloatArray, IntArray
-from casingfem.io.strict_csv import read
 
 DATA = Path(__file__).resolve().parents[4] / "data"
 
 
 @dataclass
 class Computed:
-    freq: FloatArray
-    nodal_diameters: IntArray
+    freq: np.ndarray
+    nodal_diameters: np.ndarray
     doublets: tuple[tuple[int, int], ...] = ()
 
 
 def frustum(scale=1.0, split=1e-3, count=40) -> Computed:
     """The reference frustum's branches as doublets, split and scaled."""
-    table = read(DATA / "reference/reference_frustum.csv")
-    n, branches = table.integers("n"), [table.numbers(f"f{k}_3d") for k in (1, 2, 3)]
+    table = pd.read_csv(DATA / "reference/reference_frustum.csv", comment="#")
+    n, branches = table["n"].to_numpy(), [table[f"f{k}_3d"].to_numpy() for k in (1, 2, 3)]
     labels = np.concatenate([n, n, n])
     freq = scale * np.concatenate(branches)
     pairs = labels > 0
@@ -42,7 +39,7 @@ def frustum(scale=1.0, split=1e-3, count=40) -> Computed:
 
 
 def blade(column="computed_love_ritz_hz") -> Computed:
-    freq = read(DATA / "reference/olson_lindberg_fan_blade.csv").numbers(column)
+    freq = pd.read_csv(DATA / "reference/olson_lindberg_fan_blade.csv", comment="#")[column].to_numpy()
     return Computed(freq, np.full(freq.size, -1))
 
 
@@ -214,36 +211,6 @@ def test_rotated_doublet_bases_and_noise_pair_without_labels():
     assert worst > 0.98
 
 
-def brute_force(rows, modes, cost, left_out, skipped):
-    """Try every order-preserving partial assignment of single rows to single modes."""
-    best = np.inf
-    for k in range(min(len(rows), len(modes)) + 1):
-        for chosen_rows in combinations(rows, k):
-            for chosen in combinations(range(len(modes)), k):
-                matched = sum(cost((r,), modes[m]) for r, m in zip(chosen_rows, chosen, strict=True))
-                gaps = (max(chosen) + 1 - k) if k else 0
-                best = min(best, matched + left_out * (len(rows) - k) + skipped * gaps)
-    return best
-
-
-@pytest.mark.slow
-@settings(max_examples=40, deadline=None)
-@given(
-    st.lists(st.floats(1, 3), min_size=1, max_size=4).map(sorted),
-    st.lists(st.floats(1, 3), min_size=0, max_size=5).map(sorted),
-)
-def test_alignment_is_the_best_of_all(targets, freq):
-    def cost(rows, modes):
-        return abs(targets[rows[0]] - freq[modes[0]])
-
-    groups, slots = [(r,) for r in range(len(targets))], [(m,) for m in range(len(freq))]
-    found = align(groups, slots, cost, left_out=0.7, skipped=[0.05] * len(freq))
-    price = sum(cost(*match) for match in found) + 0.7 * (len(targets) - len(found))
-    if found:
-        price += 0.05 * (found[-1][1][0] + 1 - len(found))
-    assert price == pytest.approx(brute_force(range(len(targets)), slots, cost, 0.7, 0.05))
-
-
 def test_confidence_falls_as_an_alternative_comes_near():
     table = cf.FrequencyTable.from_arrays(freq_hz=[100.0], n=[4], sigma_hz=0.1)
     seen = [
@@ -281,14 +248,6 @@ def test_repr_is_the_table_an_engineer_reads():
     assert len(text.splitlines()) == 5
 
 
-def accepts(modes: ModeSet) -> ModeSet:
-    return modes
-
-
-def test_a_plain_dataclass_is_a_mode_set():
-    assert accepts(blade()).freq.shape == (12,)
-
-
 def test_a_measured_doublet_goes_to_the_plane_that_both_its_shapes_are_like():
     """Two pairs n = 3, 1 % below and 3 % above; the nearer has .6 of each shape, the other .9."""
     found = SimpleNamespace(
@@ -299,3 +258,13 @@ def test_a_measured_doublet_goes_to_the_plane_that_both_its_shapes_are_like():
     (match,) = cf.correlation.pair(found, rows, reach=0.2, shape_mac=likeness).matches
     assert match.rows == (0, 1)
     assert match.modes == (2, 3)
+
+
+def test_a_pairing_in_numbers_counts_from_1():
+    modes = Computed(np.array([101.0, 150.0, 196.0]), np.array([3, 7, 5]))
+    table = cf.FrequencyTable.from_arrays(freq_hz=[100.0, 200.0], n=[3, 5], sigma_hz=0.1)
+    found = cf.correlation.pair(modes, table)
+    assert found.rms == pytest.approx(np.sqrt((0.01**2 + 0.02**2) / 2.0), rel=1e-12)
+    assert (len(found), found.unpaired_rows, found.unpaired_modes) == (2, (), (1,))
+    told = [(r["row"], r["mode"], r["n"], r["measured_hz"], r["computed_hz"]) for r in found.records()]
+    assert told == [(1, 1, 3, 100.0, 101.0), (2, 3, 5, 200.0, 196.0)]

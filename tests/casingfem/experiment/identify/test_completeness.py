@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.spectra import line_noise, visible_peaks
 
 THETA = 2.0 * np.pi * np.arange(16) / 16 + 0.03
 ANGLES = dict(enumerate(np.degrees(THETA)))
@@ -86,52 +85,6 @@ def test_every_visible_peak_of_many_is_in_the_answer_once():
     found = cf.identify(receptances(x, poles, noise=0.5))
     assert found.freq == pytest.approx(freqs[freqs < 395.0], rel=1e-4)
     assert found.sure.all()
-
-
-def ugly(seed):
-    """Lines, responses: modes from 0.03 to 8 % apart; then tones, ripples or a phase that wanders; noise."""
-    rng = np.random.default_rng(seed)
-    x, channels = np.arange(100.0, 170.0, rng.choice([0.1, 0.2])), int(rng.integers(1, 6))
-    freqs = 105.0 * np.cumprod(1.0 + np.exp(rng.uniform(np.log(3e-4), np.log(0.08), 12)))
-    zetas, sizes = np.exp(rng.uniform(np.log(1e-4), np.log(1e-2), 12)), np.exp(rng.uniform(-4.0, 0.0, 12))
-    shapes = sizes[:, None] * rng.standard_normal((12, channels))
-    H = receptances(x, list(zip(freqs, zetas, shapes, strict=True))).responses.copy()
-    noise = 10.0 ** rng.uniform(-4.0, 0.5)
-    if seed % 4 == 1:
-        H[:, rng.integers(5, len(x) - 5, 3)] += 50.0 * noise * rng.standard_normal((channels, 3))
-    if seed % 4 == 2:
-        H *= 1.0 + 0.3 * np.sin(x / rng.uniform(0.3, 3.0))
-    if seed % 4 == 3:
-        H *= np.exp(0.2j * rng.standard_normal(len(x)).cumsum())
-    return x, H + noise * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(70, 78))
-def test_every_peak_that_a_person_sees_has_a_mode_that_is_sure_or_has_a_reason(seed):
-    """6 dB above its surroundings and 20 dB above the noise, by the definitions of `Thresholds`."""
-    x, H = ugly(seed)
-    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=x, responses=H, unit="m/N", response_point=np.arange(len(H)))
-    found = cf.identify(frfs)
-    peaks = visible_peaks((H / line_noise(H)[:, None]).T)
-    step = x[1] - x[0]
-    for at, width in zip(x[peaks.at], peaks.width, strict=True):
-        reach = np.maximum(found.zeta * found.freq, max(0.5 * width, 1.0) * step)
-        assert np.any(np.abs(found.freq - at) < reach), f"no mode at the peak at {at:.2f} Hz"
-    assert all(why == "" or ":" in why or "?" in why for why in found.reasons)  # each reason names what to do
-
-
-def test_a_peak_that_is_no_resonance_is_in_the_answer_with_what_to_do():
-    """One line in one channel of a dead band, beside a strong mode: no fit of a pole explains it."""
-    x, rng = np.arange(80.0, 120.0, 0.1), np.random.default_rng(3)
-    frfs = receptances(x, [(100.0, 0.004, np.array([1.0, -0.5]))], noise=1e-2)
-    H = frfs.responses.copy()
-    H[:, 250:256] += 3.0 * np.array([1.0, -0.6])[:, None] * np.exp(2j * np.pi * rng.random(6))
-    found = cf.identify(replace(frfs, responses=H))
-    peaks = visible_peaks((H / line_noise(H)[:, None]).T)
-    assert all(np.abs(found.freq - x[at]).min() < 0.3 for at in peaks.at)
-    assert found.sure[np.abs(found.freq - 100.0).argmin()]
-    assert all(":" in why or "?" in why for why in found.reasons if why)
 
 
 @pytest.mark.slow

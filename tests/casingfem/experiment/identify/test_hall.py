@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.identify.spectra import line_noise, visible_peaks
-from casingfem.experiment.identify.suspects import suspected
 
 X = np.arange(90.0, 130.0, 0.1)
 TAU = 1.5
-WHERE = 2 * np.pi * np.arange(13) / 13
 
 
 @pytest.fixture(scope="module")
@@ -104,45 +101,3 @@ def test_lines_that_are_not_coherent_weigh_less(windowed, plain):
         cf.identify(frfs, coherence=replace(gamma2, x=X + 0.05))
     with pytest.raises(cf.errors.InputError, match="coherence of other channels"):
         cf.identify(frfs, coherence=replace(gamma2, response_point=np.arange(4) + 50))
-
-
-@pytest.mark.slow
-def test_noise_that_rises_with_the_response_makes_no_peaks_of_its_own():
-    """Scatter of 20 % on every line: one peak stands out of it, by 40 dB; beside a constant noise there are 107."""
-    rng = np.random.default_rng(43)
-    H = X**2 / (110.0**2 - X**2 + 2j * 2e-3 * 110.0 * X)
-    H = H * (1.0 + 0.2 * (rng.standard_normal(X.size) + 1j * rng.standard_normal(X.size)))
-    peaks = visible_peaks((H / line_noise(H[None]))[:, None])
-    assert len(peaks.at) < 10
-    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=X, responses=H, unit="(m/s^2)/N")
-    found = cf.identify(frfs)
-    assert found.freq == pytest.approx([110.0], abs=0.1)
-    assert np.abs(X[peaks.at] - 110.0).min() < 0.2
-
-
-def test_turned_exchanged_and_dead_sensors_of_a_circle_are_named_and_clean_ones_are_not():
-    rng = np.random.default_rng(47)
-    n = rng.integers(0, 6, 14)
-    theta, points = WHERE[:12], np.arange(12) + 101
-    clean = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.1 * rng.standard_normal((12, 14))
-    assert suspected(clean, 5, theta, points) == ()
-    off = clean.copy()
-    off[2] *= -1.0
-    off[[5, 9]] = off[[9, 5]]
-    off[7] = 0.1 * rng.standard_normal(14)
-    said = suspected(off, 5, theta, points)
-    assert [" ".join(line.split()[:4]) for line in said] == [
-        "points 106 and 110", "point 103 looks turned", "point 108 does not",
-    ]  # fmt: skip
-    assert suspected(rng.standard_normal((12, 14)), 5, theta, points) == ()  # wrong angles: none of them is the one
-    assert suspected(off[:, :3], 5, theta, points) == ()  # too few modes
-
-
-@pytest.mark.parametrize(("gain", "words"), [(0.1, "0.1"), (10.0, "10"), (1000.0, "1000")])
-def test_a_sensor_of_another_sensitivity_is_named_however_much_of_every_shape_it_is(gain, words):
-    rng = np.random.default_rng(48)
-    n, theta = rng.integers(0, 6, 14), WHERE[:12]
-    shapes = np.cos(n * theta[:, None] - rng.uniform(0, 6, 14)) + 0.003 * rng.standard_normal((12, 14))
-    shapes[4] *= gain
-    (said,) = suspected(shapes / np.linalg.norm(shapes, axis=0), 5, theta, np.arange(12) + 101)
-    assert said.startswith(f"point 105 moves {words} times as much as the others predict")

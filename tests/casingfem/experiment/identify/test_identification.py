@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.record import measured as with_noise
 
 SEED = 1917
 
@@ -186,7 +184,7 @@ def test_responses_estimated_from_random_forces_of_two_shakers():
     clean = cf.rig.record(
         rig, [force, force], drives=drives, sensors=sensors, fs=500.0, block=4096, blocks=16, seed=SEED
     )
-    frfs = estimate(with_noise(clean, seed=SEED, snr_db=40.0, bits=16), band=(110.0, 175.0)).frfs
+    frfs = cf.rig.estimate(cf.rig.measured(clean, seed=SEED, snr_db=40.0, bits=16), band=(110.0, 175.0)).frfs
     found = cf.identify(frfs, angles=ANGLES)
     assert found.n.tolist() == [6, 6, 7, 7, 5, 5]
     errors = (found.freq - rig.freq) / found.sigma_freq

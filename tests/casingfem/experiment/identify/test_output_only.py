@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.experiment.identify.output_only.output_only import identify_output_only
 
 FS = 640.0
 THETA = np.radians(np.arange(16) * 22.5 + 3.0)
@@ -53,7 +52,7 @@ ANGLES = dict(enumerate(np.degrees(THETA), start=1))
 @pytest.mark.slow
 def test_pairs_closer_than_their_bandwidth_are_told_apart():
     """The pair of n = 4 is 0.4 of a bandwidth apart."""
-    found = identify_output_only(records(driven(7, 300.0)), angles=ANGLES, band=(100.0, 230.0))
+    found = cf.identify(records(driven(7, 300.0)), angles=ANGLES, band=(100.0, 230.0))
     assert found.n.tolist() == list(N)
     assert found.sure.all()
     np.testing.assert_allclose(found.freq, FREQ, rtol=1e-3)
@@ -72,8 +71,7 @@ def test_a_pair_without_a_split_is_one_unresolved_mode_or_a_doublet_with_a_note(
     """Its two shapes are arbitrary. If they are a quarter wave apart they form a doublet, else they are one mode."""
     freqs = np.array([120.0, 120.0, *FREQ[2:]])
     one, two = (
-        identify_output_only(records(driven(seed, 120.0, freqs=freqs)), angles=ANGLES, band=(100.0, 230.0))
-        for seed in (75, 61)
+        cf.identify(records(driven(seed, 120.0, freqs=freqs)), angles=ANGLES, band=(100.0, 230.0)) for seed in (75, 61)
     )
     assert one.n.tolist() == [3, 4, 4, 0]
     assert (one.unresolved, one.doublets) == ((0,), ((1, 2),))
@@ -117,7 +115,7 @@ def test_intervals_hold_what_they_say_over_a_hundred_records():
     """95 % intervals of frequency and damping hold 92 to 97 %; every mode is found, none besides is sure."""
     off, held, others = [], [], 0
     for seed in range(100):
-        found = identify_output_only(records(driven(1000 + seed, 400.0)), angles=ANGLES, band=(100.0, 230.0))
+        found = cf.identify(records(driven(1000 + seed, 400.0)), angles=ANGLES, band=(100.0, 230.0))
         at = [int(np.argmin(np.abs(found.freq - freq))) for freq in FREQ]
         assert len(set(at)) == len(FREQ)
         off.append(found.freq[at] / FREQ - 1.0)
@@ -132,14 +130,10 @@ def test_intervals_hold_what_they_say_over_a_hundred_records():
 
 def test_what_has_no_modes_is_refused():
     y = np.random.default_rng(1).standard_normal((3, 4000))
-    frfs = cf.frf.FrfSet.from_arrays(kind="frf", x=[1.0, 2.0], responses=[[1j, 1j]], unit="m/N")
     for call, words in (
-        (lambda: identify_output_only(frfs), "kind 'frf'; expected time records"),
         (lambda: cf.identify(records(y[:, :900])), "900 samples; expected 2000 or more"),
         (lambda: cf.identify(records(0.0 * y)), "no channel with a signal"),
         (lambda: cf.identify(records(y), pick=[20.0]), "pick with time records"),
-        (lambda: identify_output_only(records(y), references=[9]), "references at points 9"),
-        (lambda: identify_output_only(records(y), seconds=3.0), "lags of 3 s in a record of 6.25 s"),
         (lambda: cf.identify(records(y), band=(500.0, 600.0)), "band 500 to 600 Hz"),
     ):
         with pytest.raises(cf.errors.InputError, match=words):

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.rig import SYNTHETIC, noise
-from casingfem.experiment.rig.structure import damping_spread, towards
 
 SEED = 20611
 
@@ -51,19 +49,6 @@ def test_what_is_left_out_is_made_good_below_the_last_mode(casing, coarse):
     assert blind > 4.0 * error
 
 
-def test_reciprocity_and_order_of_channels(casing):
-    rig = cf.rig.rig_of(casing, [*cf.rig.circle(0.25, 3), cf.rig.Place(at=(0.1, 2.0))], zeta=0.003)
-    each = rig.frfs([300.0, 400.0], sensors=[0, 1, 2], drives=[3, 0]).responses
-    alone = [rig.frfs([300.0, 400.0], sensors=[s], drives=[d]).responses[0] for d in (3, 0) for s in (0, 1, 2)]
-    np.testing.assert_allclose(each, alone, rtol=1e-10)
-    both = rig.frfs([300.0, 400.0], sensors=[0, 3], drives=[3, 0])
-    assert both.response_point.tolist() == [1, 4, 1, 4]
-    assert both.reference_point.tolist() == [4, 4, 1, 1]
-    np.testing.assert_allclose(both.responses[0], both.responses[3], rtol=1e-10)
-    assert both.unit == "(m/s^2)/N"
-    assert both.card[0] == SYNTHETIC
-
-
 def test_directions_have_their_numbers(casing):
     at = (0.25, np.pi / 2)
     rig = cf.rig.rig_of(
@@ -87,14 +72,6 @@ def test_the_normal_of_a_cone_points_into_it(coarse, frustum):
     assert rig.probes[2].direction == 0
 
 
-def test_directions_of_an_open_part_are_x_y_z():
-    codes = {
-        d: towards(d, 0.3, np.array([0.0, 0.0, 1.0]), closed=False)[1]
-        for d in ("x", "y", "z", "radial", "hoop", "axial")
-    }
-    assert codes == {"x": 1, "y": 2, "z": 3, "radial": 0, "hoop": 0, "axial": 3}
-
-
 def test_channels_have_the_directions_of_their_own_probes():
     probes = [
         cf.rig.Probe(7, 1, (0.0, 0.0, 0.0), 0.0),
@@ -111,18 +88,6 @@ def test_channels_have_the_directions_of_their_own_probes():
     np.testing.assert_allclose(some.receptance([0], [1], [1.0]), rig.receptance([2], [0], [1.0]), rtol=1e-12)
 
 
-def test_noise_is_as_strong_as_said_and_the_same_for_a_seed():
-    rig = cf.rig.Rig.of(omega=[600.0, 900.0], zeta=[0.01, 0.02], rows=[[1.0, 0.5], [0.1, -0.2]])
-    clean = rig.frfs(np.linspace(50.0, 200.0, 4000), sensors=[0, 1], drives=[0])
-    dirty, again, other = (cf.rig.noisy(clean, 30.0, seed=s) for s in (SEED, SEED, SEED + 1))
-    added = dirty.responses - clean.responses
-    rms = np.sqrt(np.mean(np.abs(added) ** 2, axis=1) / np.mean(np.abs(clean.responses) ** 2, axis=1))
-    np.testing.assert_allclose(20.0 * np.log10(rms), -30.0, atol=0.2)
-    assert np.array_equal(dirty.responses, again.responses)
-    assert not np.array_equal(dirty.responses, other.responses)
-    assert np.isrealobj(noise(np.ones((1, 4)), 20.0, np.random.default_rng(SEED)))
-
-
 def test_a_converter_errs_by_a_twelfth_of_its_step_squared():
     rng = np.random.default_rng(SEED)
     values = rng.normal(0.0, 1.0, 200_000)
@@ -131,29 +96,6 @@ def test_a_converter_errs_by_a_twelfth_of_its_step_squared():
     assert np.mean(error**2) == pytest.approx(adc.lsb**2 / 12.0, rel=0.01)
     narrow = cf.rig.Converter(bits=12, full_scale=1.0).convert(values)
     assert (narrow.min(), narrow.max()) == (-1.0, 1.0 - 1.0 / 2048)
-
-
-def test_damping_spreads_as_said():
-    zeta = damping_spread(0.002, 0.3, 20_000, seed=SEED)
-    assert np.std(np.log(zeta)) == pytest.approx(0.3, rel=0.02)
-    assert np.median(zeta) == pytest.approx(0.002, rel=0.01)
-
-
-BELOW = np.nextafter(1.0, 0.0)
-
-
-@pytest.mark.parametrize(("zeta", "spread"), [(0.0, 0.0), (1.0, 0.0), (0.1, -1e-9), (0.1, 2.0), (np.nan, 0.0)])
-def test_damping_that_is_none_is_refused(zeta, spread):
-    with pytest.raises(
-        cf.errors.InputError, match=f"zeta {zeta!r}, spread {spread!r}: expected 0 < zeta < 1 and 0 <= spread"
-    ):
-        damping_spread(zeta, spread, 2, seed=SEED)
-
-
-@pytest.mark.parametrize(("zeta", "spread"), [(1e-9, 0.0), (BELOW, 0.0), (0.1, 2.0 * BELOW)])
-def test_the_last_damping_is_taken(zeta, spread):
-    drawn = damping_spread(zeta, spread, 2, seed=SEED)
-    np.testing.assert_allclose(drawn, zeta * damping_spread(0.5, spread, 2, seed=SEED) / 0.5, rtol=1e-12)
 
 
 def test_a_circle_has_at_least_one_place():
@@ -191,25 +133,6 @@ def test_a_rig_has_frequencies_in_hz_and_may_have_two_alike():
     np.testing.assert_allclose(rig.freq, [9.0 / (2.0 * np.pi)] * 2, rtol=1e-15)
     assert (len(rig), rig.S.tolist(), rig.probes) == (2, [[0.0]], (cf.rig.Probe(1, 0, (0.0, 0.0, 0.0), 0.0),))
     assert not rig.rows.flags.writeable
-
-
-def test_what_cannot_be_asked_is_refused(casing, frustum, coarse):
-    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=[[1.0]])
-    for sensors, drives in (([1], [0]), ([0], [-1]), ([], [0])):
-        with pytest.raises(cf.errors.InputError, match="each from 0 to 0"):
-            rig.frfs([1.0], sensors=sensors, drives=drives)
-    with pytest.raises(cf.errors.InputError, match="'velocity', expected receptance or mobility or accelerance"):
-        rig.frfs([1.0], sensors=[0], drives=[0], quantity="velocity")
-    with pytest.raises(cf.errors.InputError, match="off the surface"):
-        cf.rig.rig_of(casing, [cf.rig.Place(at=(0.3, 0.0))], zeta=0.002)
-    with pytest.raises(cf.errors.InputError, match="found none"):
-        cf.rig.rig_of(casing, [], zeta=0.002)
-    with pytest.raises(cf.errors.InputError, match="direction: found 'up'"):
-        cf.rig.Place(at=(0.0, 0.0), direction="up")
-    with pytest.raises(cf.errors.InputError, match="bits: found 2"):
-        cf.rig.Converter(bits=2, full_scale=1.0)
-    with pytest.raises(cf.errors.InputError, match="snr_db"):
-        noise(np.ones((1, 3)), np.nan, np.random.default_rng(1))
 
 
 def test_a_loose_body_is_refused(frustum, coarse):

@@ -2,12 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import casingfem as cf
-from casingfem.experiment.frf.records.averages import block_spectra
-from casingfem.experiment.rig.estimate import estimate
-from casingfem.experiment.rig.record import BAND, FINER, measured, prefiltered, respond
 
 SEED = 8123
 FS = 2048.0
@@ -19,34 +15,6 @@ RIG = cf.rig.Rig.of(
 )
 
 
-def test_steps_under_straight_forces_are_exact():
-    rig = cf.rig.Rig.of(omega=[40.0], zeta=[0.05], rows=[[1.0]])
-    fs, knots = 20.0, np.array([0.0, 1.0, -2.0, 0.5, 3.0, 3.0, -1.0, 0.0])
-    t = np.arange(len(knots)) / fs
-
-    def rate(at, x):
-        return [x[1], np.interp(at, t, knots) - 2.0 * 0.05 * 40.0 * x[1] - 1600.0 * x[0]]
-
-    exact = solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, max_step=1e-3, rtol=1e-10, atol=1e-14).y
-    for quantity, want in (("receptance", exact[0]), ("mobility", exact[1])):
-        np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], quantity)[0], want, atol=1e-8)
-    acceleration = knots - 2.0 * 0.05 * 40.0 * exact[1] - 1600.0 * exact[0]
-    np.testing.assert_allclose(respond(rig, knots[None], fs, [0], [0], "accelerance")[0], acceleration, atol=1e-5)
-
-
-def test_sharpened_samples_join_to_the_smooth_force_at_the_highest_frequency():
-    count, periods = FINER * 256, 100  # of FINER * BAND samples each: fs/2.56
-    theta = 2.0 * np.pi * periods / count
-    assert theta == pytest.approx(2.0 * np.pi / (FINER * BAND), rel=1e-3)
-    force = np.cos(theta * np.arange(-8, count + 8))
-    inside = np.linspace(0.0, count, 32 * count, endpoint=False)
-    errors = []
-    for samples in (force, prefiltered(force[None])[0]):
-        joined = np.interp(inside, np.arange(-8, count + 8), samples)
-        errors.append(2.0 * abs(np.mean(joined * np.exp(-1j * theta * inside)) - 0.5))
-    assert errors[1] < theta**4 / 80.0 < 0.02 * errors[0]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
 @pytest.mark.parametrize(
@@ -56,7 +24,7 @@ def test_records_that_die_out_give_the_analytic_responses(quantity, excitation):
     test = cf.rig.record(RIG, [excitation], drives=[0], sensors=[0, 1, 2], fs=FS, block=8192, blocks=4, seed=SEED,
                   quantity=quantity)  # fmt: skip
     high = 700.0 if isinstance(excitation, cf.rig.BurstRandom) else 420.0
-    found = estimate(test, window="rectangular", overlap=0.0, band=(80.0, high))
+    found = cf.rig.estimate(test, window="rectangular", overlap=0.0, band=(80.0, high))
     exact = RIG.frfs(found.frfs.x, sensors=[0, 1, 2], drives=[0], quantity=quantity)
     scale = np.abs(exact.responses).max(axis=1, keepdims=True)
     assert np.max(np.abs(found.frfs.responses - exact.responses) / scale) < 2e-3
@@ -67,7 +35,7 @@ def test_records_that_die_out_give_the_analytic_responses(quantity, excitation):
 def test_two_shakers_at_once_are_told_apart():
     forces = [cf.rig.BurstRandom(rms=1.0, band=(60.0, 700.0), part=0.25)] * 2
     test = cf.rig.record(RIG, forces, drives=[0, 2], sensors=[1], fs=FS, block=8192, blocks=6, seed=SEED)
-    found = estimate(test, window="rectangular", overlap=0.0, band=(80.0, 600.0)).frfs
+    found = cf.rig.estimate(test, window="rectangular", overlap=0.0, band=(80.0, 600.0)).frfs
     exact = RIG.frfs(found.x, sensors=[1], drives=[0, 2])
     assert found.reference_point.tolist() == [1, 3]
     for channel in (0, 1):
@@ -77,7 +45,7 @@ def test_two_shakers_at_once_are_told_apart():
 
 def test_one_estimator_over_the_other_is_the_coherence():
     """|G_xf|^2/(G_ff G_xx) with one drive; the averages are the blocks that fit, half of each shared."""
-    test = measured(
+    test = cf.rig.measured(
         cf.rig.record(
             RIG,
             [cf.rig.Random(rms=1.0, band=(20.0, 780.0))],
@@ -91,32 +59,11 @@ def test_one_estimator_over_the_other_is_the_coherence():
         snr_db=10.0,
         seed=SEED,
     )
-    first, second = (estimate(test, estimator=which, band=(60.0, 700.0)) for which in ("H1", "H2"))
+    first, second = (cf.rig.estimate(test, estimator=which, band=(60.0, 700.0)) for which in ("H1", "H2"))
     assert first.averages == second.averages == 11
     assert first.frfs.x[[0, -1]].tolist() == [60.0, 700.0]
     np.testing.assert_allclose(first.frfs.responses / second.frfs.responses, first.coherence.responses, rtol=1e-9)
     assert first.coherence.responses.real.min() < 0.9
-
-
-def test_a_sine_on_a_line_is_seen_on_three_lines_of_a_hann_window():
-    """1/2 of it there, -1/4 on both sides, nothing elsewhere: exactly, as in every textbook."""
-    test = cf.rig.record(
-        RIG,
-        [cf.rig.Random(rms=1.0, band=(20.0, 780.0))],
-        drives=[0],
-        sensors=[1],
-        fs=FS,
-        block=256,
-        blocks=2,
-        seed=SEED,
-    )
-    sine = np.cos(2.0 * np.pi * 40.0 * np.arange(512) / 256)[None]
-    lines = block_spectra(sine, 256, "hann", 0.5)
-    assert lines.shape == (1, 3, 129)
-    exact = np.zeros(129)
-    exact[39:42] = 128.0 * np.array([-0.25, 0.5, -0.25])
-    np.testing.assert_allclose(lines[0], np.broadcast_to(exact, (3, 129)), atol=1e-10)
-    assert estimate(test).frfs.x[[0, -1]].tolist() == [8.0, 800.0]  # without 0 Hz, up to fs/2.56
 
 
 def test_a_channel_without_signal_passes_its_converter():
@@ -124,7 +71,7 @@ def test_a_channel_without_signal_passes_its_converter():
     test = cf.rig.record(
         rig, [cf.rig.Impact(peak=10.0, width=8e-3)], drives=[0], sensors=[0, 1], fs=FS, block=128, blocks=1, seed=SEED
     )
-    seen = measured(test, seed=SEED, bits=12).response
+    seen = cf.rig.measured(test, seed=SEED, bits=12).response
     assert np.abs(seen[1]).max() == 0.0 < np.abs(seen[0]).max()
 
 
@@ -166,14 +113,14 @@ def test_noise_of_a_record_has_its_size_and_leaves_the_forces_alone():
         seed=SEED,
     )
     assert np.std(clean.force) == pytest.approx(2.0, rel=0.01)
-    dirty = measured(clean, seed=SEED, snr_db=14.0)
+    dirty = cf.rig.measured(clean, seed=SEED, snr_db=14.0)
     assert np.array_equal(dirty.force, clean.force)
     ratio = np.std(dirty.response - clean.response, axis=1) / np.std(clean.response, axis=1)
     np.testing.assert_allclose(20.0 * np.log10(ratio), -14.0, atol=0.1)
-    clipped = measured(clean, seed=SEED, bits=12, full_scale=1.0)
+    clipped = cf.rig.measured(clean, seed=SEED, bits=12, full_scale=1.0)
     assert clipped.force.min() == -1.0
     assert clipped.force.max() == 1.0 - 2.0**-11
-    own = measured(clean, seed=SEED, bits=12)
+    own = cf.rig.measured(clean, seed=SEED, bits=12)
     for now, before in ((own.force[0], clean.force[0]), (own.response[1], clean.response[1])):
         lsb = 2.5 * np.abs(before).max() / 2**12
         assert np.abs(now - before).max() <= 0.5 * lsb * (1.0 + 1e-9)
@@ -212,7 +159,7 @@ def test_leakage_of_a_windowed_random_record_falls_with_its_length():
             blocks=40,
             seed=SEED,
         )
-        found = estimate(test, band=(140.0, 165.0)).frfs
+        found = cf.rig.estimate(test, band=(140.0, 165.0)).frfs
         exact = RIG.frfs(found.x, sensors=[0], drives=[0])
         errors.append(np.abs(found.responses - exact.responses).max() / np.abs(exact.responses).max())
     assert errors[1] < 0.35 * errors[0]  # the bias goes with the square of the resolution
@@ -230,8 +177,8 @@ def test_coherence_shows_the_noise():
         blocks=60,
         seed=SEED,
     )
-    dirty = measured(clean, snr_db=6.0, seed=SEED)
-    found = estimate(dirty, window="rectangular", overlap=0.0, band=(100.0, 600.0))
+    dirty = cf.rig.measured(clean, snr_db=6.0, seed=SEED)
+    found = cf.rig.estimate(dirty, window="rectangular", overlap=0.0, band=(100.0, 600.0))
     noise = np.mean(np.abs(np.fft.rfft((dirty.response - clean.response)[0].reshape(-1, 4096))) ** 2, axis=0)
     signal = np.mean(np.abs(np.fft.rfft(clean.response[0].reshape(-1, 4096))) ** 2, axis=0)
     lines = np.isin(np.fft.rfftfreq(4096, 1.0 / FS), found.frfs.x)
@@ -263,7 +210,7 @@ def test_converters_and_noise_leave_their_mark_and_seeds_decide():
         seed=SEED,
     )
     assert np.array_equal(clean.response, again.response)
-    coarse = measured(clean, seed=SEED, bits=10)
+    coarse = cf.rig.measured(clean, seed=SEED, bits=10)
     lsb = 2.5 * np.abs(clean.response).max() / 2**10
     assert np.var(coarse.response - clean.response) == pytest.approx(lsb**2 / 12.0, rel=0.05)
     assert "10 bits" in coarse.card[-1]
@@ -326,7 +273,7 @@ def test_what_cannot_be_estimated_is_refused():
         ({}, "1 averages"),
     ):
         with pytest.raises(cf.errors.InputError, match=words):
-            estimate(test, **keys)
+            cf.rig.estimate(test, **keys)
     with pytest.raises(cf.errors.InputError, match="width"):
         cf.rig.Impact(peak=1.0, width=0.0)
     with pytest.raises(cf.errors.InputError, match="peak"):

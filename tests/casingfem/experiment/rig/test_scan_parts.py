@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.scan import circle_content, in_space, velocity_at_spot
 
 SEED = 5120
 OMEGA, ZETA = 2.0 * np.pi * np.array([90.0, 104.0]), np.array([0.01, 0.03])
@@ -37,34 +36,6 @@ def at(probes, forces):
     return whole
 
 
-@pytest.mark.parametrize(("count", "last"), [(3, 1), (4, 1), (5, 2), (6, 2), (7, 3)])
-def test_a_circle_has_the_orders_that_its_probes_tell(count, last):
-    theta = -2.0 + 2.0 * np.pi * np.arange(count) / count
-    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), float(np.angle(np.exp(1j * a)))) for k, a in enumerate(theta)]
-    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((count, 1)), probes=probes)
-    n, transform = circle_content(rig, range(count))
-    assert n.tolist() == list(range(-last, last + 1))
-    shapes = np.exp(1j * np.multiply.outer(theta, n))
-    np.testing.assert_allclose(transform @ shapes, np.eye(len(n)), atol=1e-12)
-
-
-@pytest.mark.parametrize(("off", "even"), [(0.9e-9, True), (1.1e-9, False), (-1.1e-9, False)])
-def test_probes_may_be_uneven_by_round_off_alone(off, even):
-    rig = ring(WRAPPED + np.array([0.0, 0.0, off, 0.0, 0.0]))
-    if even:
-        circle_content(rig, CIRCLE)
-        return
-    with pytest.raises(cf.errors.InputError, match="found 5 probes at uneven angles, expected 3 or more"):
-        circle_content(rig, CIRCLE)
-
-
-def test_two_probes_make_no_circle():
-    probes = [cf.rig.Probe(k + 1, 1, (0.0, 0.0, 0.0), k * np.pi) for k in range(2)]
-    rig = cf.rig.Rig.of(omega=[9.0], zeta=0.01, rows=np.ones((2, 1)), probes=probes)
-    with pytest.raises(cf.errors.InputError, match="found 2 probes at uneven angles"):
-        circle_content(rig, [0, 1])
-
-
 def test_a_scan_is_what_a_spot_sees_of_the_waves_of_its_shaker():
     """Two tones, given from above; without a word there is neither noise nor wander, and 1 N in phase."""
     rig, turn = ring(), cf.rig.Turning(mirror=2.5, casing=0.7)
@@ -92,58 +63,6 @@ def test_a_scan_is_what_a_spot_sees_of_the_waves_of_its_shaker():
     np.testing.assert_allclose(found.record.angle, theta, rtol=1e-12)
     assert found.record.card[0].startswith("SYNTHETIC")
     assert "1.12 Hz" in found.record.card[-1]  # 1.6 x .7
-
-
-@pytest.mark.parametrize(("highest", "last"), [(None, 2), (2, 2), (1, 1), (0, 0)])
-def test_a_force_in_space_is_its_harmonics_each_at_a_frequency_of_its_own(highest, last):
-    """At the angle .6 - 2 pi W t it is sum_m F e^(i m .6) e^(i (omega - 2 pi m W) t) e^(-i m theta_p)/P at the probes.
-
-    Two tones that are W apart meet: what they make adds up.
-    """
-    rig, turn = ring(), cf.rig.Turning(mirror=3.0, casing=0.25)
-    tones = [cf.rig.Tone(97.0, 2.0, -0.3), cf.rig.Tone(97.25, 0.5)]
-    felt = in_space(rig, CIRCLE, turn, tones, CIRCLE, 0.6, highest)
-    exact = {}
-    for tone in tones:
-        for m in range(-last, last + 1):
-            force = tone.amplitude * np.exp(1j * (tone.phase + 0.6 * m)) * np.exp(-1j * m * THETA) / 5.0
-            freq = tone.freq - 0.25 * m
-            exact[freq] = exact.get(freq, 0.0) + waves(rig, freq, at(CIRCLE, force))
-    assert sorted(felt) == sorted(exact)
-    assert len(felt) == 2 * last + 2
-    for freq, wave in exact.items():
-        np.testing.assert_allclose(felt[freq], wave, rtol=1e-9)
-
-
-def test_a_scan_with_a_force_in_space_begins_at_its_angle():
-    rig, turn = ring(), cf.rig.Turning(mirror=3.0, casing=0.25)
-    asked = {"circle": CIRCLE, "drive_circle": CIRCLE, "fs": 500.0, "seconds": 0.1, "seed": SEED}
-    for more, angle, highest in (({}, 0.0, None), ({"drive_angle": 0.6, "highest": 1}, 0.6, 1)):
-        found = cf.rig.scan(rig, turn, [cf.rig.Tone(97.0)], **asked, **more)
-        felt = in_space(rig, CIRCLE, turn, [cf.rig.Tone(97.0)], CIRCLE, angle, highest)
-        assert found.record.tones == tuple(sorted(felt))
-        np.testing.assert_array_equal(found.V, [felt[freq] for freq in sorted(felt)])
-
-
-def test_frequencies_that_differ_by_round_off_are_one():
-    """.3 - .1 is not .2 to the last bit."""
-    felt = in_space(
-        ring(), CIRCLE, cf.rig.Turning(mirror=3.0, casing=0.1), [cf.rig.Tone(90.3), cf.rig.Tone(90.2)], CIRCLE, 0.0, 1
-    )
-    assert sorted(felt) == [90.1, 90.2, 90.3, 90.4]
-
-
-def test_a_spot_sees_each_wave_at_its_own_angle():
-    rng = np.random.default_rng(SEED)
-    V = rng.normal(size=(2, 4)) + 1j * rng.normal(size=(2, 4))
-    n, freq, angle = np.arange(-1, 3), np.array([7.0, 9.5]), np.cumsum(rng.uniform(-0.2, 0.4, 60))
-    t = np.arange(60) / 40.0
-    seen = np.array([
-        np.real(sum(V[k, j] * np.exp(1j * (2.0 * np.pi * freq[k] * t[i] + n[j] * angle[i]))
-                    for k in range(2) for j in range(4)))
-        for i in range(60)
-    ])  # fmt: skip
-    np.testing.assert_allclose(velocity_at_spot(V, freq, n, angle, 40.0), seen, atol=1e-12)
 
 
 def test_noise_of_a_scan_is_as_far_below_its_rms_as_is_said():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.troubles import TroubledTruth, _noise
 
 SEED = 4407
 X = np.arange(80.0, 160.0, 0.5)
@@ -234,28 +233,6 @@ def test_pairs_are_exchanged_with_their_coherence_and_dead_channels_have_noise_a
     close(found.coherence.responses.real, coherence[where])
     noise = found.frfs.responses - (signs * there)[:, None] * H[where]
     assert np.mean(np.abs(noise / sigma[where]) ** 2, axis=1) == pytest.approx(np.ones(10), abs=0.3)
-
-
-def test_common_noise_reaches_each_channel_with_a_phase_of_its_own():
-    noise = _noise(cf.rig.Troubles(coherent=1.0), (400, 3), 1, np.random.default_rng(SEED))
-    turn = noise[:, 0] / noise[0, 0]
-    np.testing.assert_allclose(np.abs(turn), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(noise, turn[:, None] * noise[:1], rtol=1e-12)
-    assert abs(turn.mean()) < 0.15
-    assert abs(np.mean(turn**2)) < 0.15
-
-
-def test_records_count_channels_from_one():
-    truth = TroubledTruth(
-        freq=np.array([[1.0, 2.0]]), zeta=np.array([[0.1, 0.2]]), peak=np.array([3.0, 4.0]),
-        left=np.array([0.4, 0.0]), fixture_hz=np.array([5.0]),
-        setup=np.array([0, 1, 1]), dead=(0,), noisy=(2,), swapped=((3, 5),), flipped=(4, 6),
-    )  # fmt: skip
-    assert truth.records() == {
-        "freq_hz": [[1.0, 2.0]], "zeta": [[0.1, 0.2]], "peak_over_noise": [3.0, 4.0],
-        "ringing_left": [0.4, 0.0],
-        "fixture_hz": [5.0], "setup": [1, 2, 2], "dead": [1], "noisy": [3], "flipped": [5, 7], "swapped": [[4, 6]],
-    }  # fmt: skip
 
 
 OUTSIDE = {

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.experiment.rig.troubles import AVERAGES, HIT_DELAY, _noise, hann_power
 
 SEED = 9103
 X = np.arange(80.0, 160.0, 0.25)
@@ -86,36 +85,6 @@ def test_noise_has_its_size_colour_and_common_part():
     alike = np.abs(np.corrcoef(noise[others]))[np.triu_indices(7, 1)]
     assert 0.6 < np.median(alike) < 0.95
     assert test.coherence.responses.real.min() < 0.5
-
-
-def test_noise_has_variance_one_and_its_share_in_common():
-    """Two drives, two sensors each: only channels of one drive have anything in common."""
-    noise = _noise(cf.rig.Troubles(coherent=0.3), (4, 40000), 2, np.random.default_rng(SEED))
-    alike = np.abs(noise @ noise.conj().T) / 40000
-    np.testing.assert_allclose(alike, np.kron(np.eye(2), [[1.0, 0.3], [0.3, 1.0]]), atol=0.02)
-    assert np.var(noise.real) == pytest.approx(0.5, rel=0.02)
-    assert abs(np.mean(noise**2)) < 0.02  # real and imaginary parts have nothing in common
-
-
-def test_coherence_and_peaks_say_how_large_the_noise_is():
-    """20 dB below the rms of a channel, ten times that in one; over |1 + d e^{-i w T}| of a second hit T later."""
-    test = made(snr_db=20.0, colour=1.5, noisy=1, double_hit=0.7)
-    rms = np.sqrt(np.mean(np.abs(EXACT) ** 2, axis=1, keepdims=True))
-    sigma = 0.1 * rms * (X.mean() / X) ** 1.5 / np.abs(1.0 + 0.7 * np.exp(-2j * np.pi * X * HIT_DELAY))
-    sigma[list(test.truth.noisy)] *= 10.0
-    exact = np.abs(EXACT) ** 2 / (np.abs(EXACT) ** 2 + AVERAGES * sigma**2)
-    np.testing.assert_allclose(test.coherence.responses.real, exact, rtol=1e-6)
-    for k, freq in enumerate(rig().freq):
-        one = cf.rig.Rig.of(omega=[2.0 * np.pi * freq], zeta=0.004, rows=rig().rows[:, [k]], probes=rig().probes)
-        line = int(np.searchsorted(X, test.truth.freq[0, k]))
-        peak = np.abs(one.frfs(np.array([freq]), sensors=range(8), drives=[8]).responses[:, 0])
-        assert test.truth.peak[k] == pytest.approx(np.sqrt(np.mean((peak / sigma[:, line]) ** 2)), rel=1e-4)
-
-
-def test_leakage_is_the_power_of_a_hann_window():
-    """1, 1/4, 0, 0 at 0, 1, 2, 3 lines, of sum 1."""
-    np.testing.assert_allclose(hann_power(np.array([0.0, 1.0, -1.0, 2.0, 3.0])), np.array([4.0, 1.0, 1.0, 0, 0]) / 6.0,
-                               atol=1e-7)  # fmt: skip
 
 
 def test_a_local_mode_is_seen_by_three_neighbours_at_half_its_size():

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.cyclic.reduction import cylindrical
-from casingfem.structure.imported.cyclic.sector import assemble_cyclic
 
 
 @pytest.fixture(scope="module")
@@ -21,17 +19,6 @@ def quarter():
 def node(sector, place):
     mesh = sector.structure.mesh
     return int(mesh.node_numbers[np.linalg.norm(mesh.points - place, axis=1).argmin()])
-
-
-def test_directions_at_nodes_are_radius_angle_and_axis(quarter):
-    """At 45 and 0 degrees; the loads are any."""
-    at = cf.modal.AtNodes((node(quarter, [0.1, 0.1, 0.05]), node(quarter, [0.05, 0.0, 0.05])))
-    P = np.random.default_rng(3).standard_normal((7, 6))
-    turned, names = cylindrical(quarter, assemble_cyclic(quarter).system, at, P)
-    x, y, z, u, v, w = P.T
-    root = np.sqrt(0.5)
-    np.testing.assert_allclose(turned.T, [root * (x + y), root * (y - x), z, u, v, w], atol=1e-12)
-    assert names == tuple(f"{number}.{name}" for number in at.nodes for name in ("span", "flap", "chord"))
 
 
 @pytest.mark.slow

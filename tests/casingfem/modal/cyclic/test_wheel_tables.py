@@ -6,79 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.cyclic.mistuned import checked_deviations, mixed, richer
-from casingfem.modal.cyclic.modes import checked_diameters, wheel_shapes
-from casingfem.modal.cyclic.waves import Waves
-from casingfem.modal.harmonics import Rings
-from casingfem.modal.whirl import expand_complex, freq_at_rest, wave_sense
-
-N = 5
-RNG = np.random.default_rng(14)
-# of each diameter: complex shapes at two channels, and at three dofs of the blade
-PLACES = {0: RNG.standard_normal((2, 1)), 1: RNG.standard_normal((2, 2)) + 1j * RNG.standard_normal((2, 2))}
-SHAPES = {0: RNG.standard_normal((3, 1)), 1: RNG.standard_normal((3, 2)) + 1j * RNG.standard_normal((3, 2))}
-STIFF = np.array([[3.0, -1.0, 0.0], [-1.0, 2.0, 0.5], [0.0, 0.5, 1.0]])
-SINGLE, COSINES, SINES = slice(0, 1), slice(1, 3), slice(3, 5)
-
-
-def in_sector(parts, j):
-    """Real motions in sector j of the coordinates: Re(z e^(i n alpha j) (c - i s))."""
-    wave = parts[1] * np.exp(2j * np.pi * j / N)
-    return np.concatenate([parts[0], wave.real, wave.imag], axis=1)
-
-
-def waves(omega=(4.0, 3.0, 6.0, 3.0, 6.0), modes=(True,) * 5):
-    return Waves(
-        sectors=N, n=np.array([0, 1, 1, 1, 1]), omega=np.array(omega), modes=np.array(modes),
-        partner=np.array([0, 3, 4, 1, 2]), sign=np.array([-1.0, -1.0, -1.0, 1.0, 1.0]), places=in_sector(PLACES, 0),
-        blade=in_sector(SHAPES, 0).T @ STIFF @ in_sector(SHAPES, 0), added=np.zeros((0, 0)),
-        gyroscopic=np.zeros((0, 0)),
-    )  # fmt: skip
-
-
-def test_channels_of_every_sector_move_as_their_waves_pass():
-    np.testing.assert_allclose(waves().rows(), np.concatenate([in_sector(PLACES, j) for j in range(N)]), atol=1e-14)
-
-
-@pytest.mark.parametrize("j", [0, 1, 3])
-def test_the_energy_of_a_blade_is_that_of_its_own_motions(j):
-    own = in_sector(SHAPES, j)
-    np.testing.assert_allclose(waves().blade_energy(j), own.T @ STIFF @ own, atol=1e-13)
-
-
-def test_a_tuned_wheel_has_its_modes_first_each_kind_ascending():
-    omega, turn = mixed(waves((4.0, 3.0, 6.0, 3.5, 2.0), (True, True, False, True, False)), None)
-    assert omega.tolist() == [3.0, 3.5, 4.0, 2.0, 6.0]
-    assert np.array_equal(turn, np.eye(5)[:, [1, 3, 0, 4, 2]])
-
-
-def test_a_mistuned_wheel_has_blades_of_other_stiffness():
-    deviations = np.array([0.1, 0.0, -0.05, 0.0, 0.2])
-    omega, turn = mixed(waves(), deviations)
-    K = np.diag(np.array([4.0, 3.0, 6.0, 3.0, 6.0]) ** 2)
-    for j, deviation in enumerate(deviations):
-        own = in_sector(SHAPES, j)
-        K = K + ((1.0 + deviation) ** 2 - 1.0) * own.T @ STIFF @ own
-    np.testing.assert_allclose(omega**2, np.linalg.eigvalsh(K), rtol=1e-10)
-    np.testing.assert_allclose(turn.T @ K @ turn, np.diag(omega**2), atol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("values", "found"),
-    [
-        ([0.1, 0.2], "2 values"),
-        ([[0.1], [0.2], [0.3]], "3 values"),
-        ([0.1, -1.0, 0.2], "-1"),
-        ([np.nan, 0.0, 0.0], "nan"),
-    ],
-)
-def test_deviations_are_one_a_sector_above_minus_one(values, found):
-    with pytest.raises(
-        cf.errors.ModelError, match=rf"found {found}, expected 3, each above -1 .*|found {found}, expected 3"
-    ):
-        checked_deviations(values, 3)
-    assert checked_deviations([-0.999, 0.0, 5.0], 3).tolist() == [-0.999, 0.0, 5.0]
-    assert [richer(count) for count in (1, 6)] == [4, 14]
 
 
 def test_a_mistuned_mode_is_told_by_its_diameter_and_its_blade():
@@ -101,17 +28,6 @@ def sector(count=4):
     return SimpleNamespace(
         sectors=count, diameters=tuple(range(count // 2 + 1)), count=lambda n: 1 if n in (0, count / 2) else 2
     )
-
-
-@pytest.mark.parametrize(("asked", "chosen"), [(None, (0, 1, 2)), ([2, 0, 2], (0, 2)), ((1,), (1,))])
-def test_diameters_are_taken_once_and_ascending(asked, chosen):
-    assert checked_diameters(sector(), asked) == chosen
-
-
-@pytest.mark.parametrize("asked", [[], [3], [-1, 0]])
-def test_diameters_that_a_wheel_does_not_have_are_refused(asked):
-    with pytest.raises(cf.errors.ModelError, match=r"expected some of 0 to 2"):
-        checked_diameters(sector(), asked)
 
 
 def cyclic(counts):
@@ -155,31 +71,6 @@ def test_a_long_line_of_frequencies_goes_on_below():
     assert max(len(first), len(second)) <= 80
 
 
-@pytest.mark.parametrize(("n", "share"), [(0, 1 / 4), (1, 2 / 4), (2, 1 / 4)])
-def test_shapes_of_a_sector_are_normalised_over_the_wheel_and_real_at_their_peak(n, share):
-    vectors = np.array([[1.0 + 1j, 0.5], [3j, 0.0], [0.1, -4.0], [0.0, 9.0]])
-    system = SimpleNamespace(
-        sector=sector(), system=SimpleNamespace(expand=lambda x: np.concatenate([x, 7.0 * x[3:]])[None])
-    )  # the last two are rotations, however large
-    found = wheel_shapes(system, n, vectors)
-    expected = np.sqrt(share) * np.concatenate([vectors, 7.0 * vectors[3:]])
-    np.testing.assert_allclose(found[0], expected * [-1j, -1.0], atol=1e-14)
-
-
-def test_complex_shapes_have_their_largest_displacement_one():
-    system = SimpleNamespace(expand=lambda x: x.reshape(2, 4, -1))
-    vectors = np.arange(16.0).reshape(8, 2) * np.array([1.0, 1j]) + np.array([0.0, 2.0])
-    found = expand_complex(system, vectors)
-    np.testing.assert_allclose(found, vectors.reshape(2, 4, 2) / vectors[6], rtol=1e-14)
-
-
-def test_an_observer_at_rest_sees_waves_by_their_sense():
-    turning = cf.Rotation(omega=-2.0 * np.pi * 30.0)
-    found = freq_at_rest(np.array([100.0, 100.0, 50.0, 20.0]), np.array([2, -2, 0, -1]), turning)
-    np.testing.assert_allclose(found, [160.0, 40.0, 50.0, 10.0], rtol=1e-14)
-    assert freq_at_rest(np.array([100.0]), np.array([3]), None).tolist() == [100.0]
-
-
 def test_a_whirl_names_its_waves():
     found = cf.modal.CyclicWhirl(
         sector=SimpleNamespace(structure=SimpleNamespace(rotation=cf.Rotation(omega=2.0 * np.pi * 7.0))),
@@ -192,17 +83,3 @@ def test_a_whirl_names_its_waves():
     assert [line.split()[:2] for line in repr(found).splitlines()[1:]] == [
         ["1", "backward"], ["3", "forward"], ["0", "single"]
     ]  # fmt: skip
-
-
-@pytest.mark.parametrize("turning", [1.0, -1.0])
-def test_the_sense_of_a_wave_is_that_of_the_larger_part_at_its_own_diameters(turning):
-    """Two rings of uneven weight, 2.25 against 2.71; those of n = 0 have none."""
-    forward, backward = np.zeros((2, 4, 2, 3, 4))
-    forward[2, :, :, 0], backward[2, :, :, 0] = [[3.0], [0.0]], [[0.0], [1.9]]
-    forward[3, 0, 1, 1], backward[1, 0, 1, 1] = 1.0, 1.1
-    forward[0, :, 2, 2], backward[0, :, 2, 2] = 1.0, 0.5
-    forward[1, 1, 0, 3], backward[1, 1, 0, 3] = 0.4, 0.5
-    weights = np.array([0.25, 0.75])
-    n, sense = wave_sense([Rings(part, weights) for part in (forward, backward)], turning)
-    assert n.tolist() == [2, 1, 0, 1]
-    assert sense.tolist() == [-turning, -turning, 0, -turning]

@@ -8,20 +8,11 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.linalg.factor import factorise
-from casingfem.modal.cyclic.mistuned import mixed
-from casingfem.modal.cyclic.waves import Waves
-from casingfem.structure.imported.cyclic.wheel import wheel_structure
-from reports.verification.modes.cyclic import bent_plate, bladed_disk, complete, mistuned_wheel, tip_loads
+from reports.verification.modes.cyclic import bladed_disk
 
 N, COUNT = 4, 4
 TURNING = cf.Rotation(omega=900.0)
 SMALL = (1, 1, 2, 1)
-WHEELS = {
-    "solid": lambda: bladed_disk(N, SMALL),
-    "solid turning": lambda: bladed_disk(N, SMALL, TURNING),
-    "shell turning": lambda: bent_plate(3, TURNING, (3, 1)),
-}
 DEVIATIONS = np.array([0.02, -0.01, 0.0, -0.03])
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-(kink|thin-curved)")
 
@@ -34,29 +25,6 @@ def disk():
 @pytest.fixture(scope="module")
 def tuned(disk):
     return cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=3, zeta=0.002)
-
-
-@pytest.fixture(scope="module")
-def mistuned(disk):
-    return cf.modal.cyclic_reduce(disk, cf.TipNodes("tip", 2), modes=3, deviations=DEVIATIONS, blade="blade")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("make", WHEELS.values(), ids=WHEELS)
-def test_all_modes_of_the_wheel_are_those_of_its_sector(make):
-    sector = make()
-    found = cf.modal.cyclic_modes(sector, COUNT)
-    whole, wheel = wheel_structure(sector), cf.modal.wheel_modes(found)
-    below = complete(found, [(n,) for n in found.nodal_diameters.tolist()])
-    count = int(np.count_nonzero(wheel.freq < below))
-    assert count >= 2 * sector.sectors
-    np.testing.assert_allclose(wheel.freq[:count], cf.modes(whole, count).freq, rtol=1e-9)
-    assert len(found.records()) == len(wheel)
-    system = whole.assembled()  # at its speed
-    shapes = system.restrict(wheel.fields)
-    np.testing.assert_allclose(shapes.T @ (system.M @ shapes), np.eye(len(wheel)), atol=1e-9)
-    residual = system.K @ shapes - (system.M @ shapes) * wheel.omega**2
-    assert np.linalg.norm(residual, axis=0).max() < 1e-6 * np.linalg.norm(system.K @ shapes, axis=0).min()
 
 
 def test_a_band_may_hold_no_mode_of_some_diameters_or_of_all(disk):
@@ -77,30 +45,6 @@ def test_a_free_wheel_has_its_six_rigid_motions(disk):
     assert found.nodal_diameters[found.rigid].tolist() == [0, 0, 1, 1]
 
 
-def test_a_band_has_the_modes_of_the_whole_wheel_in_it(disk):
-    band = (1000.0, 5000.0)
-    found = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, band))
-    np.testing.assert_allclose(found.freq, cf.modes(wheel_structure(disk), band=band).freq, rtol=1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["solid turning", "shell turning"])
-def test_coriolis_parts_the_pairs_as_on_the_whole_wheel(name):
-    sector = WHEELS[name]()
-    waves = cf.modal.cyclic_whirl(sector, 3)
-    labels = list(zip(waves.nodal_diameters.tolist(), waves.sense.tolist(), strict=True))
-    freq = np.sort(waves.freq)
-    count = int(np.count_nonzero(freq < complete(waves, labels)))
-    assert count >= sector.sectors
-    np.testing.assert_allclose(freq[:count], cf.whirl_modes(wheel_structure(sector), count).freq[:count], rtol=1e-8)
-    still = cf.modal.cyclic_modes(sector, 3)
-    for n in (1,):
-        forward, backward = (waves.freq[(waves.nodal_diameters == n) & (waves.sense == s)] for s in (1, -1))
-        pair = still.freq[still.nodal_diameters == n]
-        assert np.abs(forward - backward).max() > 1e-4 * pair[0]
-        np.testing.assert_allclose(np.sqrt(forward * backward), pair, rtol=2e-3)
-
-
 @pytest.mark.slow
 def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
     one, other = (
@@ -111,26 +55,6 @@ def test_a_wheel_that_turns_the_other_way_has_the_other_waves():
     assert one.freq_fixed[2] > one.freq[2]
     with pytest.raises(cf.errors.ModelError, match="rotation-none"):
         cf.modal.cyclic_whirl(bladed_disk(N, SMALL))
-
-
-@pytest.mark.slow
-def test_waves_run_the_way_they_run_on_a_ring():
-    """A body of revolution, on which `cf.whirl_modes` tells n and sense by its own means."""
-    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.12)
-    mesh = cf.imported.grid_mesh(
-        "hexahedron20", (1, 3, 1), lambda u: wall(u * [1.0, 0.125, 1.0]), groups={"base": (2, 0.0)}
-    )
-    steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
-    ring = cf.Solid(mesh=mesh, material=steel, supports={"base": cf.Clamped()}, rotation=TURNING)
-    waves = cf.modal.cyclic_whirl(cf.imported.CyclicSector(structure=ring, sectors=8), 1, diameters=[1, 2, 3])
-    whole = cf.whirl_modes(wheel_structure(waves.sector), 8)
-    found = {(n, sense): f for n, sense, f in zip(waves.nodal_diameters, waves.sense, waves.freq, strict=True)}
-    told = {(n, sense): f for n, sense, f in zip(whole.nodal_diameters, whole.sense, whole.freq, strict=True)}
-    shared = [label for label in told if label in found]
-    assert len(shared) >= 4
-    for label in shared:
-        assert found[label] == pytest.approx(told[label], rel=1e-8)
-        assert abs(found[label] / found[label[0], -label[1]] - 1.0) > 1e-4
 
 
 @pytest.mark.slow
@@ -170,56 +94,9 @@ def test_a_table_of_waves_tells_what_turns_with_the_wheel_and_what_stands():
 
 
 @pytest.mark.slow
-def test_a_mistuned_wheel_is_its_full_model(disk, mistuned):
-    whole = mistuned_wheel(disk, DEVIATIONS)
-    exact = cf.modes(whole, 3 * N).freq
-    tuned = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, 3)).freq
-    assert np.abs(tuned / exact - 1.0).max() > 5e-3
-    found = cf.modal.mistuned_modes(disk, DEVIATIONS, 3, blade="blade")
-    np.testing.assert_allclose(found.freq, exact, rtol=3e-4)
-    np.testing.assert_allclose(mistuned.freq, exact, rtol=3e-4)
-    assert np.all(found.freq > exact * (1.0 - 1e-9))  # Ritz from above
-    P = tip_loads(disk, whole, cf.TipNodes("tip", 2))
-    compliance = P.T @ factorise(whole.assembled().K).solve(P)
-    assert np.abs(mistuned.compliance - compliance).max() < 5e-4 * np.abs(compliance).max()
-    assert int(found.energy[0].argmax()) == 3  # the softest blade moves alone in the lowest mode
-    assert found.localisation[0] > 2.0
-    np.testing.assert_allclose(found.content.sum(axis=1), 1.0, rtol=1e-9)
-
-
-@pytest.mark.slow
 def test_all_blades_alike_scale_nothing_but_the_stiffness_of_a_whole_sector(disk):
     tuned = cf.modal.wheel_modes(cf.modal.cyclic_modes(disk, 3)).freq
     np.testing.assert_allclose(cf.modal.mistuned_modes(disk, [0.05] * N, 3).freq, 1.05 * tuned, rtol=1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("at", [cf.TipNodes("tip", 2), None], ids=["pieces", "nodes"])
-def test_the_basis_of_a_wheel_answers_static_pushes_at_every_tip(disk, tuned, at):
-    whole = wheel_structure(disk)
-    if at is None:  # span is radial, flap along theta, chord along the axis
-        mesh = disk.structure.mesh
-        node = int(mesh.groups["tip"].nodes[0])
-        basis = cf.modal.cyclic_reduce(disk, cf.modal.AtNodes((int(mesh.node_numbers[node]),)), modes=2)
-        x, y, _ = mesh.points[node]
-        r = np.hypot(x, y)
-        pushed = cf.solve_static(
-            whole, [cf.imported.NodeLoad(node=node_number(whole, mesh.points[node]), force=(-y / r, x / r, 0.0))]
-        )
-        answer = pushed.at(node_number(whole, mesh.points[node]))
-        assert basis.channels[1] == f"sector0.{mesh.node_numbers[node]}.flap"
-        seen = answer @ np.array([[x / r, y / r, 0.0], [-y / r, x / r, 0.0], [0.0, 0.0, 1.0]]).T
-        np.testing.assert_allclose(basis.compliance[:3, 1], seen, rtol=1e-6)
-        assert np.abs(seen[[0, 2]]).min() > 1e-3 * seen[1]  # signs show
-        return
-    P = tip_loads(disk, whole, at)
-    compliance = P.T @ factorise(whole.assembled().K).solve(P)
-    np.testing.assert_allclose(tuned.compliance, compliance, atol=1e-8 * np.abs(compliance).max())
-
-
-def node_number(structure, place):
-    mesh = structure.mesh
-    return int(mesh.node_numbers[np.linalg.norm(mesh.points - place, axis=1).argmin()])
 
 
 @pytest.mark.slow
@@ -305,23 +182,6 @@ def test_a_free_wheel_turns_and_slides_along_its_axis_at_any_speed(speed):
     told = re.search(r"= (-[\d.e+]+) rad", str(refused.value))
     assert told is not None
     assert float(told[1]) == pytest.approx(-(speed**2), rel=1e-3, abs=1e-3)  # K holds it to some 1e-4
-
-
-@pytest.mark.parametrize(("energy", "omega"), [(4.0, np.sqrt(6.0)), (12.0, 0.0)])
-def test_a_softer_blade_may_leave_a_wheel_no_stiffness_but_not_less(energy, omega):
-    """One wave of w^2 = 9 whose blade, at half its own frequency, lacks 3/4 of its elastic energy."""
-    one = np.ones(1)
-    wave = Waves(
-        sectors=1, n=0 * one, omega=3.0 * one, modes=one > 0.0, partner=np.zeros(1, int), sign=one,
-        places=one[None], blade=energy * one[None], added=np.zeros((0, 0)),
-        gyroscopic=np.zeros((0, 0)),
-    )  # fmt: skip
-    found, turn = mixed(wave, -0.5 * one)
-    np.testing.assert_allclose(found, [omega], atol=1e-7)
-    assert abs(turn.item()) == 1.0
-    softer = replace(wave, blade=12.001 * one[None])
-    with pytest.raises(cf.errors.NumericsError, match=r"mistuned wheel: found omega\^2 = -0\.00075 rad\^2/s\^2"):
-        mixed(softer, -0.5 * one)
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,6 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from casingfem.linalg.factor import solve_held
-from casingfem.structure.mesh.edge_form import EdgeForm
-from casingfem.structure.mesh.kinematics import frame
-from casingfem.structure.shell.assembly import turning
 from reports.verification.rotation import ring_waves
 
 STEEL = cf.Material(E=210e9, nu=0.3, rho=7800.0)
@@ -26,66 +22,6 @@ def casing(offset=None, masses=()):
         chart=cf.Frustum(r_base=0.5, r_top=0.45, height=0.25), thickness=5e-3, material=STEEL,
         supports=SPRINGS | ring, masses={"top": masses} if masses else {}, mesh=cf.ShellMesh(order=7, rows=1, around=7),
     )  # fmt: skip
-
-
-def rigid(system, axis):
-    """A turn of the body to first and to second order on the unknowns."""
-    x, normal = system.points.T, frame(system.shell.geometry(*system.grid.nodes).surface)
-    axis, n = np.asarray(axis), normal.normal
-
-    def motion(u, d, own):
-        field = np.concatenate([u, [np.sum(d * normal.e1, axis=0), np.sum(d * normal.e2, axis=0)]]).T
-        return system.collect(field[:, :, None], own[:, None])[:, 0]
-
-    own = (axis @ n)[system.grid.edges["top"].nodes] if system.own else np.zeros(0)
-    u, d = np.cross(axis, x, axis=0), np.cross(axis, n, axis=0)
-    return motion(u, d, own), motion(0.5 * np.cross(axis, u, axis=0), 0.5 * np.cross(axis, d, axis=0), 0.0 * own)
-
-
-CASES = {"ring": ((0.0, 0.0), ()), "eccentric ring": ((0.012, 0.008), ()), "masses on it": ((0.012, 0.008), MASSES)}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.3, 0.1)])
-def test_a_rigid_turn_of_a_ringed_shell_costs_what_its_springs_cost(name, axis):
-    """The inner energy is unchanged to second order: v K_sigma v = -2 f_inner.v2, without what the loads do."""
-    shell = casing(*CASES[name])
-    system, free = cf.shell.assemble(shell), cf.shell.assemble(replace(shell, supports={"top": shell.supports["top"]}))
-    part = turning(system, cf.Rotation(omega=1.0))
-    u = solve_held(system.stiffness, part.load)
-    v, second = rigid(system, axis)
-    edges = part.edges
-    soft = part.scattered(part.blocks[0]) + edges.on_unknowns(edges.inertia[0])
-    (ring,) = edges.rings
-    load = ring.load.copy()
-    for mass in edges.masses:
-        ring.add_pull(load, mass, edges.away("top"))
-    of_loads = EdgeForm(ring.dofs, np.tile(np.eye(6), (len(load), 1, 1)), ring.by_force(load))
-    sigma = v @ ((part.spin(u).K1 + soft - edges.on_unknowns([of_loads])) @ v)
-    assert sigma == pytest.approx(-2.0 * (free.K @ u) @ second, rel=1e-8)
-    assert abs(sigma) > 0.1
-
-
-@pytest.mark.parametrize("name", [*CASES, "masses on the edge"])
-def test_inertia_of_rotation_is_that_of_the_mass(name):
-    """Of translations across the axis S = M and G = 2 M a x; the turn about it feels S = M of edges, and the load."""
-    offset, masses = CASES.get(name, (None, MASSES))
-    system = cf.shell.assemble(casing(offset, masses))
-    part = turning(system, cf.Rotation(omega=1.0))
-    soft, coriolis = part.edges.inertia
-    assert part.edges.rings or part.edges.masses
-    S = part.scattered(part.blocks[0]) + part.edges.on_unknowns(soft)
-    G = part.scattered(part.blocks[1]) + part.edges.on_unknowns(coriolis)
-    x, y = system.translations(np.eye(3)[:2]).T
-    mass = x @ (system.M @ x)
-    assert [x @ (S @ x), y @ (S @ y), y @ (G @ x), -(x @ (G @ y))] == pytest.approx([mass, mass, 2 * mass, 2 * mass])
-    v, _ = rigid(system, (0.0, 0.0, 1.0))
-    plain = cf.shell.assemble(casing())
-    still, _ = rigid(plain, (0.0, 0.0, 1.0))
-    of_edges = v @ (system.M @ v) - still @ (plain.M @ still)
-    assert v @ (part.edges.on_unknowns(soft) @ v) == pytest.approx(of_edges, rel=1e-9)
-    assert part.load @ x == pytest.approx(y @ (system.M @ v), abs=1e-9 * mass)
 
 
 @pytest.mark.slow

@@ -6,17 +6,6 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.structure.field.survey.points import SurveyPoints, read_points
-
-
-def measured(theta, z, value, **changes):
-    theta, z, value = (np.array(part, float) for part in np.broadcast_arrays(theta, z, value))
-    return SurveyPoints(theta=theta.ravel(), z=z.ravel(), value=value.ravel(), **changes)
-
-
-def rings(heights, points=36, value=0.5, **changes):
-    theta = 2.0 * np.pi * np.arange(points) / points
-    return measured(theta, np.array(heights)[:, None], value, **changes)
 
 
 @pytest.mark.parametrize(
@@ -32,39 +21,8 @@ def rings(heights, points=36, value=0.5, **changes):
 )
 def test_points_that_are_none(changes, words):
     given = {"theta": [0.0, -1.0, 0.0], "z": [0.0, -1.0, 2.0], "value": [1.0, 2.0, 3.0]}
-    SurveyPoints(**given, quantity="thickness")
     with pytest.raises(cf.errors.InputError, match=words):
-        SurveyPoints(**given | changes, quantity="thickness")
-
-
-def test_points_are_kept_and_not_shared():
-    z = np.array([0.0, 1.0])
-    points = SurveyPoints(theta=z, z=z, value=z + 1.0)
-    z[0] = 5.0
-    assert (points.z[0], points.quantity, points.path, points.card) == (0.0, "radius", "survey", ())
-    assert not points.z.flags.writeable
-    assert points.at(np.array([False, True])).value.tolist() == [2.0]
-
-
-def test_heights_within_half_a_millimetre_are_one_ring():
-    points = measured(0.0, [0.0, 4.9e-4, 5.1e-4, 9.8e-4, 0.1, -0.1], 1.0)
-    assert points.rings().tolist() == [1, 1, 2, 2, 3, 0]
-    assert measured(0.0, [0.0, 5e-4], 1.0).rings().tolist() == [0, 0]
-
-
-def test_rings_are_as_good_as_the_worst_and_scattered_points_as_all_of_them():
-    theta = np.radians(np.arange(8) * 45.0)
-    two = measured(np.append(theta, theta + 0.1), np.repeat([0.0, 0.1], 8), 1.0)
-    assert two.coverage() == (pytest.approx(45.0), 2)
-    lone = measured(np.append(two.theta, 1.0), np.append(two.z, 0.2), 1.0)  # a point beside the rings, 16 of 17
-    assert lone.coverage() == (pytest.approx(45.0), 2)
-    both = measured(np.append(two.theta, [1.0, 1.0]), np.append(two.z, [0.2, 0.3]), 1.0)  # 16 of 18
-    assert both.coverage() == (pytest.approx(45.0 - np.degrees(0.1)), 4)
-    seven = measured(np.append(theta, theta[:7] + 0.1), np.repeat([0.0, 0.1], [8, 7]), 1.0)
-    assert seven.coverage() == (pytest.approx(45.0), 2)  # by all: between 315 and 360 deg stands none
-    for count, gap in ((20, 45.0), (21, 45.0 - np.degrees(0.4))):  # more heights than twenty are a scan
-        turn, height = np.repeat(0.02 * np.arange(count), 8), np.repeat(0.01 * np.arange(count), 8)
-        assert measured(np.tile(theta, count) + turn, height, 1.0).coverage() == (pytest.approx(gap), count)
+        cf.SurveyField.from_points(**given | changes, quantity="thickness")
 
 
 def table(tmp_path, text):
@@ -92,12 +50,11 @@ def test_medians_that_hint_at_another_unit(tmp_path, header, value, refused):
         stem, unit = header.split("_")
         other = f"{stem}_{'m' if unit == 'mm' else 'mm'}"
         with pytest.raises(cf.errors.InputError, match=f"line 1, column '{header}'.*does the column hold {other}"):
-            read_points(path)
+            cf.SurveyField.from_csv(path)
     else:
-        points = read_points(path)
-        scale = 1e-3 if header.endswith("_mm") else 1.0
-        assert points.value[0] == pytest.approx(float(value) * scale, rel=1e-15)
-        assert points.quantity == header.split("_")[0]
+        field = cf.SurveyField.from_csv(path)
+        assert field.quantity == header.split("_")[0]
+        assert field.derivatives(np.zeros(1), 0.0).value == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -118,9 +75,9 @@ def test_heights_that_hint_at_another_unit(tmp_path, name, height, what, value, 
     path = table(tmp_path, f"theta_deg,{name},{what}\n" + lines(value, "0") + lines(value, height))
     if refused:
         with pytest.raises(cf.errors.InputError, match=refused):
-            read_points(path)
+            cf.SurveyField.from_csv(path)
     else:
-        assert np.ptp(read_points(path).z) == pytest.approx(float(height) * (1e-3 if name == "z_mm" else 1.0))
+        assert cf.SurveyField.from_csv(path).quantity == what.split("_")[0]
 
 
 @pytest.mark.parametrize(("value", "refused"), [("499", False), ("501", True)])
@@ -130,9 +87,10 @@ def test_a_value_a_thousand_times_the_median_is_mistyped(tmp_path, value, refuse
         with pytest.raises(
             cf.errors.InputError, match="line 14, column 'radius_m': found 501; expected a value like the others"
         ):
-            read_points(path)
+            cf.SurveyField.from_csv(path)
     else:
-        assert len(read_points(path)) == 13
+        with pytest.raises(cf.errors.InputError, match="found points whose middle lies"):
+            cf.SurveyField.from_csv(path)
 
 
 @pytest.mark.parametrize(("turn", "refused"), [("12.56", False), ("-12.56", False), ("-12.57", True)])
@@ -142,17 +100,10 @@ def test_angles_beyond_two_turns_are_no_radians(tmp_path, turn, refused):
         with pytest.raises(
             cf.errors.InputError, match=r"line 3, column 'theta_rad': found -12\.57 rad; expected at most"
         ):
-            read_points(path)
+            cf.SurveyField.from_csv(path)
     else:
-        assert read_points(path).theta[1] == float(turn)
-
-
-def test_columns_left_out_are_named(tmp_path):
-    path = table(tmp_path, "theta_deg,z_mm,radius_mm,point,date\n90,20,500,1,2\n-30,40,501,2,3\n")
-    with pytest.warns(cf.errors.ModelWarning, match="rig.csv: found columns that are not read: point, date"):
-        points = read_points(path)
-    expected = [[np.pi / 2, -np.pi / 6], [0.02, 0.04], [0.5, 0.501]]
-    np.testing.assert_allclose([points.theta, points.z, points.value], expected, rtol=1e-15)
+        with pytest.raises(cf.errors.InputError, match=r"gap|points"):
+            cf.SurveyField.from_csv(path)
 
 
 HEIGHTS = np.array([0.1, 0.2])
@@ -251,20 +202,20 @@ def test_heights_on_a_meridian_are_axial_and_not_arc_lengths(tmp_path):
 
 
 def test_a_survey_of_a_laboratory_is_read_with_its_comments_and_units(tmp_path):
-    text = "# scan 1\nTheta [deg];Z (mm);Radius [cm];Remark\n0;20;50,0;a\n90;20;50,1;\n# scan 2\n180;0,4e2;50,2;\n"
-    with pytest.warns(
-        cf.errors.ModelWarning, match="rig.csv: found columns that are not read: Remark: .*survey-columns"
-    ):
-        points = read_points(table(tmp_path, text))
-    np.testing.assert_allclose(points.theta, np.radians([0.0, 90.0, 180.0]), rtol=1e-15)
-    np.testing.assert_allclose([points.z, points.value], [[0.02, 0.02, 0.04], [0.5, 0.501, 0.502]], rtol=1e-14)
-    assert points.card == ("scan 1", "scan 2")
+    """Degrees, millimetres, centimetres with decimal commas, and a column that nobody uses: cos 3 theta of 1 mm."""
+    theta, heights = np.arange(0, 360, 10), (20, 40)
+    rows = [f"{a};{z};{50.0 + 0.1 * np.cos(np.radians(3 * a)):.9f};a".replace(".", ",") for z in heights for a in theta]
+    text = "\n".join(["# scan 1", "Theta [deg];Z (mm);Radius [cm];Remark", *rows, "# scan 2", ""])
+    with pytest.warns(cf.errors.ModelWarning, match="found columns that are not read: Remark: .*survey-columns"):
+        field = cf.SurveyField.from_csv(table(tmp_path, text))
+    at = field.derivatives(np.array([0.02, 0.03, 0.04]), np.radians(20.0)).value
+    np.testing.assert_allclose(at, 0.5 * 1e-3 / 0.5, rtol=1e-5)
 
 
 def test_all_bad_cells_and_columns_of_a_survey_are_named_at_once(tmp_path):
     with pytest.raises(cf.errors.InputError) as caught:
-        read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,x,0.5\n1,0,y\n2,0,z\n"))
+        cf.SurveyField.from_csv(table(tmp_path, "theta_deg,z_m,radius_m\n0,x,0.5\n1,0,y\n2,0,z\n"))
     lines = [line.partition("rig.csv, ")[2].partition(":")[0] for line in str(caught.value).splitlines()]
     assert sorted(lines) == ["line 2, column 'z_m'", "line 3, column 'radius_m'", "line 4, column 'radius_m'"]
     with pytest.raises(cf.errors.InputError, match=r"(?s)line 2: found 2 cells.*line 4: found 1 cells"):
-        read_points(table(tmp_path, "theta_deg,z_m,radius_m\n0,0\n1,0,0.5\n2\n"))
+        cf.SurveyField.from_csv(table(tmp_path, "theta_deg,z_m,radius_m\n0,0\n1,0,0.5\n2\n"))

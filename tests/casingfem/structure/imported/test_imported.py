@@ -9,7 +9,6 @@ from click.testing import CliRunner
 
 import casingfem as cf
 from casingfem.cli import main
-from casingfem.study import MeshStudy
 from reports.verification.modes.mesh_files import WRITERS, group_name
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*mesh-thin-curved")  # coarse rings, only compared with each other
@@ -61,17 +60,6 @@ def test_a_page_on_an_imported_part(tmp_path):
         assert words in page, words
     assert 'data-live="shapes"' in page
     assert "mode 1: " in page
-
-
-def test_shell_meshes_and_millimetres(tmp_path):
-    text = '[shell]\nmesh = "MESH"\nscale = 1e-3\nthickness = 0.03\n'
-    text += '[support.base]\nkind = "fixed"\ndirections = ["x", "y", "z"]\n'
-    large = cf.imported.grid_mesh("quad8", (12, 2), lambda u: 1e3 * WALL(np.insert(u, 0, 0.5, axis=1)), groups=dict(
-        base=(1, 0.0)), wrap=0)  # fmt: skip
-    found = cf.load_study(study(tmp_path, text, large))
-    assert isinstance(found, MeshStudy)
-    np.testing.assert_allclose(found.structure.mesh.points[: len(SKIN.points)], SKIN.points, atol=1e-12)
-    assert found.structure.supports["base"].held == (0, 1, 2)
 
 
 def test_materials_by_group_and_foundations(tmp_path):
