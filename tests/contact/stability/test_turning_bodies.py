@@ -84,6 +84,19 @@ def test_the_mean_of_turned_and_mirrored_pairs_is_the_perfect_casing():
         )
 
 
+def test_a_fourth_power_of_the_speed_is_at_one_speed_a_second_power():
+    casing, hz = turning_ring(), 30.0
+    fourth = 3e-5 * np.eye(casing.omega.size)
+    higher = replace(casing, stiffness_higher=fourth[None])
+    second = replace(casing, stiffness_by_speed=casing.stiffness_by_speed + (TURN * hz) ** 2 * fourth)
+    of = [
+        ct.stability.poles(ct.gaps.rim_contact(rim(one), mu=0.3), np.array([hz]))[0] for one in (higher, second, casing)
+    ]
+    found, same, without = (np.sort(np.abs(poles.imag)) for poles in of)
+    np.testing.assert_allclose(found, same, rtol=1e-9)
+    assert np.abs(found / without - 1.0).max() > 1e-3
+
+
 def test_the_mean_of_split_pairs_has_the_mean_of_their_coriolis_forces():
     """Entries between different n, and what is not skew within a pair, are zero in the mean."""
     casing = turning_ring()
