@@ -29,9 +29,18 @@ if TYPE_CHECKING:
     "--form", type=click.Choice(("receptance", "mobility", "accelerance")), default=None,
     help="What the responses are; from their unit if left out.",
 )  # fmt: skip
+@click.option(
+    "--array", "named_arrays", multiple=True, metavar="MEANING=NAME",
+    help="Name of an array of a .mat or .npz file, such as frf=Hf_chan_2; once for each of freq_hz, frf, coherence ...",
+)  # fmt: skip
 @click.option("--order", type=click.IntRange(2, 200), default=None, help="Largest model order.")
 @click.option("--open", "open_part", is_flag=True, help="A blade or plate: no n; directions 1, 2, 3 are x, y, z.")
-@click.option("--n-max", type=click.IntRange(0, 200), default=None, help="Largest nodal diameter.")
+@click.option(
+    "--n-max",
+    type=click.IntRange(0, 200),
+    default=None,
+    help="Largest nodal diameter of a label; 64, or as far as the sensors resolve, if left out.",
+)
 @click.option(
     "--pick",
     "pick_file",
@@ -65,6 +74,7 @@ def identify(
     band: tuple[float, float] | None,
     angles_file: Path | None,
     form: str | None,
+    named_arrays: tuple[str, ...],
     order: int | None,
     n_max: int | None,
     open_part: bool,
@@ -90,7 +100,14 @@ def identify(
 
     if open_part and angles_file is not None:
         raise click.UsageError("--open is for parts without a circle of sensors: leave out --angles")
-    not_measured = {"--form": form, "--pick": pick_file, "--exponential": exponential, "--coherence": coherence_file}
+    unnamed = [word for word in named_arrays if not all(word.partition("="))]
+    if unnamed:
+        raise click.UsageError(f"--array {unnamed[0]}: expected MEANING=NAME, such as frf=Hf_chan_2")
+    arrays = {meaning: name for meaning, _, name in (word.partition("=") for word in named_arrays)} or None
+    not_measured = {
+        "--form": form, "--array": arrays, "--pick": pick_file, "--exponential": exponential,
+        "--coherence": coherence_file,
+    }  # fmt: skip
     _check_options(output_only, not_measured, {"--channels": channels_file, "--seconds": seconds})
     if angles_file is None:
         places = given.file_places(file)
@@ -110,9 +127,12 @@ def identify(
         else:
             from casingfem.experiment.identify.identification import identify as find
 
-            frfs = given.read_frfs(file)
+            frfs = given.read_frfs(file, arrays=arrays)
             pick = None if pick_file is None else given.read_picks(pick_file)
-            coherence = given.file_coherence(file) if coherence_file is None else given.read_coherence(coherence_file)
+            if coherence_file is None:
+                coherence = given.file_coherence(file, arrays=arrays)
+            else:
+                coherence = given.read_coherence(coherence_file)
             found = find(frfs, form=form, pick=pick, exponential=exponential, coherence=coherence, **shared)
     document = {
         "modes": found.records(),

@@ -16,9 +16,8 @@ from scipy.special import ndtri, stdtrit
 
 from casingfem.io.arrays import FloatArray, IntArray, freeze
 
-MOST = 64  # largest n that is searched where none is given
+MOST = 64  # largest n: of labels where none is given, and of waves that may add to a shape
 ALIKE = 0.95  # cosine of the angle between the spaces of two n that cannot be told apart
-BEYOND = 8  # n above the largest label that still may add to a shape
 TAIL = 0.025  # beyond either end of an interval
 EXACT = 1e-14  # of a shape's energy: a variance that every sensor has, where noise has none
 PURE = 0.35  # least share of the energy for a label
@@ -80,11 +79,12 @@ class Circle:
     def label(self, shape: FloatArray, covariance: FloatArray) -> Label:
         """Which n a shape (sensors,) with this covariance (sensors, sensors) has, and where its antinode lies.
 
-        The n whose sine and cosine take most energy is the label. All other n are random, each of a size that the
-        shape itself tells: on uneven sensors they turn the antinode, and so enter its uncertainty
-        (`spread_of_others`). What they add to its variance is estimated from that many sensors: 1.96 sigma is the 95 %
-        interval of Student's t, its degrees of freedom (sensors - 2)/(share of that variance)^2 (Satterthwaite,
-        Biometrics Bulletin 2, 1946, 110).
+        The n whose sine and cosine take most energy is the label. All other n up to 64 are random, each of a size that
+        the shape itself shows. They turn the antinode, and so enter its uncertainty (`spread_of_others`). This holds
+        for n far above the largest label too: on few sensors they look like the label, and the shape does not show
+        them apart. What they add to its variance is estimated from that many sensors: 1.96 sigma is the 95 % interval
+        of Student's t, its degrees of freedom (sensors - 2)/(share of that variance)^2 (Satterthwaite, Biometrics
+        Bulletin 2, 1946, 110).
 
         >>> theta = np.array([0.0, 0.5, 1.1, 1.5, 2.1, 2.9, 3.3, 4.2, 5.0, 5.7])
         >>> found = Circle.of(theta).label(np.cos(3 * theta - 0.6), 1e-6 * np.eye(10))
@@ -95,7 +95,7 @@ class Circle:
             return Label(-1, *[float("nan")] * 3)
         n = min(self.orders, key=lambda n: self._rest(shape, n))
         own = harmonic(self.theta, n)
-        rest = [harmonic(self.theta, m) for m in range(self.n_max + BEYOND) if m != n]
+        rest = [harmonic(self.theta, m) for m in range(MOST + 1) if m != n]
         order = np.repeat(np.arange(len(rest)), [columns.shape[1] for columns in rest])
         covariance = covariance + EXACT * float(shape @ shape) * np.eye(len(shape))
         others = spread_of_others(shape, own, np.concatenate(rest, axis=1), order, covariance)

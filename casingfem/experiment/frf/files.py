@@ -4,6 +4,7 @@ In HDF5 the arrays of `FrfSet` are data sets, kind, unit, form and card attribut
 """
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import PLACES, FrfSet
-from casingfem.experiment.frf.loose_arrays import from_loose, read_mat
+from casingfem.experiment.frf.loose_arrays import from_loose, read_mat, renamed
 from casingfem.experiment.uff.read import read_uff
 from casingfem.extras import remedy
 from casingfem.io.arrays import Array, FloatArray
@@ -34,11 +35,12 @@ ARRAYS = ("x", "responses", *PLACES)
 SAID = ("kind", "unit", "form", "card")
 
 
-def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
+def read_frfs(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None = None) -> FrfSet:
     """Frequency responses of a universal file, npz, MATLAB file, HDF5, a csv table or a workbook, by the file's ending.
 
     A workbook has the rows of a csv table, on its first sheet or on that of `file.xlsx#Sheet`. An npz is one of
-    `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have.
+    `FrfSet.save`, or has the layout of `loose_arrays`, as MATLAB files have. `arrays` states names of the file's own,
+    as in {"freq_hz": "Freq_domain", "frf": "Hf_chan_2"}.
 
     Raises
     ------
@@ -55,9 +57,11 @@ def read_frfs(path: str | os.PathLike[str]) -> FrfSet:
     FrfSet(frf, 1 channel, 2 lines, 10 to 20 Hz, m/N)
     """
     ending = Path(file_and_sheet(os.fspath(path))[0]).suffix.lower()
+    if arrays and ending not in LOOSE:
+        raise InputError(str(path), found="names of arrays", expected=f"a file of arrays: {' or '.join(LOOSE)}")
     if ending in HDF5:
         return read_hdf5(path)
-    if ending in LOOSE and (stored := _loose(path)) is not None:
+    if ending in LOOSE and (stored := _loose(path, arrays)) is not None:
         found = from_loose(stored, str(path))
         assert found is not None
         return found
@@ -78,9 +82,11 @@ def _require_file(path: str | os.PathLike[str]) -> None:
         raise InputError(f"{os.fspath(path)}: {error.strerror}") from error
 
 
-def _loose(path: str | os.PathLike[str]) -> dict[str, Array] | None:
-    """Arrays of a MATLAB file or npz; None of an npz that `FrfSet.save` wrote."""
+def _loose(path: str | os.PathLike[str], arrays: Mapping[str, str] | None = None) -> dict[str, Array] | None:
+    """Arrays of a MATLAB file or npz, under the names stated; None of an npz that `FrfSet.save` wrote."""
     stored = read_mat(path) if Path(path).suffix.lower() == ".mat" else read_npz(path)
+    if arrays:
+        return renamed(stored, arrays, str(path))
     return None if {"x", "responses"} <= stored.keys() else stored
 
 
@@ -111,11 +117,11 @@ def read_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
     return FrfSet.from_functions(functions, "spectrum", str(path)) if functions else None
 
 
-def file_coherence(path: str | os.PathLike[str]) -> FrfSet | None:
+def file_coherence(path: str | os.PathLike[str], *, arrays: Mapping[str, str] | None = None) -> FrfSet | None:
     """Coherence that stands beside the responses in a file of several kinds; None where there is none."""
     ending = Path(path).suffix.lower()
     if ending in LOOSE:
-        stored = _loose(path)
+        stored = _loose(path, arrays)
         return None if stored is None else from_loose(stored, str(path), coherence=True)
     return read_coherence(path) if ending in UNIVERSAL else None
 

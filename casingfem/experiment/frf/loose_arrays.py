@@ -47,7 +47,7 @@ def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = Fals
         return None
     if "frf" not in arrays or not {"freq_hz", "omega"} & arrays.keys():
         found = "arrays " + (", ".join(sorted(stored)) or "none")
-        raise InputError(path, found=found, expected=EXPECTED)
+        raise InputError(path, found=found, expected=f"{EXPECTED}; state other names by --array MEANING=NAME")
     freq = arrays["freq_hz"] if "freq_hz" in arrays else _numbers(arrays["omega"], "omega", path) / (2.0 * np.pi)
     x = np.ravel(_numbers(freq, "freq_hz", path))
     values = _lines_last(_numbers(arrays["coherence" if coherence else "frf"], "frf", path), len(x), path)
@@ -72,6 +72,26 @@ def from_loose(stored: Mapping[str, Array], path: str, *, coherence: bool = Fals
         reference_direction=np.tile(bases[:, 1] if bases.shape[1] > 1 else np.zeros(references, np.int64), channels),
         path=path,
     )
+
+
+def renamed(stored: Mapping[str, Array], names: Mapping[str, str], path: str) -> dict[str, Array]:
+    """Arrays with `names` (meaning: name in the file) under their meanings; other arrays of these meanings left out.
+
+    Raises
+    ------
+    InputError
+        A meaning that there is not, a name that the file has not.
+    """
+    unknown = [meaning for meaning in names if meaning not in NAMES]
+    if unknown:
+        raise InputError(f"array {unknown[0]!r}", found="no such meaning", expected=f"one of {', '.join(NAMES)}")
+    missing = [name for name in names.values() if name not in stored]
+    if missing:
+        found = f"no array {missing[0]!r} among " + (", ".join(sorted(stored)) or "none")
+        raise InputError(path, found=found, expected="the name of an array of the file")
+    taken = {other for meaning in names for other in NAMES[meaning]}
+    left = {name: array for name, array in stored.items() if name.rpartition(".")[2].lower() not in taken}
+    return left | {meaning: stored[name] for meaning, name in names.items()}
 
 
 def read_mat(path: str | os.PathLike[str]) -> dict[str, Array]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.counting import asked, counted, widths
+from casingfem.experiment.identify.counting import asked, counted, outer_terms, widths
 from casingfem.experiment.identify.lscf import Candidates, Stabilisation, candidates, compressed
 from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles
 from casingfem.experiment.identify.spectra import Peaks, visible_peaks
@@ -17,7 +17,7 @@ from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, FloatArray, IntArray
 from contact.io.progress import each
 
-SETTLING, SETTLED = 6, 1e-4  # most repetitions of all fits; largest change that ends them, in standard deviations
+SETTLING, SETTLED = 6, 1e-3  # most repetitions of all fits; largest change that ends them, in standard deviations
 EMPTY_LINES = 1500  # of a band without visible peaks
 
 
@@ -45,7 +45,7 @@ class Responses(NamedTuple):
         along = self.along[lines]
         floor = rules.floor * float(np.sqrt(0.5 * np.mean(np.abs(Y) ** 2))) if Y.size else 0.0
         return Window(freq=self.freq[lines], Y=along[:, None] * Y, along=along, end=self.end, leak=self.leak,
-                      floor=floor)  # fmt: skip
+                      floor=floor, terms=rules.terms)  # fmt: skip
 
 
 class Modal(NamedTuple):
@@ -132,7 +132,7 @@ def with_residues(data: Responses, poles: Array, rules: Thresholds = USUAL) -> M
     for core, window, _ in bands(data, rules):
         low, high = data.freq[window.start], data.freq[window.stop - 1]
         here = poles[(poles.imag >= 2.0 * np.pi * low) & (poles.imag <= 2.0 * np.pi * high)]
-        fit = fit_poles(data.window(window, data.Y[window], rules), here, steps=0, rules=rules)
+        fit = fit_poles(data.window(window, data.Y[window], rules), here, steps=0)
         first, end = (2.0 * np.pi * data.freq[k] if k < len(data.freq) else np.inf for k in (core.start, core.stop))
         inside = (fit.poles.imag >= first) & (fit.poles.imag < end)
         parts.append(Modal(fit.poles[inside], fit.A[inside]))
@@ -219,13 +219,15 @@ def fitted_group(
     lines = window_about(data, modes.poles, group, rules)
     others = modes.some(np.delete(np.arange(len(modes.poles)), group))
     whole = data.window(lines, data.Y[lines] - others.response(data, lines), rules)
-    small = Window(freq=whole.freq, Y=compressed(whole.Y), along=whole.along, end=whole.end, leak=whole.leak,
-                   floor=whole.floor)  # fmt: skip
+    small = replace(whole, Y=compressed(whole.Y))
     seen = data.freq[data.peaks.at]
     here = seen[(seen >= whole.freq[0]) & (seen <= whole.freq[-1])]
     start = modes.poles[group]
-    fit = fit_poles(small, start, rules=rules) if more is None else counted(small, start, here, more, rules)
-    return fit_poles(whole, fit.poles, steps=0, rules=rules)
+    fit = fit_poles(small, start, steps=0) if more is None else counted(small, start, here, more, rules)
+    small = replace(small, terms=outer_terms(fit, rules))
+    if more is None or small.terms > fit.window.terms:
+        fit = fit_poles(small, fit.poles)
+    return fit_poles(replace(whole, terms=small.terms), fit.poles, steps=0)
 
 
 def modal_of(fits: list[PoleFit], channels: int) -> Modal:
@@ -252,7 +254,7 @@ def unexplained(data: Responses, fits: list[PoleFit], rules: Thresholds = USUAL)
     for start in missing_peaks(data, modes):
         lines = window_about(data, np.array([start]), np.array([0]), rules)
         window = data.window(lines, data.Y[lines] - modes.response(data, lines), rules)
-        alone.append(replace(fit_poles(window, np.array([start]), steps=0, rules=rules), refined=False))
+        alone.append(replace(fit_poles(window, np.array([start]), steps=0), refined=False))
     return alone
 
 
@@ -298,8 +300,7 @@ def leaks(tests: list[tuple[Responses, Modal]], rules: Thresholds = USUAL) -> bo
             others = modes.some(np.delete(np.arange(len(modes.poles)), group))
             Y = compressed(data.Y[lines] - others.response(data, lines))
             plain, wide = (
-                fit_poles(data._replace(leak=leak).window(lines, Y, rules), modes.poles[group], rules=rules)
-                for leak in (0.0, step)
+                fit_poles(data._replace(leak=leak).window(lines, Y, rules), modes.poles[group]) for leak in (0.0, step)
             )
             falls.append((plain.squares - wide.squares) / float(max(plain.noise.max(), wide.noise.max())))
     least = asked(max((data.Y.shape[1] for data, _ in tests), default=1), rules)

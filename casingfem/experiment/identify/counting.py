@@ -7,10 +7,12 @@ alike over K lines counts K times (`PoleFit.noise`). Two poles within a bandwidt
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.special import chdtri
 
-from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles
+from casingfem.experiment.identify.pole_fit import PoleFit, Window, fit_poles, refined
 from casingfem.experiment.identify.thresholds import USUAL, Thresholds
 from casingfem.io.arrays import Array, BoolArray, FloatArray
 
@@ -35,10 +37,38 @@ def counted(
     [100.0, 100.1]
     """
     seen = np.zeros(0) if seen is None else seen
-    fit = _without_needless(fit_poles(window, poles, rules=rules), seen, rules)
-    while more and len(fit) < rules.together + len(poles) and (larger := _with_one_more(fit, rules)) is not None:
+    fit = _without_needless(fit_poles(window, poles), seen, rules)
+    most = rules.together + len(poles)
+    while more and len(fit) < most and (larger := _with_more(fit, seen, rules)) is not None:
         fit = larger
     return fit
+
+
+def outer_terms(fit: PoleFit, rules: Thresholds = USUAL) -> int:
+    """Number of polynomials that the residual of a fit asks for: one more while the sum of squares falls as for a pole.
+
+    Modes just outside a wide window leave a smooth residual, which would move the poles inside.
+
+    Examples
+    --------
+    >>> lines, rng = np.arange(90.0, 110.0, 0.05), np.random.default_rng(4)
+    >>> poles = 2 * np.pi * np.array([-0.4 + 100.0j, -0.4 + 113.0j])
+    >>> Y = (1.0 / (2j * np.pi * lines[:, None] - poles)) @ np.array([[900.0, 500.0], [9000.0, 7000.0]])
+    >>> Y = Y + rng.normal(size=Y.shape) + 1j * rng.normal(size=Y.shape)
+    >>> window = Window(freq=lines, Y=Y, along=np.ones(len(lines)))
+    >>> outer_terms(fit_poles(window, poles[:1]))
+    4
+    """
+    needed = asked(fit.window.Y.shape[1], rules)
+    while fit.window.terms < rules.terms_most:
+        more = replace(fit.window, terms=fit.window.terms + 1)
+        if fit.squares - refined(more, fit.poles, 0).squares < needed:
+            break
+        wider = fit_poles(more, fit.poles, steps=0)
+        if fit.squares - wider.squares < needed * float(wider.noise.max(initial=1.0)):
+            break
+        fit = wider
+    return fit.window.terms
 
 
 def worth(fit: PoleFit, rules: Thresholds = USUAL) -> FloatArray:
@@ -67,7 +97,7 @@ def _without_needless(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> Pole
         weakest = int(np.argmin(value))
         if value[weakest] >= 1.0:
             break
-        fit = fit_poles(fit.window, np.delete(fit.poles, weakest), rules=rules)
+        fit = fit_poles(fit.window, np.delete(fit.poles, weakest))
     return fit
 
 
@@ -99,21 +129,41 @@ def _last_of_a_peak(fit: PoleFit, seen: FloatArray) -> BoolArray:
     return alone
 
 
+def _with_more(fit: PoleFit, seen: FloatArray, rules: Thresholds) -> PoleFit | None:
+    """The fit with one more pole, or two, that are all justified; None where there is none.
+
+    One pole among two that are missing lies between them: its damping is open, or its shape is that of a neighbour.
+    Where the fit leaves much more than noise, two are tried.
+    """
+    larger = _with_one_more(fit, rules)
+    if larger is None or _justified(larger, rules):
+        return larger
+    two = _with_one_more(larger, rules) if fit.local.max(initial=0.0) > rules.much_left else None
+    if two is None:
+        return None
+    two = _without_needless(two, seen, rules)
+    fall = fit.squares - two.squares
+    return two if len(two) > len(fit) and _justified(two, rules) and fall >= _needed(two, rules) else None
+
+
 def _with_one_more(fit: PoleFit, rules: Thresholds) -> PoleFit | None:
-    """The fit with one more pole that is justified; None where there is none."""
-    best: PoleFit | None = None
-    for start in _starts(fit):
-        tried = fit_poles(fit.window, start, steps=TRY_STEPS, rules=rules)
-        if best is None or tried.squares < best.squares:
-            best = tried
-    if best is None or fit.squares - best.squares < asked(fit.window.Y.shape[1], rules):
+    """The fit with one more pole that lowers the sum of squares by more than chance; None where there is none."""
+    trials = (refined(fit.window, start, TRY_STEPS) for start in _starts(fit))
+    best = min(trials, key=lambda trial: trial.squares)
+    if fit.squares - best.squares < asked(fit.window.Y.shape[1], rules):
         return None
-    best = fit_poles(fit.window, best.poles, rules=rules)
-    if worth(best, rules).min() < 1.0 or repeated(best, rules).any() or undetermined(best, rules).any():
-        return None
-    if fit.squares - best.squares < best.noise.min() * asked(fit.window.Y.shape[1], rules):
-        return None
-    return best
+    larger = fit_poles(fit.window, best.poles)
+    return larger if fit.squares - larger.squares >= _needed(larger, rules) else None
+
+
+def _needed(fit: PoleFit, rules: Thresholds) -> float:
+    """Least fall of the sum of squares by a pole, over the noise about the quietest pole."""
+    return float(fit.noise.min()) * asked(fit.window.Y.shape[1], rules)
+
+
+def _justified(fit: PoleFit, rules: Thresholds) -> bool:
+    """Whether every pole is worth its parameters, has a shape of its own, and is determined."""
+    return not (worth(fit, rules).min() < 1.0 or repeated(fit, rules).any() or undetermined(fit, rules).any())
 
 
 def _starts(fit: PoleFit) -> list[Array]:

@@ -191,7 +191,8 @@ class Identified(Reported):
     def __repr__(self) -> str:
         """The columns as a table, under a summary, above the doubtful modes and the notes."""
         pairs = f", {len(self.doublets)} doublets" if self.doublets else ""
-        left = f", deviation {100.0 * self.deviation:.2g} %" if len(self.lines) else ", without responses"
+        left = ", without responses" if not len(self.lines) else ""
+        left = f", deviation {100.0 * self.deviation:.2g} %" if np.isfinite(self.deviation) else left
         doubtful = int(np.sum(~self.sure))
         verdict = f", {doubtful} doubtful" if doubtful else ""
         lines = table_lines(self.COLUMNS, self.records())

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from casingfem.experiment.identify.thresholds import USUAL, Thresholds
+from casingfem.experiment.identify.thresholds import USUAL
 from casingfem.io.arrays import Array, FloatArray, freeze
 
 STEPS = 40
@@ -35,7 +35,8 @@ class Window:
 
     freq [Hz] (lines,); Y (lines, channels), responses over their noise, each line times `along` (lines,), 0 where a
     line is missing; `end` the seconds of ringing in the record; `leak` [Hz] the distance of lines over which a Hann
-    window leaks, 0 without; `floor` the least deviation of an entry's real part that counts.
+    window leaks, 0 without; `floor` the least deviation of an entry's real part that counts; `terms` the number of
+    polynomials for the modes outside the window.
     """
 
     freq: FloatArray
@@ -44,6 +45,7 @@ class Window:
     end: float = np.inf
     leak: float = 0.0
     floor: float = 0.0
+    terms: int = USUAL.terms
 
     def __post_init__(self) -> None:
         freeze(self, "freq", "Y", "along")
@@ -75,10 +77,10 @@ class Window:
         slopes = np.concatenate([-1j * by_q, columns + by_q], axis=1)
         return self.along[:, None] * columns, self.along[:, None] * slopes
 
-    def polynomials(self, terms: int) -> Array:
+    def polynomials(self) -> Array:
         """Columns (lines, terms) of modes outside the window."""
         span = (2.0 * self.freq - self.freq[0] - self.freq[-1]) / (self.freq[-1] - self.freq[0])
-        return np.asarray(self.along[:, None] * np.polynomial.chebyshev.chebvander(span, terms - 1), complex)
+        return np.asarray(self.along[:, None] * np.polynomial.chebyshev.chebvander(span, self.terms - 1), complex)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,7 +133,9 @@ class PoleFit:
         return np.asarray(np.sum(np.abs(self.A) ** 2, axis=1) / np.maximum(np.diag(self.gram).real, 1e-300))
 
 
-class _State(NamedTuple):
+class State(NamedTuple):
+    """Poles [rad/s] of a window, what follows from them linearly, and the sum of squares that they leave."""
+
     poles: Array
     Q: Array
     T: Array  # [G P] = Q T
@@ -141,7 +145,7 @@ class _State(NamedTuple):
     squares: float
 
 
-def fit_poles(window: Window, poles: Array, *, steps: int = STEPS, rules: Thresholds = USUAL) -> PoleFit:
+def fit_poles(window: Window, poles: Array, *, steps: int = STEPS) -> PoleFit:
     """Refine poles [rad/s] from a start by Levenberg-Marquardt; residues and polynomials follow linearly.
 
     Examples
@@ -154,7 +158,12 @@ def fit_poles(window: Window, poles: Array, *, steps: int = STEPS, rules: Thresh
     >>> bool(abs(fit.poles[0] / pole - 1.0) < 1e-9)
     True
     """
-    polynomials = window.polynomials(rules.terms)
+    return _finished(window, refined(window, poles, steps))
+
+
+def refined(window: Window, poles: Array, steps: int = STEPS) -> State:
+    """Poles [rad/s] after at most so many steps, without uncertainties: what a trial needs."""
+    polynomials = window.polynomials()
     at = _state(window, np.asarray(poles, complex), polynomials)
     damping = 1e-3
     quiet = max(CONVERGED, 1e-12 * float(np.sum(np.abs(window.Y) ** 2)))
@@ -172,7 +181,7 @@ def fit_poles(window: Window, poles: Array, *, steps: int = STEPS, rules: Thresh
             damping *= 10.0
             if damping > 1e8:
                 break
-    return _finished(window, at)
+    return at
 
 
 def _moved(window: Window, poles: Array, step: FloatArray) -> Array:
@@ -188,16 +197,16 @@ def _moved(window: Window, poles: Array, step: FloatArray) -> Array:
     return np.asarray(-sigma + 1j * omega)
 
 
-def _state(window: Window, poles: Array, polynomials: Array) -> _State:
+def _state(window: Window, poles: Array, polynomials: Array) -> State:
     columns, slopes = window.resonances(poles)
     Q, T = np.linalg.qr(np.concatenate([columns, polynomials], axis=1))
     seen = Q.conj().T @ window.Y
     rest = window.Y - Q @ seen
     T = T + 1e-13 * np.max(np.abs(np.diag(T))) * np.eye(len(T))
-    return _State(poles, Q, T, slopes, np.linalg.solve(T, seen), rest, float(np.sum(np.abs(rest) ** 2)))
+    return State(poles, Q, T, slopes, np.linalg.solve(T, seen), rest, float(np.sum(np.abs(rest) ** 2)))
 
 
-def _system(at: _State) -> tuple[FloatArray, FloatArray, Array, Array]:
+def _system(at: State) -> tuple[FloatArray, FloatArray, Array, Array]:
     """J^H J and J^H R, real; the projected slopes (lines, 2 poles), and Q^H times the slopes."""
     along = at.Q.conj().T @ at.slopes
     slopes = at.slopes - at.Q @ along
@@ -207,7 +216,7 @@ def _system(at: _State) -> tuple[FloatArray, FloatArray, Array, Array]:
     return information, gradient, slopes, along
 
 
-def _finished(window: Window, at: _State) -> PoleFit:
+def _finished(window: Window, at: State) -> PoleFit:
     """Everything about the poles in ascending order."""
     count = len(at.poles)
     information, _, slopes, along = _system(at)
@@ -228,7 +237,7 @@ def _finished(window: Window, at: _State) -> PoleFit:
     )  # fmt: skip
 
 
-def _noise_about(window: Window, at: _State) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _noise_about(window: Window, at: State) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Variance of the residual per real entry about each pole, that times the number of alike lines, this number."""
     used = window.along > 0.0
     freedom = max(1.0 - at.Q.shape[1] / max(int(used.sum()), 1), 0.2)

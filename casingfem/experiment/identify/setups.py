@@ -171,7 +171,7 @@ def _alone(data: Responses, fits: list[PoleFit], channels: IntArray, rules: Thre
         start = candidates(whole.freq, small.Y, len(here), data.end, rules=rules).poles
         inside = (start.imag > 2.0 * np.pi * whole.freq[0]) & (start.imag < 2.0 * np.pi * whole.freq[-1])
         found = counted(small, start[inside], here, rules=rules)
-        own.append(fit_poles(whole, found.poles, steps=0, rules=rules))
+        own.append(fit_poles(whole, found.poles, steps=0))
     return _Group(channels, own)
 
 

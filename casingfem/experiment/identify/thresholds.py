@@ -29,10 +29,14 @@ class Thresholds:
         Modes are fitted together when they are closer than this many bandwidths or lines: their estimates correlate.
     together
         Most modes of one fit.
-    terms
-        Polynomial terms for the modes outside a window: constant, slope, curvature.
+    terms, terms_most
+        Polynomial terms for the modes outside a window: constant, slope, curvature, and more where the residual asks
+        for them; beyond 8 a term follows the skirts of the modes inside.
     chance
         Probability at which noise alone adds a pole: 1e-6 for some 1e4 places in a test where it could.
+    much_left
+        Variance of the residual about a pole, in that of the noise, from which two poles are tried where one is not
+        justified: 15 dB, more than coloured noise gives.
     known_freq, known_zeta
         Largest standard deviations, of the frequency in bandwidths and of ln zeta, of a pole without a visible peak:
         twice those of a sure mode.
@@ -74,7 +78,9 @@ class Thresholds:
     overlap_lines: int = 4
     together: int = 10
     terms: int = 3
+    terms_most: int = 8
     chance: float = 1e-6
+    much_left: float = 30.0
     known_freq: float = 0.2
     known_zeta: float = 0.2
     floor: float = 3e-4

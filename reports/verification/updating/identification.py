@@ -1,6 +1,6 @@
 """Identification judged on synthetic responses whose modes are known.
 
-`python -m reports.verification.updating.identification [--quick] [--out DIR]` makes the sets of
+`python -m reports.verification.updating.identification [--quick] [--seed N --sets M] [--out DIR]` makes the sets of
 `reports.verification.updating.identification_sets`, half with one reference and half with two, identifies each without
 help, and prints one row a set, the failures, the errors by size of the split and how often the truth lies in the 95 %
 intervals of frequency, damping and orientation. It writes identification.csv and identification_intervals.csv.
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from casingfem.experiment.identify.identification import identify
 from casingfem.experiment.identify.identified import Identified
@@ -29,6 +30,7 @@ SEEDS = range(13101, 13121)
 FREQ_PERCENT, ANGLE_DEG = 0.05, 3.0  # asked of pairs half a bandwidth apart or more
 RESOLVED = 0.5  # splits in half-power bandwidths from which pairs must be told apart
 NORMAL = 1.96
+FAR = 1e6  # Hz: cost of a mode that is not the true one
 SHARE = 0.25  # of a mode's energy, of an n that may be its label
 CLASSES = (0.0, 0.1, 0.2, 0.5, 1.0, np.inf)
 
@@ -54,43 +56,49 @@ def judge(data: TestSet, found: Identified, seed: int, references: int) -> tuple
     truth = data.modes
     assert truth.rings is not None
     shares = truth.rings.shares()
-    taken: set[int] = set()
+    gap = np.abs(found.freq[None] - truth.freq[: data.count, None])
+    turn = truth.nodal_diameters[: data.count, None] * np.radians(
+        found.angle_deg[None] - data.angle_deg[: data.count, None]
+    )
+    alike = (found.n >= 0) & (shares[found.n, : data.count].T > SHARE)
+    near = alike & (gap < (2.0 * data.zeta * truth.freq)[: data.count, None])
+    other = found.n[None] != truth.nodal_diameters[: data.count, None]
+    told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | other | np.isnan(turn))
+    wholes = list[list[int]]()
+    for k in range(data.count):
+        pair = truth.doublet_of(k)
+        part = float(truth.splits[pair]) if pair >= 0 else np.inf
+        alone = [j for j in np.flatnonzero(near[k]).tolist() if found.doublet_of(j) < 0]
+        wholes.append([j for j in alone if j in found.unresolved or found.split_bound[j] > part])
+        told[k, wholes[k]] = False
+    told[:, list(found.unresolved)] = False
+    rows, columns = linear_sum_assignment(np.where(told, gap, FAR))
+    match = {k: j for k, j in zip(rows.tolist(), columns.tolist(), strict=True) if told[k, j]}
     judged = []
+    stands = {j for j in found.unresolved if (np.abs(found.freq[j] / truth.freq - 1) < 2 * found.zeta[j]).any()}
     for k in range(data.count):
         n, freq, zeta = int(truth.nodal_diameters[k]), float(truth.freq[k]), float(data.zeta[k])
         pair = truth.doublet_of(k)
         split = float(truth.splits[pair] / (2.0 * zeta)) if pair >= 0 else np.inf
-        gap = np.abs(found.freq - freq)
-        turn = n * np.radians(found.angle_deg - data.angle_deg[k])
-        alike = (found.n >= 0) & (shares[found.n, k] > SHARE)
-        near = alike & (gap < 2.0 * zeta * freq)
-        told = near & ((np.abs(np.sin(turn)) < np.sqrt(0.5)) | (found.n != n) | np.isnan(turn))
-        told[list(found.unresolved)] = False
-        told[list(taken)] = False
-        part = float(truth.splits[pair]) if pair >= 0 else np.inf
-        alone = [j for j in np.flatnonzero(near).tolist() if found.doublet_of(j) < 0]
-        whole = [j for j in alone if j in found.unresolved or found.split_bound[j] > part]
-        told[whole] = False
         nothing = (seed, references, n, freq, split)
-        if told.any():
-            j = int(np.argmin(np.where(told, gap, np.inf)))
-            taken.add(j)
+        if k in match:
+            j = match[k]
             labelled = n > 0 and found.n[j] == n
-            error = float(np.degrees(np.arcsin(np.sin(turn[j]))) / n) if labelled else np.nan
+            error = float(np.degrees(np.arcsin(np.sin(turn[k, j]))) / n) if labelled else np.nan
             by_freq = float((found.freq[j] - freq) / found.sigma_freq[j])
             by_zeta = float((found.zeta[j] - zeta) / found.sigma_zeta[j])
-            errors = 100.0 * float(gap[j]) / freq, abs(error)
+            errors = 100.0 * float(gap[k, j]) / freq, abs(error)
             judged.append(Judged(*nothing, "found", *errors, by_freq, by_zeta, float(error / found.sigma_angle[j])))
-        elif whole:
-            j = min(whole, key=lambda j: float(gap[j]))
-            by_freq = float(gap[j] / found.sigma_freq[j])
+        elif wholes[k]:
+            j = min(wholes[k], key=lambda j: float(gap[k, j]))
+            stands.add(j)
+            by_freq = float(gap[k, j] / found.sigma_freq[j])
             judged.append(
-                Judged(*nothing, "one of a pair", 100.0 * float(gap[j]) / freq, np.nan, by_freq, np.nan, np.nan)
+                Judged(*nothing, "one of a pair", 100.0 * float(gap[k, j]) / freq, np.nan, by_freq, np.nan, np.nan)
             )
         else:
             judged.append(Judged(*nothing, "missed", np.nan, np.nan, np.nan, np.nan, np.nan))
-    stands = {j for j in found.unresolved if (np.abs(found.freq[j] / truth.freq - 1) < 2 * found.zeta[j]).any()}
-    return judged, sorted(set(range(len(found))) - taken - stands)
+    return judged, sorted(set(range(len(found))) - set(match.values()) - stands)
 
 
 def must(judged: Sequence[Judged]) -> list[Judged]:
@@ -185,14 +193,15 @@ def failures(judged: Sequence[Judged]) -> list[Row]:
     ]
 
 
-def main(out: Path, quick: bool = False) -> list[Row]:
+def main(out: Path, quick: bool = False, seed: int = 0, sets: int = 20) -> list[Row]:
     """Identify the sets, print the tables, write the rows of the sets."""
     rows, everything = [], list[Judged]()
-    for k, seed in enumerate(SEEDS[:2] if quick else SEEDS):
+    seeds = range(seed, seed + sets) if seed else SEEDS[:2] if quick else SEEDS
+    for k, number in enumerate(seeds):
         references = 1 + k % 2
-        data = make_set(seed, references)
+        data = make_set(number, references)
         found = identify(data.frfs, angles=data.angles)
-        judged, extra = judge(data, found, seed, references)
+        judged, extra = judge(data, found, number, references)
         rows.append(set_row(found, judged, extra))
         everything += judged
     show(f"Sets: 24 sensors, signal over noise {SNR_DB:g} dB; clear: split of half a bandwidth or more", rows)
@@ -213,4 +222,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
 
 
 if __name__ == "__main__":
-    command_line(__doc__, main)
+    command_line(
+        __doc__,
+        main,
+        seed=(0, "seed of the first set, of which --sets are made; 0 for the usual twenty"),
+        sets=(20, "sets from that seed on"),
+    )

@@ -52,6 +52,26 @@ def test_channels_count_from_one_and_coherence_stands_beside(kind, tmp_path):
     assert cf.frf.read_coherence(written(tmp_path, kind, f=FREQ, H=H)) is None
 
 
+@pytest.mark.parametrize("kind", ["mat", "npz"])
+def test_stated_names_of_arrays_come_before_common_ones(kind, tmp_path):
+    path = written(tmp_path, kind, Freq_domain=FREQ, Hf_chan_2=H[:, 0], f=np.arange(7.0), form="receptance")
+    names = {"freq_hz": "Freq_domain", "frf": "Hf_chan_2"}
+    np.testing.assert_array_equal(cf.frf.read_frfs(path, arrays=names).responses, H[:, 0])
+    words = [word for meaning, name in names.items() for word in ("--array", f"{meaning}={name}")]
+    found = CliRunner().invoke(main, ["identify", str(path), *words])
+    assert found.exit_code == 0, found.output
+    assert "60.0" in found.output
+    wrong = ["--array", "frf=Hf"], ["--array", "frg=Hf_chan_2"], ["--array", "frf="]
+    for (_, word), reason in zip(
+        wrong, ("no array 'Hf' among Freq_domain", "no such meaning", "MEANING=NAME"), strict=True
+    ):
+        refused = CliRunner().invoke(main, ["identify", str(path), "--array", word])
+        assert refused.exit_code == 2, refused.output
+        assert reason in refused.output
+    with pytest.raises(cf.errors.InputError, match="a file of arrays"):
+        cf.frf.read_frfs(tmp_path / "t.csv", arrays=names)
+
+
 def test_arrays_of_a_struct_and_of_version_7_3_are_read(tmp_path):
     h5py = pytest.importorskip("h5py")
     savemat(tmp_path / "struct.mat", {"test": {"f": FREQ, "H": H[:, 0], "unit": "(m/s^2)/N"}})

@@ -124,6 +124,35 @@ def test_modes_of_three_set_ups_are_given_once_with_the_mean_of_their_frequencie
 
 
 @pytest.mark.slow
+def test_intervals_of_orientations_hold_where_waves_finer_than_the_sensors_resolve_turn_them():
+    """On 24 even sensors n = 16 and 32 look like n = 8: the other waves show their size."""
+    theta, rng = np.arange(24) * np.pi / 12, np.random.default_rng(2)
+    order = np.setdiff1d(np.arange(2, 41), [8])
+    finer = np.hstack([np.cos(np.outer(theta, order)), np.sin(np.outer(theta, order))])
+    turn, freqs = rng.uniform(0.0, 22.5, 24), 200.0 * 1.02 ** np.arange(24)
+    turn[1::2] = turn[::2] + 11.25
+    shapes = [np.cos(8.0 * (theta - a)) + finer @ (0.02 * rng.normal(size=finer.shape[1])) for a in np.radians(turn)]
+    poles = [(freq, 0.002, shape) for freq, shape in zip(freqs, shapes, strict=True)]
+    found = cf.identify(
+        receptances(np.arange(190.0, 330.0, 0.1), poles, 0.05), angles=dict(enumerate(np.degrees(theta)))
+    )
+    assert found.n.tolist() == [8] * 24
+    error = np.degrees(np.arcsin(np.sin(8.0 * np.radians(found.angle_deg - turn)))) / 8.0
+    assert np.sum(np.abs(error) < 1.96 * found.sigma_angle) >= 21
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed):
+    """In a window of 30 Hz, peaks 8 Hz outside leave a residual that is not a parabola."""
+    rng = np.random.default_rng(seed)
+    inside = [(94.0, 0.01, rng.normal(size=8)), (96.0, 0.012, rng.normal(size=8)), (105.0, 0.01, rng.normal(size=8))]
+    outside = [(77.0, 0.008, 20.0 * rng.normal(size=8)), (123.0, 0.008, 20.0 * rng.normal(size=8))]
+    found = cf.identify(receptances(np.arange(85.0, 115.0, 0.05), [*inside, *outside], noise=0.2, seed=seed))
+    np.testing.assert_allclose(found.freq, [freq for freq, _, _ in inside], atol=0.01)
+    np.testing.assert_allclose(found.zeta, [zeta for _, zeta, _ in inside], rtol=0.02)
+
+
+@pytest.mark.slow
 def test_two_references_that_each_drive_one_member_of_every_pair_are_one_set_up():
     """The other member is driven 1 deg from a node: 10 to 60 times less."""
     theta = np.arange(12) * np.pi / 6 + 0.05
