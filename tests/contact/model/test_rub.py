@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.model.gaps.rub_system import rub_system
-from contact.scheme.modal import rub_stepper
-from contact.scheme.modal.at_speeds import AtSpeeds
-from contact.scheme.modal.propagator import propagator
 from tests.contact.synthetic_rim import blade, harmonics, ring
 from tests.contact.synthetic_rub import N_MAX, SIZE, nodes, rim3, tips
 
@@ -439,14 +435,3 @@ def test_bad_rubs_are_refused():
         ct.run(rub(speed=ct.Speed.constant(1.0)), law=ct.Coulomb(mu=50.0), t_end=0.1, dt=1e-5)
     with pytest.raises(ct.LimitError, match=r"omega_max dt = 4\.5"):
         ct.run(rub(), t_end=0.1, dt=5e-4)
-
-
-def at_start(rub, *, mu=0.0):
-    """The rub's stepper before its first step."""
-    dimensions = rub.dimensions if mu else 1
-    system = rub_system(rub, dimensions)
-    parts = propagator(system.omega, system.zeta, system.load, 1e-5)
-    speeds = AtSpeeds(nodes=np.zeros(1), parts=(parts,))
-    return rub_stepper.rub_stepper(
-        rub, system, speeds, law=ct.Coulomb(mu=mu), dimensions=dimensions, averaged=False, label=""
-    )
