@@ -20,12 +20,25 @@ from contact.result import Result
 
 
 def at_channels(body: ModalBody, q: Array, forces: Array) -> Array:
-    """Displacement of the channels, (ns, K) [m], from modal coordinates (ns, m) and channel forces (ns, K)."""
+    """Displacement of the channels, (ns, K) [m], from modal coordinates (ns, m) and channel forces (ns, K).
+
+    >>> import contact as ct
+    >>> body = ct.ModalBody(omega=[9.0], zeta=[0.0], channels=("x",), rows=[[2.0]], S=[[1e-6]])
+    >>> at_channels(body, np.array([[0.5]]), np.array([[100.0]])).round(6).tolist()
+    [[1.0001]]
+    """
     return np.asarray(q @ body.rows.T + forces @ body.S.T)
 
 
 def at_points(body: ModalBody, q: Array, forces: Array) -> Array:
-    """Displacement in the rows of `recovery`, (ns, R) [m]; raises InputError when the basis has none."""
+    """Displacement in the rows of `recovery`, (ns, R) [m]; raises InputError when the basis has none.
+
+    >>> import contact as ct
+    >>> seen = {"channels": ("x",), "rows": [[2.0]], "S": [[0.0]]}
+    >>> body = ct.ModalBody(omega=[9.0], zeta=[0.0], recovery=np.array([[3.0], [4.0], [0.0]]), **seen)
+    >>> at_points(body, np.array([[0.5]]), np.array([[0.0]])).tolist()
+    [[1.5, 2.0, 0.0]]
+    """
     if body.recovery is None:
         raise InputError("recovery: found none in this basis, expected rows for the points wanted")
     kept = np.asarray(q @ body.recovery.T)
@@ -36,6 +49,12 @@ def casing_motion(what: object, result: Result) -> Array | None:
     """Displacement of the casing's channels, (ns, K) [m]; None of other problems than rubs, or without states.
 
     Without the motion of a rotor.
+
+    >>> import contact as ct
+    >>> ball = ct.PointMass(mass=2.0, x=0.01, velocity=-1.0)
+    >>> result = ct.run([ct.Wall(), ball], scheme=ct.MoreauJean(), t_end=0.001, dt=1e-4)
+    >>> casing_motion([ct.Wall(), ball], result) is None  # no rub
+    True
     """
     rub: Rub | None = rub_of(what)
     if rub is None or len(result.state) < 2 or result.channels.size:
@@ -52,6 +71,15 @@ def rub_forces(scene: Rub | RotatingRim, result: Result, name: str) -> tuple[Arr
     `result.state_of(name)`. The gap's share of the tip is -n, so that the tips' forces on their blade have that sign.
 
     Raises InputError for names that the rub does not have and results without stored states.
+
+    >>> import contact as ct
+    >>> casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=2, freq_hz=100.0, modal_mass=1.0), radius=0.5)
+    >>> seen = {"channels": ("span", "flap"), "rows": [[0.0], [1.0]], "S": 1e-8 * np.eye(2)}
+    >>> rim = ct.RotatingRim(casing, ct.ModalBody(omega=[900.0], zeta=[0.01], **seen), clearance=1e-3, speed_hz=5.0)
+    >>> result = ct.run(rim, t_end=1e-3, dt=1e-4, record=ct.Record(state_every=5))
+    >>> time, forces = rub_forces(rim, result, "blade")
+    >>> forces.shape[1], bool(forces.any())  # no contact yet
+    (2, False)
     """
     rub: Rub = rub_of(scene)
     if name not in rub.names:

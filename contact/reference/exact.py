@@ -17,7 +17,12 @@ Force = Callable[[Array], Array]
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class ExactContact:
-    """Exact contact force: straight lines from `force[:, 0]` to `force[:, 1]` over `intervals` [s] (n, 2)."""
+    """Exact contact force: straight lines from `force[:, 0]` to `force[:, 1]` over `intervals` [s] (n, 2).
+
+    >>> exact = ExactContact(intervals=np.array([[0.0, 2.0]]), force=np.array([[0.0, 10.0]]))
+    >>> exact.impulse, exact(np.array([1.0, 3.0])).tolist()
+    (10.0, [5.0, 0.0])
+    """
 
     intervals: Array
     force: Array
@@ -84,7 +89,14 @@ def bouncing_bar(contacts: int) -> ExactContact:
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class BarHistory:
-    """Exact bar over a wall: `gap` (n + 1,) at `time`, `force` (n,) at the middles of the steps."""
+    """Exact bar over a wall: `gap` (n + 1,) at `time`, `force` (n,) at the middles of the steps.
+
+    >>> import contact as ct
+    >>> bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0)
+    >>> history = ct.reference.bar_by_characteristics(bar, gravity=10.0, t_end=5.0, cells=30)
+    >>> history.gap.size == history.force.size + 1
+    True
+    """
 
     time: Array
     gap: Array
@@ -185,7 +197,11 @@ def stopped_period(omega: float, gap: float, amplitude: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImpactOrbit:
-    """Steady motion with one impact every `period`: speed of approach, and the drive's phase at the impact [rad]."""
+    """Steady motion with one impact every `period`: speed of approach, and the drive's phase at the impact [rad].
+
+    >>> ImpactOrbit(speed=0.5, phase=0.1, period=1.0).speed
+    0.5
+    """
 
     speed: float
     phase: float

@@ -25,6 +25,12 @@ class Impact:
     """Exact `force` (n + 1,) [N], `gap` [m] and end velocities `left`, `right` [m/s] at `time` (n + 1,) [s].
 
     The values at a jump are those just after it. `step_force` (n,): mean force of each step.
+
+    >>> zeros = np.zeros(3)
+    >>> mean = np.array([2.0, 4.0])
+    >>> found = Impact(time=np.arange(3.0), force=zeros, step_force=mean, gap=zeros, left=zeros, right=zeros)
+    >>> found(np.array([0.5, 1.5])).tolist()
+    [2.0, 4.0]
     """
 
     time: Array
