@@ -169,6 +169,7 @@ def test_every_report_is_a_campaign_or_says_why_not():
     parts = {f"verification.{name}" for name in ("cone", "twisted_plate", "splitting", "locking")}  # rows of the table
     tools = {
         "tools.campaign",
+        "tools.drawn",
         "tools.frozen",
         "verification.modes.calculix",
         "studies.rig.synthetic",

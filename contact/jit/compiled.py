@@ -35,7 +35,7 @@ from numba.core.sigutils import normalize_signature
 
 from contact.jit.bundle import bundled
 from contact.jit.machine_code import MachineCode
-from contact.jit.progress import Announcement, Uncollected, announce, as_loops, with_room
+from contact.jit.progress import Announcement, Uncollected, announce, calls_looked_up_once, with_room
 
 Manager: Any = PassManager
 before: Any = untyped_passes
@@ -192,7 +192,7 @@ class Loop(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Compile for arguments of these types."""
         known: Any = super()
-        with as_loops():
+        with calls_looked_up_once():
             return with_room(known.compile, sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -257,7 +257,7 @@ def address_of(function: Callable[..., Any], kind: Any) -> int:
     """Compile a function that is called by its address."""
     made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=SealedPipeline)
     made._cache = MachineCode(function)
-    with as_loops():
+    with calls_looked_up_once():
         with_room(made.compile)
     return int(made.address)
 

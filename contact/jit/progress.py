@@ -15,7 +15,6 @@ from typing import Any
 
 from numba.core import event, types
 from numba.core.compiler_lock import global_compiler_lock
-from numba.np import arrayobj
 
 from contact.io.notebook import in_notebook
 
@@ -24,7 +23,6 @@ WORDS = "compiling the loops of this run for this processor; kept on disk, so th
 
 listener: Any = event.Listener
 Lock: Any = global_compiler_lock
-indexing: Any = arrayobj
 Builtin: Any = types.Function
 LOOK_UP: Any = Builtin.get_call_type
 KNOWN: dict[tuple[int, Any], tuple[Any, Any]] = {}  # by function and arguments: the function, which so lives on, result
@@ -107,27 +105,19 @@ def _known(function: Any, context: Any, args: Any, kws: Any) -> Any:
 
 
 @contextmanager
-def as_loops() -> Iterator[None]:
-    """While this lasts calls are looked up once and no index counts from the end; what others compile as numba has it.
+def calls_looked_up_once() -> Iterator[None]:
+    """While this lasts calls of numba's operators and functions are looked up once; what others compile as it has it.
 
     At each place of a call numba tries all overloads in turn: in the loop of a rub at 8,079 places, which are 239
     different calls. What it found the first time holds for the others, since it depends on the types alone.
-
-    At each index numba asks whether it is negative, and then counts from the end: a tenth of all instructions of a
-    step of one tip.
     """
     with Lock:
-        look_up, from_the_end = Builtin.get_call_type, indexing.fix_integer_index
-        Builtin.get_call_type, indexing.fix_integer_index = _known, _as_given
+        before = Builtin.get_call_type
+        Builtin.get_call_type = _known
         try:
             yield
         finally:
-            Builtin.get_call_type, indexing.fix_integer_index = look_up, from_the_end
-
-
-def _as_given(context: Any, builder: Any, kind: Any, index: Any, _: Any) -> Any:
-    """An index as it is: of compiled loops none is negative."""
-    return context.cast(builder, index, kind, types.intp)
+            Builtin.get_call_type = before
 
 
 def with_room(function: Callable[..., Any], *args: Any) -> Any:

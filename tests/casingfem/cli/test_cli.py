@@ -195,7 +195,7 @@ def test_reduce_and_rub(study, tmp_path):
     blade = invoke("reduce", tmp_path / "blade.toml", "--out", tmp_path)
     assert f"wrote {tmp_path / 'blade.npz'}" in blade.stdout
     (tmp_path / "rub.toml").write_text(RUB)
-    result = invoke("rub", tmp_path / "rub.toml", "--json", "--out", tmp_path / "out")
+    result = invoke("rub", tmp_path / "rub.toml", "--json", "--out", tmp_path / "out", "--pictures")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["contacts"][0]["impulse"] > 0.0
     names = "", "_energy", "_orbit", "_spectrum", "_spectrum_tip", "_waves"

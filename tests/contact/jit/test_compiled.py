@@ -63,28 +63,6 @@ def test_a_loop_is_the_same_for_arrays_that_can_be_written_and_that_cannot() -> 
     assert Bundle(Values(kept)).kind is Bundle(Values(np.zeros(5))).kind
 
 
-def counted_from_the_end(source: Path) -> list[str]:
-    """Indices that begin with a minus, in functions that are compiled."""
-    compiled_parts = (
-        node
-        for node in ast.walk(ast.parse(source.read_text()))
-        if isinstance(node, ast.FunctionDef) and any("jit" in ast.unparse(one) for one in node.decorator_list)
-    )
-    indices = (
-        part
-        for function in compiled_parts
-        for node in ast.walk(function)
-        if isinstance(node, ast.Subscript)
-        for part in (node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice])
-    )
-    return [ast.unparse(one) for one in indices if isinstance(one, ast.UnaryOp) and isinstance(one.op, ast.USub)]
-
-
-def test_no_index_of_a_compiled_loop_counts_from_the_end() -> None:
-    """Loops take indices as they are."""
-    assert {source.name: found for source in SOURCES if (found := counted_from_the_end(source))} == {}
-
-
 def test_the_files_that_go_first_are_there() -> None:
     there = {path.name for path in Path(__file__).parents[2].rglob("test_*.py")}
     assert set(PLACE) <= there
