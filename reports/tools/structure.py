@@ -121,11 +121,11 @@ def circles(graph: Graph) -> list[list[str]]:
 
 
 def duplicates(lines: Mapping[str, list[str]]) -> int:
-    """Places where `TOGETHER` lines or more stand as they do somewhere before; comments and brackets left out."""
+    """Places where `TOGETHER` lines or more repeat others; comments, brackets and examples of docstrings left out."""
     seen: dict[str, tuple[str, int]] = {}
     count = 0
     for name, all_ in lines.items():
-        kept = [line for line in all_ if not line.startswith(("#", '"""', ")", "]", "}", "@"))]
+        kept = [line for line in all_ if not line.startswith(("#", '"""', ")", "]", "}", "@", ">>>", "..."))]
         at = 0
         while at + TOGETHER <= len(kept):
             block = hashlib.sha256("\n".join(kept[at : at + TOGETHER]).encode()).hexdigest()
