@@ -171,14 +171,18 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 
 def _state(fit: Fit, span: float) -> Ending:
-    """What the last stretch of `span` seconds does, by its mean growth: a bend within it changes how fast, not whether.
+    """What the last stretch of `span` seconds does, by its mean growth, which is sure to `scatter`.
 
-    >>> [_state(Fit(rate, 0.0, 0.0, scatter, 0), 0.2) for rate, scatter in ((3, 1), (1, 1), (2, 2), (-3, 1))]
-    ['grows', 'bounded', 'undecided', 'decays']
+    A motion grows only where the whole interval is above 0: an envelope that bends as much as it rises may be part of
+    a slow beat.
+
+    >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
+    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.2) for rate, low, scatter in fits]
+    ['grows', 'undecided', 'bounded', 'undecided', 'decays']
     """
     folds, scatter = fit.rate * span, fit.scatter * span
     if folds > SLIGHT and folds - scatter > SURE:
-        return "grows"
+        return "grows" if fit.low > 0.0 else "undecided"
     if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
     return "bounded" if folds + scatter < RISE else "undecided"
