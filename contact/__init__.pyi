@@ -11,7 +11,6 @@ from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
 from .model.gaps.rub_laws import RimProfile, Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
-from .on_rotor import support_forces
 from .prepared import Scene
 from .record.record import Record
 from .result import Result
@@ -70,5 +69,4 @@ __all__ = [
     "scene",
     "scheme",
     "stability",
-    "support_forces",
 ]

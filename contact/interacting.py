@@ -135,7 +135,7 @@ class Interactions(Reported):
     def words(self) -> str:
         """What was run, and what follows, in sentences."""
         low, high = (float(hz) for hz in self.peaks.map.speed_hz[[0, -1]])
-        span = f"{low:.4g} to {high:.4g} Hz ({60.0 * low:.0f} to {60.0 * high:.0f} rpm)"
+        span = f"{low:.4g} to {high:.4g} Hz ({60.0 * low:,.0f} to {60.0 * high:,.0f} rpm)"
         pairs = "Pairs of the casing are split: the poles are those of their mean." if self.peaks.averaged else ""
         if not self.runs:
             grows = "Closed contact grows in the ranges above." if self.rows else "Nothing grows."
@@ -146,7 +146,7 @@ class Interactions(Reported):
         if count["safe"] == len(self.runs):
             words.append("Every speed is safe.")
         elif count["safe"]:
-            words.append("Speeds that no row has are safe.")
+            words.append("Speeds outside the rows are safe.")
         open_ = [run for run in self.runs if run.verdict == "not decided"]
         words += [f"The first run that does not decide, at {run.speed_hz:.4g} Hz: {run.why}." for run in open_[:1]]
         return " ".join(filter(None, [*words, pairs]))

@@ -49,7 +49,7 @@ def support_forces(rub: Rub, result: Result) -> dict[str, Array]:
     >>> casing = ct.rotor.rigid_casing(radius=0.25, mass=20.0, stiffness=2e8)
     >>> rub = ct.rotor.rotor_rub(rotor, casing, [ct.rotor.rigid_tip()], clearance=0.02)
     >>> result = ct.run(rub, t_end=1e-2, dt=1e-4, record=ct.Record(state_every=1))
-    >>> ct.support_forces(rub, result)["bearings"][0].round(1).tolist()  # -k x, x = 0.01/sqrt(10)
+    >>> ct.recovery.support_forces(rub, result)["bearings"][0].round(1).tolist()  # -k x, x = 0.01/sqrt(10)
     [-12649.1, 0.0]
     """
     if rub.casing.participation is None:

@@ -50,8 +50,8 @@ class Cause:
         """What feeds the motion, through which kind of contact."""
         if not self.source:
             return ""
-        contact = "the contact stays closed" if self.closed > 0.99 else f"it is closed {100.0 * self.closed:.2g} %"
-        return f"Its energy comes from {self.source} ({self.work:.3g} J); {contact} of the time."
+        share = "all the time" if self.closed > 0.99 else f"{100.0 * self.closed:.2g} % of the time"
+        return f"Its energy comes from {self.source} ({self.work:.3g} J). The contact is closed {share}."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

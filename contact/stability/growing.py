@@ -31,7 +31,7 @@ def of_contact(contact: ClosedContact, speed_hz: Array) -> StabilityMap:
     >>> pair = HandPair(casing=ModalPair(n=8, freq_hz=300.0, modal_mass=1.5),
     ...                 blade=ModalPair(freq_hz=120.0, modal_mass=0.4), compliance=1e-4)
     >>> of_contact(pair.contact(), np.linspace(40.0, 50.0, 11)).words
-    'Closed contact is stable from 40 to 50 Hz (2400 to 3000 rpm): nothing grows.'
+    'Closed contact is stable from 40 to 50 Hz (2,400 to 3,000 rpm): nothing grows.'
     """
     found = growth_map(contact, ascending(speed_hz))
     words = [
@@ -83,11 +83,11 @@ def _highest(found: StabilityMap) -> list[str]:
 
 
 def _span(low: float, high: float) -> str:
-    return f"{low:.5g} to {high:.5g} Hz ({60.0 * low:.5g} to {60.0 * high:.5g} rpm)"
+    return f"{low:.5g} to {high:.5g} Hz ({60.0 * low:,.5g} to {60.0 * high:,.5g} rpm)"
 
 
 def _rate(growth: float, speed_hz: float) -> str:
-    return f"{growth:.4g} 1/s at {speed_hz:.5g} Hz ({60.0 * speed_hz:.5g} rpm)"
+    return f"{growth:.4g} 1/s at {speed_hz:.5g} Hz ({60.0 * speed_hz:,.5g} rpm)"
 
 
 def _motions(contact: ClosedContact, found: StabilityMap) -> list[str]:

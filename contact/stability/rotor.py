@@ -29,5 +29,5 @@ def of_rotor(rotor: Rotor, speed_hz: Array) -> StabilityMap:
         words = f"The rotor is stable from {found.speed_hz[0]:.5g} to {found.speed_hz[-1]:.5g} Hz."
     else:
         low, high = found.bands_hz[0]
-        words = f"The free motion grows from {low:.6g} to {high:.6g} Hz ({60.0 * low:.5g} to {60.0 * high:.5g} rpm)."
+        words = f"The free motion grows from {low:.6g} to {high:.6g} Hz ({60.0 * low:,.5g} to {60.0 * high:,.5g} rpm)."
     return replace(found, words=words)

@@ -40,7 +40,7 @@ def test_the_sum_condition_of_turning_blades_is_the_one_dangerous_speed():
     assert (row.from_hz, row.to_hz) == (row.peak.from_hz, row.peak.to_hz)
     assert {run.verdict for run in found.runs if run != row.at} == {"safe"}
     assert len(found.runs) == 13
-    assert "13 runs of the scene at constant speeds from 45 to 60 Hz (2700 to 3600 rpm): 1 unstable" in found.words
+    assert "13 runs of the scene at constant speeds from 45 to 60 Hz (2,700 to 3,600 rpm): 1 unstable" in found.words
 
 
 def test_where_nothing_touches_every_speed_is_safe():

@@ -66,7 +66,7 @@ def test_b6_from_its_scene_file():
     assert document["peak"]["growth"] == pytest.approx(3.7883, abs=5e-5)
     assert document["peak"]["speed_hz"] == pytest.approx(52.844, abs=5e-4)
     assert np.round(document["bands_hz"], 3) == pytest.approx(np.array([[52.693, 52.994]]), abs=1e-9)
-    assert "n = 8 grows by 3.788 1/s at 52.844 Hz (3170.6 rpm) and travels with the direction" in document["words"]
+    assert "n = 8 grows by 3.788 1/s at 52.844 Hz (3,170.6 rpm) and travels with the direction" in document["words"]
     assert "f_c + f_b = n f. The blade overtakes the wave, n f = 422.7 Hz > f_c." in document["words"]
 
 
@@ -91,9 +91,9 @@ def test_digging_blade_grows_in_time_as_its_pole():
 
 def of(words, pattern):
     """The numbers that a pattern with # for each finds in words."""
-    found = re.search(re.escape(pattern).replace(r"\#", r"([-\d.]+)"), words)
+    found = re.search(re.escape(pattern).replace(r"\#", r"([-\d.,]+)"), words)
     assert found, words
-    return [float(number) for number in found.groups()]
+    return [float(number.replace(",", "")) for number in found.groups()]
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -116,7 +116,7 @@ def test_a_pattern_that_stays_before_the_blade_travels_with_it_around_the_casing
     """Above the critical speed f_c = n f a real pole grows: a pattern fixed to the blade, seen from the casing n f."""
     soft = ct.RotatingRim(ring(), blade(), clearance=-1e-4, speed_hz=20.0, lean_deg=10.0)
     words = ct.stability.of_rim(soft, np.linspace(35.0, 45.0, 11)).words
-    assert "at 40.348 Hz (2420.9 rpm) and travels with the direction of the blade." in words
+    assert "at 40.348 Hz (2,420.9 rpm) and travels with the direction of the blade." in words
     assert "It is at rest in the blade's frame, f_c = n f = 80.7 Hz." in words
     assert "stands" not in words
 
@@ -130,7 +130,7 @@ def test_words_of_a_stable_range_name_no_motion_and_no_speed_outside():
     )
     assert repr(slow).splitlines()[1] == "no growth from 8 to 12 Hz"
     fast = ct.stability.of_contact(B6.contact(), np.linspace(30.0, 50.0, 41))
-    assert fast.words == "Closed contact is stable from 30 to 50 Hz (1800 to 3000 rpm): nothing grows."
+    assert fast.words == "Closed contact is stable from 30 to 50 Hz (1,800 to 3,000 rpm): nothing grows."
 
 
 def test_friction_along_the_casing_feeds_a_wave_that_damping_stops():
@@ -152,7 +152,7 @@ def test_what_a_map_prints():
     assert first == "largest growth 3.7883 1/s at 52.844 Hz"
     assert second == "diverges from 52.693 to 52.9945 Hz"
     assert words[0].startswith(
-        "Closed contact is unstable from 52.693 to 52.994 Hz (3161.6 to 3179.7 rpm). n = 8 grows"
+        "Closed contact is unstable from 52.693 to 52.994 Hz (3,161.6 to 3,179.7 rpm). n = 8 grows"
     )
 
 
