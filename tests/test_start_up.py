@@ -2,6 +2,9 @@
 
 import ast
 import importlib
+import os
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -9,7 +12,6 @@ import pytest
 
 import casingfem
 import contact
-from casingfem.__main__ import threads
 from reports.benchmarks.start_up import HEAVY, HELP, loaded, main
 
 ROOT = Path(__file__).parents[1]
@@ -78,8 +80,9 @@ def test_a_module_loaded_first_does_not_take_the_place_of_a_function_of_its_name
 
 
 def test_a_name_that_is_not_there_is_refused_by_its_name():
-    with pytest.raises(AttributeError, match="casingfem attribute modess"):
-        _ = casingfem.modess
+    name = "modess"
+    with pytest.raises(AttributeError, match=f"casingfem attribute {name}"):
+        getattr(casingfem, name)
 
 
 @pytest.mark.campaign
@@ -91,7 +94,25 @@ def test_the_report_has_a_row_for_each_command(tmp_path):
     assert all(0.0 < row["least [s]"] <= row["median [s]"] for row in rows.values())
 
 
-def test_blas_has_one_thread_unless_the_environment_says_otherwise():
-    assert threads({"PATH": "/bin"}) == {"OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        assert threads({name: "4"}) == {}
+SHOWN = """import os, runpy, sys
+sys.argv = ["casingfem", "--version"]
+try:
+    runpy.run_module("casingfem", run_name="__main__")
+except SystemExit:
+    print([os.environ.get(name) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        ({}, [None, "1", "1"]), ({"OMP_NUM_THREADS": "4"}, ["4", None, None]),
+        ({"OPENBLAS_NUM_THREADS": "4"}, [None, "4", None]), ({"MKL_NUM_THREADS": "4"}, [None, None, "4"]),
+    ],
+)  # fmt: skip
+def test_the_command_line_gives_blas_one_thread_unless_the_environment_sets_a_number(given, found):
+    kept = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    command = [sys.executable, "-c", SHOWN]
+    done = subprocess.run(command, env=kept | given, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == str(found)

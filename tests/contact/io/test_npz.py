@@ -10,7 +10,6 @@ import pytest
 
 import casingfem as cf
 import contact as ct
-from contact.io.npz import load_npz
 from tests.contact.synthetic_rim import blade, ring
 
 READERS = {"contact": (ct.ModalBody.load, ct.InputError), "casingfem": (cf.ModalBasis.load, cf.errors.InputError)}
@@ -33,9 +32,14 @@ def refused(request, tmp_path):
     return message
 
 
+def members_of(path):
+    with np.load(path) as members:
+        return dict(members)
+
+
 def arrays(tmp_path, body=blade):
     body().save(tmp_path / "whole.npz")
-    return load_npz(tmp_path / "whole.npz")
+    return members_of(tmp_path / "whole.npz")
 
 
 def npy(array):
@@ -159,7 +163,9 @@ def test_well_packed_numbers_are_read(tmp_path):
     """Thirty megabytes of zeros pack a thousand times over: no harm."""
     zeros = {"x": np.zeros((4_000_000, 1))}
     np.savez_compressed(tmp_path / "zeros.npz", **zeros)
-    assert load_npz(tmp_path / "zeros.npz")["x"].shape == (4_000_000, 1)
+    with pytest.raises(ct.InputError, match="no key 'format'") as caught:
+        ct.ModalBody.load(tmp_path / "zeros.npz")
+    assert "unpack" not in str(caught.value)
 
 
 @pytest.mark.parametrize("document", ["", "[]", "{}", "[" * 100_000, '{"energy": 1}', '{"energy": {"start": {}}}'])
@@ -167,6 +173,6 @@ def test_a_result_with_another_document(tmp_path, document):
     path = tmp_path / "result.npz"
     body = ct.PointMass(mass=1.0, velocity=1.0)
     ct.run([body, ct.Wall(x=0.1)], law=ct.Unilateral(), scheme=ct.CentralDifference(), t_end=0.01, dt=1e-3).save(path)
-    np.savez(path, **load_npz(path) | {"document": document})
+    np.savez(path, **members_of(path) | {"document": document})
     with pytest.raises(ct.InputError, match=r"result\.npz: key 'document': found"):
         ct.Result.load(path)
