@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from contact.base.errors import InputError
 from contact.io.columns import WIDE, Column, table_lines
 from contact.io.outfiles import finite
+from contact.io.progress import tell
 from contact.io.reported import Reported
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.permanent import HandPair
@@ -202,6 +203,7 @@ def interactions(
         return Interactions(rows=_ranked([_by_poles(peak) for peak in proposed.rows]), runs=(), peaks=proposed)
     what = _turning(scene, runs)
     mu = (scene.law or Unilateral()).mu
+    tell("growth of closed contact")
     proposed = peaks(closed or what, speed_hz, mu=mu)
     low, high = (float(hz) for hz in proposed.map.speed_hz[[0, -1]])
     at = np.unique([*np.linspace(low, high, runs), *(peak.speed_hz for peak in proposed.rows)])

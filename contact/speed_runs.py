@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError, NumericsError
-from contact.io.progress import tell
+from contact.io.progress import as_part, tell
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.limits import RIM, motion_limits
 from contact.model.gaps.rub import Rub, rub_of
@@ -121,12 +121,17 @@ def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
     scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
     ended = 0
 
+    def whole(done: float) -> tuple[str, float]:
+        return f"{ended} of {len(scenes)} runs ended", min((ended + done) / len(scenes), 1.0)
+
     def note(_: int, __: Outcome) -> None:
         nonlocal ended
         ended += 1
-        tell(f"run {ended} of {len(scenes)}", ended / len(scenes))
+        tell("", 0.0)
 
-    outcomes = run_many(scenes, record=_record, ended=note)
+    with as_part(whole):
+        tell("", 0.0)
+        outcomes = run_many(scenes, record=_record, ended=note)
     return [
         _speed_run(one.what, outcome, hz, pole)
         for one, outcome, hz, pole in zip(scenes, outcomes, speed_hz.tolist(), poles.tolist(), strict=True)

@@ -38,6 +38,24 @@ def quietly() -> AbstractContextManager[None]:
     return listening(None)
 
 
+@contextmanager
+def as_part(whole: Callable[[float], tuple[str, float]]) -> Iterator[None]:
+    """Tell of computations inside the words and the share of the whole: `whole` makes them from their own share.
+
+    >>> heard = []
+    >>> with listening(lambda *told: heard.append(told)), as_part(lambda done: ("run 2 of 4", (1 + done) / 4)):
+    ...     tell("a run", 0.5)
+    >>> heard
+    [('run 2 of 4', 0.375, False)]
+    """
+    listener = _LISTENER.get()
+    if listener is None:
+        yield
+        return
+    with listening(lambda _, done, most: listener(*whole(done or 0.0), most)):
+        yield
+
+
 def tell(words: str, done: float | None = None, *, most: bool = False) -> None:
     """Tell the listener words and the share that is done, None where it is not known; `most`: of all there can be."""
     listener = _LISTENER.get()
