@@ -7,17 +7,16 @@ import numpy as np
 import pytest
 
 import casingfem as cf
-from casingfem.modal.fourier import lowest
-from casingfem.modal.modes import count_below
-from casingfem.structure.shell.axisymmetric import harmonic_matrices
 
 BRANCHES = (1, 2, 3)
+HIGHEST = 2300.0  # Hz, above the third branch of n = 0 to 20 in the tables
 
 
 def three_branches(shell: cf.Shell, harmonics: range) -> Iterator[np.ndarray]:
     """Lowest three frequencies [Hz] of each harmonic."""
+    found = cf.modes(shell, band=(1.0, HIGHEST), method="fourier")
     for n in harmonics:
-        yield np.sqrt(lowest(harmonic_matrices(shell, n), 3, 1e4)[0]) / (2 * np.pi)
+        yield np.unique(found.freq[found.nodal_diameters == n])[: len(BRANCHES)]
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +60,7 @@ def test_the_40_modes_are_20_doublets_equal_to_1e_10(forty):
 def test_sturm_count_certifies_that_no_mode_was_missed(forty, perfect_modes):
     assert forty.sturm_count == 40
     assert len(forty) == 40
-    assert count_below(perfect_modes.shell, 980.75) == 40
+    assert len(cf.modes(perfect_modes.shell, band=(1.0, 980.75))) == 40
 
 
 @pytest.mark.slow
@@ -121,8 +120,8 @@ def test_kirchhoff_love_limit(frustum, table):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("thickness", "harmonics"), [(5e-4, range(8, 15, 2)), (5e-5, range(14, 36, 7))])
-def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
+@pytest.mark.parametrize("thickness", [5e-4, 5e-5])
+def test_thin_walls_do_not_lock(frustum, thickness):
     """R/t = 1000 and 10,000 on order 8, 4 rows, against a graded mesh of order 12, 12 rows: within 2e-4.
 
     With as many nodes, order 2 is off by 2e-3 and 5e-3.
@@ -130,7 +129,7 @@ def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
     edges = sorted({*np.linspace(0, 0.1, 5), *np.linspace(0.1, 0.9, 5), *np.linspace(0.9, 1, 5)})
 
     def frequencies(mesh):
-        return np.stack(list(three_branches(frustum(thickness=thickness, mesh=mesh), harmonics)))[:, :2]
+        return cf.modes(frustum(thickness=thickness, mesh=mesh), 6, method="fourier").freq
 
     fine = frequencies(cf.ShellMesh(order=12, rows=tuple(edges), around=1))
     high = np.abs(frequencies(cf.ShellMesh(order=8, rows=4, around=1)) / fine - 1).max()
@@ -141,11 +140,9 @@ def test_thin_walls_do_not_lock(frustum, thickness, harmonics):
 
 @pytest.mark.campaign
 def test_a_thin_frustum_runs_on_its_default_mesh(frustum):
-    """R/t = 1000: 40 modes of the two-dimensional shell, 31,500 dofs, against a fine meridian for each n."""
+    """R/t = 1000: 40 modes of the two-dimensional shell, 31,500 dofs, against a fine meridian."""
     found = cf.modes(frustum(thickness=5e-4), 16, method="shell")
     fine = cf.ShellMesh(order=12, rows=(0.0, 0.1, 0.5, 0.9, 1.0), around=1)
-    for n in np.unique(found.nodal_diameters):
-        exact = next(three_branches(frustum(thickness=5e-4, mesh=fine), range(n, n + 1)))
-        mine = found.freq[found.nodal_diameters == n]
-        np.testing.assert_allclose(mine, np.repeat(exact, 2)[: len(mine)], rtol=1e-3)
+    exact = cf.modes(frustum(thickness=5e-4, mesh=fine), 16, method="fourier")
+    np.testing.assert_allclose(found.freq, exact.freq, rtol=1e-3)
     assert found.splits.max() < 1e-9
