@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,15 +12,9 @@ from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.records.averages import Averages, Estimator, averaged
 from casingfem.experiment.frf.records.estimated import Estimate, Hit, Shown
-from casingfem.experiment.frf.records.lines import (
-    kept_lines,
-    lines_of,
-    same_channels,
-    turned_over,
-    unit_of,
-    without_unit,
-)
+from casingfem.experiment.frf.records.lines import kept_lines, lines_of, notes_of, same_channels
 from casingfem.experiment.frf.records.pieces import Block, Piece, block_of, hit_of, pieces_of
+from casingfem.experiment.frf.records.sets import sets_of
 from casingfem.experiment.frf.records.take import LEAST, Take
 from casingfem.experiment.frf.records.windows import longer
 from casingfem.io.arrays import BoolArray, FloatArray
@@ -62,7 +56,7 @@ def hammer_frfs(
     left = float(np.median([hit.left for hit in hits if not hit.fault]))
     notes = (
         *_few(count), *_negative(hits), *_ringing(left, samples / fs, tau), *_weak(shown, fs, freq[kept]),
-        *_clipped(used, samples), *turned_over(frfs), *without_unit(frfs),
+        *_clipped(used, samples), *notes_of(frfs),
     )  # fmt: skip
     given, coherent, swapped = _reciprocal(frfs, coherence if count > 1 else None)
     return Estimate(
@@ -115,21 +109,21 @@ def _sets(
     take: Take, points: Sequence[Point], freq: FloatArray, kept: BoolArray, card: tuple[str, ...]
 ) -> tuple[FrfSet, FrfSet]:
     """Responses of all hit points, each with its channels, and their coherence."""
-    counts = [len(point.channels) for point in points]
-    places: dict[str, Any] = {
-        "response_point": np.concatenate([point.channels.response_point for point in points]),
-        "response_direction": np.concatenate([point.channels.response_direction for point in points]),
-        "reference_point": np.repeat([point.place[0] for point in points], counts),
-        "reference_direction": np.repeat([point.place[1] for point in points], counts),
-    }
-    H = np.concatenate([point.averages.H[0] for point in points])[:, kept]
-    if not np.any(np.abs(H) > 0.0):
-        raise InputError(take.name, found="no channel with a signal", expected="a response")
-    frfs = FrfSet.from_arrays(
-        kind="frf", x=freq[kept], responses=H, unit=unit_of(take), card=card, path=take.name, **places
-    )
-    values = np.concatenate([point.averages.coherence for point in points])[:, kept]
-    return frfs, replace(frfs, kind="spectrum", responses=np.clip(values, 0.0, 1.0).astype(complex), unit="")
+    channels = [point.channels for point in points]
+    counts = [len(each) for each in channels]
+    return sets_of(
+        take, freq[kept], np.concatenate([point.averages.H[0] for point in points])[:, kept],
+        np.concatenate([point.averages.coherence for point in points])[:, kept],
+        response=(
+            np.concatenate([each.response_point for each in channels]),
+            np.concatenate([each.response_direction for each in channels]),
+        ),
+        reference=(
+            np.repeat([point.place[0] for point in points], counts),
+            np.repeat([point.place[1] for point in points], counts),
+        ),
+        card=card,
+    )  # fmt: skip
 
 
 def _few(count: int) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What hammer and shaker tests share: lines that are kept, channels that agree, the sign at the drive point."""
+"""What hammer and shaker tests share: lines that are kept, channels that agree, notes on signs and units."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _listed(frfs: FrfSet) -> str:
     return ", ".join(str(point) for point in frfs.response_point.tolist())
 
 
-def turned_over(frfs: FrfSet) -> Iterator[str]:
+def _turned_over(frfs: FrfSet) -> Iterator[str]:
     """Drive points at which the structure would give energy to the hammer: a channel is turned over."""
     try:
         power = power_of_unit(frfs.unit)
@@ -68,13 +68,8 @@ def turned_over(frfs: FrfSet) -> Iterator[str]:
             )
 
 
-def without_unit(frfs: FrfSet) -> Iterator[str]:
-    """What follows from responses without a unit."""
+def notes_of(frfs: FrfSet) -> Iterator[str]:
+    """Drive points at which a channel is turned over, and responses without a unit."""
+    yield from _turned_over(frfs)
     if not frfs.unit:
         yield "the responses have no unit: state it with --channels, or what they are with --form of identify"
-
-
-def unit_of(take: Take) -> str:
-    """Unit of a response over a force, "" where the responses have none."""
-    unit = take.response.unit
-    return f"({unit})/{take.force.unit}" if "/" in unit else f"{unit}/{take.force.unit}" if unit else ""

@@ -5,18 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from casingfem.errors import InputError
-from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.experiment.frf.records.averages import Averages, Estimator, Window, averaged, block_spectra
 from casingfem.experiment.frf.records.estimated import Estimate
 from casingfem.experiment.frf.records.hits import clipped
-from casingfem.experiment.frf.records.lines import (
-    kept_lines,
-    lines_of,
-    same_channels,
-    turned_over,
-    unit_of,
-    without_unit,
-)
+from casingfem.experiment.frf.records.lines import kept_lines, lines_of, notes_of, same_channels
+from casingfem.experiment.frf.records.sets import sets_of
 from casingfem.experiment.frf.records.take import Take
 from casingfem.io.arrays import FloatArray
 
@@ -84,19 +77,10 @@ def _of_drives(take: Take, found: Averages, freq: FloatArray, card: tuple[str, .
     """The estimate of forces that act at once: each response to the first force, then to the next."""
     force, response = take.force, take.response
     drives, channels = len(force), len(response)
-    frfs = FrfSet.from_arrays(
-        kind="frf", x=freq, responses=found.H.reshape(-1, len(freq)), unit=unit_of(take),
-        response_point=np.tile(response.response_point, drives),
-        response_direction=np.tile(response.response_direction, drives),
-        reference_point=np.repeat(force.response_point, channels),
-        reference_direction=np.repeat(force.response_direction, channels),
-        card=card, path=take.name,
+    frfs, coherence = sets_of(
+        take, freq, found.H.reshape(-1, len(freq)), found.coherence, card=card,
+        response=(np.tile(response.response_point, drives), np.tile(response.response_direction, drives)),
+        reference=(np.repeat(force.response_point, channels), np.repeat(force.response_direction, channels)),
     )  # fmt: skip
-    own = FrfSet.from_arrays(
-        kind="spectrum", x=freq, responses=np.clip(found.coherence, 0.0, 1.0).astype(complex), unit="",
-        response_point=response.response_point, response_direction=response.response_direction,
-        reference_point=force.response_point[0], reference_direction=force.response_direction[0],
-        card=(*card, "multiple coherence") if drives > 1 else card, path=take.name,
-    )  # fmt: skip
-    notes = *turned_over(frfs), *without_unit(frfs)
-    return Estimate(frfs=frfs, coherence=own if averages > drives else None, averages=averages, notes=notes)
+    coherent = coherence if averages > drives else None
+    return Estimate(frfs=frfs, coherence=coherent, averages=averages, notes=tuple(notes_of(frfs)))

@@ -251,7 +251,7 @@ def test_a_shaker_s_record_is_taken_for_one():
     assert found.records()[0]["median_coherence"] > 0.99
 
 
-def test_forces_that_are_none_or_one_signal_are_refused():
+def test_forces_that_are_none_or_one_signal_and_responses_without_a_signal_are_refused():
     take = tapped(blocks=1)
     silent = with_values(take, force=np.full((1, BLOCK), 3.0))
     with pytest.raises(cf.errors.InputError, match="a force at point 1 that does not change: 3 N"):
@@ -264,6 +264,10 @@ def test_forces_that_are_none_or_one_signal_are_refused():
     )  # fmt: skip
     with pytest.raises(cf.errors.InputError, match="2 forces of which one follows from the others"):
         cf.frf.estimate(replace(take, force=twice))
+    flat = with_values(take, force=np.array([noise]), response=np.zeros((3, BLOCK)))
+    for kind, force in (("shaker", flat.force), ("hammer", take.force)):
+        with pytest.raises(cf.errors.InputError, match=r"no channel with a signal; expected a response"):
+            cf.frf.estimate(replace(flat, force=force), test=kind)
 
 
 def test_the_window_does_not_grow_before_the_pulse():
