@@ -55,7 +55,8 @@ def _built(table: File, file: Path, text: bytes | None) -> Scene:
     from contact.scene.plausible import refusals  # pydantic is loaded when a file is read, not with the package
 
     if table.scene.kind == "pair":
-        raise SceneError([f"{file}: scene.kind: found 'pair', which casingfem stability takes"])
+        expected = "expected a scene that runs: use casingfem interactions or stability"
+        raise SceneError([f"{file}: scene.kind: found 'pair', {expected}"])
     problems = Problems(file)
     problems.extend(refusals(table, file))
     what, law, scheme = table.built(file.parent, problems)

@@ -62,7 +62,8 @@ def load_stability(path: str | Path) -> StabilityScene:
     if table.scene.kind == "pair":
         return StabilityScene(what=_pair(table, file), speed_hz=_speeds(table.speed))
     if table.scene.kind != "rim":
-        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair' or 'rim'"])
+        more = ": use casingfem interactions" if table.scene.kind in ("rub", "disk") else ""
+        raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair' or 'rim'{more}"])
     scan = table.speed.scan
     if scan is None:
         raise SceneError([f"{file}: speed.scan: missing, expected {{from_hz = ..., to_hz = ..., steps = ...}}"])

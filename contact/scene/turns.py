@@ -34,7 +34,7 @@ def warn_of_turning(given: Side | None, rub: Rub, file: Path) -> None:
         if sense and (moved := moved_by_speed(body, omega)) > FAST:
             rpm = 30.0 * omega / math.pi
             found = f"found a frequency of the basis that changes by {100.0 * moved:.3g} % at {rpm:.4g} rpm"
-            expected = f"expected at most {100.0 * FAST:g} %: compute the modes at the speed"
+            expected = f"expected at most {100.0 * FAST:g} %"
             _warn("turning-fast", file, f"{name}: {found}, {expected}")
     if given == "casing" and rub.casing.gyroscopic is None:
         _warn("turning-unmodelled", file, "casing: found no gyroscopic matrix in its basis beside turning = 'casing'")
