@@ -1,5 +1,7 @@
 """A run that was stopped goes on from its file to the same bits, for every scheme and every kind of contact."""
 
+import json
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,8 +9,6 @@ import numpy as np
 import pytest
 
 import contact as ct
-from contact.base import checkpoint
-from contact.io.outfiles import json_text
 from tests.contact.synthetic_rim import blade, ring
 from tests.contact.synthetic_rub import nodes, rim3, tips
 
@@ -60,23 +60,26 @@ class StoppedError(Exception):
     """What stands for Ctrl-C."""
 
 
+HOURS = [0.0]  # the clock of `at_once` [s]
+
+
 def stop(done: float) -> None:
+    HOURS[0] += 3600.0
     if done > 0.8:
         raise StoppedError
 
 
 @pytest.fixture
 def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write after each call of a loop, and not every two seconds."""
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    """A clock by which a call of a loop takes an hour and a writing nothing: each call is followed by a writing."""
+    monkeypatch.setattr(time, "monotonic", lambda: HOURS[0])
 
 
 def words(result: ct.Result) -> str:
     """All that a result has but the seconds, exactly."""
     arrays = [getattr(result, name).tobytes().hex() for name in ("time", "force", "gap", "impulse_history", "state")]
     worn = [wear.worn.tobytes().hex() + wear.map.tobytes().hex() for wear in result.tracks]
-    return json_text({**result.to_dict(), "seconds": 0.0, "arrays": arrays, "worn": worn})
+    return json.dumps({**result.to_dict(), "seconds": 0.0, "arrays": arrays, "worn": worn})
 
 
 @pytest.mark.slow
