@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from contact.scene.cycles import CyclesScene
 
 STABILITY = (
-    "This is a contact that stays closed. `casingfem interactions SCENE` runs the scene itself and lists the dangerous "
-    "speeds."
+    "This is a contact that stays closed. `casingfem interactions SCENE` lists the dangerous speeds; those of a rim "
+    "follow from runs of the scene."
 )
 ORBITS = (
     "These are periodic motions. `casingfem interactions SCENE`, with a run in the scene, lists the dangerous speeds "

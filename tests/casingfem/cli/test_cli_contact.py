@@ -39,7 +39,7 @@ def test_interactions_print_write_and_draw_one_table(tmp_path):
     assert "3.79" in printed
     assert max(map(len, printed.splitlines()[:2])) <= 100
     stability = call("stability", DATA / "scenes" / "pair.toml", "--out", tmp_path)
-    assert "`casingfem interactions SCENE` runs the scene itself and lists the dangerous" in stability.stdout
+    assert "`casingfem interactions SCENE` lists the dangerous speeds" in stability.stdout
     assert (tmp_path / "stability.png").exists()
 
 
