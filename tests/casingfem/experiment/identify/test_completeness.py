@@ -153,6 +153,27 @@ def test_strong_modes_just_beyond_the_band_do_not_move_those_inside(seed):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("shift", [0.0, 1e-3])
+def test_channels_are_of_two_set_ups_only_where_their_poles_are_shifted(shift):
+    """Bandwidths are 4e-3. Each half of the channels also sees a local mode that the other half does not see."""
+    freqs, rng = 300.0 * 1.03 ** np.arange(12), np.random.default_rng(11)
+    halves = rng.uniform(0.5, 1.5, (12, 2, 8)) * rng.choice([-1.0, 1.0], (12, 2, 8))
+    none, local = np.zeros(8), rng.uniform(0.5, 1.5, 8)
+    poles = [(freq * (1.0 + 0.5 * shift), 2e-3, np.r_[half[0], none]) for freq, half in zip(freqs, halves, strict=True)]
+    poles += [
+        (freq * (1.0 - 0.5 * shift), 2e-3, np.r_[none, half[1]]) for freq, half in zip(freqs, halves, strict=True)
+    ]
+    poles += [(313.5, 2e-3, np.r_[local, none]), (375.3, 2e-3, np.r_[none, local])]
+    found = cf.identify(receptances(np.arange(290.0, 430.0, 0.1), poles, noise=2e-2, seed=4))
+    assert len(found) == 14
+    at = [int(np.argmin(np.abs(found.freq - freq))) for freq in freqs]
+    np.testing.assert_allclose(found.freq[at], freqs, atol=0.01)
+    np.testing.assert_allclose(found.zeta[at], 2e-3, rtol=0.02)
+    assert found.shift == pytest.approx(shift / np.sqrt(2.0), rel=0.02)
+    assert ("in 2 groups of channels" in " ".join(found.notes)) == (shift > 0.0)
+
+
+@pytest.mark.slow
 def test_two_references_that_each_drive_one_member_of_every_pair_are_one_set_up():
     """The other member is driven 1 deg from a node: 10 to 60 times less."""
     theta = np.arange(12) * np.pi / 6 + 0.05
