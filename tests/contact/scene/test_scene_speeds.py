@@ -149,7 +149,7 @@ def test_a_turning_rim_is_followed_over_its_speed_or_what_varies(turning):
     [
         ("[vary]\nfriction = [0.0, 0.3]\n", "expected a range of speeds, or .vary. with speed.hz"),
         ("[continuation]\nchannels = ['span']\n", "continuation.channels found with a rim"),
-        (COATING + "machined = 1e-4\n", "coating.machined found, expected the profile that is left"),
+        (COATING + "machined = 1e-4\n", "coating.machined found, expected the machined profile as out_of_roundness"),
     ],
 )
 def test_turning_rims_that_cannot_be_followed_are_refused(turning, more, words):
