@@ -171,13 +171,13 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
 
 
 def _state(fit: Fit, span: float) -> Ending:
-    """What the last stretch of `span` seconds does, by the interval of its growth.
+    """What the last stretch of `span` seconds does, by its mean growth, which is sure to `scatter`.
 
     A motion grows only where the whole interval is above 0: an envelope that bends as much as it rises may be part of
-    a slow beat. It is bounded only where the interval excludes a rise by e^RISE within the stretch.
+    a slow beat. It is bounded where the stretch excludes a rise by e^RISE.
 
-    >>> fits = ((3, 1, 5), (3, -1, 7), (1, -1, 2), (2, 0, 4), (-3, -5, -1))
-    >>> [_state(Fit(rate, low, high, 1, 0), 0.2) for rate, low, high in fits]
+    >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
+    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.2) for rate, low, scatter in fits]
     ['grows', 'undecided', 'bounded', 'undecided', 'decays']
     """
     folds, scatter = fit.rate * span, fit.scatter * span
@@ -185,7 +185,7 @@ def _state(fit: Fit, span: float) -> Ending:
         return "grows" if fit.low > 0.0 else "undecided"
     if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
-    return "bounded" if fit.high * span < RISE else "undecided"
+    return "bounded" if folds + scatter < RISE else "undecided"
 
 
 def _stopped(result: Ran) -> float:
