@@ -33,6 +33,7 @@ from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 
+from contact.io.interrupts import interrupts_held
 from contact.jit.bundle import bundled
 from contact.jit.machine_code import MachineCode
 from contact.jit.progress import Announcement, Uncollected, announce, calls_looked_up_once, with_room
@@ -192,7 +193,7 @@ class Loop(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Compile for arguments of these types."""
         known: Any = super()
-        with calls_looked_up_once():
+        with interrupts_held(), calls_looked_up_once():  # an exception in a callback of LLVM would be lost
             return with_room(known.compile, sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -257,7 +258,7 @@ def address_of(function: Callable[..., Any], kind: Any) -> int:
     """Compile a function that is called by its address."""
     made: Any = CFunction(function, normalized(kind), {}, BY_ADDRESS, pipeline_class=SealedPipeline)
     made._cache = MachineCode(function)
-    with calls_looked_up_once():
+    with interrupts_held(), calls_looked_up_once():
         with_room(made.compile)
     return int(made.address)
 
