@@ -13,16 +13,6 @@ def interrupts_held() -> Iterator[None]:
     """Ctrl-C waits until the end of the block; processes started inside never get it.
 
     A signal may reach any thread, and Python interrupts the main one then: there it is noted until the end as well.
-
-    >>> steps = []
-    >>> try:
-    ...     with interrupts_held():
-    ...         signal.raise_signal(signal.SIGINT)
-    ...         steps.append("goes on")
-    ... except KeyboardInterrupt:
-    ...     steps.append("ends")
-    >>> steps
-    ['goes on', 'ends']
     """
     noted: list[int] = []
     main = threading.current_thread() is threading.main_thread()

@@ -21,6 +21,7 @@ PLAIN = (
     "base.errors",
     "base.arrays",
     "io.brief",
+    "io.interrupts",
     "io.keys",
     "io.notebook",
 )
