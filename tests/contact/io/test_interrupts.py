@@ -7,6 +7,7 @@ SCRIPT = """
 import os, signal, threading, time
 from contact.io.interrupts import interrupts_held
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background has it ignored
 threading.Thread(target=time.sleep, args=(2.0,), daemon=True).start()  # it takes signals too
 try:
     with interrupts_held():
