@@ -228,10 +228,10 @@ class Mistuning(Reported):
 def mistune(shell: Shell, draws: int, *, count: int = 40, progress: Callable[[int], None] | None = None) -> Mistuning:
     """Splits and orientations of a shell's pairs over draws 0, 1, ... of its random fields, one after the other.
 
-    Where the casing is perfect but for series around and its edges are free, clamped or embedded, a draw's modes come
-    from those of the perfect casing (`modal.family`); the others, and draws whose error estimate is above 2e-4 of a
-    frequency, are solved in full. A draw depends on its own number alone. `casingfem mistune study.toml` does the same
-    on several cores, checks some draws and can be resumed.
+    Most draws come from the modes of the perfect casing (`modal.family`). This needs fields that are Fourier series
+    around, and edges that are free, clamped or embedded. Other casings are solved in full, and so are draws whose
+    estimated error of a frequency is above 2e-4. A draw depends on its own number alone.
+    `casingfem mistune study.toml` does the same on several cores. It checks some draws, and it can be resumed.
 
     Raises
     ------

@@ -10,7 +10,7 @@ all in cylindrical axes: those of the point theta = 0.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -130,7 +130,8 @@ def point_forms(shell: ShellParts, imperfection: Mapping[str, tuple[Array, ...]]
 
 def varied(shell: ShellParts, imperfection: Mapping[str, "tuple[Array, ...] | list[Array]"]) -> ShellParts:
     """The casing with these values of its fields wherever it is asked."""
-    return replace(shell, **{f"{name}_defect": Given(*parts) for name, parts in imperfection.items()})  # type: ignore[arg-type]
+    fields: dict[str, Any] = {f"{name}_defect": Given(*parts) for name, parts in imperfection.items()}
+    return replace(shell, **fields)
 
 
 def spring_blocks(shell: ShellParts, name: str, z: FloatArray) -> Array:

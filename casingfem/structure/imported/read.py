@@ -28,7 +28,7 @@ WORDS = ("point", "curve", "surface", "volume")
 
 
 def read_mesh(path: str | Path, *, scale: float = 1.0, join: float = 0.0, units: str | None = None) -> MeshData:
-    r"""Read a mesh; its format is told by the ending.
+    r"""Read a mesh; the ending of its name states the format.
 
     Parameters
     ----------

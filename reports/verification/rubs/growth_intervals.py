@@ -3,7 +3,7 @@
 `python -m reports.verification.rubs.growth_intervals [--count 260] [--first 0] [--quick] [--out DIR]` draws pairs of a
 casing mode and a blade mode with a soft contact, at the speed of their fastest pole or 0.1 % beside it, and runs them
 for 0.15 to 1.4 s. Where the contact stays closed the motion is linear: it grows by the pole, beside a forced motion
-that does not grow. The interval of 95 % should have the pole in 92 % of the runs or more.
+that does not grow. The interval of 95 % should have the pole in 92 to 97 % of the runs.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ STEP = 4e-5  # s
 EVERY = 17  # steps between two states
 LEAST, MOST = 0.3, 4.5  # e-folds by which a run grows
 CLOSED = 0.99
-LEAST_SHARE = 92.0  # per cent
+SHARE = (92.0, 97.0)  # per cent
 
 
 def drawn(seed: int) -> tuple[ct.Rub, float, float]:
@@ -69,7 +69,7 @@ def main(out: Path, quick: bool = False, count: int = 260, first: int = 0) -> li
     share = 100.0 * sum(bool(row["inside"]) for row in rows) / len(rows)
     table: list[Row] = [{
         "runs": len(rows), "interval has the pole %": share, "half interval over pole": float(np.median(wide)),
-        "off over pole": float(np.median(off)), "verdict": "pass" if quick or share >= LEAST_SHARE else "FAIL",
+        "off over pole": float(np.median(off)), "verdict": "pass" if quick or SHARE[0] <= share <= SHARE[1] else "FAIL",
     }]  # fmt: skip
     show("Growth of runs beside the pole of closed contact", table)
     return table
