@@ -9,7 +9,6 @@ from .locate.located import Localisation
 from .modal.basis import ModalBasis
 from .modal.campbell import campbell
 from .modal.interaction import interactions
-from .modal.interface.chart_rows import out_of_roundness
 from .modal.interface.kinds import Rim, Tip, TipNodes
 from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
@@ -36,7 +35,7 @@ from .structure.shell import loads
 from .structure.shell.shell import Shell
 from .structure.static import solve_static
 from .study.load import load_study
-from .updating.parameters import Parameter, parameters
+from .updating.parameters import Parameter
 from .updating.updating import update
 from .version import __version__
 
@@ -91,8 +90,6 @@ __all__ = [
     "mistune",
     "modal",
     "modes",
-    "out_of_roundness",
-    "parameters",
     "read_mesh",
     "reduce",
     "rig",

@@ -6,7 +6,6 @@ from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
 from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
-from .model.gaps.bladed_disk import BladedDisk
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
 from .model.gaps.rub_laws import RimProfile, Speed
@@ -17,17 +16,14 @@ from .result import Result
 from .run import run
 from .run_many import run_many
 from .scene.load import load_scene
-from .scheme.linear.alpha import Newmark
 from .scheme.linear.central_difference import CentralDifference
 from .scheme.linear.nonsmooth_alpha import MoreauJean
-from .scheme.linear.penalty_difference import PenaltyDifference
 from .scheme.modal.exact_modal import ExactModal
 
 __version__: str
 
 __all__ = [
     "Abradable",
-    "BladedDisk",
     "CentralDifference",
     "ContactPoint",
     "Coulomb",
@@ -37,11 +33,9 @@ __all__ = [
     "LinearBody",
     "ModalBody",
     "MoreauJean",
-    "Newmark",
     "NumericsError",
     "Patch",
     "Penalty",
-    "PenaltyDifference",
     "PointGap",
     "PointMass",
     "Record",

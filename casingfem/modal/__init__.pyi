@@ -5,6 +5,7 @@ from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
 from .interaction import DiskFrequencies, Interactions, interactions
+from .interface.chart_rows import out_of_roundness
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
 from .interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from .matrices import basis_matrices, structure_matrices
@@ -41,6 +42,7 @@ __all__ = [
     "interactions",
     "mistune",
     "mistuned_modes",
+    "out_of_roundness",
     "reduce",
     "structure_matrices",
     "wheel_modes",

@@ -124,7 +124,7 @@ BOUNDS = {
     "ring.above": (lambda k: beam(ring=rim((0.56, 0.562)[k])), r"ring: found radius 0\.562 m, expected about 0\.51"),
     "ring.below": (lambda k: beam(ring=rim((0.46, 0.458)[k])), r"ring: found radius 0\.458 m, expected about 0\.51"),
     "beam.implicit": (
-        lambda k: ct.Newmark().prepare(beam(), ct.Unilateral(), dt=(1e-4, None)[k], courant=None),
+        lambda k: ct.scheme.Newmark().prepare(beam(), ct.Unilateral(), dt=(1e-4, None)[k], courant=None),
         "dt: found none, expected a time step in seconds",
     ),
     "rod.fixed": (lambda k: rod(fixed=("left", "middle")[k]), "fixed: found 'middle', expected 'none', 'left' or"),

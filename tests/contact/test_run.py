@@ -64,7 +64,7 @@ def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(given):
         record=ct.Record(every=3), on_limit="flag",
     )  # fmt: skip
     if "law" in given:
-        scene = replace(scene, scheme=ct.PenaltyDifference())
+        scene = replace(scene, scheme=ct.scheme.PenaltyDifference())
     changed = replace(scene, **given | ({"dt": None} if "courant" in given else {}))
     found, expected = ct.run(scene, **given), ct.run(changed)
     for name in ("time", "force", "gap"):

@@ -317,7 +317,7 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
     ("name", "call"),
     [
         ("mistune", lambda x: cf.mistune(x, 1)),
-        ("out_of_roundness", lambda x: cf.out_of_roundness(x, cf.Rim("top"))),
+        ("out_of_roundness", lambda x: cf.modal.out_of_roundness(x, cf.Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),
     ],
 )

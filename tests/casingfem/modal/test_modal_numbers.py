@@ -67,7 +67,7 @@ def test_numbers_of_a_rim(held):
             f"S {method}": probed(made.S),
             f"recovered {method}": np.sum(made.recovery**2, axis=0),
         }
-    shape = cf.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
+    shape = cf.modal.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
     held(**found, shape=[value for term in shape for value in term.values()])
 
 
