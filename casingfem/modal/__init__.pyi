@@ -4,6 +4,7 @@ from .cyclic.mistuned import MistunedModes, mistuned_modes
 from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
+from .family.splits import SplitMap
 from .interaction import DiskFrequencies, Interactions, interactions
 from .interface.chart_rows import out_of_roundness
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
@@ -31,6 +32,7 @@ __all__ = [
     "NodeStrain",
     "NodeStress",
     "Rim",
+    "SplitMap",
     "Strain",
     "Tip",
     "TipNodes",
