@@ -62,7 +62,7 @@ class SplitMap:
     ...                 mesh=cf.ShellMesh(order=5, rows=1, around=9))
     >>> pairs = cf.modal.SplitMap.of(tube, 8)
     >>> pairs.n.tolist(), pairs.splits(pairs.series([{"radius": lab.redrawn(k)} for k in range(3)])).split.shape
-    ([4, 3, 5, 2], (3, 4))
+    ([5, 6, 4, 7], (3, 4))
     """
 
     family: Family
