@@ -165,7 +165,9 @@ class Matrices:
                 continue
             own = [(int(item), axis) for axis in "xyz" if self.unit_force(int(item), axis) is not None]
             if not own:
-                raise InputError(f"contact: found node {item}, which no dof belongs to")
+                nodes = sorted({node for node, direction in self.dofs if direction in ("x", "y", "z")})
+                named = ", ".join(map(str, nodes[:8])) + (f", ... {nodes[-1]}" if len(nodes) > 8 else "")
+                raise InputError(f"contact: found node {item}, expected a node with a dof along x, y or z: {named}")
             wanted += own
         forces = [self.unit_force(node, direction) for node, direction in wanted]
         missing = [f"{node}.{axis}" for (node, axis), force in zip(wanted, forces, strict=True) if force is None]
@@ -280,8 +282,11 @@ def symmetric_part(name: str, A: Any, size: int) -> tuple[Any, float]:
     sparse = checked(name, A, size)
     skew = asymmetry(sparse)
     if skew > SKEW:
-        more = "; if cross-coupling is meant, give the matrices as nonsymmetric" if name in ("K", "C") else ""
-        raise InputError(f"{name}: found asymmetry of {skew:.2e} of its entries, expected a symmetric matrix{more}")
+        advice = "write both triangles"
+        if name in ("K", "C"):
+            advice += "; for cross-coupled bearings pass nonsymmetric (--nonsymmetric)"
+        found = f"asymmetry of {skew:.2e} of its entries"
+        raise InputError(f"{name}: found {found}, expected a symmetric matrix: {advice}")
     return csc_array(0.5 * (sparse + sparse.T)), skew
 
 
