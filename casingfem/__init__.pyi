@@ -1,4 +1,4 @@
-from . import errors, modal, updating
+from . import chance, errors, modal, updating
 from .experiment import circle, correlation, frf, rig, uff
 from .experiment.correlation.correlate import correlate
 from .experiment.frequency_table import FrequencyTable
@@ -73,6 +73,7 @@ __all__ = [
     "TwistedPlate",
     "__version__",
     "campbell",
+    "chance",
     "circle",
     "correlate",
     "correlation",

@@ -49,6 +49,11 @@ CAMPAIGNS = (
         ("casingfem/structure/imported", "contact/model/bodies"),
     ),
     Campaign("verification.modes.sturm", "1,000 random structures: modes returned are modes counted", STRUCTURE),
+    Campaign(
+        "verification.chance",
+        "splits of 100,000 casings against full solutions; intervals, a rare event",
+        (*STRUCTURE, "casingfem/chance"),
+    ),
     Campaign("benchmarks.mistuning", "restarts from the mean casing's modes", STRUCTURE),
     Campaign(
         "verification.modes.cyclic", "wheels of equal and mistuned sectors against their full models, time", STRUCTURE
