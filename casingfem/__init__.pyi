@@ -1,4 +1,4 @@
-from . import chance, errors, modal, updating
+from . import chance, errors, modal, plot, updating
 from .experiment import circle, correlation, frf, rig, uff
 from .experiment.correlation.correlate import correlate
 from .experiment.frequency_table import FrequencyTable
@@ -10,7 +10,6 @@ from .modal.basis import ModalBasis
 from .modal.campbell import campbell
 from .modal.interaction import interactions
 from .modal.interface.kinds import Rim, Tip, TipNodes
-from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
 from .modal.reduction import reduce
 from .modal.whirl import whirl_modes
@@ -20,7 +19,7 @@ from .structure.edge.ring import Ring
 from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from .structure.field.fourier import FourierField
 from .structure.field.survey.survey import SurveyField
-from .structure.geometry.blade import Blade, TwistedPlate
+from .structure.geometry.blade import Blade
 from .structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from .structure.geometry.revolved import Revolved
 from .structure.geometry.rotation import Rotation
@@ -70,7 +69,6 @@ __all__ = [
     "Taper",
     "Tip",
     "TipNodes",
-    "TwistedPlate",
     "__version__",
     "campbell",
     "chance",
@@ -88,9 +86,9 @@ __all__ = [
     "load_study",
     "loads",
     "locate",
-    "mistune",
     "modal",
     "modes",
+    "plot",
     "read_mesh",
     "reduce",
     "rig",

@@ -1,4 +1,4 @@
-from . import cycles, record, recovery, reference, scene, scheme, stability
+from . import cycles, io, record, recovery, reference, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -8,7 +8,7 @@ from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
-from .model.gaps.rub_laws import RimProfile, Speed
+from .model.gaps.rub_laws import Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
 from .prepared import Scene
 from .record.record import Record
@@ -40,7 +40,6 @@ __all__ = [
     "PointMass",
     "Record",
     "Result",
-    "RimProfile",
     "Rod",
     "RotatingRim",
     "Rub",
@@ -52,6 +51,7 @@ __all__ = [
     "cycles",
     "gaps",
     "interactions",
+    "io",
     "laws",
     "load_scene",
     "record",

@@ -316,7 +316,7 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
 @pytest.mark.parametrize(
     ("name", "call"),
     [
-        ("mistune", lambda x: cf.mistune(x, 1)),
+        ("mistune", lambda x: cf.modal.mistune(x, 1)),
         ("out_of_roundness", lambda x: cf.modal.out_of_roundness(x, cf.Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),
     ],

@@ -125,5 +125,5 @@ def test_numbers_of_meetings(held):
 @pytest.mark.slow
 def test_numbers_of_draws(held):
     random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
-    found = cf.mistune(casing(radius_defect=random), 2, count=6)
+    found = cf.modal.mistune(casing(radius_defect=random), 2, count=6)
     held(1e-5, **{f"{k}": column for k, column in found.columns().items() if np.asarray(column).dtype.kind in "if"})

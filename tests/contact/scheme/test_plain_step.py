@@ -55,7 +55,7 @@ def test_tips_press_as_steps_of_whole_matrices_say(name):
         points += tips(other, blade=1, angle=190.0, axial=axial)
     rub = ct.Rub(
         casing, blades, points, clearance=-2e-4, speed=ct.Speed.constant(25.0),
-        profile=ct.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]),
+        profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]),
         turning="blades" if couples == "blades" else "casing",
     )  # fmt: skip
     friction = ct.Coulomb(mu=mu) if mu else ct.Unilateral()
@@ -109,7 +109,7 @@ def test_tips_in_a_coating_press_and_wear_it_as_steps_of_whole_matrices_say(mach
     coating = ct.Abradable(
         E=1e9, yield_stress=2e5, hardening=1e8, thickness=2e-3, width=0.04, tip=0.02, machined=machined, mu=mu
     )
-    rub = three_tips(rim3(), profile=ct.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]))
+    rub = three_tips(rim3(), profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]))
     found = ct.run(
         rub, law=coating, scheme=ct.ExactModal(law="averaged"), dt=H, t_end=(steps - 0.5) * H, on_limit="flag",
         record=ct.Record(every=1),

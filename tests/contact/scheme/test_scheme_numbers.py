@@ -104,7 +104,7 @@ def rub(*, whirl=(), closing=None, **parts):
     given = {
         "clearance": -3e-5,
         "speed": ct.Speed(time=[0.0, 0.1], hz=[3.0, 5.0]),
-        "profile": ct.RimProfile.fourier(WAVES),
+        "profile": ct.gaps.RimProfile.fourier(WAVES),
     }
     more = {} if closing is None else {"closing": closing}
     return ct.Rub(
@@ -204,6 +204,6 @@ def test_numbers_of_a_disk(held):
         disk.tips(),
         clearance=-1e-5,
         speed=ct.Speed.constant(60.0),
-        profile=ct.RimProfile.fourier([{"p": 2, "cos": 3e-5}]),
+        profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 3e-5}]),
     )
     held(1e-5, **numbers_of(ct.run(scene, law=ct.Coulomb(mu=0.1), t_end=0.02, dt=5e-5, record=OFTEN, on_limit="flag")))

@@ -52,7 +52,7 @@ def test_each_place_along_the_tip_wears_its_own_track():
     rub = ct.Rub(
         rim3(), [nodes(3), nodes(3, seed=6)], [*tips(3), *tips(3, blade=1, angle=50.0)], clearance=-3e-5,
         closing=ct.gaps.Closing([0.0, 0.01], [0.0, 3e-4]), speed=ct.Speed.constant(7.0),
-        profile=ct.RimProfile.fourier(WAVES),
+        profile=ct.gaps.RimProfile.fourier(WAVES),
     )  # fmt: skip
     law = coating(mu=0.2)
     result = ct.run(rub, law=law, t_end=0.04, dt=4e-5)
