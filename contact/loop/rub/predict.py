@@ -16,7 +16,6 @@ from contact.loop.rub.rows import (
     Pulls,
     RubLaws,
     RubRows,
-    Swing,
     blade_dot,
     blade_dot_of_sum,
     fill_block,
@@ -27,6 +26,7 @@ from contact.loop.rub.rows import (
     rigid_gap,
     straight,
 )
+from contact.loop.rub.spin import TORQUE, add_unbalance
 from contact.loop.rub.state import RubState, Solver, Work, tips
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
 
@@ -63,25 +63,7 @@ def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float,
 
 
 @jit
-def add_unbalance(swing: Swing, t: float, angle: float, omega: float, slope: float, out: Array) -> None:
-    """Force U (Omega^2 - i dOmega/dt) e^(i angle) of a rotor, which turns against the angle of the casing.
-
-    In the step in which the unbalance changes, the change counts for the part of t - h/2 to t + h/2 that follows it.
-    """
-    ux, uy = 0.0, 0.0
-    for k in range(swing.jumps.shape[0]):
-        share = min(max((t - swing.jumps[k, 0]) * swing.jumps[k, 1] + 0.5, 0.0), 1.0)
-        ux += share * swing.jumps[k, 2]
-        uy += share * swing.jumps[k, 3]
-    x, y = omega * omega * ux - slope * uy, omega * omega * uy + slope * ux
-    c, s = math.cos(angle), math.sin(angle)
-    swing.push[0], swing.push[1] = c * x + s * y, c * y - s * x
-    for i in range(swing.plane.shape[1]):
-        out[swing.first + i] += swing.plane[0, i] * swing.push[0] + swing.plane[1, i] * swing.push[1]
-
-
-@jit
-def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) -> None:
+def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float, h: float) -> None:
     """D* = al D - be q + c (f + gravity and whirl - stiffening), the last increment kept in `old`."""
     for i in range(0, s.q.size, WIDTH):
         last = load(s.d, i)
@@ -95,12 +77,11 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
         s.push[begin + i] = total
         s.d[begin + i] += s.c[begin + i] * total
     if s.body.size > 0:
-        body_force(laws.pulls, laws.speed, t, angle, omega, s.body)
+        body_force(laws.pulls, laws.speed, t, angles[NOW, 0], omega, s.body)
         if laws.swing.jumps.shape[0] > 0:
-            slope = slope_at(laws.speed, t) + laws.spin.load[2]
-            add_unbalance(laws.swing, t, angle, omega, slope, s.body)
+            add_unbalance(laws.swing, t, h, angles, s.body)
         if laws.spin.mode >= 0:
-            s.body[laws.spin.mode] += laws.spin.load[0]
+            s.body[laws.spin.mode] += laws.spin.scale * laws.spin.now[TORQUE]
         for i in range(s.body.size):
             s.d[i] += s.c[i] * s.body[i]
 

@@ -46,7 +46,6 @@ class Swing(NamedTuple):
     jumps: Array  # (jumps, 4): from [s], 1/h, and what the unbalance gains along the rotor's x and y [kg m]
     plane: Array  # (2, modes of the rotor): motion of the unbalance along x and y
     first: int  # number of the first mode of the rotor
-    push: Array  # (2,): force along x and y
 
 
 class Spin(NamedTuple):
@@ -54,7 +53,9 @@ class Spin(NamedTuple):
 
     mode: int
     scale: float  # 1/sqrt(inertia)
-    load: Array  # (3,): modal force by what the rotor gave in the last step, all rotation work until then, dOmega/dt
+    drive: float  # constant torque [N m]
+    now: Array  # (3,): torque beside drive and friction, all rotation work until now, what new coefficients took
+    sums: Array  # of `contact.record.spin`
 
 
 class RubLaws(NamedTuple):

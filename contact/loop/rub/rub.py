@@ -30,6 +30,7 @@ from contact.loop.rub.rows import (
     turned,
 )
 from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
+from contact.loop.rub.spin import spin_on
 from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
 from contact.loop.rub.steady import Steady, frictionless, note_slips
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
@@ -174,25 +175,6 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit
-def note_torque(s: RubState, laws: RubLaws, omega: float, sums: Tally, h: float) -> None:
-    """Let the rotor give what its unbalance and the turning of the contact took in this step, as a torque of the next.
-
-    Friction acts on the mode of the spin itself.
-    """
-    rotation, swing = 0.0, 0.0
-    for j in range(sums.rotation.size):
-        rotation += sums.rotation[j]
-    of = laws.swing
-    for i in range(of.plane.shape[1] if of.jumps.shape[0] > 0 else 0):
-        moved = s.old[of.first + i] + s.d[of.first + i]
-        swing += 0.5 * (of.plane[0, i] * of.push[0] + of.plane[1, i] * of.push[1]) * moved
-    given = rotation - laws.spin.load[1] + swing
-    laws.spin.load[1] = rotation
-    laws.spin.load[2] = -laws.spin.scale * (s.d[laws.spin.mode] - s.old[laws.spin.mode]) / (h * h)
-    laws.spin.load[0] = laws.spin.scale * given / (h * omega) if omega != 0.0 else 0.0
-
-
-@jit
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
           steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
@@ -288,7 +270,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             ahead = spun(laws.spin, ahead, s.q[laws.spin.mode] + s.d[laws.spin.mode])
             omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
         look_at(w.angles, AHEAD, ahead)
-        propagate(s, laws, t, angle, omega)
+        propagate(s, laws, w.angles, t, omega, h)
         if blocks is not None:
             fly_coupled(s, blocks, w)
         slid = 1.0 if rows.steady else base * h
@@ -331,7 +313,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if blocks is not None:
             works_of_coupling(s, blocks, w, sums)
         if laws.spin.mode >= 0:
-            note_torque(s, laws, omega, sums, h)
+            spin_on(s, laws, rows, w.angles, dim, base, t, h, sums)
         advance_modes(s, sums)
         note(s, rows, w, solver, y, steady, dim, slid, sums, out, h, t)
         if every:

@@ -234,7 +234,7 @@ def _laws() -> RubLaws:
         speed=np.zeros((1, 4)), closing=np.zeros((1, 2)), whirl=np.zeros((0, 4)),
         terms=Terms(np.zeros(0, dtype=np.int64), none, none), table=np.zeros((0, 3)), lowest=0.0,
         pulls=Pulls(laws=np.zeros((0, 8)), plane=np.zeros((2, 0)), casing=0),
-        swing=Swing(np.zeros((0, 4)), np.zeros((2, 0)), 0, np.zeros(2)), spin=Spin(-1, 0.0, np.zeros(3)),
+        swing=Swing(np.zeros((0, 4)), np.zeros((2, 0)), 0), spin=Spin(-1, 0.0, 0.0, np.zeros(3), np.zeros(0)),
     )  # fmt: skip
 
 

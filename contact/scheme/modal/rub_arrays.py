@@ -17,6 +17,7 @@ from contact.model.gaps.rub import Rub
 from contact.model.gaps.rub_system import RimTable, RubSystem, plane_participation, varying_force, waves_of_tips
 from contact.model.rotor.rotor import Rotor
 from contact.model.trig import PRUNE, fourier, turned_back
+from contact.record.spin import SUMS
 from contact.scheme.modal.blocks import BLOCK, row_blocks, rows_of_waves, whole
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_delassus import blade_delassus, unchanging
@@ -105,10 +106,11 @@ def rub_laws(rub: Rub, system: RubSystem, h: float) -> RubLaws:
         plane=plane_participation(rub), casing=int(system.first[1]),
     )  # fmt: skip
     plane = np.zeros((2, 0)) if rub.rotor is None else np.ascontiguousarray(rub.rotor.plane)
-    swing = Swing(_jumps(rub.rotor, h), plane, rub.flexible, np.zeros(2))
-    spin = Spin(-1, 0.0, np.zeros(3))
+    swing = Swing(_jumps(rub.rotor, h), plane, rub.flexible)
+    spin, sums = Spin(-1, 0.0, 0.0, np.zeros(3), np.zeros(0)), np.zeros(len(SUMS))
     if rub.spin is not None:
-        spin = Spin(int(system.first[1]) - 1, 1.0 / math.sqrt(rub.spin.inertia), np.zeros(3))
+        inertia, torque = rub.spin.inertia, rub.spin.torque
+        spin = Spin(int(system.first[1]) - 1, 1.0 / math.sqrt(inertia), torque, np.zeros(3), sums)
     return RubLaws(
         speed=rub.speed.table, closing=np.ascontiguousarray(np.stack([rub.closing.time, rub.closing.by], axis=1)),
         whirl=np.array(whirl, dtype=float).reshape(-1, 4), terms=Terms(terms.harmonic, terms.cos, terms.sin),
