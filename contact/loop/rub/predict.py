@@ -16,6 +16,7 @@ from contact.loop.rub.rows import (
     Pulls,
     RubLaws,
     RubRows,
+    Swing,
     blade_dot,
     blade_dot_of_sum,
     fill_block,
@@ -29,6 +30,8 @@ from contact.loop.rub.rows import (
 from contact.loop.rub.spin import TORQUE, add_unbalance
 from contact.loop.rub.state import RubState, Solver, Work, tips
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
+
+SPARE = 0.25  # of the bound of a casing's deflection: room for forces of this step, before a tip is far
 
 
 @jit
@@ -87,6 +90,30 @@ def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float,
 
 
 @jit
+def find_disk(s: RubState, swing: Swing, w: Work) -> None:
+    """Where the disk of a rotor is at t_{n+1} without forces, along x and y."""
+    x, y = 0.0, 0.0
+    for i in range(swing.plane.shape[1]):
+        k = swing.first + i
+        x += swing.plane[0, i] * (s.q[k] + s.d[k])
+        y += swing.plane[1, i] * (s.q[k] + s.d[k])
+    w.disk[0], w.disk[1] = x, y
+
+
+@jit
+def nearer(swing: Swing, rows: RubRows, w: Work, j: int) -> float:
+    """How much nearer to the casing the disk brings tip j: x cos phi + y sin phi, and a share of the casing's bound.
+
+    Forces of other tips in this step move a tip too; the share leaves room for that.
+    """
+    if swing.plane.shape[1] == 0:
+        return 0.0
+    cos, sin, c, s = rows.heading[j, 0], rows.heading[j, 1], w.angles[AHEAD, 1], w.angles[AHEAD, 2]
+    moved = w.disk[0] * (cos * c + sin * s) + w.disk[1] * (sin * c - cos * s)
+    return float(moved + SPARE * w.bound[rows.line[j]])
+
+
+@jit
 def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver | None, dim: int, share: float,
               every: bool, now_too: bool, t: float, h: float) -> int:  # fmt: skip
     """Free gaps of the tips that could touch; marks those that are solved for and returns how many.
@@ -98,6 +125,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
     closing = straight(laws.closing, t + h)
     for line in range(w.bound.size):
         w.bound[line] = -1.0
+    if laws.swing.plane.shape[1] > 0:
+        find_disk(s, laws.swing, w)
     if not rows.steady:
         for p in range(1 if solver is None else w.fresh.shape[1]):
             w.fresh[side, p] = 0
@@ -107,7 +136,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         if not (pressed or every or rows.steady) and (now_too or s.known[j] == 0):
             if w.bound[line] < 0.0:
                 w.bound[line] = bound(rows.reach[line], s.q, s.d)
-            low = least_gap(laws, rows, j, closing) - w.bound[line]
+            low = least_gap(laws, rows, j, closing) - w.bound[line] - nearer(laws.swing, rows, w, j)
             low += blade_dot_of_sum(rows, rows.own, R, j, s.q, s.d)
             if low > 0.0:
                 s.inside[j], s.known[j], s.gap[j] = 0, 0, low

@@ -87,6 +87,7 @@ class Work(NamedTuple):
     waves: Array  # (2, P, 2, harmonics) and the waves at the places
     fresh: Indices  # (2, P)
     bound: Array  # (lines,) of |u_r| at t_{n+1}, negative where not asked for
+    disk: Array  # (2,) where the disk of a rotor is then, along x and y
     rigid: Array  # (P,) gap of the rigid casing at t_{n+1}
     moved: Array  # (P,) motion of the casing there
     spare: Array  # (width,) any other row
@@ -165,7 +166,8 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
 
     return Work(
         side=whole(1), normal=aligned(2, P, width), waves=aligned(2, P, 2, n), fresh=whole(2, P),
-        bound=aligned(lines), rigid=aligned(P), moved=aligned(P), spare=aligned(width), turn=aligned(2, n),
+        bound=aligned(lines), disk=aligned(2), rigid=aligned(P), moved=aligned(P), spare=aligned(width),
+        turn=aligned(2, n),
         angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
         soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),

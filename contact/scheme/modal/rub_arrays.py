@@ -139,7 +139,7 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     size = np.hypot(rim.cos, rim.sin)[:: system.directions].sum(axis=1)
     _, place = np.unique(np.stack([system.line, system.angle], axis=1), axis=0, return_inverse=True)
     reach = aligned(len(size), whole(m))
-    reach[:, :m] = size
+    reach[:, : rub.flexible] = size[:, : rub.flexible]  # the motion of a rotor is known at each tip
     few, count = len(system.still) <= FEW, whole(max(top, system.S.shape[1] // 2 if system.turns else 0) + 1)
     harmonic, S_cos, S_sin = np.zeros(0, dtype=np.int64), np.zeros((0, 0, 0)), np.zeros((0, 0, 0))
     if system.turns:
