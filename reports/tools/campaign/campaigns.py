@@ -138,7 +138,7 @@ CAMPAIGNS = (
         "tables of dangerous speeds of three machines beside runs of their own",
         ("contact",),
     ),
-    Campaign("verification.rubs.rotor37", "NASA rotor 37: frequencies beside CalculiX", STRUCTURE),
+    Campaign("verification.modes.nasa_rotors", "blades of NASA rotors 37 and 67 beside CalculiX", STRUCTURE),
     Campaign(
         "verification.rubs.agreement", "interactions, poles and runs at sixty speeds of three pairs", ("contact",)
     ),
