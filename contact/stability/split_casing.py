@@ -19,7 +19,8 @@ import numpy as np
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
 from contact.io.progress import as_part, tell
-from contact.model.bodies.modal_body import HIGHER, SQUARES, ModalBody
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.modal_checks import HIGHER, SQUARES
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.modal_system import ModalSystem, rim_system
 from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact

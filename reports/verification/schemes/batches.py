@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
+from contact.model.bodies.channels import rim_channels
 from contact.model.gaps.rub_laws import Whirl
 from contact.run_many import Outcome
 from contact.scene.load import scene_of
