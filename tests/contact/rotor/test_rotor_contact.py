@@ -117,7 +117,7 @@ def test_energy_and_momentum_of_a_rotor_that_slows_are_accounted_to_round_off():
     release = R.Release(time=0.01, moment=1e-1, angle_deg=40.0)
     rotor = R.Rotor.of(shaft(), 60.0, unbalance=R.Unbalance(moment=1e-3, release=release), modes=8)
     rub = R.rotor_rub(
-        rotor, R.rigid_casing(**CASING), clearance=3e-4, profile=ct.RimProfile.fourier([{"p": 2, "cos": 5e-5}]),
+        rotor, R.rigid_casing(**CASING), clearance=3e-4, profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 5e-5}]),
         spin=R.Spin(inertia=0.4, torque=60.0), **tips(np.arange(6) * 60.0),
     )  # fmt: skip
     result = ct.run(rub, law=ct.Coulomb(mu=0.15), t_end=0.05, dt=5e-6)
