@@ -247,7 +247,7 @@ def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[Dangerous
         high = speed[-1] if last == len(runs) - 1 else 0.5 * (speed[last] + speed[last + 1])
         inside = [(run, by_speed[run.speed_hz]) for run in stretch if run.speed_hz in by_speed]
         if inside:
-            found += _merged(_of_peaks(inside, low, high, speed[first], speed[last], verdict))
+            found += _merged(_of_peaks(stretch, inside, low, high))
         elif verdict != "safe":
             found.append(DangerousSpeed(from_hz=low, to_hz=high, at=max(stretch, key=_badness), peak=None))
         first = last + 1
@@ -255,24 +255,26 @@ def _table(runs: Sequence[SpeedRun], proposed: Sequence[Peak]) -> list[Dangerous
 
 
 def _of_peaks(
-    inside: Sequence[tuple[SpeedRun, Peak]], low: float, high: float, first: float, last: float, verdict: Verdict
-) -> list[DangerousSpeed]:  # fmt: skip
-    """One row for each peak of a stretch from `low` to `high`, whose first and last runs are at `first` and `last`.
+    stretch: Sequence[SpeedRun], inside: Sequence[tuple[SpeedRun, Peak]], low: float, high: float
+) -> list[DangerousSpeed]:
+    """One row for each peak of a stretch from `low` to `high`.
 
     In a safe stretch each row has the speeds at which closed contact grows. Elsewhere the rows share the whole stretch;
-    it ends where closed contact ceases to grow, if that lies between two runs.
+    it ends where closed contact ceases to grow, if that lies between two runs. Each has the worst run of its speeds.
     """
     found = [peak for _, peak in inside]
-    if verdict == "safe":
-        ranges = [(max(peak.from_hz, low), min(peak.to_hz, high)) for peak in found]
-    else:
-        begin = found[0].from_hz if low < found[0].from_hz <= first else low
-        end = found[-1].to_hz if last <= found[-1].to_hz < high else high
-        ranges = list(pairwise([begin, *(peak.to_hz for peak in found[:-1]), end]))
-    return [
-        DangerousSpeed(from_hz=begin, to_hz=end, at=run, peak=peak)
-        for (run, peak), (begin, end) in zip(inside, ranges, strict=True)
-    ]
+    if stretch[0].verdict == "safe":
+        return [
+            DangerousSpeed(from_hz=max(peak.from_hz, low), to_hz=min(peak.to_hz, high), at=run, peak=peak)
+            for run, peak in inside
+        ]
+    begin = found[0].from_hz if low < found[0].from_hz <= stretch[0].speed_hz else low
+    end = found[-1].to_hz if stretch[-1].speed_hz <= found[-1].to_hz < high else high
+    rows = []
+    for peak, (start, stop) in zip(found, pairwise([begin, *(peak.to_hz for peak in found[:-1]), end]), strict=True):
+        own = [run for run in stretch if start <= run.speed_hz <= stop]
+        rows.append(DangerousSpeed(from_hz=start, to_hz=stop, at=max(own, key=_badness), peak=peak))
+    return rows
 
 
 def _merged(rows: Sequence[DangerousSpeed]) -> list[DangerousSpeed]:

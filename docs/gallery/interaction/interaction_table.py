@@ -42,14 +42,14 @@ rub = ct.RotatingRim(
     lean_deg=20.0,
     turning="blades",
 )
-scene = ct.Scene(what=rub, law=ct.Coulomb(mu=0.1), t_end=0.02, dt=1e-5)
+scene = ct.Scene(what=rub, law=ct.Coulomb(mu=0.1), t_end=0.08, dt=1e-5)
 found = ct.interactions(scene, np.linspace(60.0, 220.0, 41), runs=12)
 print(found)
 figure = figure_interactions(found)
 
 # %%
-# In the worst range a wave grows that the blade overtakes: it travels with the blade, and f_c + f_b = n f is met. In
-# the run contact opens, and the motion grows more slowly than closed contact says.
+# In the worst range a wave grows that travels with the blade. In the run contact opens, and the motion grows more
+# slowly than closed contact says.
 
 worst = found.rows[0]
 assert (worst.at.verdict, worst.wave) == ("unstable", "with")
