@@ -15,7 +15,6 @@ are right to third order (`family`). All numbers K_1, K_2 are real: a casing is 
 """
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -168,15 +167,7 @@ def second_order(
     return K_2, M_2
 
 
-class Motions(Protocol):
-    """Motions u with their derivatives at the points."""
-
-    @property
-    def jets(self) -> Array:
-        """(u, d_z u, d_theta u) at the points, (points 15, columns)."""
-
-
-def between(left: Motions, form: Forms, right: Motions) -> tuple[Array, Array]:
+def between(left: Waves, form: Forms, right: Waves) -> tuple[Array, Array]:
     """left^H form right once around, of stiffness and of mass, each (left, right)."""
     points = len(form.stiffness)
     sums = []

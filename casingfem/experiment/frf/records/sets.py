@@ -56,5 +56,4 @@ def sets_of(
 def _unit(take: Take) -> str:
     """Unit of a response over a force, "" where the responses have none."""
     unit = take.response.unit
-    over = take.force.unit or "N"
-    return f"({unit})/{over}" if "/" in unit else f"{unit}/{over}" if unit else ""
+    return f"({unit})/{take.force.unit}" if "/" in unit else f"{unit}/{take.force.unit}" if unit else ""

@@ -1,9 +1,0 @@
-from .columns import Column, records_of, table_lines
-from .reported import Reported
-
-__all__ = [
-    "Column",
-    "Reported",
-    "records_of",
-    "table_lines",
-]
