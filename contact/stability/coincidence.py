@@ -25,6 +25,7 @@ AT_REST = 1e-12  # of a frequency: waves and modes that are nearer at rest are e
 SECANTS, MET = 40, 1e-13  # steps of a root, and the difference of the frequencies that ends them, relative
 SEEN = 1e-9  # of the largest residue: one contact does not see less
 ALIKE = 0.05  # of two bodies seen alike: less is what meshes and round-off add
+STEP = 1e-4  # of the speed, for a derivative by it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,10 +90,14 @@ def coincidences(contact: ClosedContact, speed_hz: Array) -> tuple[Coincidence, 
     for sense in (1.0, -1.0):
         if not np.any(np.sign(speed_hz) == sense):
             continue
-        for speed, wave, mode in _crossings(seen, sense, top):
-            free = seen.poles(np.array([speed]), sense)
-            if free is not None and _met(free, wave, mode):
-                found.append(_meeting(contact, free, wave, mode, speed, _slope(seen, sense, speed, wave, mode)))
+        crossings = _crossings(seen, sense, top)
+        speed = np.array([crossing[0] for crossing in crossings])
+        free, below, above = (_poles_each(seen, speed * by, sense) for by in (1.0, 1.0 - STEP, 1.0 + STEP))
+        for k, (at, wave, mode) in enumerate(crossings):
+            here = free[k]
+            if here is not None and _met(here, wave, mode):
+                slope = _slope(below[k], above[k], at, wave, mode)
+                found.append(_meeting(contact, here, wave, mode, at, slope))
     return tuple(sorted(_each_once(found), key=lambda c: c.speed_hz))
 
 
@@ -133,15 +138,26 @@ def _crossings(seen: Waves, sense: float, top: float) -> list[tuple[float, int, 
     return list(zip(speed.tolist(), waves[i].tolist(), modes[j].tolist(), strict=True))
 
 
-def _slope(seen: Waves, sense: float, speed: float, wave: int, mode: int) -> float:
+def _poles_each(seen: Waves, speed: Array, sense: float) -> list[FreePoles | None]:
+    """Free poles at each speed [rad/s]; None where two of them have become one."""
+    every = seen.poles(speed, sense) if speed.size else None
+    if every is None:
+        return [seen.poles(speed[k : k + 1], sense) for k in range(speed.size)]
+    return [
+        every._replace(s=every.s[k : k + 1], seen=every.seen[k : k + 1], pushed=every.pushed[k : k + 1])
+        for k in range(speed.size)
+    ]
+
+
+def _slope(below: FreePoles | None, above: FreePoles | None, speed: float, wave: int, mode: int) -> float:
     """Derivative of the wave's frequency less the mode's by the speed [-]; -k where neither depends on it."""
-    step = 1e-4 * abs(speed)
-    at = np.array([speed - step, speed + step])
-    free = seen.poles(at, sense)
-    if free is None:
+    if below is None or above is None:
         return math.nan
-    apart = free.met(at)[:, wave] - free.met(at)[:, mode]
-    return float(apart[1] - apart[0]) / (2.0 * step)
+    apart = [
+        float(free.met(np.array([at]))[0, wave] - free.met(np.array([at]))[0, mode])
+        for free, at in ((below, (1.0 - STEP) * speed), (above, (1.0 + STEP) * speed))
+    ]
+    return (apart[1] - apart[0]) / (2.0 * STEP * speed)
 
 
 def _met(free: FreePoles, wave: int, mode: int) -> bool:

@@ -21,9 +21,11 @@ from contact.record.growth import Cause, Ending, RunGrowth
 from contact.stability.envelope import Envelope, Fit, envelope, growth_of
 
 SLIGHT, SURE = 0.3, 0.15  # e-folds over the last stretch that are none, and those that its whole interval must have
-RISE = 0.5  # e-folds over the last stretch that its interval must exclude where a motion is bounded
+RISE = 0.4  # e-folds over the last stretch that its interval must exclude where a motion is bounded: a rise by half
+GREAT = 1.0  # e-folds that the whole interval must have where the motion was as large before
 Some = NDArray[np.bool_]
 ONE = (ContactPoint(),)
+LAST = 10  # of the windows, one in so many is the end of a run
 EVEN = 1e-6  # of a turn
 ANGLE = 0.5  # radians by which a wave's phase may be uncertain from one state to the next
 CLOSE = 0.05  # of a mode's frequency: by how much contact may shift it
@@ -162,7 +164,7 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
             rate=none, low=none, high=none, state=state, amplitude=amplitude, steady=steady, since=since,
             time_to_half_wall=_stopped(result), cause=cause,
         )  # fmt: skip
-    state = _state(fit, float(result.state_time[-1]) - since)
+    state = _state(fit, float(result.state_time[-1]) - since, _beyond(total, first))
     reaches = _half_wall(seen, result, fit.rate, deflection, late) if state == "grows" else _stopped(result)
     return RunGrowth(
         rate=fit.rate, low=fit.low, high=fit.high, state=state, amplitude=amplitude, steady=steady, since=since,
@@ -170,22 +172,35 @@ def _verdict(seen: Seen, result: Ran, q: Array, found: Envelope, deflection: Arr
     )  # fmt: skip
 
 
-def _state(fit: Fit, span: float) -> Ending:
+def _state(fit: Fit, span: float, beyond: bool) -> Ending:
     """What the last stretch of `span` seconds does, by its mean growth, which is sure to `scatter`.
 
     A motion grows only where the whole interval is above 0: an envelope that bends as much as it rises may be part of
-    a slow beat. It is bounded where the stretch excludes a rise by e^RISE.
+    a slow beat. It must also end `beyond` all that it was before the stretch, or rise by e^GREAT: the level of an
+    intermittent motion wanders. It is bounded where the stretch excludes a rise by e^RISE.
 
     >>> fits = ((3, 1, 1), (3, -1, 1), (1, 0, 1), (2, 0, 2), (-3, -4, 1))
-    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.2) for rate, low, scatter in fits]
+    >>> [_state(Fit(rate, low, 0.0, scatter, 0), 0.19, True) for rate, low, scatter in fits]
     ['grows', 'undecided', 'bounded', 'undecided', 'decays']
+    >>> _state(Fit(3, 1, 5, 1, 0), 0.2, False), _state(Fit(9, 7, 11, 1, 0), 0.2, False)
+    ('undecided', 'grows')
     """
     folds, scatter = fit.rate * span, fit.scatter * span
     if folds > SLIGHT and folds - scatter > SURE:
-        return "grows" if fit.low > 0.0 else "undecided"
+        return "grows" if fit.low > 0.0 and (beyond or fit.low * span > GREAT) else "undecided"
     if folds < -SLIGHT and folds + scatter < -SURE:
         return "decays"
     return "bounded" if folds + scatter < RISE else "undecided"
+
+
+def _beyond(energy: Array, first: int) -> bool:
+    """Whether the energy of the last windows is above that of every window before number `first`.
+
+    >>> _beyond(np.array([1.0, 3.0, 1.0, 2.0]), 2), _beyond(np.array([1.0, 3.0, 1.0, 4.0]), 2)
+    (False, True)
+    """
+    end = float(energy[-max(1, energy.size // LAST) :].mean())
+    return first == 0 or end > float(energy[:first].max())
 
 
 def _stopped(result: Ran) -> float:

@@ -7,9 +7,11 @@ four times as long, as `casingfem interactions` does.
 
 A run three times as long at a tenth of the step, which goes on to a tenth of the radius, shows what becomes of the
 motion. Its level is sqrt(mean omega^2 (q - mean q)^2) of all modes over windows of 1/480 of it. The motion grows where
-the rim passes half its wall, or where the level at the end is more than e^0.5 times that at the end of the short run.
-It decays below e^-0.5. Else it is bounded: levels of irregular motions wander by as much. A verdict of growth that half
-the step calls numerical counts as none; one that is still not decided counts as no growth.
+the rim passes half its wall. Where it does not and the level at the end is more than e^0.5 times that at the end of the
+short run, the run is repeated four times as long: the motion grows where the rim passes half its wall in that, or
+where the level rises by e^0.5 again. It decays where the level at the end is below e^-0.5 times that of the short run.
+Else it is bounded: levels of irregular motions wander by as much. A verdict of growth that half the step calls
+numerical counts as none; one that is still not decided counts as no growth.
 
 Where the short run grows by e or more in its last stretch, its interval is within 10 % and half the step gives the same
 growth, the rates of both in that stretch are compared: with contact that stays closed, and with contact that opens.
@@ -17,9 +19,10 @@ growth, the rates of both in that stretch are compared: with contact that stays 
 A run that passed half its wall or a tenth of the radius before its growth could be fitted grows ("passed").
 
 Each difference is tested. "start": a change of the start by 1e-9 to 3e-9 of it changes the verdict of the short run, or
-what becomes of the long one, so that neither run decides. "later": in the last stretch of the short run the level of
-the long run does what the verdict states; it changes afterwards. "step": the short run at half its step has the verdict
-of the long one. "short": the run states that it is too short. A difference that no test explains is a FAIL.
+what becomes of the long one, so that neither run decides; a table has both for each change. "later": in the last
+stretch of the short run the level of the long run does what the verdict states; it changes afterwards. "step": the
+short run at half its step has the verdict of the long one. "short": the run states that it is too short. A difference
+that no test explains is a FAIL.
 """
 
 import math
@@ -36,7 +39,7 @@ from reports.tables import Row, command_line, show, write
 KINDS = ("rim", "rub", "disk")
 RADIUS, WALL = 0.25, 4e-3
 END, STEP = 0.5, 2e-5  # s
-LONGER, FINER = 3, 10
+LONGER, FINER, GOES_ON = 3, 10, 4
 REPEATED = 4
 WINDOWS, CHANGED, SAME = 480, 0.5, 0.3
 WITHIN, CLOSED = 0.1, 0.99
@@ -114,15 +117,32 @@ def levels(what: ct.RotatingRim | ct.Rub, result: ct.Result, windows: int) -> tu
     return np.array([float(result.state_time[part].mean()) for part in parts]), np.array(level)
 
 
-def truth(what: ct.RotatingRim | ct.Rub, long: ct.Result, end: float) -> tuple[str, float]:
-    """What becomes of the motion after `end` [s], and by how many e-folds its level changes."""
-    if long.divergence is not None or long.notes.deflection > 0.5 * WALL:
-        return "grows", math.inf
+def far(long: ct.Result) -> bool:
+    """Whether the rim passed half its wall."""
+    return long.divergence is not None or long.notes.deflection > 0.5 * WALL
+
+
+def folds_of(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
+    """By how many e-folds the level changes from the stretch `begin` to `end` [s] to the last tenth of a run."""
     t, level = levels(what, long, WINDOWS)
-    now = level[(t > 0.8 * end) & (t <= end)].mean()
+    now = level[(t > begin) & (t <= end)].mean()
     later = level[t > 0.9 * t[-1]].mean()
-    folds = math.log(later / now) if now > 0.0 and later > 0.0 else 0.0
-    return ("grows" if folds > CHANGED else "decays" if folds < -CHANGED else "bounded"), folds
+    return math.log(later / now) if now > 0.0 and later > 0.0 else 0.0
+
+
+def fate(what: ct.RotatingRim | ct.Rub, mu: float, planned: float, end: float) -> tuple[str, float, ct.Result]:
+    """What becomes of the motion after `end` [s], by how many e-folds its level changes, and the run that shows it."""
+    long = long_run(what, mu, planned)
+    if far(long):
+        return "grows", math.inf, long
+    folds = folds_of(what, long, 0.8 * end, end)
+    if folds < -CHANGED:
+        return "decays", folds, long
+    if folds < CHANGED:
+        return "bounded", folds, long
+    more, reached = long_run(what, mu, GOES_ON * planned), LONGER * planned
+    again = math.inf if far(more) else folds_of(what, more, 0.9 * reached, reached)
+    return ("grows" if again > CHANGED else "bounded"), again, long
 
 
 def rate_in(what: ct.RotatingRim | ct.Rub, long: ct.Result, begin: float, end: float) -> float:
@@ -173,30 +193,34 @@ def moved(what: ct.RotatingRim | ct.Rub, by: float) -> ct.RotatingRim | ct.Rub:
     return replace(what, casing_start=replace(start, velocity=(1.0 + by) * np.asarray(start.velocity)))
 
 
+def by_start(what: ct.RotatingRim | ct.Rub, mu: float, end: float, planned: float) -> list[tuple[str, str]]:
+    """Verdict of the short run and fate of the long one, for each change of the start."""
+    others = [moved(what, k * MOVED) for k in range(1, COPIES + 1)]
+    return [(verdict_of(ended(one, mu, planned, STEP)), fate(one, mu, planned, end)[0]) for one in others]
+
+
 def explained(
     what: ct.RotatingRim | ct.Rub, mu: float, short: ct.Result, long: ct.Result, verdict: str, becomes: str,
     planned: float,
-) -> str:  # fmt: skip
-    """Why a verdict differs from what becomes of the motion: "start", "short", "later", "step" or "NOT"."""
-    sign = grows(verdict) != (becomes == "grows")
-    for k in range(1, COPIES + 1):
-        other = moved(what, k * MOVED)
-        found = verdict_of(ended(other, mu, planned, STEP))
-        fate = truth(other, long_run(other, mu, planned), short.steps * short.dt)[0]
-        if (grows(found) != grows(verdict) or (fate == "grows") != (becomes == "grows")) if sign else (
-            found != verdict or fate != becomes
-        ):  # fmt: skip
-            return "start"
+) -> tuple[str, list[tuple[str, str]]]:  # fmt: skip
+    """Why a verdict differs from what becomes of the motion: "start", "short", "later", "step" or "NOT"; `by_start`."""
     grown, end = short.growth, short.steps * short.dt
     assert grown is not None
+    others = by_start(what, mu, end, planned)
+    if grows(verdict) != (becomes == "grows"):
+        same = all(grows(one) == grows(verdict) and (after == "grows") == (becomes == "grows") for one, after in others)
+    else:
+        same = all((one, after) == (verdict, becomes) for one, after in others)
+    if not same:
+        return "start", others
     if verdict == "undecided":
-        return "short"
+        return "short", others
     if float(long.state_time[-1]) >= end:
         folds = rate_in(what, long, grown.since, end) * (end - grown.since)
         if verdict == ("grows" if folds > SAME else "decays" if folds < -SAME else "bounded"):
-            return "later"
+            return "later", others
     fine = verdict_of(ended(what, mu, planned, 0.5 * STEP))
-    return "step" if (grows(fine) and becomes == "grows") or fine == becomes else "NOT"
+    return ("step" if (grows(fine) and becomes == "grows") or fine == becomes else "NOT"), others
 
 
 def compared(seed: int) -> Row:
@@ -207,27 +231,27 @@ def compared(seed: int) -> Row:
     seconds = time.perf_counter() - started
     grown = short.growth
     assert grown is not None
-    long, verdict = long_run(what, mu, planned), verdict_of(short)
-    becomes, folds = truth(what, long, short.steps * short.dt)
+    verdict, end = verdict_of(short), short.steps * short.dt
+    becomes, folds, long = fate(what, mu, planned, end)
     row: Row = {
         "seed": seed, "kind": KINDS[seed % len(KINDS)], "mu": mu,
         "planned s": planned, "verdict": verdict,
         "long run": becomes,
         "folds": folds if math.isfinite(folds) else None, "growth 1/s": grown.rate, "low": grown.low,
-        "high": grown.high, "since s": grown.since, "end s": short.steps * short.dt, "fine 1/s": None, "off": None,
+        "high": grown.high, "since s": grown.since, "end s": end, "fine 1/s": None, "off": None,
         "check": grown.check, "half step 1/s": grown.half_step, "check share": grown.check_share,
         "closed": grown.cause.closed if grown.cause else None, "body": grown.body, "n": grown.nodal_diameters,
         "seconds": seconds,
     }  # fmt: skip
-    end = short.steps * short.dt
     linear = grown.check == "converged" and grown.rate * (end - grown.since) > 1.0
     if linear and 0.5 * (grown.high - grown.low) < WITHIN * grown.rate:
         fine = rate_in(what, long, grown.since, min(end, float(long.state_time[-1])))
         row |= {"fine 1/s": fine, "off": grown.rate / fine - 1.0}
     same = grows(verdict) == (becomes == "grows")
     agrees = same and (grows(verdict) or verdict == becomes)
-    why = "" if agrees else explained(what, mu, short, long, verdict, becomes, planned)
-    return row | {"sign agrees": same, "agrees": agrees, "why": why}
+    why, others = ("", []) if agrees else explained(what, mu, short, long, verdict, becomes, planned)
+    changed = "; ".join(f"{one} / {after}" for one, after in others)
+    return row | {"sign agrees": same, "agrees": agrees, "why": why, "changed start": changed}
 
 
 def main(out: Path, quick: bool = False, count: int = 200, first: int = 0) -> list[Row]:
@@ -239,6 +263,13 @@ def main(out: Path, quick: bool = False, count: int = 200, first: int = 0) -> li
              "closed", "sign agrees", "why")  # fmt: skip
     if different:
         show("Verdicts that differ from the long run", [{name: row[name] for name in shown} for row in different])
+    starts = [row for row in different if row["why"] == "start"]
+    if starts:
+        names = ("seed", "kind", "verdict", "long run", "changed start")
+        show(
+            "Short / long run, the start changed by 1, 2 and 3e-9",
+            [{name: row[name] for name in names} for row in starts],
+        )
     table: list[Row] = []
     for kind in KINDS:
         mine = [row for row in rows if row["kind"] == kind]
