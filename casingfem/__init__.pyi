@@ -1,4 +1,4 @@
-from . import errors, modal, updating
+from . import chance, errors, modal, plot, updating
 from .experiment import circle, correlation, frf, rig, uff
 from .experiment.correlation.correlate import correlate
 from .experiment.frequency_table import FrequencyTable
@@ -9,9 +9,7 @@ from .locate.located import Localisation
 from .modal.basis import ModalBasis
 from .modal.campbell import campbell
 from .modal.interaction import interactions
-from .modal.interface.chart_rows import out_of_roundness
 from .modal.interface.kinds import Rim, Tip, TipNodes
-from .modal.mistuning import mistune
 from .modal.modes import Modes, modes
 from .modal.reduction import reduce
 from .modal.whirl import whirl_modes
@@ -21,7 +19,7 @@ from .structure.edge.ring import Ring
 from .structure.edge.support import Clamped, ElasticEdge, ShearDiaphragm
 from .structure.field.fourier import FourierField
 from .structure.field.survey.survey import SurveyField
-from .structure.geometry.blade import Blade, TwistedPlate
+from .structure.geometry.blade import Blade
 from .structure.geometry.chart import Cylinder, Frustum, Panel, Plate
 from .structure.geometry.revolved import Revolved
 from .structure.geometry.rotation import Rotation
@@ -36,7 +34,7 @@ from .structure.shell import loads
 from .structure.shell.shell import Shell
 from .structure.static import solve_static
 from .study.load import load_study
-from .updating.parameters import Parameter, parameters
+from .updating.parameters import Parameter
 from .updating.updating import update
 from .version import __version__
 
@@ -71,9 +69,9 @@ __all__ = [
     "Taper",
     "Tip",
     "TipNodes",
-    "TwistedPlate",
     "__version__",
     "campbell",
+    "chance",
     "circle",
     "correlate",
     "correlation",
@@ -88,11 +86,9 @@ __all__ = [
     "load_study",
     "loads",
     "locate",
-    "mistune",
     "modal",
     "modes",
-    "out_of_roundness",
-    "parameters",
+    "plot",
     "read_mesh",
     "reduce",
     "rig",

@@ -1,4 +1,4 @@
-from . import cycles, record, recovery, reference, scene, scheme, stability
+from . import cycles, io, record, recovery, reference, scene, scheme, stability
 from .base.errors import InputError, LimitError, NumericsError
 from .interacting import interactions
 from .model import bodies, gaps, laws, rotor
@@ -6,10 +6,9 @@ from .model.bodies.body import PointMass, Rod, Wall
 from .model.bodies.linear import LinearBody
 from .model.bodies.modal_body import ModalBody
 from .model.bodies.patch import Patch
-from .model.gaps.bladed_disk import BladedDisk
 from .model.gaps.gap import PointGap, RotatingRim
 from .model.gaps.rub import ContactPoint, Rub
-from .model.gaps.rub_laws import RimProfile, Speed
+from .model.gaps.rub_laws import Speed
 from .model.law import Abradable, Coulomb, Penalty, Unilateral
 from .prepared import Scene
 from .record.record import Record
@@ -17,17 +16,14 @@ from .result import Result
 from .run import run
 from .run_many import run_many
 from .scene.load import load_scene
-from .scheme.linear.alpha import Newmark
 from .scheme.linear.central_difference import CentralDifference
 from .scheme.linear.nonsmooth_alpha import MoreauJean
-from .scheme.linear.penalty_difference import PenaltyDifference
 from .scheme.modal.exact_modal import ExactModal
 
 __version__: str
 
 __all__ = [
     "Abradable",
-    "BladedDisk",
     "CentralDifference",
     "ContactPoint",
     "Coulomb",
@@ -37,16 +33,13 @@ __all__ = [
     "LinearBody",
     "ModalBody",
     "MoreauJean",
-    "Newmark",
     "NumericsError",
     "Patch",
     "Penalty",
-    "PenaltyDifference",
     "PointGap",
     "PointMass",
     "Record",
     "Result",
-    "RimProfile",
     "Rod",
     "RotatingRim",
     "Rub",
@@ -58,6 +51,7 @@ __all__ = [
     "cycles",
     "gaps",
     "interactions",
+    "io",
     "laws",
     "load_scene",
     "record",

@@ -42,6 +42,7 @@ from contact.scheme.linear.nonsmooth_alpha import MoreauJean, NonsmoothAlpha, Pr
 from contact.scheme.modal.exact_modal import ExactModal
 from contact.scheme.protocol import Scheme
 from contact.stability.split_casing import floquet_growth
+from contact.stability.varied import Cases, growth_of_cases
 
 COATING = Abradable(E=1e9, yield_stress=5e6, hardening=1e8, thickness=2e-3, width=0.04, tip=2e-3, mu=0.1)
 FEW = 4  # steps of a tiny run
@@ -124,6 +125,12 @@ def _floquet() -> None:
     floquet_growth(RotatingRim(casing, blade, clearance=0.0, speed_hz=1.0), np.array([1.0]))
 
 
+def _chance() -> None:
+    casing, blade = _bodies()
+    cases = Cases(casing=np.ones((1, casing.omega.size)), blade=np.ones(1), mu=np.zeros(1))
+    growth_of_cases(RotatingRim(casing, blade, clearance=0.0, speed_hz=1.0), np.array([1.0]), cases)
+
+
 def _rotor() -> None:
     run(Rotor.of(Jeffcott(mass=1.0, stiffness=100.0), 1.0), dt=1e-3, t_end=FEW * 1e-3)
 
@@ -150,6 +157,7 @@ KINDS: Mapping[str, Callable[[], None]] = {
     "beam-newmark": partial(_beam, Newmark()),
     "cycles": _cycles,
     "stability": _floquet,
+    "chance": _chance,
     "rods-forward-lagrange": partial(_rods, CentralDifference()),
     "rods-massless-boundary": partial(_rods, MasslessBoundary()),
     "rods-newmark": partial(_rods, Newmark()),

@@ -180,6 +180,8 @@ class Result(Reported):
         ]
         if self.notes.orbit is not None:
             lines.append(f"orbit: {self.notes.orbit.words}")
+        if self.notes.spin is not None:
+            lines.append(f"energy of the rotor's spin: {self.notes.spin.words}")
         if self.gap.size and not any(self.intervals):
             row, k = divmod(int(self.gap.argmin()), self.gap.shape[1])
             lines.append(f"nothing touched: the least gap was {self.gap[row, k]:.4g} m, of contact {k + 1}, at "
@@ -262,6 +264,7 @@ class Result(Reported):
             "divergence": None if self.divergence is None else self.divergence.to_dict(),
             "growth": None if self.growth is None else self.growth.to_dict(),
             **({} if self.notes.orbit is None else {"rotor": self.notes.orbit.to_dict()}),
+            **({} if self.notes.spin is None else {"spin": self.notes.spin.to_dict()}),
             "coating": [track.to_dict() for track in self.tracks],
         }  # fmt: skip
 

@@ -15,6 +15,7 @@ from contact.io.trust import Flag
 from contact.record.energy import Divergence, EnergyBudget, Stored
 from contact.record.growth import Cause, RunGrowth
 from contact.record.orbit import Orbit
+from contact.record.spin import SpinBudget
 from contact.record.wear import WEAR_ARRAYS, WEAR_NUMBERS, Wear
 from contact.scheme.protocol import Motion, Notes
 
@@ -35,6 +36,7 @@ def write_result(path: str | os.PathLike[str], result: Any) -> Path:
             "flags": [flag.to_dict() for flag in result.notes.flags], "heat": result.notes.heat.tolist(),
             "drive": result.notes.drive.tolist(), "deflection": result.notes.deflection,
             "orbit": None if result.notes.orbit is None else asdict(result.notes.orbit),
+            "spin": None if result.notes.spin is None else asdict(result.notes.spin),
         },
         "divergence": None if result.divergence is None else asdict(result.divergence),
         "growth": None if result.growth is None else asdict(result.growth),
@@ -78,6 +80,7 @@ def _fields(document: dict[str, Any], data: dict[str, Any]) -> dict[str, Any]:
         drive=readonly(notes["drive"]),
         orbit=None if (orbit := notes.get("orbit")) is None else Orbit(**orbit),
         deflection=float(notes.get("deflection", 0.0)),
+        spin=None if (spin := notes.get("spin")) is None else SpinBudget(**spin),
     )
     return document | {name: readonly(data[name]) for name in ARRAYS} | {
         "energy": EnergyBudget(**energy), "notes": kept, "growth": growth,

@@ -27,7 +27,7 @@ from contact.run_many import Outcome, run_many
 
 Verdict = Literal["unstable", "not decided", "resonance", "safe"]
 CLOSED = 0.99  # of the time: a contact that stays closed
-LONGER = 4.0  # times t_end, for runs that are too short to decide
+LONGER = (4.0, 16.0)  # times t_end, one after the other, for runs that are too short to decide
 RESONANT = 3.0  # times the median amplitude of the runs that do not grow
 STILL = 1e-12  # of the radius: a smaller motion is round-off
 TURN = 0.299  # radians of the highest harmonic in a step, below the scheme's limit of 0.3
@@ -116,13 +116,13 @@ def speed_runs(scene: Scene, speed_hz: Array, poles: Array) -> tuple[SpeedRun, .
     return _decided(_longer(scene, _ran(scene, speed_hz, poles)), allowed)
 
 
-def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
+def _ran(scene: Scene, speed_hz: Array, poles: Array, what: str = "runs") -> list[SpeedRun]:
     """The scene at each speed; every motion that does not grow is a resonance until all are known."""
     scenes = [at_speed(scene, hz) for hz in speed_hz.tolist()]
     ended = 0
 
     def whole(done: float) -> tuple[str, float]:
-        return f"{ended} of {len(scenes)} runs ended", min((ended + done) / len(scenes), 1.0)
+        return f"{ended} of {len(scenes)} {what} ended", min((ended + done) / len(scenes), 1.0)
 
     def note(_: int, __: Outcome) -> None:
         nonlocal ended
@@ -139,14 +139,16 @@ def _ran(scene: Scene, speed_hz: Array, poles: Array) -> list[SpeedRun]:
 
 
 def _longer(scene: Scene, runs: Sequence[SpeedRun]) -> list[SpeedRun]:
-    """Runs of which those that are too short were repeated, `LONGER` times as long."""
-    short = [run for run in runs if run.why == SHORT]
-    if not short or scene.t_end is None:
-        return list(runs)
-    speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
-    again = _ran(replace(scene, t_end=LONGER * scene.t_end), speed, poles)
-    better = {run.speed_hz: run for run in again if run.seconds > 0.0}
-    return [better.get(run.speed_hz, run) for run in runs]
+    """Runs of which those that are too short were repeated, each time longer."""
+    found = {run.speed_hz: run for run in runs}
+    for times in LONGER:
+        short = [run for run in found.values() if run.why == SHORT]
+        if not short or scene.t_end is None:
+            break
+        speed, poles = (np.array([getattr(run, name) for run in short]) for name in ("speed_hz", "closed"))
+        again = _ran(replace(scene, t_end=times * scene.t_end), speed, poles, f"runs of {times * scene.t_end:.3g} s")
+        found |= {run.speed_hz: run for run in again if run.seconds > 0.0}
+    return [found[run.speed_hz] for run in runs]
 
 
 def _record(steps: int) -> Record:

@@ -1,4 +1,4 @@
-"""Sketches of the theory pages: `.venv/bin/python -m docs.sketches` writes docs/theory/*.svg, some kilobytes each."""
+"""Sketches of the pages: `.venv/bin/python -m docs.sketches` writes docs/theory/*.svg and docs/data_flow.svg."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -263,16 +263,56 @@ def updating() -> list[str]:
     ]
 
 
+def data_flow() -> list[str]:
+    """Files on the left, objects in boxes, the functions that make them beside the arrows, results on the right."""
+
+    def box(x: float, y: float, name: str, fill: str, wide: float = 114.0) -> str:
+        corner = f'x="{x - wide / 2.0:g}" y="{y - 14.0:g}"'
+        frame = f'<rect {corner} width="{wide:g}" height="28" rx="4" fill="{fill}" stroke="{GREY}"/>'
+        return frame + word(x, y + 5, name, INK, "middle")
+
+    made, computed = "#dbe9f5", "#f3e2cf"
+    return [
+        word(8, 29, "survey, drawing"),
+        word(8, 84, "mesh, matrices"),
+        word(8, 139, "records, FRFs"),
+        word(8, 194, "scene.toml"),
+        *(arrow((120, y), (150, y), GREY) for y in (24, 79, 134)),
+        arrow((90, 189), (336, 189), GREY),
+        box(210, 24, "Shell", made),
+        box(210, 79, "Solid, MeshShell", made, 122.0),
+        box(210, 134, "FrequencyTable", made, 118.0),
+        arrow((210, 119), (210, 96), BLUE),
+        word(220, 112, "update", BLUE),
+        arrow((268, 24), (344, 70), BLUE),
+        arrow((272, 79), (344, 79), BLUE),
+        word(312, 38, "reduce", BLUE),
+        box(390, 79, "Basis (npz)", made, 88.0),
+        arrow((390, 94), (390, 172), GREY),
+        box(375, 189, "Scene", computed, 74.0),
+        arrow((413, 189), (456, 189), RED),
+        word(434, 180, "run", RED, "middle"),
+        box(495, 189, "Result", computed, 74.0),
+        arrow((495, 174), (495, 134), GREY),
+        word(495, 94, "tables,", INK, "middle"),
+        word(495, 110, "pictures,", INK, "middle"),
+        word(495, 126, "pages", INK, "middle"),
+    ]
+
+
 SKETCHES = {one.__name__: one for one in (shell, reduction, pairs, contact, friction, cycles, updating)}
+PAGES = {"data_flow": data_flow}  # beside docs/theory
 
 
 def main() -> None:
     """Write every sketch."""
-    for name, draw in SKETCHES.items():
+    files = {HERE / f"{name}.svg": draw for name, draw in SKETCHES.items()}
+    files |= {HERE.parent / f"{name}.svg": draw for name, draw in PAGES.items()}
+    for file, draw in files.items():
         head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 540 215" font-family="sans-serif" font-size="14"'
         body = "\n".join(['<rect width="540" height="215" fill="#fff" stroke="none"/>', *draw()])
         text = f'{head} fill="none" stroke="{INK}">\n{body}\n</svg>\n'
-        (HERE / f"{name}.svg").write_text(text, encoding="utf-8")
+        file.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

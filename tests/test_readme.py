@@ -1,4 +1,4 @@
-"""What README and CONTRIBUTING say holds: examples run and print what they claim, commands and links exist."""
+"""README and pages are true: examples run and print what they claim, commands and links exist."""
 
 import importlib
 import operator
@@ -109,7 +109,7 @@ def test_every_link_and_path_leads_somewhere(page):
             assert (folder / link).exists(), link
 
 
-MAP = TEXT["CONTRIBUTING.md"].partition("## Where things are")[2].partition("## ")[0]
+MAP = TEXT["docs/architecture.md"].partition("## Where things are")[2].partition("## ")[0]
 
 
 def test_the_map_names_every_package():
@@ -119,7 +119,7 @@ def test_the_map_names_every_package():
     assert [package for package in packages if f"`{package}/" not in MAP] == []
 
 
-def test_files_in_the_map_stand_in_the_folder_of_their_row():
+def test_files_in_the_map_are_in_a_folder_of_their_row():
     for row in MAP.splitlines():
         folders = [ROOT / path for path in re.findall(r"`((?:casingfem|contact|reports)/(?:\w+/)*)[\w.]*`", row)]
         for name in re.findall(r"`(\w+\.py)`", row):
@@ -158,7 +158,7 @@ def test_synthetic_data_says_so():
 
 
 def test_every_call_of_the_walks_is_there():
-    walks = TEXT["CONTRIBUTING.md"].partition("## Walks")[2].partition("## Style")[0]
+    walks = TEXT["docs/architecture.md"].partition("## Walks")[2].partition("## How")[0]
     names = re.findall(r"`((?:casingfem|contact)\.[\w.]+)`", walks)
     assert len(names) == 18
     for name in names:

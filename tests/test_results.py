@@ -309,7 +309,7 @@ def test_print_of_any_value_is_a_line():
 def test_every_number_that_may_be_varied_is_listed():
     support = cf.ElasticEdge(k_face=1e9, around=cf.FourierField.of({3: (0.1, 0.2)}))
     casing = frustum(supports={"base": cf.Bolts(count=3, k=2e8), "top": support})
-    found = cf.parameters(casing)
+    found = cf.updating.parameters(casing)
     known = dict(zip(found.name, zip(found.value, found.unit, strict=True), strict=True))
     assert known["support.top.around.p3.sin"] == (0.2, "-")
     assert known["support.base.bolts.3.k"] == (2e8, "N/m")
@@ -317,7 +317,7 @@ def test_every_number_that_may_be_varied_is_listed():
     assert known["chart.r_base"] == (0.5, "m")
     assert all(cf.Parameter(name=name, lower=-1e12, upper=1e12) for name in known)
     assert list(found.to_dataframe()) == ["name", "value", "unit"]
-    assert "solid.material" not in str(cf.parameters(solid()))
+    assert "solid.material" not in str(cf.updating.parameters(solid()))
     with pytest.raises(cf.errors.InputError, match=r"did you mean support.top.k_face\?"):
         cf.updating.update(
             casing, KINDS["frequency table"](), [cf.Parameter(name="support.top.k_fac", lower=0.0, upper=1.0)]

@@ -1,5 +1,6 @@
 """A test: rig makes one on the virtual rig of a study, identify finds modes in measured frequency responses."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,12 @@ if TYPE_CHECKING:
     from casingfem.experiment.frf.frf_set import FrfSet
     from casingfem.experiment.identify.identified import Identified
     from casingfem.study.rig import RigTest
+
+
+NO_ANGLES = (
+    "n and angle are not given: the file has no places of the sensors. State them with --angles sensors.csv"
+    " (point,angle_deg), or use --open for a blade or a plate"
+)
 
 
 @click.command()
@@ -89,11 +96,12 @@ def identify(
 ) -> None:
     """Modes of the responses FRFS (.uff, .mat, .npz, .h5, .csv, .xlsx): frequency, damping, nodal diameters, angle.
 
-    The poles are chosen without a hand, or with --pick by one; each mode is sure or doubtful, and pairs that cannot be
-    told apart are said to be so. DIR gets the frequency table and the shapes (identified.csv, identified.npz) for
-    `casingfem update`, `correlate` and `locate`, the stabilisation diagram, the fitted responses, fit.png: mode
-    indicator, fit, residual and coherence over all lines, and all of it on the page identified.html. With --output-only
-    FRFS is a record of responses to random loads, and the pictures show half spectra of their correlations.
+    The program chooses the poles; with --pick you do. Each mode is sure or doubtful. A pair that the data cannot
+    resolve is one mode, and a note names it. DIR gets the frequency table and the shapes (identified.csv,
+    identified.npz) for `casingfem update`, `correlate` and `locate`. It also gets the stabilisation diagram, the fitted
+    responses, and fit.png: mode indicator, fit, residual and coherence over all lines. The page identified.html has
+    them all. With --output-only FRFS is a record of responses to random loads, and the pictures show half spectra of
+    their correlations.
     """
     from casingfem.experiment.frf import files as given
     from casingfem.experiment.frf.sensor_grid import angles_of
@@ -134,6 +142,8 @@ def identify(
             else:
                 coherence = given.read_coherence(coherence_file)
             found = find(frfs, form=form, pick=pick, exponential=exponential, coherence=coherence, **shared)
+    if angles is None and not open_part:
+        found = replace(found, notes=(*found.notes, NO_ANGLES))
     document = {
         "modes": found.records(),
         "sure": int(found.sure.sum()),

@@ -67,7 +67,8 @@ def import_matrices(
     from casingfem.structure.imported.matrix.read import read_matrices
     from casingfem.structure.imported.matrix.tables import read_nodes
     from contact.model.bodies.from_matrices import body_of
-    from contact.model.bodies.matrices import DIRECTIONS, Matrices
+    from contact.model.bodies.matrices import Matrices
+    from contact.model.bodies.matrix_checks import DIRECTIONS
 
     if out is not None and out.suffix != ".npz":
         raise click.UsageError(f"--out: found {out.name!r}, expected a file name ending in .npz")

@@ -181,6 +181,10 @@ MESHES = {
         "the nodes of a cell are in another order than the format's",
         "export again; check the order of the middle nodes",
     ),
+    "sections-cells": (
+        "a blade of sections cannot be divided into the cells asked for",
+        "give whole numbers of cells along chord, span and thickness, such as [24, 20, 1]",
+    ),
     "mesh-support": (
         "an imported mesh cannot have this kind of support",
         "use clamped, fixed (directions) or elastic with k_face alone",

@@ -94,6 +94,14 @@ SURVEY = (
     Quantity("thickness", ("thickness", "wall_thickness", "wanddicke", "dicke"), _lengths("thickness")),
 )
 
+SECTIONS = (
+    Quantity("section", ("section", "sec", "schnitt")),
+    Quantity("z", ("z", "axial"), _lengths("z")),
+    Quantity("r", ("r", "radius"), _lengths("r")),
+    Quantity("theta_1", ("theta_1", "theta1"), _angles("theta_1")),
+    Quantity("theta_2", ("theta_2", "theta2"), _angles("theta_2")),
+)
+
 
 def named(table: StrictCsv, quantities: Sequence[Quantity]) -> StrictCsv:
     """The table with the columns of some quantities under their own names, their units converted.

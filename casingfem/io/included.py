@@ -2,7 +2,7 @@
 
 The last line of a file that does not end it is whole, a number cut short, or not to be told: editors leave such lines,
 and so does a copy that was cut off. A cut number cannot be told from a whole one by itself, but a line that nobody
-reads, a field that is full or followed by a blank, and a number written as wide as the one above it can.
+reads, a field that is full or followed by a blank, and a number as wide as all others of its kind can.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def check_last_line(text: str, name: str, *, abaqus: bool, read: Collection[str]
         return
     alike = len(found) == len(above) and (abaqus or found[0] == above[0])
     if alike and number and NUMBER.fullmatch(number):
-        if full(last, abaqus) or len(found[-1].rstrip()) == len(above[-1].rstrip()):
+        if full(last, abaqus) or padded(found, above):
             return
         if DECIMAL.fullmatch(number):
             warn("mesh-last-line", f"{name}: found the last line, {last.strip()[-40:]!r}, without an end", stacklevel=6)
@@ -151,6 +151,20 @@ def fields(line: str, abaqus: bool) -> list[str]:
     line = line.expandtabs(8)
     width = 16 if "*" in line[:8] else 8
     return [line[:8].strip(), *(line[k : k + width] for k in range(8, len(line.rstrip()), width))]
+
+
+def padded(found: list[str], above: list[str]) -> bool:
+    """Whether the last number is as wide as all others of its kind in two lines, as programs write them.
+
+    One that ends in its point may have lost digits in any case.
+
+    >>> padded(["9", " 1.50", " 0.25"], ["8", " 0.00", " 1.25"]), padded(["9", " 1.5", " 0."], ["8", " 0.", " 0."])
+    (True, False)
+    """
+    last = found[-1].rstrip()
+    point = "." in last
+    widths = {len(one.rstrip()) for one in (*found[1:], *above[1:]) if one.strip() and ("." in one) == point}
+    return not last.endswith(".") and ("." in above[-1]) == point and widths == {len(last)}
 
 
 def full(line: str, abaqus: bool) -> bool:

@@ -4,7 +4,9 @@ from .cyclic.mistuned import MistunedModes, mistuned_modes
 from .cyclic.modes import CyclicModes, cyclic_modes, wheel_modes
 from .cyclic.reduction import cyclic_reduce
 from .cyclic.whirl import CyclicWhirl, cyclic_whirl
+from .family.splits import SplitMap
 from .interaction import DiskFrequencies, Interactions, interactions
+from .interface.chart_rows import out_of_roundness
 from .interface.kinds import AtNodes, Rim, Tip, TipNodes
 from .interface.output import Displacement, NodeDisplacement, NodeStrain, NodeStress, Strain
 from .matrices import basis_matrices, structure_matrices
@@ -30,6 +32,7 @@ __all__ = [
     "NodeStrain",
     "NodeStress",
     "Rim",
+    "SplitMap",
     "Strain",
     "Tip",
     "TipNodes",
@@ -41,6 +44,7 @@ __all__ = [
     "interactions",
     "mistune",
     "mistuned_modes",
+    "out_of_roundness",
     "reduce",
     "structure_matrices",
     "wheel_modes",

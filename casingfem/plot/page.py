@@ -34,7 +34,11 @@ Cell = str | float | int | None
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """A table with its caption; numbers align right, None shows as a dash."""
+    """A table with its caption; numbers align right, None shows as a dash.
+
+    >>> Table("Modes.", ("n", "label"), ((8, "split"), (None, "whole"))).right()
+    [True, False]
+    """
 
     caption: str
     columns: tuple[str, ...]
@@ -61,7 +65,11 @@ class Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """A figure ready for the page, its caption says what one sees; `scripts` are those that it needs."""
+    """A figure ready for the page, its caption says what one sees; `scripts` are those that it needs.
+
+    >>> Picture("<img alt='rim'>", "The rim at 300 Hz.").scripts
+    ()
+    """
 
     html: str
     caption: str
@@ -80,7 +88,11 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Section:
-    """One heading and what stands under it, in this order."""
+    """One heading and what stands under it, in this order.
+
+    >>> Section("Modes", ("The lowest mode has 366.2 Hz.",)).tables
+    ()
+    """
 
     title: str
     paragraphs: tuple[str, ...] = ()
@@ -94,6 +106,10 @@ class Verdict:
     """What stands above all: what was found, facts by name, how sure that is, what to do next.
 
     `state` colours it: "good", "bad", "open", or nothing. `strips` are pictures of speed ranges by name, as HTML.
+
+    >>> verdict = Verdict(found="The rub stays bounded.", sure="At half the step too.", further="Run longer.")
+    >>> "stays bounded" in render_page("Rub", [], verdict=verdict)
+    True
     """
 
     found: str

@@ -1,4 +1,4 @@
-"""A study of an imported mesh: [solid], or [shell] with a mesh, instead of a chart."""
+"""A study of an imported mesh or of blade sections: [solid], or [shell] with a mesh, instead of a chart."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,13 +13,14 @@ from casingfem.structure.imported.cells.support import Fixed, MeshSupport
 from casingfem.structure.imported.checks import check_groups
 from casingfem.structure.imported.mesh.mesh_data import MeshData
 from casingfem.structure.imported.read import read_mesh
+from casingfem.structure.imported.sections import BladeSections
 from casingfem.structure.imported.shell import MeshShell
 from casingfem.structure.imported.solid import Solid
 from casingfem.structure.material import Material
 from casingfem.study.build import build_plies
 from casingfem.study.cyclic import Wheel, axis_vector, build_mesh_rotation, vector
 from casingfem.study.problems import FromFile, Problems
-from casingfem.study.tables.shapes import ImportTable
+from casingfem.study.tables.shapes import ImportTable, SolidTable
 from casingfem.study.tables.supports import ElasticTable, FixedTable, SupportTable
 from casingfem.study.tables.tasks import ReduceTable, StudyFile
 from casingfem.updating.parameters import Parameter
@@ -134,7 +135,12 @@ def mesh_interface(
 
 
 def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | None:
-    """The mesh a table names, read relative to the study."""
+    """The mesh a table names, or that of the sections it names, read relative to the study."""
+    if isinstance(table, SolidTable) and table.sections is not None:
+        with problems.at(f"{key}.sections"):
+            sections = BladeSections.from_csv(problems.file.parent / table.sections)
+            with problems.at(f"{key}.cells"):
+                return sections.mesh(table.cells)
     if table.mesh is not None:
         with problems.at(f"{key}.mesh"):
             place = problems.file.parent / table.mesh

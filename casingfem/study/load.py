@@ -273,6 +273,7 @@ def source(file: Path, text: bytes, tables: StudyFile) -> dict[str, Any]:
     names += [] if update is None else [update.table, update.shapes]
     names += [mistuning if isinstance(mistuning, str) else None]
     names += [table.mesh for table in (tables.solid, tables.shell) if table is not None]
+    names += [] if tables.solid is None else [tables.solid.sections]
     files = [Path(file_and_sheet(file.parent / name)[0]) for name in names if name is not None]
     contents = [text, *(read_bytes(each) for name in files for each in (name, *included_files(name)))]
     return {

@@ -81,7 +81,7 @@ def parameters(structure: Shell | MeshStructure) -> NamedNumbers:
     >>> import casingfem as cf
     >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=3e-3,
     ...                   material=cf.Material(E=210e9, nu=0.3, rho=7800.0), supports={"base": cf.Clamped()})
-    >>> cf.parameters(casing)
+    >>> cf.updating.parameters(casing)
     NamedNumbers, 6 rows
     name               value  unit
     material.E       2.1e+11  Pa

@@ -27,6 +27,17 @@ class Reported:
     """A frozen dataclass that is the result of a computation; it defines `COLUMNS`, `records` or `columns`.
 
     Its arrays are read-only, in copies and after unpickling too.
+
+    >>> from contact.io.columns import Column
+    >>> @dataclass(frozen=True, eq=False, repr=False)
+    ... class Speeds(Reported):
+    ...     COLUMNS: ClassVar[Columns] = (Column("speed_hz", "Speed.", lambda one: one.hz, unit="Hz", format=".1f"),)
+    ...     hz: np.ndarray
+    >>> Speeds(np.array([5.0, 12.5]))
+    Speeds, 2 rows
+    speed_hz [Hz]
+              5.0
+             12.5
     """
 
     __slots__ = ()

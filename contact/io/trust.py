@@ -73,6 +73,11 @@ TROUBLES = MappingProxyType({
         "a single tip moved along faster than the rim, so that its slip changed sign", "warning from the first step on",
         "possible at low speed or high friction; else check speed, friction and the compliance of the blade",
     ),
+    "spin-beyond": Trouble(
+        "a rotor whose speed follows from its torques left the speeds that the run was made for",
+        "failure above 1e-3 of the range from standstill to spin.most_hz, 1.2 times the speed at the start by default",
+        "give [spin] a larger most_hz; of a rotor that is driven backwards, start at a speed of that sense",
+    ),
     "step-too-long": Trouble(
         "the step is long for something that was asked for",
         "warning above 0.2 of the Nyquist limit (fewer than ten steps a period), or a step longer than the passage of "

@@ -66,7 +66,8 @@ def load_stability(path: str | Path) -> StabilityScene:
         raise SceneError([f"{file}: scene.kind: found {table.scene.kind!r}, expected 'pair' or 'rim'{more}"])
     scan = table.speed.scan
     if scan is None:
-        raise SceneError([f"{file}: speed.scan: missing, expected {{from_hz = ..., to_hz = ..., steps = ...}}"])
+        expected = "{from_hz = ..., to_hz = ..., steps = ...}; casingfem interactions needs none"
+        raise SceneError([f"{file}: speed.scan: missing, expected {expected}"])
     scene = load_scene(file)
     mu = (scene.law or Unilateral()).mu
     what = _on_law(cast(RotatingRim, scene.what), table.law, file)

@@ -34,6 +34,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.record.energy import Stored
 from contact.record.orbit import Orbit
 from contact.record.record import Samples, Tally
+from contact.record.spin import SpinBudget
 from contact.record.wear import Wear
 
 
@@ -78,7 +79,8 @@ class Notes:
 
     `flags`: where it left the range of its theory, in words and numbers; `heat` (K,) dissipated by slip and `drive`
     (K,) the work of whatever turns the rim against friction [J]; none where the scheme does not sum them. `orbit` with
-    which the run of a rotor ends; the largest `deflection` of a rim [m] where it is beyond half its wall, else 0.
+    which the run of a rotor ends; the largest `deflection` of a rim [m] where it is beyond half its wall, else 0;
+    energy and momentum of the `spin` of a rotor whose speed follows from its torques.
     """
 
     flags: tuple[Flag, ...] = ()
@@ -86,6 +88,7 @@ class Notes:
     drive: Array = field(default_factory=lambda: np.zeros(0))
     orbit: Orbit | None = None
     deflection: float = 0.0
+    spin: SpinBudget | None = None
 
 
 Block = tuple[str, int, int]

@@ -6,10 +6,13 @@ from .on_springs import on_springs, slope_of
 from .peaks import Peaks, peaks
 from .rotor import of_rotor
 from .split_casing import perfect_mean
+from .varied import Cases, growth_of_cases
 
 __all__ = [
+    "Cases",
     "Peaks",
     "StabilityMap",
+    "growth_of_cases",
     "of_contact",
     "of_rim",
     "of_rotor",

@@ -18,8 +18,9 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, aligned
 from contact.base.errors import InputError, LimitError
-from contact.io.progress import each
-from contact.model.bodies.modal_body import HIGHER, SQUARES, ModalBody
+from contact.io.progress import as_part, tell
+from contact.model.bodies.modal_body import ModalBody
+from contact.model.bodies.modal_checks import HIGHER, SQUARES
 from contact.model.gaps.gap import RotatingRim
 from contact.model.gaps.modal_system import ModalSystem, rim_system
 from contact.model.gaps.permanent import ClosedContact, SplitError, rub_contact
@@ -35,6 +36,7 @@ P = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))  # five steps of order two make one of orde
 KICKS = np.array([P, P, 1.0 - 4.0 * P, P, P])
 PHASE = 0.4  # of the fastest vibration in one step, in radians
 MOST_STEPS = 5_000_000
+CHUNK = 5_000  # steps between two words on how far a turn is: a second, with some hundred modes
 
 
 def perfect_mean(casing: ModalBody) -> ModalBody:
@@ -168,12 +170,17 @@ def floquet_growth(rim: RotatingRim, speed_hz: Array, *, mu: float = 0.0, phase:
     fourth power. Raises InputError at rest (there is no turn to follow), LimitError beyond 5,000,000 steps a turn.
     """
     speeds = np.atleast_1d(np.asarray(speed_hz, dtype=float))
-    return np.array(
-        [
-            _growth(replace(rim, speed_hz=float(speed)), mu, phase)
-            for speed in each(np.atleast_1d(speeds).tolist(), "speed")
-        ]
-    )
+    turns = 1.0 / np.maximum(np.abs(speeds), np.finfo(float).tiny)  # what each costs
+    values = []
+    for k, speed in enumerate(speeds.tolist()):
+        before, own = turns[:k].sum(), turns[k]
+
+        def whole(done: float, k: int = k, before: float = before, own: float = own) -> tuple[str, float]:
+            return f"speed {k + 1} of {speeds.size}", float((before + done * own) / turns.sum())
+
+        with as_part(whole):
+            values.append(_growth(replace(rim, speed_hz=speed), mu, phase))
+    return np.array(values)
 
 
 def _growth(rim: RotatingRim, mu: float, phase: float) -> float:
@@ -203,7 +210,10 @@ def monodromy(system: ModalSystem, C: Array, K: Array, mu: float, phase: float =
     Q, T = aligned(2, whole(m + 4))
     edges = np.concatenate(([0.0], KICKS, [0.0]))
     parts = _drifts(C, K, np.array([0.5 * (a + b) * h for a, b in pairwise(edges)]))
-    revolve(q, v, rows, Q, T, np.zeros(2 * m), parts, times, KICKS, h, steps)
+    for first in range(0, steps, CHUNK):
+        tell("", first / steps)
+        on = rows._replace(angle=system.angle - system.speed * first * h)
+        revolve(q, v, on, Q, T, np.zeros(2 * m), parts, times, KICKS, h, min(CHUNK, steps - first))
     return np.vstack([q, v / scale])
 
 

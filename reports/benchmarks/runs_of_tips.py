@@ -33,7 +33,7 @@ def scene(asked: dict[str, Any]) -> ct.Scene:
         points = [ct.ContactPoint(blade=j, lean_deg=LEAN, angle_deg=360.0 * j / tips) for j in range(tips)]
         what = ct.Rub(
             casing, (blade,) * tips, points, clearance=asked["clearance"],
-            speed=ct.Speed.constant(SPEED), profile=ct.RimProfile.fourier(list(ROUGH)),
+            speed=ct.Speed.constant(SPEED), profile=ct.gaps.RimProfile.fourier(list(ROUGH)),
         )  # fmt: skip
     law = ct.Coulomb(mu=asked["mu"]) if asked["mu"] else ct.Unilateral()
     # the rim may swing far: the time of a step is asked for, not what it says

@@ -32,7 +32,7 @@ def rub(pair: tuple[ct.ModalBody, ct.ModalBody], tips: int, clearance: float) ->
     points = [ct.ContactPoint(blade=j, lean_deg=LEAN, angle_deg=360.0 * j / tips) for j in range(tips)]
     return ct.Rub(
         pair[0], (pair[1],) * tips, points, clearance=clearance, speed=ct.Speed.constant(5.0),
-        profile=ct.RimProfile.fourier(list(ROUGH)),
+        profile=ct.gaps.RimProfile.fourier(list(ROUGH)),
     )  # fmt: skip
 
 

@@ -114,7 +114,7 @@ def beam_step(circle, dt, courant):
 
 
 def require_term(term):
-    return ct.RimProfile.fourier([term])
+    return ct.gaps.RimProfile.fourier([term])
 
 
 TAKEN, REFUSED = 0, 1
@@ -124,7 +124,7 @@ BOUNDS = {
     "ring.above": (lambda k: beam(ring=rim((0.56, 0.562)[k])), r"ring: found radius 0\.562 m, expected about 0\.51"),
     "ring.below": (lambda k: beam(ring=rim((0.46, 0.458)[k])), r"ring: found radius 0\.458 m, expected about 0\.51"),
     "beam.implicit": (
-        lambda k: ct.Newmark().prepare(beam(), ct.Unilateral(), dt=(1e-4, None)[k], courant=None),
+        lambda k: ct.scheme.Newmark().prepare(beam(), ct.Unilateral(), dt=(1e-4, None)[k], courant=None),
         "dt: found none, expected a time step in seconds",
     ),
     "rod.fixed": (lambda k: rod(fixed=("left", "middle")[k]), "fixed: found 'middle', expected 'none', 'left' or"),
@@ -167,12 +167,18 @@ BOUNDS = {
         lambda k: ct.gaps.Whirl(amplitude=(0.0, -1e-9)[k]),
         "amplitude: found -1e-09, expected a finite number >= 0",
     ),
-    "profile": (lambda k: ct.RimProfile((), [0.0, 1.0, 2.0], ([0.0] * 3, None)[k]), "found one of theta and depth"),
+    "profile": (
+        lambda k: ct.gaps.RimProfile((), [0.0, 1.0, 2.0], ([0.0] * 3, None)[k]),
+        "found one of theta and depth",
+    ),
     "profile.few": (
-        lambda k: ct.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)),
+        lambda k: ct.gaps.RimProfile((), [0.0, 1.0, 2.0][: 3 - k], [0.0] * (3 - k)),
         "found 2 angles over 1 rad, expected th",
     ),
-    "profile.turn": (lambda k: ct.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3), "found 3 angles over 6.29"),
+    "profile.turn": (
+        lambda k: ct.gaps.RimProfile((), [0.0, 1.0, (6.28, 6.29)[k]], [0.0] * 3),
+        "found 3 angles over 6.29",
+    ),
     "stop": (
         lambda k: ct.reference.stopped_period(1.0, (-1.0, -1.01)[k], 1.0),
         "gap: found -1.01 m with amplitude 1 m",

@@ -52,7 +52,7 @@ RUNS = {
     "patch": (PATCH, {"law": ct.Unilateral(), **LONG}),
     "patch with friction": (PATCH, {"law": ct.Coulomb(mu=0.3), **LONG}),
     "beam": (BEAM, LONG),
-    "beam by Newmark": (BEAM, {"scheme": ct.Newmark(beta=0.25, gamma=0.5), "dt": 1e-6, "t_end": 0.025}),
+    "beam by Newmark": (BEAM, {"scheme": ct.scheme.Newmark(beta=0.25, gamma=0.5), "dt": 1e-6, "t_end": 0.025}),
 }  # fmt: skip
 
 

@@ -126,7 +126,10 @@ def test_mistyped_lengths_of_a_rim_are_refused(given, match):
     [
         ({"closing": ct.gaps.Closing.exponential(0.1, 0.1)}, "closing: found 0.0999"),
         ({"whirl": (ct.gaps.Whirl(amplitude=0.06),)}, "whirl: found 0.06 m"),
-        ({"profile": ct.RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 0.3, 0.0])}, "out_of_roundness: found 0.3 m"),
+        (
+            {"profile": ct.gaps.RimProfile(theta=[0.0, 2.0, 4.0], depth=[0.0, 0.3, 0.0])},
+            "out_of_roundness: found 0.3 m",
+        ),
     ],
 )
 def test_mistyped_lengths_of_a_rub_are_refused(given, match):

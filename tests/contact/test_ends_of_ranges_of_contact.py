@@ -25,7 +25,7 @@ def rub(**changes):
 
 
 def disk(**changes):
-    return ct.BladedDisk(**{"blades": 5, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
+    return ct.gaps.BladedDisk(**{"blades": 5, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
 
 
 TAKEN_REFUSED = {
@@ -74,9 +74,9 @@ TAKEN_REFUSED = {
     "largest theta": (lambda x: ct.MoreauJean(theta=x), 1.0, ABOVE),
     "restitution": (lambda x: ct.MoreauJean(restitution=x), 1.0, ABOVE),
     "least restitution": (lambda x: ct.MoreauJean(restitution=x), 0.0, -1e-9),
-    "beta": (lambda x: ct.Newmark(beta=x), 1.0, ABOVE),
-    "gamma": (lambda x: ct.Newmark(gamma=x), 1.0, ABOVE),
-    "least gamma": (lambda x: ct.Newmark(gamma=x), 0.5, 0.5 * BELOW),
+    "beta": (lambda x: ct.scheme.Newmark(beta=x), 1.0, ABOVE),
+    "gamma": (lambda x: ct.scheme.Newmark(gamma=x), 1.0, ABOVE),
+    "least gamma": (lambda x: ct.scheme.Newmark(gamma=x), 0.5, 0.5 * BELOW),
     "rho": (lambda x: ct.scheme.NonsmoothAlpha(rho_inf=x), 1.0, ABOVE),
     "least rho": (lambda x: ct.scheme.NonsmoothAlpha(rho_inf=x), 0.0, -1e-9),
     "phase of a step": (lambda x: ct.ExactModal(omega_h_limit=x), 3.1 * BELOW, 3.1),

@@ -81,7 +81,7 @@ def test_a_split_pair_of_one_n_has_one_row():
 
 @pytest.mark.slow
 def test_several_tips_have_rows_of_the_disks_n():
-    disk = ct.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
+    disk = ct.gaps.BladedDisk(blades=9, freq_hz=115.0, modal_mass=0.1, compliance=5e-5, lean_deg=45.0)
     casing = ct.gaps.pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     kick = ct.gaps.Start(velocity=np.array([1e-2, 0.0]))
     rub = ct.Rub(casing, (disk.body(),), disk.tips(), clearance=-1e-3, casing_start=kick)

@@ -1,6 +1,5 @@
 """run and Result: chunks, recording, files, determinism, what import costs."""
 
-import importlib
 import json
 import subprocess
 import sys
@@ -17,35 +16,54 @@ BAR = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=5.0, velocity=-10.0, ele
 
 def rub(**options):
     scene = ct.RotatingRim(ring(imperfect=0.05), blade(), clearance=-1e-5, speed_hz=5.0, lean_deg=20.0)
-    return ct.run(scene, law=ct.Coulomb(mu=0.2), t_end=0.05, dt=1e-5, **options)
+    return ct.run(scene, law=ct.Coulomb(mu=0.2), **{"t_end": 0.05, "dt": 1e-5} | options)
 
 
 def impact(**options):
-    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, courant=0.9, **options)
+    return ct.run([BAR, ct.Wall(x=0.0)], **{"t_end": 2.0, "courant": 0.9} | options)
 
 
 def modal(**options):
-    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, dt=1e-3, scheme=ct.ExactModal(law="forward"), **options)
+    return ct.run([BAR, ct.Wall(x=0.0)], scheme=ct.ExactModal(law="forward"), **{"t_end": 2.0, "dt": 1e-3} | options)
 
 
 def kept(**options):
-    return ct.run([BAR, ct.Wall(x=0.0)], t_end=2.0, dt=1e-3, scheme=ct.ExactModal(law="energy"), **options)
+    return ct.run([BAR, ct.Wall(x=0.0)], scheme=ct.ExactModal(law="energy"), **{"t_end": 2.0, "dt": 1e-3} | options)
 
 
+@pytest.mark.slow
+def test_a_longer_rub_begins_as_the_shorter_one_whose_compiled_calls_end_at_other_steps():
+    """A call takes a fixed part of a rub's steps."""
+    short = rub(record=ct.Record(state_every=1))
+    for factor in (1.013, 1.21):
+        long = rub(record=ct.Record(state_every=1), t_end=factor * 0.05)
+        for name in ("time", "force", "gap", "impulse_history", "state"):
+            assert np.array_equal(getattr(long, name)[: short.steps], getattr(short, name))
+        assert [span for span in long.intervals[0] if span[1] < 0.049] == [
+            span for span in short.intervals[0] if span[1] < 0.049
+        ]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [impact, modal, kept, rub])
-def test_chunks_and_recording_change_no_bit(make, monkeypatch):
-    whole = make()
-    monkeypatch.setattr(importlib.import_module("contact.run"), "CHUNK", 37)
+def test_a_run_of_several_compiled_calls_loses_no_sample_no_contact_and_no_impulse(make):
+    """Calls end at 20,000 steps at most, which is no multiple of the samples kept."""
     done = []
-    parts = make(record=ct.Record(every=5, state_every=10), progress=done.append)
-    assert np.array_equal(parts.force, whole.force[::5])
-    assert np.array_equal(parts.impulse_history, whole.impulse_history[::5])
-    assert parts.intervals == whole.intervals
+    options = {"dt": 1e-6, "t_end": 0.05} if make is rub else {"dt": 2e-5, "t_end": 1.0, "courant": None}
+    whole, parts = make(**options), make(record=ct.Record(every=7, state_every=14), progress=done.append, **options)
+    assert whole.steps > 45_000
+    assert np.array_equal(parts.time, whole.time[::7])
+    assert np.array_equal(parts.force, whole.force[::7])
+    assert np.array_equal(parts.impulse_history, whole.impulse_history[::7])
+    assert parts.state.shape[0] == (whole.steps - 1) // 14 + 1
+    assert (parts.intervals, parts.energy) == (whole.intervals, whole.energy)
     assert np.array_equal(parts.impulse, whole.impulse)
-    assert parts.energy == whole.energy
-    assert parts.state.shape[0] == (whole.steps - 1) // 10 + 1
-    assert done[-1] == 1.0
+    assert whole.impulse[0] == pytest.approx(whole.force[:, 0].sum() * whole.dt, rel=1e-9)
+    closed = np.diff(np.r_[0, whole.force[:, 0] > 0.0])
+    assert len(whole.intervals[0]) == np.count_nonzero(closed == 1)
+    assert len(done) > 3
     assert done == sorted(done)
+    assert done[-1] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -64,7 +82,7 @@ def test_what_a_call_gives_takes_the_place_of_what_the_scene_says(given):
         record=ct.Record(every=3), on_limit="flag",
     )  # fmt: skip
     if "law" in given:
-        scene = replace(scene, scheme=ct.PenaltyDifference())
+        scene = replace(scene, scheme=ct.scheme.PenaltyDifference())
     changed = replace(scene, **given | ({"dt": None} if "courant" in given else {}))
     found, expected = ct.run(scene, **given), ct.run(changed)
     for name in ("time", "force", "gap"):

@@ -94,7 +94,7 @@ def test_penetration_is_held_against_the_length_of_the_rod(stiffness, failed):
     """A bar of 10 m at 10 m/s: 0.1 m are a per cent of it, a metre a tenth."""
     bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, x=0.1, velocity=-10.0)
     law = ct.Penalty(stiffness=stiffness)
-    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.4, dt=1e-3,
+    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55), t_end=0.4, dt=1e-3,
                     on_limit="flag")  # fmt: skip
     share = result.max_penetration[0] / 10.0
     assert 0.01 < share if failed else share < 0.1
@@ -107,6 +107,6 @@ def test_penetration_is_held_against_the_length_of_the_rod(stiffness, failed):
 def test_updates_that_do_not_settle_are_flagged(updates, failed):
     law = ct.laws.AugmentedLagrangian(stiffness=100.0, updates=updates)
     bar = ct.Rod(length=10.0, area=1.0, E=900.0, rho=1.0, elements=10, x=0.1, velocity=-1.0)
-    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=0.3, dt=0.01,
+    result = ct.run([bar, ct.Wall()], law=law, scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55), t_end=0.3, dt=0.01,
                     on_limit="flag")  # fmt: skip
     assert {flag.code: flag.failed for flag in result.flags}.get("unconverged") is failed

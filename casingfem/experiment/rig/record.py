@@ -9,13 +9,14 @@ without delay, the same for all channels, stands before the samples kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.linalg import expm
-from scipy.signal import lfilter, resample_poly
+from scipy.signal import firwin, lfilter, oaconvolve
 
 from casingfem.errors import InputError
 from casingfem.experiment.frf.frf_set import FrfSet
@@ -25,6 +26,7 @@ from casingfem.experiment.rig.rig import DERIVATIVES, SYNTHETIC, UNITS, Converte
 from casingfem.io.arrays import FloatArray, freeze
 
 FINER = 8
+MARGIN = 10 * FINER  # fine samples to each side that the anti-alias filter reads
 BAND = 2.56  # samples a second over the highest frequency, at least, as analysers have it
 HEADROOM = 1.25  # full scale of a converter over the largest value, where none is given
 
@@ -133,8 +135,8 @@ def record(
     return Record(
         fs=fs,
         block=block,
-        force=decimated(force),
-        response=respond(rig, prefiltered(force), fs * FINER, by, to, quantity, decimated),
+        force=kept(smoothed(force)),
+        response=respond(rig, smoothed(prefiltered(force)), fs * FINER, by, to, quantity),
         quantity=quantity,
         rig=rig,
         drives=tuple(by),
@@ -177,29 +179,16 @@ def digitised(values: FloatArray, bits: int, full_scale: float | None) -> FloatA
 
 
 def respond(
-    rig: Rig,
-    force: FloatArray,
-    fs: float,
-    drives: Sequence[int],
-    sensors: Sequence[int],
-    quantity: Quantity,
-    keep: Callable[[FloatArray], FloatArray] = np.asarray,
+    rig: Rig, force: FloatArray, fs: float, drives: Sequence[int], sensors: Sequence[int], quantity: Quantity
 ) -> FloatArray:
-    """Responses to forces (drives, samples) that run straight between samples, from rest: (sensors, samples).
+    """Responses (sensors, kept samples) from rest to forces (drives, MARGIN + samples + MARGIN) of `smoothed`.
 
-    `keep` is what is kept of each motion, such as `decimated`: a linear map of its samples.
+    Forces run straight between samples; every `FINER`th response is computed, and no other.
     """
-    order = DERIVATIVES[quantity]
-    participation = rig.rows[list(drives)].T
-    motions = np.array(
-        [
-            keep(modal_motion(filters, participation[k] @ force, rig.omega[k], rig.zeta[k], order))
-            for k, filters in enumerate(modal_filters(rig, fs))  # one mode's fine samples at a time
-        ]
-    )
-    beyond = np.array([keep(row) for row in differences(force, fs, order)])
-    to = list(sensors)
-    return np.asarray(rig.rows[to] @ motions + rig.S[np.ix_(to, list(drives))] @ beyond)
+    order, by, to = DERIVATIVES[quantity], list(drives), list(sensors)
+    motions = modal_motions(rig, rig.rows[by].T, force, fs, order)
+    beyond = kept(differences(force, fs, order))
+    return np.asarray(rig.rows[to] @ motions + rig.S[np.ix_(to, by)] @ beyond)
 
 
 def prefiltered(force: FloatArray) -> FloatArray:
@@ -207,42 +196,65 @@ def prefiltered(force: FloatArray) -> FloatArray:
     return np.asarray(force - np.diff(np.pad(force, ((0, 0), (1, 1)), mode="edge"), 2, axis=1) / 12.0)
 
 
-def decimated(values: FloatArray) -> FloatArray:
-    """Every `FINER`th sample behind an anti-alias filter (flat to .42 fs, 50 dB down beyond .58 fs)."""
-    return np.asarray(resample_poly(values, 1, FINER, axis=-1))
+def smoothed(values: FloatArray) -> FloatArray:
+    """Values behind an anti-alias filter, from MARGIN samples before the first to MARGIN after the last.
 
-
-def modal_motion(filters: FloatArray, p: FloatArray, omega: float, zeta: float, order: int) -> FloatArray:
-    """One mode's q, q' or q'' under a modal force."""
-    a, b = filters[0], filters[1:]
-    if order < 2:
-        return np.asarray(lfilter(b[order], a, p))
-    q, v = lfilter(b[0], a, p), lfilter(b[1], a, p)
-    return np.asarray(p - 2.0 * zeta * omega * v - omega**2 * q)
-
-
-def modal_filters(rig: Rig, fs: float) -> FloatArray:
-    """Each mode as recursions exact for straight-line forces: (modes, 3, 3), rows a, b of q, b of q'.
-
-    x = (q, q'): x_+ = A x + B0 p + B1 p_+, hence b(z) = B1 z^2 + (B0 + (A - tr A) B1) z + (A - tr A) B0.
+    Flat to .42 of the sampling frequency kept, 50 dB down beyond .58 of it. Modes and filter are linear and do not
+    change with time, so that a filter of the few forces is one of all responses.
     """
+    taps = firwin(2 * MARGIN + 1, 1.0 / FINER, window=("kaiser", 5.0))
+    return np.asarray(oaconvolve(values, taps[None], axes=1))
+
+
+def kept(values: FloatArray) -> FloatArray:
+    """Every `FINER`th of smoothed values, from the first sample to the last."""
+    return values[:, MARGIN:-MARGIN:FINER]
+
+
+def modal_motions(rig: Rig, participation: FloatArray, force: FloatArray, fs: float, order: int) -> FloatArray:
+    """Each mode's q, q' or q'' at the samples kept, (modes, samples).
+
+    From one of these to the next, x = (q, q') goes by x_+ = A x + sum_j C_j p_j over the FINER + 1 samples p_j of the
+    modal force on the way. By Cayley and Hamilton each line of x is a recursion of its own,
+    x_++ - tr(A) x_+ + det(A) x = u_+ + (A - tr A) u, with u the sum.
+    """
+    A, C = passages(rig, fs)
+    trace, det = A[:, 0, 0] + A[:, 1, 1], A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0]
+    windows = np.swapaxes(sliding_window_view(force, FINER + 1, axis=1)[:, ::FINER], 1, 2)
+    by = np.einsum("kd,kji->kidj", participation, C)
+    lines = windows.reshape(len(force) * (FINER + 1), -1)
+    motions = np.empty((len(rig), kept(force).shape[1]))
+    for k, less in enumerate(A - trace[:, None, None] * np.eye(2)):
+        u = by[k].reshape(2, -1) @ lines
+        u[:, 1:] += less @ u[:, :-1]
+        x = lfilter([1.0], [1.0, -trace[k], det[k]], u if order == 2 else u[order : order + 1])
+        x = x[:, MARGIN // FINER - 1 :][:, : motions.shape[1]]  # u of a window ends one sample later
+        if order < 2:
+            motions[k] = x[0]
+        else:
+            w = rig.omega[k]
+            motions[k] = participation[k] @ kept(force) - 2.0 * rig.zeta[k] * w * x[1] - w**2 * x[0]
+    return motions
+
+
+def passages(rig: Rig, fs: float) -> tuple[FloatArray, FloatArray]:
+    """A (modes, 2, 2) and C (modes, FINER + 1, 2) of FINER steps under a force that runs straight in each of them."""
     h = 1.0 / fs
     system = np.zeros((len(rig), 4, 4))
     system[:, 0, 1], system[:, 1, 2], system[:, 2, 3] = h, h, 1.0
     system[:, 1, 0], system[:, 1, 1] = -(rig.omega**2) * h, -2.0 * rig.zeta * rig.omega * h
     phi = expm(system)
-    A, held, slope = phi[:, :2, :2], phi[:, :2, 2], phi[:, :2, 3]
-    before, after = held - slope, slope  # B0, B1
-    trace = A[:, 0, 0] + A[:, 1, 1]
-    less = A - trace[:, None, None] * np.eye(2)
-    middle = before + np.einsum("mij,mj->mi", less, after)
-    b = np.stack([after, middle, np.einsum("mij,mj->mi", less, before)], axis=-1)
-    a = np.stack([np.ones(len(rig)), -trace, np.exp(-2.0 * rig.zeta * rig.omega * h)], axis=-1)
-    return np.concatenate([a[:, None], b], axis=1)
+    one, held, slope = phi[:, :2, :2], phi[:, :2, 2], phi[:, :2, 3]
+    C = np.zeros((len(rig), FINER + 1, 2))
+    for j in range(FINER):
+        C[:, : j + 1] = np.einsum("mik,mjk->mji", one, C[:, : j + 1])
+        C[:, j] += held - slope
+        C[:, j + 1] += slope
+    return np.linalg.matrix_power(one, FINER), C
 
 
 def differences(force: FloatArray, fs: float, order: int) -> FloatArray:
-    """Time derivative of sampled forces by central differences, nothing before the start."""
+    """Time derivative of sampled forces by central differences."""
     if order == 0:
         return force
     if order == 1:

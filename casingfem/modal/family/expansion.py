@@ -15,6 +15,7 @@ are right to third order (`family`). All numbers K_1, K_2 are real: a casing is 
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -167,7 +168,15 @@ def second_order(
     return K_2, M_2
 
 
-def between(left: Waves, form: Forms, right: Waves) -> tuple[Array, Array]:
+class Motions(Protocol):
+    """Motions u with their derivatives at the points."""
+
+    @property
+    def jets(self) -> Array:
+        """(u, d_z u, d_theta u) at the points, (points 15, columns)."""
+
+
+def between(left: Motions, form: Forms, right: Motions) -> tuple[Array, Array]:
     """left^H form right once around, of stiffness and of mass, each (left, right)."""
     points = len(form.stiffness)
     sums = []

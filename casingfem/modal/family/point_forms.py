@@ -29,6 +29,7 @@ from casingfem.structure.shell.parts import ShellParts
 from casingfem.structure.shell.wall import inertia
 
 ORDERS = {"radius": 3, "thickness": 1, "modulus": 1, "density": 1}  # f, f', f'' act on strains; of others f alone
+WIDE = 1e-4  # the same for second differences: errors of 1e-7
 STEP = 1e-5  # of relative fields and their derivatives, for central differences of complex steps: errors of 1e-10
 TINY = 1e-30  # a complex step
 
@@ -175,3 +176,19 @@ def second_derivatives(shell: ShellParts, quantities: tuple[str, ...], places: P
             pairs = zip(above[m], below[m], strict=True)
             second[m, k] = Forms(*((up - down) / (2.0 * STEP) for up, down in pairs))
     return second
+
+
+def third_derivatives(
+    shell: ShellParts, quantities: tuple[str, ...], places: Places
+) -> dict[tuple[int, int, int], Forms]:
+    """Third derivatives of the forms of a perfect casing: (slot, slot, slot) -> forms, every order of the slots."""
+    steps = WIDE * np.eye(len(slots_of(quantities)))
+    third = {}
+    for k, one in enumerate(steps):
+        for m, other in enumerate(steps[: k + 1]):
+            signs = [(a, b) for a in (1.0, -1.0) for b in (1.0, -1.0)]
+            corners = [first_derivatives(shell, quantities, places, a * one + b * other) for a, b in signs]
+            for j in range(len(steps)):
+                parts = zip(*(corner[j] for corner in corners), strict=True)
+                third[j, m, k] = third[j, k, m] = Forms(*((a - b - c + d) / (4.0 * WIDE**2) for a, b, c, d in parts))
+    return third

@@ -235,7 +235,7 @@ def out_of_roundness(casing: Shell, rim: Rim, *, line: int = 0) -> list[dict[str
     >>> steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
     >>> casing = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.2), thickness=3e-3, material=steel,
     ...                   supports={"base": cf.Clamped()}, radius_defect=cf.FourierField.of({3: 1e-3}))
-    >>> terms = cf.out_of_roundness(casing, cf.Rim("top", n_max=4))
+    >>> terms = cf.modal.out_of_roundness(casing, cf.Rim("top", n_max=4))
     >>> [(term["p"], round(term["cos"], 9)) for term in terms]
     [(3, 0.0005)]
     """

@@ -78,8 +78,18 @@ class Spectrum:
         return replace(self, median=factor * self.median, high=factor * self.high)
 
     def amplitudes(self, uniform: ArrayLike) -> FloatArray:
-        """Amplitudes (H,) at given probabilities (H,): the inverse of the distribution."""
-        return np.asarray(self.median * np.exp(np.log(self.high / self.median) * ndtri(uniform) / NINETY))
+        """Amplitudes (..., H) at given probabilities (..., H): the inverse of the distribution."""
+        return np.asarray(self.median * np.exp(self.deviation * ndtri(uniform)))
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviation of the logarithm of each amplitude, (H,)."""
+        return np.asarray(np.log(self.high / self.median) / NINETY)
+
+    @property
+    def rms(self) -> FloatArray:
+        """Root mean square of each amplitude, (H,)."""
+        return np.asarray(self.median * np.exp(self.deviation**2))
 
 
 def _log_interpolated(p: IntArray, given: dict[int, float], *, slope: bool) -> FloatArray:

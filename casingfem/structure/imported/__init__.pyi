@@ -10,12 +10,14 @@ from .matrix.write import write_matrices
 from .mesh.attachments import Attachments, Equation, Mean, PointMass, Rigid, Spring, Term, Tie
 from .mesh.mesh_data import Group, MeshData, beside
 from .read import read_mesh
+from .sections import BladeSections
 from .shell import MeshShell
 from .solid import Solid
 from .turning_structure import TurningStructure
 
 __all__ = [
     "Attachments",
+    "BladeSections",
     "CyclicSector",
     "Equation",
     "FacetPressure",

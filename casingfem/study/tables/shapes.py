@@ -26,6 +26,8 @@ from casingfem.study.tables.table import (
 from contact.io.plausible import REACH
 from contact.io.tables import Length, NotNegative, Positive, table_of
 
+Cells = Annotated[list[Annotated[int, Field(ge=1, le=400)]], Field(min_length=3, max_length=3)]
+
 
 @table_of(Material)
 class MaterialTable(Table):
@@ -161,10 +163,26 @@ class ImportTable(Table):
 
 
 class SolidTable(ImportTable):
-    """[solid]: an imported mesh of tetrahedra or bricks, instead of [chart] and [shell]."""
+    """[solid]: an imported mesh of tetrahedra or bricks, or a blade of sections, instead of [chart] and [shell]."""
 
-    mesh: str = Field(min_length=1, description="mesh file, relative to this file")
     material: dict[str, MaterialTable] = Field(default={}, description="group of cells -> its own material")
+    sections: str | None = Field(
+        default=None, min_length=1, description="instead of mesh: CSV of blade sections, relative to this file"
+    )
+    cells: Cells = Field(
+        default=[24, 20, 1], description="of a blade of sections: numbers of cells along chord, span and thickness"
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.mesh is None) == (self.sections is None):
+            found = "neither mesh nor sections" if self.mesh is None else "both mesh and sections"
+            raise ValueError(f"found {found}, expected one of them")
+        other = {"scale", "join", "units", "tie"} if self.sections is not None else {"cells"}
+        if wrong := sorted(other & self.model_fields_set):
+            beside = "sections, whose columns name their units" if self.sections is not None else "mesh"
+            raise ValueError(f"found {', '.join(wrong)} beside {beside}, expected no such key there")
+        return self
 
 
 @table_of(Lamina)

@@ -9,7 +9,6 @@ from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.formulas import free_step, mean_gap
 from contact.loop.modal.rows import bound, product, product_of_sum, rotate
-from contact.loop.rub.motion import felt, place_row, see
 from contact.loop.rub.rows import (
     AHEAD,
     BEFORE,
@@ -20,6 +19,7 @@ from contact.loop.rub.rows import (
     Swing,
     blade_dot,
     blade_dot_of_sum,
+    fill_block,
     gap_of,
     hermite,
     least_gap,
@@ -27,8 +27,11 @@ from contact.loop.rub.rows import (
     rigid_gap,
     straight,
 )
+from contact.loop.rub.spin import TORQUE, add_unbalance
 from contact.loop.rub.state import RubState, Solver, Work, tips
 from contact.solver.abradable.tips import Coats, coating_of, first_bar, machined, surface, wear
+
+SPARE = 0.25  # of the bound of a casing's deflection: room for forces of this step, before a tip is far
 
 
 @jit
@@ -63,25 +66,7 @@ def body_force(pulls: Pulls, speed: Array, t: float, angle: float, omega: float,
 
 
 @jit
-def add_unbalance(swing: Swing, t: float, angle: float, omega: float, slope: float, out: Array) -> None:
-    """Force U (Omega^2 - i dOmega/dt) e^(i angle) of a rotor, which turns against the angle of the casing.
-
-    In the step in which the unbalance changes, the change counts for the part of t - h/2 to t + h/2 that follows it.
-    """
-    ux, uy = 0.0, 0.0
-    for k in range(swing.jumps.shape[0]):
-        share = min(max((t - swing.jumps[k, 0]) * swing.jumps[k, 1] + 0.5, 0.0), 1.0)
-        ux += share * swing.jumps[k, 2]
-        uy += share * swing.jumps[k, 3]
-    x, y = omega * omega * ux - slope * uy, omega * omega * uy + slope * ux
-    c, s = math.cos(angle), math.sin(angle)
-    swing.push[0], swing.push[1] = c * x + s * y, c * y - s * x
-    for i in range(swing.plane.shape[1]):
-        out[swing.first + i] += swing.plane[0, i] * swing.push[0] + swing.plane[1, i] * swing.push[1]
-
-
-@jit
-def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) -> None:
+def propagate(s: RubState, laws: RubLaws, angles: Array, t: float, omega: float, h: float) -> None:
     """D* = al D - be q + c (f + gravity and whirl - stiffening), the last increment kept in `old`."""
     for i in range(0, s.q.size, WIDTH):
         last = load(s.d, i)
@@ -95,14 +80,37 @@ def propagate(s: RubState, laws: RubLaws, t: float, angle: float, omega: float) 
         s.push[begin + i] = total
         s.d[begin + i] += s.c[begin + i] * total
     if s.body.size > 0:
-        body_force(laws.pulls, laws.speed, t, angle, omega, s.body)
+        body_force(laws.pulls, laws.speed, t, angles[NOW, 0], omega, s.body)
         if laws.swing.jumps.shape[0] > 0:
-            slope = slope_at(laws.speed, t) + laws.spin.load[2]
-            add_unbalance(laws.swing, t, angle, omega, slope, s.body)
+            add_unbalance(laws.swing, t, h, angles, s.body)
         if laws.spin.mode >= 0:
-            s.body[laws.spin.mode] += laws.spin.load[0]
+            s.body[laws.spin.mode] += laws.spin.scale * laws.spin.now[TORQUE]
         for i in range(s.body.size):
             s.d[i] += s.c[i] * s.body[i]
+
+
+@jit
+def find_disk(s: RubState, swing: Swing, w: Work) -> None:
+    """Where the disk of a rotor is at t_{n+1} without forces, along x and y."""
+    x, y = 0.0, 0.0
+    for i in range(swing.plane.shape[1]):
+        k = swing.first + i
+        x += swing.plane[0, i] * (s.q[k] + s.d[k])
+        y += swing.plane[1, i] * (s.q[k] + s.d[k])
+    w.disk[0], w.disk[1] = x, y
+
+
+@jit
+def nearer(swing: Swing, rows: RubRows, w: Work, j: int) -> float:
+    """How much nearer to the casing the disk brings tip j: x cos phi + y sin phi, and a share of the casing's bound.
+
+    Forces of other tips in this step move a tip too; the share leaves room for that.
+    """
+    if swing.plane.shape[1] == 0:
+        return 0.0
+    cos, sin, c, s = rows.heading[j, 0], rows.heading[j, 1], w.angles[AHEAD, 1], w.angles[AHEAD, 2]
+    moved = w.disk[0] * (cos * c + sin * s) + w.disk[1] * (sin * c - cos * s)
+    return float(moved + SPARE * w.bound[rows.line[j]])
 
 
 @jit
@@ -117,9 +125,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
     closing = straight(laws.closing, t + h)
     for line in range(w.bound.size):
         w.bound[line] = -1.0
-    if solver is not None:
-        if rows.many:
-            see(rows, w, s.q, s.d, dim, 0, 1)
+    if laws.swing.plane.shape[1] > 0:
+        find_disk(s, laws.swing, w)
     if not rows.steady:
         for p in range(1 if solver is None else w.fresh.shape[1]):
             w.fresh[side, p] = 0
@@ -129,7 +136,7 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         if not (pressed or every or rows.steady) and (now_too or s.known[j] == 0):
             if w.bound[line] < 0.0:
                 w.bound[line] = bound(rows.reach[line], s.q, s.d)
-            low = least_gap(laws, rows, j, closing) - w.bound[line]
+            low = least_gap(laws, rows, j, closing) - w.bound[line] - nearer(laws.swing, rows, w, j)
             low += blade_dot_of_sum(rows, rows.own, R, j, s.q, s.d)
             if low > 0.0:
                 s.inside[j], s.known[j], s.gap[j] = 0, 0, low
@@ -141,12 +148,8 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         if w.fresh[side, p] == 0:
             w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p]) - closing
             w.fresh[side, p] = 1
-            w.filled[side, p] = 0
-            if rows.many:
-                w.moved[p] = felt(w.motion_waves, line * dim * w.turn.size, w.waves[side, p])
-            else:
-                place_row(rows, w, j, side)
-                w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
+            fill_block(rows, line * rows.directions, w.waves[side, p], w.normal[side, p])
+            w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         elif rows.steady:
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         free = rows.clearance[j] + w.rigid[p] + w.moved[p] + blade_dot_of_sum(rows, rows.apart, R, j, s.q, s.d)

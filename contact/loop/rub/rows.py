@@ -46,7 +46,6 @@ class Swing(NamedTuple):
     jumps: Array  # (jumps, 4): from [s], 1/h, and what the unbalance gains along the rotor's x and y [kg m]
     plane: Array  # (2, modes of the rotor): motion of the unbalance along x and y
     first: int  # number of the first mode of the rotor
-    push: Array  # (2,): force along x and y
 
 
 class Spin(NamedTuple):
@@ -54,7 +53,9 @@ class Spin(NamedTuple):
 
     mode: int
     scale: float  # 1/sqrt(inertia)
-    load: Array  # (3,): modal force by what the rotor gave in the last step, all rotation work until then, dOmega/dt
+    drive: float  # constant torque [N m]
+    now: Array  # (3,): torque beside drive and friction, all rotation work until now, what new coefficients took
+    sums: Array  # of `contact.record.spin`
 
 
 class RubLaws(NamedTuple):
@@ -80,8 +81,6 @@ class RubRows(NamedTuple):
 
     casing: RowBlocks
     width: int
-    many: bool  # whether the loop sees the casing's motion by waves, not by a row for each tip
-    seen: RowBlocks  # waves of the casing's motion by its modes, `waves` of each block; empty unless `many`
     reach: Array  # (lines, width): bound of |normal row| over the angle
     rim: RimWaves  # what its deflection is computed from
     directions: int
@@ -99,8 +98,6 @@ class RubRows(NamedTuple):
     turns: bool  # whether there is any that does
     steady: bool  # whether no row depends on time: all contacts are near at every step, and have rows of their own
     W: Array  # (K d, K d) matrix of the contacts where it never changes and forces are solved for, else empty
-    cell: float  # angle over which W is interpolated, 0 where it is not [rad]
-    form: RowBlocks  # as `S` between waves, and with what the modes yield, where it is
     few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
     harmonics: int  # waves that the rows, the profile and S take, in whole blocks

@@ -16,8 +16,6 @@ from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.deflection import add_waves, largest_around, matters, most_of, note_deflection, strained
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
-from contact.loop.rub.matrix import enter_cell
-from contact.loop.rub.motion import felt, see
 from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import (
     AHEAD,
@@ -32,6 +30,7 @@ from contact.loop.rub.rows import (
     turned,
 )
 from contact.loop.rub.solve import clear, find_gaps, gather, hand_over, others_close, push, solve, update_gaps
+from contact.loop.rub.spin import spin_on
 from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
 from contact.loop.rub.steady import Steady, frictionless, note_slips
 from contact.loop.tally import INSIDE, due, note_contact, note_stick, note_yielding, state_due, store, store_state
@@ -53,16 +52,8 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
     """
     if rows.turns:
         strains_before(s, rows, w, count, dim)
-    if rows.many:
-        see(rows, w, s.old, s.d, dim, 0, dim)
-        for n in range(count):
-            j = w.chosen[n]
-            for i in range(dim):
-                first, waves = (rows.line[j] * dim + i) * w.turn.size, w.waves[w.side[0], rows.place[j]]
-                w.along[w.column[n * dim + i]] = felt(w.motion_waves, first, waves)
-    else:
-        for a in range(w.slots[0] * dim):
-            w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
+    for a in range(w.slots[0] * dim):
+        w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):
         j = w.chosen[n]
         R = j * dim
@@ -184,25 +175,6 @@ def sticks(s: RubState, row: int, dim: int, j: int) -> bool:
 
 
 @jit
-def note_torque(s: RubState, laws: RubLaws, omega: float, sums: Tally, h: float) -> None:
-    """Let the rotor give what its unbalance and the turning of the contact took in this step, as a torque of the next.
-
-    Friction acts on the mode of the spin itself.
-    """
-    rotation, swing = 0.0, 0.0
-    for j in range(sums.rotation.size):
-        rotation += sums.rotation[j]
-    of = laws.swing
-    for i in range(of.plane.shape[1] if of.jumps.shape[0] > 0 else 0):
-        moved = s.old[of.first + i] + s.d[of.first + i]
-        swing += 0.5 * (of.plane[0, i] * of.push[0] + of.plane[1, i] * of.push[1]) * moved
-    given = rotation - laws.spin.load[1] + swing
-    laws.spin.load[1] = rotation
-    laws.spin.load[2] = -laws.spin.scale * (s.d[laws.spin.mode] - s.old[laws.spin.mode]) / (h * h)
-    laws.spin.load[0] = laws.spin.scale * given / (h * omega) if omega != 0.0 else 0.0
-
-
-@jit
 def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, blocks: ModalBlocks | None,
           steady: Steady | None, w: Work, solver: Solver, dim: int, share: float, slid: float, solved: bool,
           step: int) -> int:  # fmt: skip
@@ -216,13 +188,10 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
             if not solved and steady.roots.size > 0:
                 return close_all(s, rows, blocks, steady, w, share)
         if not solved:
-            interpolated = False
-            if steady is None:
-                interpolated = enter_cell(s, rows, w, dim, share)
-            count = gather(s, rows, blocks, w, dim, share, interpolated)
+            count = gather(s, rows, blocks, w, dim, share)
             if rows.turns and rows.few:
                 fill_few(rows, w, count, step)
-            if not solve(s, rows, w, solver, coats, y, count, dim, share, slid, interpolated):
+            if not solve(s, rows, w, solver, coats, y, count, dim, share, slid):
                 return -1
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count
@@ -235,10 +204,10 @@ def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: St
     """Forces of all contacts at once, without friction; how many press, -1 where none are found."""
     if not frictionless(s, steady):
         return -1
-    count = gather(s, rows, blocks, w, 1, share, False)
+    count = gather(s, rows, blocks, w, 1, share)
     for a in range(count):
         w.lam[a], w.motion[a] = s.lam[w.row[a]], 0.0
-    hand_over(s, rows, w, count, 1)
+    hand_over(s, w, count, 1)
     find_gaps(s, rows, blocks, w, count, 1, share)
     return count
 
@@ -301,7 +270,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
             ahead = spun(laws.spin, ahead, s.q[laws.spin.mode] + s.d[laws.spin.mode])
             omega = base - laws.spin.scale * s.d[laws.spin.mode] / h
         look_at(w.angles, AHEAD, ahead)
-        propagate(s, laws, t, angle, omega)
+        propagate(s, laws, w.angles, t, omega, h)
         if blocks is not None:
             fly_coupled(s, blocks, w)
         slid = 1.0 if rows.steady else base * h
@@ -344,7 +313,7 @@ def advance_rub(s: RubState, laws: RubLaws, rows: RubRows, coats: Coats | None, 
         if blocks is not None:
             works_of_coupling(s, blocks, w, sums)
         if laws.spin.mode >= 0:
-            note_torque(s, laws, omega, sums, h)
+            spin_on(s, laws, rows, w.angles, dim, base, t, h, sums)
         advance_modes(s, sums)
         note(s, rows, w, solver, y, steady, dim, slid, sums, out, h, t)
         if every:

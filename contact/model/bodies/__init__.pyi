@@ -1,9 +1,11 @@
 from .beam import BeamInCircle, HingedBeam
 from .body import PointMass, Rod, Wall
+from .channels import rim_channels
 from .from_matrices import body_of
 from .linear import Forcing, LinearBody, Part
-from .matrices import Matrices, MatrixReport
-from .modal_body import ModalBody, rim_channels
+from .matrices import Matrices
+from .matrix_report import MatrixReport
+from .modal_body import ModalBody
 from .patch import Patch
 from .ring_modes import ThinRing, ring_elements, ring_modes
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from contact.model.bodies.matrices import Contact, Matrices, MatrixReport
+from contact.model.bodies.matrices import Contact, Matrices
 from contact.model.bodies.matrix_modes import reduced
+from contact.model.bodies.matrix_report import MatrixReport
 from contact.model.bodies.modal_body import ModalBody
 
 

@@ -27,7 +27,8 @@ import numpy as np
 
 from contact.base.arrays import Array
 from contact.base.errors import InputError
-from contact.model.bodies.matrices import Contact, Matrices, MatrixReport, report_of
+from contact.model.bodies.matrices import Contact, Matrices
+from contact.model.bodies.matrix_report import MatrixReport, report_of
 from contact.model.bodies.rigid_test import rigid_findings
 
 MODES = 20  # kept where nothing is said

@@ -11,26 +11,19 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive, require_shape
+from contact.base.arrays import Array, keep_readonly, read_npz, require_not_negative, require_positive
 from contact.base.errors import InputError
-from contact.io.names import hint, names_fault
-from contact.io.npz import compliance_fault, whole, write_npz
+from contact.io.names import hint
+from contact.io.npz import whole, write_npz
+from contact.model.bodies.modal_checks import HIGHER, OPTIONAL, SQUARES, check
 
 if TYPE_CHECKING:
-    from contact.model.bodies.matrices import Contact, Dof
+    from contact.model.bodies.matrices import Contact
+    from contact.model.bodies.matrix_checks import Dof
 
 FORMAT = "casingfem-modal-basis-1"
 REQUIRED = ("omega", "zeta", "channels", "rows", "S", "kind")
-OPTIONAL = (
-    "recovery", "recovery_S", "recovery_points", "recovery_cells", "lines", "line_thickness", "output_rows", "output_S",
-    "gyroscopic", "stiffness_by_speed", "gyroscopic_higher", "stiffness_higher", "damping", "stiffness",
-    "participation", "out_of_roundness",
-)  # fmt: skip
-SQUARES = ("gyroscopic", "stiffness_by_speed", "damping", "stiffness")  # (m, m), of the modes
-HIGHER = ("gyroscopic_higher", "stiffness_higher")  # (k, m, m)
-LEAST_OMEGA = 1e-50  # rad/s: the square of less has few digits or none
 TEXTS = ("format", "channels", "kind", "outputs", "provenance")
-SKEW = 1e-8  # of the largest entry: symmetric part of a gyroscopic matrix that is round-off
 
 
 class Basis(Protocol):
@@ -113,63 +106,8 @@ class ModalBody:
             if getattr(self, name) is not None and getattr(self, name).size == 0:
                 object.__setattr__(self, name, None)
         object.__setattr__(self, "channels", tuple(str(name) for name in self.channels))
-        m, K = self.omega.size, len(self.channels)
-        for name, shape in (("omega", (m,)), ("zeta", (m,)), ("rows", (K, m)), ("S", (K, K))):
-            require_shape(name, getattr(self, name), shape)
-        if self.recovery is not None:
-            require_shape("recovery", self.recovery, (len(self.recovery), m))
-            if self.recovery_S is not None:
-                require_shape("recovery_S", self.recovery_S, (len(self.recovery), K))
         object.__setattr__(self, "outputs", tuple(str(name) for name in self.outputs))
-        for key in ("channels", "outputs"):
-            if fault := names_fault(getattr(self, key)):
-                raise InputError(f"{key}: found {fault}")
-        wanted = len(self.outputs)
-        for name, shape in (
-            ("output_rows", (wanted, m)),
-            ("output_S", (wanted, K)),
-            *((square, (m, m)) for square in SQUARES),
-            ("participation", (3, m)),
-            ("out_of_roundness", (max(self.rim_lines, 1) if self.kind == "rim" else 0, 2 * self.n_max + 1)),
-        ):
-            if getattr(self, name) is not None:
-                require_shape(name, getattr(self, name), shape)
-        for name in HIGHER:
-            if (parts := getattr(self, name)) is not None:
-                require_shape(name, parts, (len(parts), m, m))
-        heads = {name.partition(".")[0] for name in self.channels}
-        if self.sectors and heads != {f"sector{j}" for j in range(self.sectors)}:
-            raise InputError(f"sectors: found {self.sectors} beside channels of {len(heads)}, expected sector0.*, ...")
-        _require_modes(self.omega, self.zeta)
-        if self.gyroscopic is not None:
-            _require_skew("gyroscopic", self.gyroscopic)
-        for k, part in enumerate(() if self.gyroscopic_higher is None else self.gyroscopic_higher):
-            _require_skew(f"gyroscopic_higher[{k}]", part)
-        if fault := compliance_fault(self.S):
-            raise InputError(f"S: found {fault}")
-        self._require_kind()
-
-    def _require_kind(self) -> None:
-        if self.kind == "point":
-            return
-        if self.kind != "rim":
-            raise InputError(f"kind: found {self.kind!r}, expected 'rim' or 'point'")
-        require_not_negative(n_max=self.n_max, radius=self.radius, thickness=self.thickness)
-        size = 2 * self.n_max + 1
-        directions = 3 if any("axial" in name for name in self.channels) else 2
-        lines = max(len(self.channels) // (size * directions), 1)
-        expected = size * directions * lines
-        if len(self.channels) != expected or self.channels != rim_channels(self.n_max, directions, lines):
-            raise InputError(
-                f"channels: found {len(self.channels)} ({', '.join(self.channels[:3])}, ...), expected the {expected} "
-                f"channels of a rim with n_max = {self.n_max}: radial.cos0, radial.cos1, ..."
-            )
-        if self.lines is not None:
-            require_shape("lines", self.lines, (self.rim_lines, 2))
-            require_not_negative(**{"radii of lines": float(self.lines[:, 1].min())})
-        if self.line_thickness is not None:
-            require_shape("line_thickness", self.line_thickness, (self.rim_lines,))
-            require_positive(line_thickness=float(self.line_thickness.min()))
+        check(self)
 
     @property
     def directions(self) -> int:
@@ -441,35 +379,3 @@ def of_arrays(data: Mapping[str, Any]) -> ModalBody:
 def _powers(x: float, parts: Array) -> Array:
     """X A_1 + x^2 A_2 + ... of parts (k, m, m)."""
     return np.asarray(np.tensordot(x ** np.arange(1.0, 1.0 + len(parts)), parts, 1))
-
-
-def _require_skew(name: str, G: Array) -> None:
-    scale, even = float(np.abs(G).max(initial=0.0)), np.abs(G + G.T)
-    if even.max(initial=0.0) > SKEW * scale:
-        i, j = (int(k) for k in np.unravel_index(int(even.argmax()), even.shape))
-        raise InputError(
-            f"{name}: found {G[i, j]:.6g} at ({i}, {j}) and {G[j, i]:.6g} at ({j}, {i}), expected a skew matrix, "
-            "G[i, j] = -G[j, i]"
-        )
-
-
-def rim_channels(n_max: int, directions: int = 2, lines: int = 1) -> tuple[str, ...]:
-    """Channel names of a rim, direction-major: cos0, cos1 .. cosN, sin1 .. sinN, radial, tangential (and axial).
-
-    Several rim lines follow each other, each with its number before the name.
-
-    >>> rim_channels(1)[:3], rim_channels(1, 3, lines=2)[-1]
-    (('radial.cos0', 'radial.cos1', 'radial.sin1'), 'line1.axial.sin1')
-    """
-    waves = [f"cos{n}" for n in range(n_max + 1)] + [f"sin{n}" for n in range(1, n_max + 1)]
-    one = [f"{direction}.{wave}" for direction in ("radial", "tangential", "axial")[:directions] for wave in waves]
-    return tuple(one) if lines == 1 else tuple(f"line{k}.{name}" for k in range(lines) for name in one)
-
-
-def _require_modes(omega: Array, zeta: Array) -> None:
-    if omega.size and float(omega.min()) < 0.0:
-        raise InputError(f"omega: found {omega.min():g} rad/s, expected every frequency >= 0")
-    if np.any(tiny := (omega > 0.0) & (omega < LEAST_OMEGA)):
-        raise InputError(f"omega: found {omega[tiny][0]:g} rad/s, expected 0, a rigid motion, or >= {LEAST_OMEGA:g}")
-    if zeta.size and not 0.0 <= float(zeta.min()) <= float(zeta.max()) < 1.0:
-        raise InputError(f"zeta: found {zeta.min():g} .. {zeta.max():g}, expected 0 <= zeta < 1")

@@ -23,7 +23,8 @@ import numpy as np
 
 from contact.base.arrays import Array, Indices, require_count, require_not_negative, require_positive
 from contact.base.errors import InputError
-from contact.model.bodies.modal_body import ModalBody, rim_channels
+from contact.model.bodies.channels import rim_channels
+from contact.model.bodies.modal_body import ModalBody
 
 RIGID = 1e-9  # of the largest eigenvalue: what round-off leaves of a rigid motion
 

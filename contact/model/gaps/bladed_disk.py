@@ -21,7 +21,8 @@ from contact.base.arrays import (
 from contact.base.errors import InputError
 from contact.io.brief import brief
 from contact.io.keys import Key
-from contact.model.bodies.modal_body import ModalBody, rim_channels
+from contact.model.bodies.channels import rim_channels
+from contact.model.bodies.modal_body import ModalBody
 from contact.model.gaps.permanent import ModalPair, require_waves
 from contact.model.gaps.rub import ContactPoint, Rub, Start
 from contact.model.gaps.rub_laws import Speed

@@ -119,7 +119,10 @@ class RotatingRim:
             raise InputError(f"blade: found a basis of kind {self.blade.kind!r}, expected 'point'")
         if not {"span", "flap"} <= set(self.blade.channels):
             found = f"the channels {', '.join(self.blade.channels)}"
-            raise InputError(f"blade: found {found}, expected span and flap (Rub takes others)")
+            raise InputError(
+                f"blade: found {found}, expected span and flap: name other channels in a scene of kind 'rub', with span"
+                " and flap in [[blade.node]] (in Python ct.Rub)"
+            )
         casing_turns(self.turning)
         radius = self.casing.line_radius(0)
         require_positive(radius=radius)

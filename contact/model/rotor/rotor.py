@@ -66,6 +66,13 @@ class Unbalance:
         """Whether there is any, from the start or after the release."""
         return self.before != 0.0 or self.after != 0.0
 
+    def at(self, t: float, h: float) -> complex:
+        """U in the step of length h about t [kg m]; a release counts for the part of the step that follows it."""
+        if self.release is None:
+            return self.after
+        share = min(max((t - self.release.time) / h + 0.5, 0.0), 1.0)
+        return self.before + share * (self.after - self.before)
+
     @property
     def before(self) -> complex:
         """U from the start [kg m]."""
@@ -89,8 +96,9 @@ class Spin:
     """A rotor whose speed follows from its torques: inertia dOmega/dt = torque + torque of the contacts.
 
     The rotor starts at its speed. What unbalance and deformed casing take from it is in the balance, too.
+    Gyroscopic moments are known from standstill to `most_hz`; a run that goes beyond ends with an error.
 
-    Raises InputError for an inertia that is not positive.
+    Raises InputError for an inertia or a speed that is not positive.
 
     >>> Spin(inertia=0.6).torque
     0.0
@@ -98,6 +106,10 @@ class Spin:
 
     inertia: Annotated[float, Key("polar moment of all that turns [kg m^2]", "positive")]
     torque: Annotated[float, Key("of the drive, positive in the sense from x to y [N m]")] = 0.0
+    most_hz: Annotated[
+        float | None, Key("highest speed that the run may reach; 1.2 times the one at the start if left out [turns/s]",
+                          "positive")
+    ] = None  # fmt: skip
 
     def __post_init__(self) -> None:
         require_keyed(self)

@@ -221,7 +221,7 @@ def rigid_casing(*, radius: float, mass: float, stiffness: float, zeta: float = 
     for name, value in (("radius", radius), ("mass", mass), ("stiffness", stiffness)):
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name}: found {value!r}, expected a positive number")
-    from contact.model.bodies.modal_body import rim_channels
+    from contact.model.bodies.channels import rim_channels
 
     rows = np.zeros((6, 2))
     rows[[1, 5], 0] = 1.0, -1.0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -26,12 +26,14 @@ Matrices = list[tuple[Array, Array]]
 class AtSpeeds:
     """Propagators at Chebyshev nodes of a range of speeds [rad/s], one where the speed is constant or has no effect.
 
-    `stretch` steps are taken with the coefficients of the speed in their middle.
+    `stretch` steps are taken with the coefficients of the speed in their middle. `stacked` has the arrays of the
+    coupled modes at all nodes by their name, (nodes, b, b) each.
     """
 
     nodes: Array
     parts: tuple[Propagator, ...]
     stretch: int = 1
+    stacked: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def vary(self) -> bool:
@@ -47,13 +49,28 @@ class AtSpeeds:
         """Coefficients at a speed within the range."""
         if not self.vary:
             return self.parts[0]
-        weights = self.weights(omega)
-        found = [part.coupled for part in self.parts if part.coupled is not None]
+        weights, found = self.weights(omega), self.parts[0].coupled
+        assert found is not None
         arrays: dict[str, Any] = {
-            name: readonly(np.tensordot(weights, np.array([getattr(part, name) for part in found]), axes=1))
-            for name in _square_names()
+            name: readonly(np.tensordot(weights, values, axes=1)) for name, values in self.stacked.items()
         }
-        return replace(self.parts[0], coupled=replace(found[0], top=self.top, **arrays))
+        return replace(self.parts[0], coupled=replace(found, top=self.top, **arrays))
+
+    def discrete(self, omega: float, q: Array, d: Array) -> float:
+        """Discrete energy of the coupled modes at a speed [J]; q and d of all modes."""
+        first = self.parts[0].coupled
+        assert first is not None
+        q, d = q[first.modes], d[first.modes]
+        energy = 0.5 * (self.stacked["inertia"] @ d @ d + self.stacked["stiff"] @ q @ (q - d))
+        return float(self.weights(omega) @ energy)
+
+    def push(self, omega: float, force: Array) -> Array:
+        """What a step at a speed answers to forces on all modes."""
+        first = self.parts[0].coupled
+        assert first is not None
+        found = self.parts[0].c * force
+        found[first.modes] = self.weights(omega) @ (self.stacked["c"] @ force[first.modes])
+        return np.asarray(found)
 
     def middle(self, stretch: int) -> float:
         """Time in the middle of the steps of a stretch, each of which goes from t - h to t + h [s]."""
@@ -69,8 +86,11 @@ class AtSpeeds:
         return np.asarray(shares / shares.sum())
 
 
-def _square_names() -> list[str]:
-    return [field.name for field in fields(Coupled) if field.name not in ("h", "modes", "top")]
+def _stacked(parts: Sequence[Propagator]) -> dict[str, Array]:
+    """Arrays of the coupled modes at all nodes, by their name."""
+    found = [part.coupled for part in parts if part.coupled is not None]
+    names = [one.name for one in fields(Coupled) if one.name not in ("h", "modes", "top")]
+    return {name: readonly(np.array([getattr(part, name) for part in found])) for name in names}
 
 
 def chebyshev(low: float, high: float, count: int) -> Array:
@@ -123,7 +143,8 @@ def at_speeds(
         return AtSpeeds(nodes=np.array([high]), parts=made(np.array([high])))
     for count in NODES:
         nodes = chebyshev(low, high, count)
-        table = AtSpeeds(nodes=nodes, parts=made(nodes), stretch=_stretch(seen, high - low, fastest, h))
+        parts, stretch = made(nodes), _stretch(seen, high - low, fastest, h)
+        table = AtSpeeds(nodes=nodes, parts=parts, stretch=stretch, stacked=_stacked(parts))
         between = 0.5 * (nodes[:-1] + nodes[1:])
         if max(map(_error, made(between), map(table.at, between.tolist()))) <= EXACT:
             return table

@@ -138,7 +138,9 @@ class ExactModal:
         low, high = (2.0 * math.pi * float(f(rub.speed.hz)) for f in (np.min, np.max))
         fastest = float(np.abs(rub.speed.table[:, 3]).max())
         if rub.spin is not None:  # unknown beforehand: from standstill to a fifth above the start
-            low, high = sorted((0.0, ABOVE * rub.speed.omega(0.0)))
+            start, most = rub.speed.omega(0.0), rub.spin.most_hz
+            top = ABOVE * start if most is None else math.copysign(2.0 * math.pi * most, start)
+            low, high = sorted((0.0, top))
         speeds = at_speeds(
             system.matrices, system.omega, system.zeta, system.load, low, high, fastest,
             lambda top: _step(top, dt, courant),

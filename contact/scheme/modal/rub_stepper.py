@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from contact.model.gaps.rub_system import RubSystem
 from contact.model.law import Law
 from contact.record.energy import Stored
 from contact.record.record import Samples, tally
+from contact.record.spin import SpinBudget
 from contact.record.wear import Wear
 from contact.scheme.modal.at_speeds import AtSpeeds
 from contact.scheme.modal.blocks import OF_MODES, narrowed, whole, widened
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from contact.solver.abradable.tips import Coats
     from contact.solver.yielding.yields import Yielding
 
+PENDING = 2  # entry of `contact.loop.rub.rows.Spin.now`
+OUTSIDE = 1e-3  # of the range of speeds: how far a rotor may leave it
 NAMES = (*OF_MODES, "contact")  # arrays over the modes that loops take in whole blocks
 
 
@@ -54,7 +58,8 @@ class RubStepper(ExactRun):
     averaged: bool
     steps: Indices  # taken so far, one entry
     stretch: Indices  # number of the stretch whose coefficients the loop has, one entry
-    spun: Array  # speed of these coefficients where the speed is unknown beforehand [rad/s], one entry
+    spun: Array  # where the speed is unknown beforehand: that of these coefficients, farthest outside [rad/s]
+    spin_start: tuple[float, float]  # of such a rotor: speed [rad/s] and energy shared with the unbalance at t = 0 [J]
     law: Law
     stiffest: float  # Delassus number [m/N] of a normal with itself, the largest around
     y: Yielding | None = None
@@ -137,18 +142,39 @@ class RubStepper(ExactRun):
         assert self.coupled is not None
         if stretch == self.stretch[0]:
             return
-        before, s = self.now(), self.state
+        before, s, speeds = self.omega(int(self.stretch[0])), self.state, self.speeds
         if self.rub.spin is not None:
-            ahead = float(s.d[self.system.first[1] - 1]) / (self.dt * math.sqrt(self.rub.spin.inertia))
-            low, high = self.speeds.nodes.min(), self.speeds.nodes.max()
-            self.spun[0] = min(max(self.rub.speed.omega(0.0) - ahead, low), high)
-        after = self.speeds.at(self.omega(stretch))
-        self.sums.external[0] += _discrete(after, s.q, s.d) - _discrete(before, s.q, s.d)
+            low, high, speed = float(speeds.nodes.min()), float(speeds.nodes.max()), self._casing_speed()
+            self.spun[0] = min(max(speed, low), high)
+            self.spun[1] = max(self.spun[1], low - speed, speed - high)
+        after = self.omega(stretch)
+        taken = speeds.discrete(after, s.q, s.d) - speeds.discrete(before, s.q, s.d)
+        self.sums.external[0] += taken
         self.stretch[0] = stretch
-        fill_blocks(self.coupled, self.speeds.weights(self.omega(stretch)), self.values)
-        s.kick[:] = after.push(after.load)
+        fill_blocks(self.coupled, speeds.weights(after), self.values)
+        s.kick[:] = speeds.push(after, self.parts.load)
+        if self.rub.spin is not None:
+            self.arrays.laws.spin.now[PENDING] += taken
         if any(body.varies for body in self.rub.blades):
-            self.arrays.rows.fixed[:] = fixed_delassus(self.system, after)
+            self.arrays.rows.fixed[:] = fixed_delassus(self.system, speeds.at(after))
+
+    def _casing_speed(self) -> float:
+        """Speed of the casing against the tips in the last step, of a rotor whose speed is unknown [rad/s]."""
+        assert self.rub.spin is not None
+        ahead = float(self.state.d[self.system.first[1] - 1]) / (self.dt * math.sqrt(self.rub.spin.inertia))
+        return float(self.rub.speed.hz[0]) * 2.0 * math.pi - ahead
+
+    def _spin(self) -> SpinBudget | None:
+        """The energy and the momentum of a rotor whose speed follows from its torques; None of another."""
+        if self.rub.spin is None:
+            return None
+        end, laws = -self._casing_speed(), self.arrays.laws
+        angles = self.arrays.work.angles
+        d = self.state.d[self.rub.flexible : self.system.first[1] - 1]
+        after = shared_energy(self.rub, self.dt, d, angles[1, 0], angles[0, 0], int(self.steps[0]) - 1)
+        return SpinBudget.of(
+            self.rub.spin.inertia, self.spin_start[0], end, (self.spin_start[1], after), laws.spin.sums
+        )
 
     def omega(self, stretch: int) -> float:
         """Speed in the middle of a stretch of steps, or at its begin where it is unknown beforehand [rad/s]."""
@@ -172,7 +198,7 @@ class RubStepper(ExactRun):
         a = self.arrays
         return (
             self.wide, a.work, a.rows, a.solver or (), self.flight, self.sums, self.steps, self.stretch, self.spun,
-            a.laws.spin.load, coupled, coating, memory_of(self.y),
+            (a.laws.spin.now, a.laws.spin.sums), coupled, coating, memory_of(self.y),
         )  # fmt: skip
 
     @property
@@ -222,10 +248,23 @@ class RubStepper(ExactRun):
         flags = (*wall_flags(deflection, self.rub.wall), *_flags(self.rub, self.system, tangential))
         solver = self.made[0].solver if self.made else None
         left = 0.0 if solver is None else float(solver.room.left[0])
-        flags += (*inexact(left), *too_long(self.y, self.stiffest, self.dt))
+        flags += (*inexact(left), *too_long(self.y, self.stiffest, self.dt), *self._outside())
         return Notes(
-            flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive), deflection=deflection
+            flags=flags, heat=readonly(self.state.heat), drive=readonly(self.state.drive), deflection=deflection,
+            spin=self._spin(),
+        )  # fmt: skip
+
+    def _outside(self) -> tuple[Flag, ...]:
+        """A flag where a rotor left the speeds at which the coefficients of its modes are known."""
+        low, high = self.speeds.nodes.min(), self.speeds.nodes.max()
+        if self.spun[1] <= OUTSIDE * (high - low):
+            return ()
+        ends = sorted(abs(omega) / (2.0 * math.pi) for omega in (low, high))
+        words = (
+            f"spin: the speed of the rotor went {self.spun[1] / (2.0 * math.pi):.4g} Hz beyond {ends[0]:.4g} to "
+            f"{ends[1]:.4g} Hz, between which its gyroscopic moments are known: give [spin] another most_hz"
         )
+        return (Flag(words, "spin-beyond", failed=True),)
 
 
 def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dimensions: int, averaged: bool,
@@ -239,21 +278,34 @@ def rub_stepper(rub: Rub, system: RubSystem, speeds: AtSpeeds, *, law: Law, dime
     if blocks is not None and speeds.vary:
         fill_blocks(blocks, speeds.weights(first), values)
     wide = widened(rub_state(rub, system, parts, law.mu, dimensions), whole(m), NAMES)
+    started = 0.0, 0.0
+    if rub.spin is not None:
+        d, end = wide.d, int(system.first[1]) - 1
+        ahead, turn = float(d[end]) / math.sqrt(rub.spin.inertia), rub.speed.omega(0.0) * parts.h
+        started = ((ahead - turn) / parts.h, shared_energy(rub, parts.h, d[rub.flexible : end], 0.0, ahead - turn, -1))
     return RubStepper(
         rub=rub, system=system, parts=parts, speeds=speeds, coupled=blocks, values=values if speeds.vary else (),
         state=narrowed(wide, m, NAMES), wide=wide, flight=free_flight(rub, system, parts, skip=skip and y is None),
         dimensions=dimensions, averaged=averaged,
         sums=tally(system.contacts), label=label, steps=np.zeros(1, dtype=np.int64),
-        stretch=np.zeros(1, dtype=np.int64), spun=np.array([rub.speed.omega(0.0)]),
+        stretch=np.zeros(1, dtype=np.int64), spun=np.array([rub.speed.omega(0.0), 0.0]),
+        spin_start=started,
         worn=None if law.coating is None else rub_tracks(rub, law.coating), law=law, stiffest=stiffest,
         y=y, rim=rim,
     )  # fmt: skip
 
 
-def _discrete(parts: Propagator, q: Array, d: Array) -> float:
-    """Discrete energy of the coupled modes."""
-    assert parts.coupled is not None
-    return parts.coupled.discrete(q[parts.coupled.modes], d[parts.coupled.modes])
+def shared_energy(rub: Rub, h: float, d: Array, now: float, before: float, step: int) -> float:
+    """Kinetic energy that disk and unbalance share after a step [J]: Re(conj(Dx) Du)/h^2.
+
+    `d` increments of the rotor's modes in the step; `now`, `before` the casing's angle against it [rad].
+    """
+    rotor = rub.rotor
+    if rotor is None or not rotor.unbalance.acts:
+        return 0.0
+    moved = complex(*(rotor.plane @ d))
+    turned = rotor.unbalance.at(step * h, h) * (cmath.exp(-1j * now) - cmath.exp(-1j * before))
+    return float((moved.conjugate() * turned).real / h**2)
 
 
 def _flags(rub: Rub, system: RubSystem, tangential: float) -> tuple[Flag, ...]:

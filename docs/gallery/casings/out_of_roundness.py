@@ -2,8 +2,8 @@
 What contact sees of a radius
 =============================
 
-A blade meets the rim's deviation from a circle, in metres. `cf.out_of_roundness` takes it from the casing's field as
-terms that a rub reads.
+A blade meets the rim's deviation from a circle, in metres. `cf.modal.out_of_roundness` takes it from the casing's
+field as terms that a rub reads.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,7 @@ casing = cf.Shell(
     supports={"base": cf.Clamped()},
     radius_defect=cf.FourierField.of({2: 4e-4, 3: (1e-4, 2e-4)}),
 )
-terms = cf.out_of_roundness(casing, cf.Rim("top", n_max=20))
+terms = cf.modal.out_of_roundness(casing, cf.Rim("top", n_max=20))
 print(terms)
 
 theta = np.linspace(0.0, 2.0 * np.pi, 361)

@@ -20,12 +20,12 @@ casing = cf.Shell(
     radius_defect=cf.field.RandomField(spectrum=usual, seed=20261),
     mesh=cf.ShellMesh(order=6, rows=1, around=9),
 )
-batch = cf.mistune(casing, draws=10, count=4)
+batch = cf.modal.mistune(casing, draws=10, count=4)
 figure = figure_splits(batch)
 
 # %%
 # Draw 2 is the same casing in every batch with this seed.
 
-again = cf.mistune(casing, draws=3, count=4)
+again = cf.modal.mistune(casing, draws=3, count=4)
 assert np.allclose(batch.split[batch.draw == 2], again.split[again.draw == 2], rtol=1e-9)
 assert 1e-4 < np.median(batch.split[batch.n == 3]) < 1e-2

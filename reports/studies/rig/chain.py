@@ -63,7 +63,7 @@ def main(out: Path, quick: bool = False) -> dict[str, float]:
     files, tuning = clock(
         "tuning and reduction", lambda: rig_rub.bodies(casing, fit.structure, target, blade, plan, out)
     )
-    terms = cf.out_of_roundness(fit.structure, cf.Rim("top", n_max=26))
+    terms = cf.modal.out_of_roundness(fit.structure, cf.Rim("top", n_max=26))
     rubs = [
         clock("rub, as built", lambda: rig_rub.run("as built", files, plan, terms)),
         clock("rub, defect machined away", lambda: rig_rub.run("defect machined away", files, plan, [])),

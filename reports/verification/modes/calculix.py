@@ -82,18 +82,18 @@ def run(text: str, folder: Path) -> str:
     return (folder / "job.dat").read_text()
 
 
-def frequencies(solid: Solid, rpm: float, folder: Path) -> list[float]:
+def frequencies(solid: Solid, rpm: float, folder: Path, *, axis: Rotation = AXIS, count: int = COUNT) -> list[float]:
     """Frequencies [Hz], about the nonlinear steady state where it turns."""
     text = deck(solid, folder)
     if rpm:
-        c, a = AXIS.centre, AXIS.direction.tolist()
-        axis = ",".join(f"{v!r}" for v in (*c, *a))
-        load = f"*DLOAD\nbody,CENTRIF,{(rpm * np.pi / 30.0) ** 2:.12g},{axis}\n"
+        c, a = axis.centre, axis.direction.tolist()
+        line = ",".join(f"{v!r}" for v in (*c, *a))
+        load = f"*DLOAD\nbody,CENTRIF,{(rpm * np.pi / 30.0) ** 2:.12g},{line}\n"
         tight = "*CONTROLS,PARAMETERS=FIELD\n1e-8,1e-8\n"  # its own 0.5 % of the force shows in the fifth digit
         text += f"*STEP,NLGEOM\n*STATIC\n{tight}{load}*END STEP\n"
-        text += f"*STEP,PERTURBATION\n*FREQUENCY\n{COUNT}\n{load}*END STEP\n"
+        text += f"*STEP,PERTURBATION\n*FREQUENCY\n{count}\n{load}*END STEP\n"
     else:
-        text += f"*STEP\n*FREQUENCY\n{COUNT}\n*END STEP\n"
+        text += f"*STEP\n*FREQUENCY\n{count}\n*END STEP\n"
     return eigenfrequencies(run(text, folder))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from casingfem.io.arrays import FloatArray, IntArray
 from casingfem.structure.imported.mesh.cell_kind import KINDS
-from casingfem.structure.imported.mesh.mesh_data import MeshData
+from casingfem.structure.imported.mesh.mesh_data import MeshData, natives
 
 GMSH = {"triangle": 2, "quad": 3, "tetra": 4, "hexahedron": 5, "triangle6": 9, "quad9": 10, "tetra10": 11,
         "hexahedron27": 12, "quad8": 16, "hexahedron20": 17, "line": 1, "line3": 8}  # fmt: skip
@@ -24,8 +24,8 @@ GMSH_ORDER = {
 }
 VTK = {"tetra": 10, "hexahedron": 12, "tetra10": 24, "hexahedron20": 25, "hexahedron27": 29, "quad": 9, "quad8": 23,
        "quad9": 28}  # fmt: skip
-ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20", "quad": "S4",
-          "quad8": "S8R", "quad9": "S9R5"}  # fmt: skip
+ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20", "wedge15": "C3D15",
+          "quad": "S4", "quad8": "S8R", "quad9": "S9R5"}  # fmt: skip
 NASTRAN = {"tetra": "CTETRA", "tetra10": "CTETRA", "hexahedron": "CHEXA", "hexahedron20": "CHEXA", "quad": "CQUAD4",
            "quad8": "CQUAD8"}  # fmt: skip
 BRICK20 = (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)  # Nastran: upright edges before the upper ones
@@ -88,11 +88,13 @@ def write_gmsh41(mesh: MeshData, path: Path) -> None:
 
 
 def write_inp(mesh: MeshData, path: Path) -> None:
-    """Abaqus and CalculiX: node sets of the groups, sixteen numbers a line at most."""
+    """Abaqus and CalculiX: node sets of the groups, sixteen numbers a line at most; bricks that collapse as wedges."""
     lines = ["*HEADING", "*NODE"]
     lines += [f"{k}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(mesh.points.tolist(), 1)]
-    lines.append(f"*ELEMENT, TYPE={ABAQUS[mesh.kind]}, ELSET=body")
-    lines += wrapped([[k, *row] for k, row in enumerate((mesh.cells + 1).tolist(), 1)])
+    for kind, rows, slots in natives(mesh):
+        lines.append(f"*ELEMENT, TYPE={ABAQUS[kind]}, ELSET=body")
+        numbered = np.column_stack([rows, mesh.cells[rows][:, slots]]) + 1
+        lines += wrapped(numbered.tolist())
     for name, group in mesh.groups.items():
         lines += [f"*NSET, NSET={name}", *wrapped([(group.nodes + 1).tolist()], continued=False)]
     path.write_text("\n".join(lines) + "\n")

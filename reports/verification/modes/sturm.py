@@ -104,7 +104,7 @@ def fault_of(system: System, count: int, place: float) -> tuple[int, str]:
         doubted = any(isinstance(doubt.message, ModelWarning) for doubt in doubts)
     except NumericsError as error:
         return 0, str(error)
-    off = np.abs(found.omega**2 - np.maximum(exact[:count], 0.0)) > noise + 1e-6 * found.omega**2
+    off = np.abs(found.omega**2 - np.maximum(exact[: len(found)], 0.0)) > noise + 1e-6 * found.omega**2
     low, high = ((2.0 * np.pi * f) ** 2 for f in (place * top, 1.1 * top))
     slack = [noise + 1e-6 * end for end in (low, high)]
     least = np.count_nonzero((exact > low + slack[0]) & (exact < high - slack[1]))

@@ -120,7 +120,7 @@ def many_blades(folder: Path, quick: bool) -> list[Row]:
     pattern = np.random.default_rng(5).standard_normal(24)
     rows: list[Row] = []
     for mu, spread in ((0.0, 0.0),) if quick else ((0.0, 0.0), (0.0, 0.01), (0.3, 0.0), (0.3, 0.03)):
-        disk = ct.BladedDisk(
+        disk = ct.gaps.BladedDisk(
             blades=24, freq_hz=200.0, modal_mass=0.1, coupling=0.02, mistuning=spread * pattern, lean_deg=30.0,
             compliance=1e-4,
         )  # fmt: skip

@@ -54,7 +54,7 @@ def rub(rim: ct.ModalBody, blade: ct.ModalBody, nodes: int, *, advance: float = 
     ]
     return ct.Rub(
         rim, (blade,), tuple(tips), clearance=-float(np.min(depth)) - advance, speed=ct.Speed.constant(SPEED),
-        profile=ct.RimProfile.fourier(ROUGH), thickness=3e-3,
+        profile=ct.gaps.RimProfile.fourier(ROUGH), thickness=3e-3,
     )  # fmt: skip
 
 

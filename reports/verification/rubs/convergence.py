@@ -88,7 +88,10 @@ def by_surface(body: ct.ModalBody, strip: ct.ModalBody, quick: bool) -> list[Row
     for points in (24, 96) if quick else (12, 24, 48, 96, 192, 384):
         theta = 2.0 * np.pi * np.arange(points) / points
         row: Row = {"points": points}
-        for name, profile in (("cubic", ct.RimProfile(theta=theta, depth=depth(theta))), ("straight", straight(theta))):
+        for name, profile in (
+            ("cubic", ct.gaps.RimProfile(theta=theta, depth=depth(theta))),
+            ("straight", straight(theta)),
+        ):
             found = off(run(replace(one_tip(body, strip), profile=profile)), exact)
             row |= {f"{name}: {key}": value for key, value in found.items() if key != "run [s]"}
         rows.append(row)
@@ -135,7 +138,7 @@ def episode(body: ct.ModalBody, strip: ct.ModalBody, tips: tuple[ct.ContactPoint
     lowest = float(depth(np.linspace(0.0, 2.0 * np.pi, 3601)).min())
     return ct.Rub(
         body, (strip,), tips, clearance=-lowest - ADVANCE, speed=ct.Speed.constant(SPEED),
-        profile=ct.RimProfile.fourier(ROUGH),
+        profile=ct.gaps.RimProfile.fourier(ROUGH),
     )  # fmt: skip
 
 
@@ -144,11 +147,11 @@ def depth(theta: FloatArray) -> FloatArray:
     return np.sum([term["cos"] * np.cos(term["p"] * theta) for term in ROUGH], axis=0)
 
 
-def straight(theta: FloatArray, parts: int = 64) -> ct.RimProfile:
+def straight(theta: FloatArray, parts: int = 64) -> ct.gaps.RimProfile:
     """Straight lines between the points: a table of `parts` more points on each."""
     dense = 2.0 * np.pi * np.arange(parts * len(theta)) / (parts * len(theta))
     ends = np.append(theta, 2.0 * np.pi)
-    return ct.RimProfile(theta=dense, depth=np.interp(dense, ends, depth(ends)))
+    return ct.gaps.RimProfile(theta=dense, depth=np.interp(dense, ends, depth(ends)))
 
 
 def rim_body(folder: Path, orders: Callable[[int], int] | int) -> ct.ModalBody:

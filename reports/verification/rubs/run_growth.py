@@ -81,7 +81,7 @@ def drawn(seed: int) -> tuple[ct.RotatingRim | ct.Rub, float]:
             casing, blade(rng), clearance=clearance, speed_hz=speed, lean_deg=lean, out_of_roundness=rough,
             casing_velocity=kick,
         ), mu  # fmt: skip
-    profile = ct.RimProfile.fourier(rough)
+    profile = ct.gaps.RimProfile.fourier(rough)
     start = ct.gaps.Start(velocity=kick)
     given = {"clearance": clearance, "speed": ct.Speed.constant(speed), "profile": profile, "casing_start": start}
     if kind == "rub":

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact as ct
-from contact.model.bodies.modal_body import rim_channels
+from contact.model.bodies.channels import rim_channels
 from contact.model.gaps.rub_laws import Whirl
 from contact.run_many import Outcome
 from contact.scene.load import scene_of
@@ -148,7 +148,7 @@ def rub_of(r: Recipe) -> tuple[Any, int]:
     end, k = r["steps"] * r["dt"], r["tips"]
     rub = ct.Rub(
         casing, (tip,) * k, [ct.ContactPoint(blade=j, angle_deg=90.0 * j, lean_deg=r["lean"]) for j in range(k)],
-        clearance=r["clearance"], profile=ct.RimProfile.fourier([{"p": 2, "cos": ROUND}]),
+        clearance=r["clearance"], profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": ROUND}]),
         speed=ct.Speed(time=[0.0, end], hz=[r["hz"], 2.0 * r["hz"]]) if r["ramp"] else ct.Speed.constant(r["hz"]),
         whirl=[Whirl(amplitude=3e-5, per_rev=1.0)] if r["whirl"] else [],
     )  # fmt: skip

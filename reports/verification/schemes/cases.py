@@ -72,11 +72,11 @@ def methods(stiffness: float) -> list[Method]:
             scheme=ct.scheme.HHT(alpha=-0.3),
             law=ct.laws.AugmentedLagrangian(stiffness=1e3 * stiffness),
         ),
-        Method(name="Newmark (.5, .55)", scheme=ct.Newmark(beta=0.5, gamma=0.55)),
-        Method(name="Newmark (.25, .55)", scheme=ct.Newmark(beta=0.25, gamma=0.55)),
-        Method(name="Newmark (.25, .5)", scheme=ct.Newmark()),
+        Method(name="Newmark (.5, .55)", scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55)),
+        Method(name="Newmark (.25, .55)", scheme=ct.scheme.Newmark(beta=0.25, gamma=0.55)),
+        Method(name="Newmark (.25, .5)", scheme=ct.scheme.Newmark()),
         Method(name="HHT (-.3), penalty", scheme=ct.scheme.HHT(alpha=-0.3), law=ct.Penalty(stiffness=stiffness)),
-        Method(name="explicit penalty", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=stiffness)),
+        Method(name="explicit penalty", scheme=ct.scheme.PenaltyDifference(), law=ct.Penalty(stiffness=stiffness)),
     ]
 
 

@@ -99,7 +99,7 @@ def pace(weight: float, load: float) -> float:
 def pressed(model: Disc) -> ct.Result:
     """Let the load act until the disc rests."""
     period = 2.0 * math.pi / pace(0.5 * math.pi * RADIUS**2 * RHO, LOAD)
-    return ct.run(model.body, scheme=ct.Newmark(beta=0.6, gamma=1.0), t_end=40.0 * period, dt=0.1 * period)
+    return ct.run(model.body, scheme=ct.scheme.Newmark(beta=0.6, gamma=1.0), t_end=40.0 * period, dt=0.1 * period)
 
 
 def case(finest_part: float) -> tuple[Row, FloatArray, FloatArray]:

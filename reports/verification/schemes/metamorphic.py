@@ -16,7 +16,7 @@ import numpy as np
 
 import contact as ct
 from casingfem.io.arrays import FloatArray
-from contact.model.bodies.modal_body import rim_channels
+from contact.model.bodies.channels import rim_channels
 from reports.tables import Row, command_line, show, write
 
 EXACT, CLOSE = 0.0, 1e-9  # of the largest value; CLOSE leaves room for round-off that impacts amplify

@@ -19,12 +19,12 @@ PAIRS = ((0.25, 0.5), (0.25, 0.55), (0.25, 0.6), (0.5, 0.5), (0.5, 0.55), (0.5, 
 
 def compared() -> list[Method]:
     """Newmark's pairs, then what to hold them against."""
-    newmark = [Method(name=f"Newmark ({b:g}, {c:g})", scheme=ct.Newmark(beta=b, gamma=c)) for b, c in PAIRS]
+    newmark = [Method(name=f"Newmark ({b:g}, {c:g})", scheme=ct.scheme.Newmark(beta=b, gamma=c)) for b, c in PAIRS]
     return [
         *newmark,
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
         Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
-        Method(name="explicit penalty 1e4", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=1e4)),
+        Method(name="explicit penalty 1e4", scheme=ct.scheme.PenaltyDifference(), law=ct.Penalty(stiffness=1e4)),
     ]
 
 

@@ -27,13 +27,15 @@ def lagrange() -> list[Method]:
         Method(name="forward Lagrange", scheme=ct.CentralDifference()),
         Method(name="massless boundary", scheme=ct.scheme.MasslessBoundary()),
         Method(name="Moreau-Jean", scheme=ct.MoreauJean()),
-        Method(name="Newmark (.5, .55)", scheme=ct.Newmark(beta=0.5, gamma=0.55)),
+        Method(name="Newmark (.5, .55)", scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55)),
     ]
 
 
 def soft(stiffness: float) -> Method:
     """Penalty of this stiffness: explicit."""
-    return Method(name=f"penalty {stiffness:.0e}", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=stiffness))
+    return Method(
+        name=f"penalty {stiffness:.0e}", scheme=ct.scheme.PenaltyDifference(), law=ct.Penalty(stiffness=stiffness)
+    )
 
 
 def main(out: Path, quick: bool = False) -> list[Row]:

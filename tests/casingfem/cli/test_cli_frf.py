@@ -42,3 +42,14 @@ def test_the_options_reach_the_estimate_and_bad_input_is_refused(records, tmp_pa
         assert "Traceback" not in result.output
         if words != "channels":
             assert words in result.output
+
+
+@pytest.mark.slow
+def test_the_file_of_responses_has_the_nodes_and_lines_of_the_records(records, tmp_path):
+    result = invoke("frf", records, "--seconds", 1.0, "--before", 0.02, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    given, found = cf.uff.read_uff(records), cf.uff.read_uff(tmp_path / "frfs.uff")
+    assert given.lines
+    np.testing.assert_array_equal(found.nodes.labels, given.nodes.labels)
+    np.testing.assert_allclose(found.nodes.points, given.nodes.points, rtol=1e-7)
+    assert [line.nodes.tolist() for line in found.lines] == [line.nodes.tolist() for line in given.lines]

@@ -134,7 +134,9 @@ def sound() -> dict[str, object]:
             **casing,
         ),
         "small blade": cf.Shell(chart=cf.Plate(length=0.02, width=0.01), thickness=5e-4, **blade),
-        "twisted blade": cf.Shell(chart=cf.TwistedPlate(length=0.3, width=0.1, twist=1.2), thickness=3e-3, **blade),
+        "twisted blade": cf.Shell(
+            chart=cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=1.2), thickness=3e-3, **blade
+        ),
         "dome with a hole": cf.Shell(
             chart=cf.Revolved(profile=cf.geometry.Arc(radius=0.5, start=0.0, end=1.4)), thickness=3e-3, **casing
         ),

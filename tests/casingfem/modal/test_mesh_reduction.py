@@ -316,11 +316,39 @@ def test_what_is_no_structure_is_told_what_it_lacks(call):
 @pytest.mark.parametrize(
     ("name", "call"),
     [
-        ("mistune", lambda x: cf.mistune(x, 1)),
-        ("out_of_roundness", lambda x: cf.out_of_roundness(x, cf.Rim("top"))),
+        ("mistune", lambda x: cf.modal.mistune(x, 1)),
+        ("out_of_roundness", lambda x: cf.modal.out_of_roundness(x, cf.Rim("top"))),
         ("locate", lambda x: cf.locate(x, TABLE)),
     ],
 )
 def test_what_needs_a_chart_says_so(name, call):
     with pytest.raises(cf.errors.ModelError, match=f"{name}: found Solid, which has no chart: .*structure-chart"):
         call(solid())
+
+
+def turned_basis(axis, origin):
+    """The basis of a ring whose axis of rotation is moved to another one, and its static compliance around."""
+    a = np.array(axis) / np.linalg.norm(axis)
+    e1 = np.cross(a, [0.3, -0.8, 0.5])
+    e1 /= np.linalg.norm(e1)
+    frame = np.array([e1, np.cross(a, e1), a])
+    wall = cf.imported.revolved((0.5, 0.45), (0.0, 0.25), 0.02)
+    casing = ring(place=lambda u: wall(u) @ frame + origin)
+    basis = cf.reduce(casing, cf.Rim("top", 3, axis=tuple(axis), point=tuple(origin)), modes=8)
+    return basis, basis.rows / basis.omega**2 @ basis.rows.T + basis.S
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", [(1.0, 2.0, -1.5), (0.0, -3.0, 1.0), (-2.0, 0.1, 0.2)])
+def test_a_rim_about_any_axis_is_the_one_about_z(axis):
+    """Frequencies, and compliance of each wave whatever the angle from which it is counted."""
+    straight, flexible = turned_basis((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    basis, turned = turned_basis(axis, (0.4, -0.2, 0.7))
+    np.testing.assert_allclose(basis.freq, straight.freq, rtol=1e-8)
+    names = [name.split(".") for name in basis.channels]
+    for direction in ("radial", "tangential", "axial"):
+        for n in range(4):
+            at = [k for k, (one, wave) in enumerate(names) if one == direction and wave in (f"cos{n}", f"sin{n}")]
+            if at:
+                trace = np.trace(turned[np.ix_(at, at)])
+                assert trace == pytest.approx(np.trace(flexible[np.ix_(at, at)]), rel=1e-6)

@@ -94,7 +94,7 @@ CASINGS = {
 @pytest.mark.parametrize("fields", CASINGS.values(), ids=CASINGS)
 def test_draws_are_their_full_solutions(fields):
     shell = tube(**fields)
-    found = cf.mistune(shell, 2, count=COUNT)
+    found = cf.modal.mistune(shell, 2, count=COUNT)
     for draw in (0, 1):
         drawn = {name: redrawn(part, draw) for name, part in fields.items()}
         full = of_modes(cf.modes(tube(**drawn), COUNT, method="shell"))
@@ -121,7 +121,7 @@ def test_errors_are_of_fourth_order_in_the_imperfection():
     for scale in (0.24, 0.12):
         parts = {"radius_defect": lab(scale), "mesh": cf.ShellMesh(order=7, rows=1, around=17)}
         full = of_modes(cf.modes(tube(**parts), 4, method="shell"))
-        errors.append(of_draw(cf.mistune(tube(**parts), 1, count=4), 0)[2] / full[2] - 1.0)
+        errors.append(of_draw(cf.modal.mistune(tube(**parts), 1, count=4), 0)[2] / full[2] - 1.0)
     above, below = (np.max(error) for error in errors)
     assert np.min(errors) > -1e-7  # from above
     assert 10.0 < above / below < 24.0
@@ -139,7 +139,7 @@ def test_errors_are_of_fourth_order_in_the_imperfection():
 )
 def test_what_is_not_near_a_perfect_casing_is_solved_in_full(parts):
     shell = tube(**parts | {"mesh": cf.ShellMesh(order=5, rows=1, around=9)})
-    n, m, freq, split, angle = of_draw(cf.mistune(shell, 1, count=6), 0)
+    n, m, freq, split, angle = of_draw(cf.modal.mistune(shell, 1, count=6), 0)
     full = of_modes(cf.modes(shell, 6, method="shell"))
     for mine, theirs in zip((n, m, freq, split, angle), full, strict=True):
         np.testing.assert_array_equal(mine, theirs)
@@ -151,7 +151,7 @@ def test_a_split_grows_with_its_own_harmonic_and_its_angle_follows_the_field():
     splits = []
     for size in (1e-3, 2e-3):
         even = cf.field.Spectrum(p=[8], median=[size], high=[size])
-        found = cf.mistune(tube(thickness_defect=cf.field.RandomField(spectrum=even, seed=1)), 3, count=6)
+        found = cf.modal.mistune(tube(thickness_defect=cf.field.RandomField(spectrum=even, seed=1)), 3, count=6)
         splits.append(found.split[found.n == 4])
         assert found.split[found.n != 4].max() < 1e-2 * splits[-1].min()
         np.testing.assert_allclose(splits[-1], splits[-1][0], rtol=1e-6)  # phases differ, sizes do not
@@ -168,14 +168,14 @@ def test_only_casings_of_revolution_have_pairs_and_something_must_be_random(stee
     random = cf.field.RandomField(spectrum=cf.field.Spectrum(p=[2], median=[0.01], high=[0.02]), seed=1)
     plate = cf.Shell(chart=cf.Plate(length=1.0, width=0.5), thickness=0.01, material=steel, thickness_defect=random)
     with pytest.raises(ValueError, match="pairs of casings of revolution"):
-        cf.mistune(plate, 2)
+        cf.modal.mistune(plate, 2)
     with pytest.raises(ValueError, match="nothing of this shell is random"):
-        cf.mistune(tube(radius_defect=cf.FourierField.of({3: 1e-3})), 2)
+        cf.modal.mistune(tube(radius_defect=cf.FourierField.of({3: 1e-3})), 2)
 
 
 @pytest.mark.slow
 def test_a_summary_counts_draws_and_has_their_quantiles():
-    found = cf.mistune(tube(radius_defect=lab(0.3)), 7, count=8)
+    found = cf.modal.mistune(tube(radius_defect=lab(0.3)), 7, count=8)
     assert found.draws == 7
     for row in found.records():
         own = (found.n == row["n"]) & (found.m == row["m"])
@@ -231,7 +231,7 @@ def test_more_draws_are_added_a_spoilt_chunk_is_made_again_and_another_study_is_
     assert tables(out) == after
     shell = cf.load_study(study).shell
     rows = np.loadtxt((out / "mistune.csv").read_text().splitlines(), delimiter=",", comments="#", skiprows=3)
-    np.testing.assert_array_equal(rows[:, 3], cf.mistune(shell, 20, count=6).freq)
+    np.testing.assert_array_equal(rows[:, 3], cf.modal.mistune(shell, 20, count=6).freq)
     study.write_text(STUDY.replace("seed = 7", "seed = 8"))
     result = CliRunner().invoke(main, ["mistune", str(study), "--draws", "2", "--out", str(out)])
     assert result.exit_code == 2

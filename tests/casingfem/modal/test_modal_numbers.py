@@ -67,7 +67,7 @@ def test_numbers_of_a_rim(held):
             f"S {method}": probed(made.S),
             f"recovered {method}": np.sum(made.recovery**2, axis=0),
         }
-    shape = cf.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
+    shape = cf.modal.out_of_roundness(casings["free"], cf.Rim("top", n_max=8))
     held(**found, shape=[value for term in shape for value in term.values()])
 
 
@@ -125,5 +125,5 @@ def test_numbers_of_meetings(held):
 @pytest.mark.slow
 def test_numbers_of_draws(held):
     random = cf.field.RandomField.example(thickness=3e-3, radius=0.475, seed=7, p_max=12)
-    found = cf.mistune(casing(radius_defect=random), 2, count=6)
+    found = cf.modal.mistune(casing(radius_defect=random), 2, count=6)
     held(1e-5, **{f"{k}": column for k, column in found.columns().items() if np.asarray(column).dtype.kind in "if"})

@@ -42,7 +42,9 @@ def at(terms, theta):
 def test_it_is_the_radius_of_the_surface_less_its_mean():
     theta = np.linspace(0.0, 6.0, 41)
     x = CASING.geometry(np.full(theta.size, 0.2), theta).surface.x
-    np.testing.assert_allclose(at(cf.out_of_roundness(CASING, TOP), theta), np.hypot(x[0], x[1]) - 0.4, atol=1e-15)
+    np.testing.assert_allclose(
+        at(cf.modal.out_of_roundness(CASING, TOP), theta), np.hypot(x[0], x[1]) - 0.4, atol=1e-15
+    )
 
 
 def test_it_grows_with_the_defect_and_turns_with_it():
@@ -53,7 +55,7 @@ def test_it_grows_with_the_defect_and_turns_with_it():
         c, s = np.cos(p * angle), np.sin(p * angle)
         turned[p] = (2.0 * (a * c - b * s), 2.0 * (a * s + b * c))
     fields = FIELD, cf.FourierField.of(turned)
-    one, two = (cf.out_of_roundness(replace(CASING, radius_defect=field), TOP) for field in fields)
+    one, two = (cf.modal.out_of_roundness(replace(CASING, radius_defect=field), TOP) for field in fields)
     np.testing.assert_allclose(at(two, theta), 2.0 * at(one, theta - angle), atol=1e-15)
 
 
@@ -70,7 +72,7 @@ def folder(tmp_path_factory):
 
 @pytest.mark.slow
 def test_the_basis_carries_it_to_the_scene(folder):
-    terms = cf.out_of_roundness(CASING, TOP)
+    terms = cf.modal.out_of_roundness(CASING, TOP)
     assert ct.ModalBody.load(folder / "casing.npz").roundness() == terms
     (folder / "scene.toml").write_text(SCENE.format('"basis"'))
     given = ", ".join(f"{{p = {t['p']}, cos = {t['cos']!r}, sin = {t['sin']!r}}}" for t in terms)

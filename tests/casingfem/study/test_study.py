@@ -72,7 +72,7 @@ def test_every_study_of_the_repository_loads(file):
         ('kind = "cylinder"\nradius = 0.3\nheight = 0.4', "top", cf.Cylinder),
         ('kind = "panel"\nradius = 0.3\nlength = 0.4\nangle = 0.5', "root", cf.Panel),
         ('kind = "plate"\nlength = 0.4\nwidth = 0.2', "left", cf.Plate),
-        ('kind = "twisted-plate"\nlength = 0.4\nwidth = 0.2\ntwist_deg = 30', "tip", cf.TwistedPlate),
+        ('kind = "twisted-plate"\nlength = 0.4\nwidth = 0.2\ntwist_deg = 30', "tip", cf.geometry.TwistedPlate),
     ],
 )
 def test_every_chart(tmp_path, chart, edge, kind):

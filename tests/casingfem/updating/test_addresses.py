@@ -24,7 +24,7 @@ MASSES = {
 
 def named_numbers(shell):
     """Unit of each number by its address."""
-    found = cf.parameters(shell)
+    found = cf.updating.parameters(shell)
     return dict(zip(found.name, found.unit, strict=True))
 
 
@@ -180,7 +180,7 @@ def test_harmonics_of_springs_are_those_they_share_or_have_alone(frustum):
 
 
 def test_parameters_tell_value_and_unit_of_each_number(steel):
-    told = cf.parameters(blade(steel)).columns()
+    told = cf.updating.parameters(blade(steel)).columns()
     rows = dict(zip(told["name"], zip(told["value"], told["unit"], strict=True), strict=True))
     assert rows["chart.twist.2"] == (0.4, "rad")
     assert rows["taper.along.1"] == (0.9, "-")

@@ -1,18 +1,29 @@
 """Branches, folds and stability against published orbits and runs in time."""
 
 import math
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import contact as ct
-from contact.base import checkpoint
 from reports.verification.schemes.cycles import mass_on_stop, rod
 
 pytestmark = pytest.mark.slow
 TURN = 2.0 * math.pi
 SCENES = Path(__file__).parents[3] / "data" / "scenes" / "cycles"
+
+
+def hours_pass(monkeypatch):
+    """A clock that stops but when it is asked to go on by an hour: files that are written from time to time are due."""
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+
+    def pass_on():
+        now[0] += 3600.0
+
+    return pass_on
 
 
 def crossings(branch, value):
@@ -101,8 +112,6 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
 
     Stopped on that one, it is not looked for again.
     """
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
     said = []
     family = mass_on_stop().over("freq_hz", freq_hz=0.15)
     found = ct.cycles.follow(family, (0.13, 0.16), longest=0.05, progress=lambda *told: said.append(told))
@@ -114,7 +123,10 @@ def test_a_branch_that_ends_at_grazing_goes_on_from_a_run(tmp_path, monkeypatch)
     assert any(orbits == 0 for _, _, orbits in said)
     file, again = tmp_path / "part.npz", []
 
+    clock = hours_pass(monkeypatch)
+
     def stopped(number, _value, orbits):
+        clock()
         if (number, orbits) == (2, 5):
             raise KeyboardInterrupt
 
@@ -144,13 +156,13 @@ def test_a_range_of_nothing_is_refused():
 @pytest.mark.campaign
 def test_a_search_that_was_stopped_goes_on_to_the_same_bits(tmp_path, monkeypatch):
     """Stopped within its second branch, of doubled period."""
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    monkeypatch.setattr(checkpoint, "SHARE", 0.0)
+    clock = hours_pass(monkeypatch)
     file, said = tmp_path / "part.npz", []
     scene = ct.scene.load_cycles(SCENES / "bouncing_ball.toml")
 
     def until(branch, count):
         def progress(number, _value, points):
+            clock()
             said.append(number)
             if (number, points) == (branch, count):
                 raise KeyboardInterrupt

@@ -6,19 +6,25 @@ from typing import ClassVar
 import numpy as np
 
 import casingfem as cf
-from contact.io.columns import WIDTH, Column, mark
-from contact.io.reported import Reported
+import contact as ct
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Pairs(Reported):
+class Pairs(ct.io.Reported):
     """A result with one column that tables leave out, and one of words."""
 
     COLUMNS: ClassVar = (
-        Column("n", "Nodal <diameters>.", lambda found: np.arange(2, 2 + len(found.split)), format="d"),
-        Column("split_rel", "Split.", lambda found: found.split, head="split", unit="%", format=".2f", scale=100.0),
-        Column("doublet", "Number.", lambda found: range(len(found.split)), where="files"),
-        Column("wide", "Whether the split exceeds 1 %.", lambda found: found.split > 0.01, format=mark("wide")),
+        ct.io.Column("n", "Nodal <diameters>.", lambda found: np.arange(2, 2 + len(found.split)), format="d"),
+        ct.io.Column(
+            "split_rel", "Split.", lambda found: found.split, head="split", unit="%", format=".2f", scale=100.0
+        ),
+        ct.io.Column("doublet", "Number.", lambda found: range(len(found.split)), where="files"),
+        ct.io.Column(
+            "wide",
+            "Whether the split exceeds 1 %.",
+            lambda found: found.split > 0.01,
+            format=lambda wide: "wide" if wide else "",
+        ),
     )
     split: np.ndarray
 
@@ -55,15 +61,15 @@ def test_a_notebook_shows_the_same_cells_and_what_each_column_means():
 
 def test_a_wide_table_goes_on_below_after_its_first_column_and_loses_no_cell():
     @dataclass(frozen=True, eq=False, repr=False)
-    class Wide(Reported):
+    class Wide(ct.io.Reported):
         values: np.ndarray
 
         def described(self):
-            return [Column(f"column{k:02d}", "Value.", lambda found, k=k: found.values[:, k]) for k in range(30)]
+            return [ct.io.Column(f"column{k:02d}", "Value.", lambda found, k=k: found.values[:, k]) for k in range(30)]
 
     found = Wide(np.arange(60.0).reshape(2, 30))
     lines = repr(found).splitlines()[1:]
-    assert max(map(len, lines)) <= WIDTH
+    assert max(map(len, lines)) <= 80
     assert [line.split()[0] for line in lines[::3]] == ["column00"] * (len(lines) // 3)
     cells = [cell for k, line in enumerate(lines) for cell in line.split()[1:] if k % 3 == 1]
     assert list(map(float, cells)) == list(range(1, 30))

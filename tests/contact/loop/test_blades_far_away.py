@@ -28,7 +28,7 @@ def test_a_tip_presses_rubs_and_wears_as_if_a_far_blade_were_not_there(mu, machi
     )  # fmt: skip
     tips = [ct.ContactPoint(blade=0, lean_deg=20.0, angle_deg=13.0), ct.ContactPoint(blade=1, clearance=0.02)]
     rub = ct.Rub(
-        rim.casing, [rim.blade, rim.blade], tips, clearance=clearance, profile=ct.RimProfile.fourier(WAVES),
+        rim.casing, [rim.blade, rim.blade], tips, clearance=clearance, profile=ct.gaps.RimProfile.fourier(WAVES),
         speed=ct.Speed.constant(15.0),
     )  # fmt: skip
     record, scheme = ct.Record(every=1, state_every=5), ct.ExactModal(law=law)

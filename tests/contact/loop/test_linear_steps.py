@@ -20,9 +20,11 @@ def chung_hulbert(rho):
 
 RUNS = {
     "HHT": (lambda ct: ct.scheme.HHT(alpha=-0.25), None, Dense(h=STEP, w=(0.0, 0.25, 0.390625, 0.75)), "alpha"),
-    "Newmark": (lambda ct: ct.Newmark(beta=0.4, gamma=0.55), None, Dense(h=STEP, w=(0.0, 0.0, 0.4, 0.55)), "alpha"),
+    "Newmark": (
+        lambda ct: ct.scheme.Newmark(beta=0.4, gamma=0.55), None, Dense(h=STEP, w=(0.0, 0.0, 0.4, 0.55)), "alpha",
+    ),
     "penalty": (
-        lambda ct: ct.Newmark(beta=0.4, gamma=0.55), 3e3,
+        lambda ct: ct.scheme.Newmark(beta=0.4, gamma=0.55), 3e3,
         Dense(h=STEP, w=(0.0, 0.0, 0.4, 0.55), soft=1.0 / 3e3), "alpha",
     ),
     "Moreau-Jean": (
@@ -51,7 +53,7 @@ RUNS = {
         lambda ct: ct.scheme.CDLagrange(restitution=0.4), None, Leapfrog(h=STEP, e=0.4, rule="impulse"), "leapfrog",
     ),
     "spring": (
-        lambda ct: ct.PenaltyDifference(), 2e3, Leapfrog(h=STEP, rule="spring", stiffness=2e3), "leapfrog",
+        lambda ct: ct.scheme.PenaltyDifference(), 2e3, Leapfrog(h=STEP, rule="spring", stiffness=2e3), "leapfrog",
     ),
 }  # fmt: skip
 

@@ -17,7 +17,7 @@ def rub(module, *, axial):
         made.rim3(), (made.nodes(2), made.nodes(1, seed=6)),
         [*made.tips(2, axial=axial), *made.tips(1, blade=1, angle=190.0, axial=axial)], clearance=-2e-5,
         speed=ct.Speed(time=[0.0, 0.1], hz=[3.0, 5.0]), closing=ct.gaps.Closing(time=[0.0, 1e-3], by=[0.0, 4e-6]),
-        profile=ct.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]),
+        profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]),
         whirl=(ct.gaps.Whirl(amplitude=3e-6, per_rev=-3.0, phase_deg=40.0),),
     )  # fmt: skip
 

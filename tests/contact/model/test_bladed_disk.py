@@ -12,7 +12,7 @@ SCENE = Path(__file__).parents[3] / "data" / "scenes" / "bladed_disk.toml"
 
 
 def disk(blades=12, **changes):
-    return ct.BladedDisk(**{"blades": blades, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
+    return ct.gaps.BladedDisk(**{"blades": blades, "freq_hz": 100.0, "modal_mass": 0.4, "coupling": 0.05, **changes})
 
 
 @pytest.mark.parametrize("blades", [2, 5, 12, 13])

@@ -129,8 +129,10 @@ def test_a_pair_as_a_rim_has_its_two_waves():
 
 
 def test_a_disk_of_mistuned_blades_as_a_body():
-    disk = ct.BladedDisk(blades=3, freq_hz=100.0, modal_mass=0.25, coupling=0.3, mistuning=[0.0, 0.1, -0.2], zeta=0.01,
-                         compliance=3e-6, lean_deg=12.0)  # fmt: skip
+    disk = ct.gaps.BladedDisk(
+        blades=3, freq_hz=100.0, modal_mass=0.25, coupling=0.3, mistuning=[0.0, 0.1, -0.2], zeta=0.01, compliance=3e-6,
+        lean_deg=12.0,
+    )  # fmt: skip
     own = np.array([1.0, 1.21, 0.64]) + 0.6
     expected = (200.0 * math.pi) ** 2 * (np.diag(own) - 0.3 * (np.ones((3, 3)) - np.eye(3)))
     np.testing.assert_allclose(disk.stiffness, expected, rtol=1e-12)
@@ -145,7 +147,7 @@ def test_a_disk_of_mistuned_blades_as_a_body():
     assert [(tip.span, tip.flap, tip.angle_deg, tip.lean_deg, tip.track) for tip in tips] == [
         (f"span{j}", f"flap{j}", 120.0 * j, 12.0, 0) for j in range(3)
     ]
-    plain = ct.BladedDisk(blades=3, freq_hz=100.0, modal_mass=0.25)
+    plain = ct.gaps.BladedDisk(blades=3, freq_hz=100.0, modal_mass=0.25)
     assert (plain.coupling, plain.zeta, plain.compliance, plain.lean_deg) == (0.0, 0.0, 0.0, 0.0)
 
 
@@ -156,4 +158,4 @@ def test_a_disk_of_mistuned_blades_as_a_body():
 )  # fmt: skip
 def test_disks_that_cannot_be_are_refused(name, value):
     with pytest.raises(ct.InputError, match=f"{name}: found {value}"):
-        ct.BladedDisk(**{"blades": 3, "freq_hz": 100.0, "modal_mass": 0.25} | {name: value})
+        ct.gaps.BladedDisk(**{"blades": 3, "freq_hz": 100.0, "modal_mass": 0.25} | {name: value})

@@ -10,7 +10,9 @@ from tests.probed import probed
 
 def test_numbers_of_bodies(held):
     thin = ct.bodies.ThinRing(radius=0.502, width=0.02, height=0.005, E=210e9, rho=7800.0, k_r=1e6, k_t=1e5, zeta=0.01)
-    disk = ct.BladedDisk(blades=7, freq_hz=100.0, modal_mass=0.4, coupling=0.05, mistuning=np.linspace(-0.02, 0.03, 7))
+    disk = ct.gaps.BladedDisk(
+        blades=7, freq_hz=100.0, modal_mass=0.4, coupling=0.05, mistuning=np.linspace(-0.02, 0.03, 7)
+    )
     pair = ct.gaps.pair_rim(ct.gaps.ModalPair(n=3, freq_hz=290.0, modal_mass=2.0), radius=0.5)
     bars = [
         ct.gaps.rod_modes(ct.Rod(length=2.0, area=0.7, E=1.5, rho=1.2, fixed=fixed, end_mass=mass), modes=6, end="left")

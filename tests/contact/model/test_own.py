@@ -56,7 +56,9 @@ class Spring:
 @pytest.mark.slow
 def test_a_gap_of_ones_own_is_what_the_same_body_is():
     lever = Lever()
-    own, same = (ct.run(what, scheme=ct.Newmark(beta=0.5, gamma=0.55), **STEP) for what in (lever, lever.linear_form()))
+    own, same = (
+        ct.run(what, scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55), **STEP) for what in (lever, lever.linear_form())
+    )
     assert own.impulse[0] > 0.0
     assert np.array_equal(own.force, same.force)
     assert np.array_equal(own.gap, same.gap)
@@ -72,7 +74,7 @@ def test_its_modal_form_runs_under_exact_modal():
 
 
 @pytest.mark.slow  # compiles the loops of both
-@pytest.mark.parametrize("scheme", [ct.PenaltyDifference(), ct.Newmark(), ct.scheme.HHT()])
+@pytest.mark.parametrize("scheme", [ct.scheme.PenaltyDifference(), ct.scheme.Newmark(), ct.scheme.HHT()])
 def test_a_law_of_ones_own_is_what_the_same_spring_is(scheme):
     own, same = (ct.run(Lever(), law=law, scheme=scheme, **STEP) for law in (Spring(4e6), ct.Penalty(stiffness=4e6)))
     assert own.impulse[0] > 0.0
@@ -97,7 +99,7 @@ def test_what_has_no_form_is_refused_by_name():
     with pytest.raises(ct.InputError, match="found ExactModal for Nothing, expected"):
         ct.run(Nothing(), **STEP)
     with pytest.raises(ct.InputError, match="found Newmark for Nothing, expected ExactModal"):
-        ct.run(Nothing(), scheme=ct.Newmark(), **STEP)
+        ct.run(Nothing(), scheme=ct.scheme.Newmark(), **STEP)
     with pytest.raises(ct.InputError, match="bodies: found Nothing, expected Rod, PointMass or Wall"):
         ct.run([Nothing(), ct.Wall()], **STEP)
     with pytest.raises(ct.InputError, match=r"gravity: found 9.81 m/s.2 with Lever, expected it as their load"):

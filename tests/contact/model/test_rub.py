@@ -24,7 +24,7 @@ def one_tip(*, S=1e-8, imperfect=0.0, speed_hz=5.0, clearance=-1e-5):
     )
     rub = ct.Rub(
         bodies[0], bodies[1:], [ct.ContactPoint(lean_deg=25.0, angle_deg=13.0)], clearance=clearance,
-        speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
+        speed=ct.Speed.constant(speed_hz), profile=ct.gaps.RimProfile.fourier(WAVES),
     )  # fmt: skip
     return rim, rub
 
@@ -104,7 +104,7 @@ def test_the_only_one_of_many_tips_that_rubs_moves_as_it_does_alone(speed_hz):
         ct.run(
             ct.Rub(
                 bodies[0], bodies[1:], points, clearance=-1e-4, speed=ct.Speed.constant(speed_hz),
-                profile=ct.RimProfile.fourier(WAVES),
+                profile=ct.gaps.RimProfile.fourier(WAVES),
             ),
             law=law(mu), scheme=ct.ExactModal(law="averaged"), t_end=steps * h, dt=h, record=ct.Record(state_every=1),
         )
@@ -160,8 +160,8 @@ def test_a_tip_sticks_until_the_cone_is_full_and_then_slides():
         {"clearance": -1e-6},
         {"closing": ct.gaps.Closing([0.0, 0.02], [0.0, 1.01e-4])},
         {"whirl": [ct.gaps.Whirl(amplitude=1.01e-4, per_rev=-1.0, phase_deg=190.0)]},
-        {"profile": ct.RimProfile.fourier([{"p": 3, "cos": -1.01e-4}])},
-        {"profile": ct.RimProfile(theta=[0.0, 2.0, 4.0], depth=[1e-4, -1.01e-4, 1e-4])},
+        {"profile": ct.gaps.RimProfile.fourier([{"p": 3, "cos": -1.01e-4}])},
+        {"profile": ct.gaps.RimProfile(theta=[0.0, 2.0, 4.0], depth=[1e-4, -1.01e-4, 1e-4])},
         {"casing_start": ct.gaps.Start(displacement=2.3e-3 * np.eye(10)[2])},
         {"blade_starts": [ct.gaps.Start(displacement=1.2e-4 * np.eye(3)[0])]},
     ],
@@ -201,7 +201,7 @@ def test_works_heat_and_drive_are_those_of_the_recorded_motion(speed_hz):
     """Each entry of the ledger and every tip's heat and drive, signed, from rows by their definitions; S = 0."""
     rub = ct.Rub(
         rim3(S=0.0), [nodes(2, S=0.0)], tips(2), clearance=5e-5, closing=ct.gaps.Closing([0.0, 0.01], [0.0, 4e-4]),
-        speed=ct.Speed.constant(speed_hz), profile=ct.RimProfile.fourier(WAVES),
+        speed=ct.Speed.constant(speed_hz), profile=ct.gaps.RimProfile.fourier(WAVES),
     )  # fmt: skip
     mu, h, steps = 0.2, 2e-5, 400
     result = ct.run(rub, law=law(mu), t_end=steps * h, dt=h)
@@ -243,7 +243,7 @@ def test_the_energy_identity_of_the_moving_contact_closes_with_the_step(mu):
     for dt in (2e-5, 1e-5):
         rub = ct.Rub(
             rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
-            profile=ct.RimProfile.fourier(WAVES),
+            profile=ct.gaps.RimProfile.fourier(WAVES),
         )  # fmt: skip
         result = ct.run(rub, law=law(mu), scheme=ct.ExactModal(law="forward"), t_end=0.1, dt=dt)
         energy = result.energy
@@ -265,10 +265,10 @@ def test_the_rigid_gap_follows_its_laws():
     rub = ct.Rub(
         rim3(), [nodes(3)], tips(3), clearance=3e-3,
         speed=ct.Speed(time=[0.002, 0.01], hz=[1.0, 9.0]), closing=ct.gaps.Closing.exponential(4e-4, 0.01),
-        profile=ct.RimProfile(((3, 1e-4, -5e-5),), theta=theta, depth=1e-4 * np.cos(2.0 * theta)),
+        profile=ct.gaps.RimProfile(((3, 1e-4, -5e-5),), theta=theta, depth=1e-4 * np.cos(2.0 * theta)),
         whirl=[ct.gaps.Whirl(amplitude=2e-4, per_rev=-1.0, phase_deg=20.0), ct.gaps.Whirl(amplitude=1e-4, hz=60.0)],
     )  # fmt: skip
-    h, table = 1e-5, ct.RimProfile(theta=theta, depth=1e-4 * np.cos(2.0 * theta))
+    h, table = 1e-5, ct.gaps.RimProfile(theta=theta, depth=1e-4 * np.cos(2.0 * theta))
     result = ct.run(
         rub, scheme=ct.ExactModal(law="forward"), law=ct.Coulomb(mu=0.2), t_end=0.02, dt=h, record=ct.Record(every=20)
     )
@@ -289,7 +289,7 @@ def test_the_rigid_gap_follows_its_laws():
 
 @pytest.mark.slow
 def test_a_profile_of_more_waves_than_the_rim_has_is_followed():
-    profile = ct.RimProfile.fourier([{"p": 20, "cos": 1e-4}, {"p": 1, "sin": 3e-5}])
+    profile = ct.gaps.RimProfile.fourier([{"p": 20, "cos": 1e-4}, {"p": 1, "sin": 3e-5}])
     rub = ct.Rub(rim3(), [nodes(3)], tips(3), clearance=1e-3, speed=ct.Speed.constant(5.0), profile=profile)
     result = ct.run(rub, scheme=ct.ExactModal(law="forward"), t_end=0.01, dt=1e-5, record=ct.Record(every=50))
     phi = np.radians([tip.angle_deg for tip in rub.tips]) - 10.0 * np.pi * (result.time[:, None] + 1e-5)
@@ -302,7 +302,7 @@ def test_a_profile_of_more_waves_than_the_rim_has_is_followed():
 def test_a_table_profile_is_smooth_and_stays_between_its_points():
     theta = np.array([0.1, 0.5, 1.4, 3.0, 4.4, 5.9])
     depth = np.array([0.0, 2e-4, 2e-4, -1e-4, 0.0, 1e-4])
-    profile = ct.RimProfile(theta=theta, depth=depth)
+    profile = ct.gaps.RimProfile(theta=theta, depth=depth)
     assert [profile(x) for x in theta] == pytest.approx(depth.tolist(), abs=1e-18)
     phi = np.linspace(-7.0, 9.0, 4001)
     values = np.array([profile(x) for x in phi])
@@ -352,7 +352,7 @@ def test_recovered_surfaces_touch(mu):
     """Clearance + profile + u_r(phi) - n.u_tip = 0 at closed tips, with the residual term of every force."""
     rub = ct.Rub(
         rim3(S=2e-7), [nodes(3, S=1e-7)], tips(3), clearance=-2e-5, speed=ct.Speed.constant(5.0),
-        profile=ct.RimProfile.fourier(WAVES),
+        profile=ct.gaps.RimProfile.fourier(WAVES),
     )  # fmt: skip
     result = ct.run(rub, law=law(mu), t_end=0.02, dt=5e-6, record=ct.Record(every=4, state_every=4))
     t, on_casing = ct.recovery.rub_forces(rub, result, "casing")
@@ -428,7 +428,7 @@ def test_bad_rubs_are_refused():
     with pytest.raises(ct.InputError, match="found 1 after 2, expected ascending"):
         ct.Speed(time=[0.0, 2.0, 1.0], hz=[1.0, 1.0, 1.0])
     with pytest.raises(ct.InputError, match="expected three or more within one turn"):
-        ct.RimProfile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
+        ct.gaps.RimProfile(theta=[0.0, 3.0, 6.3], depth=[0.0, 1.0, 0.0])
     with pytest.raises(ct.LimitError, match=r"n_max Omega dt = 0.3142 rad with n_max = 5"):
         ct.run(rub(speed=ct.Speed([0.0, 1.0], [0.0, 1000.0])), t_end=0.1, dt=1e-5)
     with pytest.raises(ct.LimitError, match="the blade jams"):

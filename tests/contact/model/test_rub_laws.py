@@ -69,7 +69,7 @@ TERMS = [{"p": 0, "cos": 1e-5}, {"p": 2, "cos": 3e-5, "sin": -4e-5}, {"p": 3, "s
 
 
 def test_a_profile_of_terms():
-    profile = ct.RimProfile.fourier(TERMS)
+    profile = ct.gaps.RimProfile.fourier(TERMS)
     assert profile.terms == ((0, 1e-5, 0.0), (2, 3e-5, -4e-5), (3, 0.0, 2e-5))
     at = 0.7
     expected = 1e-5 + 3e-5 * math.cos(1.4) - 4e-5 * math.sin(1.4) + 2e-5 * math.sin(2.1)
@@ -77,14 +77,14 @@ def test_a_profile_of_terms():
     assert profile.smooth(at) == pytest.approx(expected, rel=1e-12)
     assert profile.farthest == pytest.approx(1e-5 + 5e-5 + 2e-5)
     assert profile.lowest == pytest.approx(1e-5 - 5e-5 - 2e-5)
-    assert ct.RimProfile()(1.0) == ct.RimProfile().farthest == ct.RimProfile().lowest == 0.0
-    assert ct.RimProfile().table.shape == (0, 3)
+    assert ct.gaps.RimProfile()(1.0) == ct.gaps.RimProfile().farthest == ct.gaps.RimProfile().lowest == 0.0
+    assert ct.gaps.RimProfile().table.shape == (0, 3)
 
 
 def test_a_profile_by_a_table():
     """Slopes are weighted harmonic means of the chords (Fritsch & Butland), and zero at extremes."""
     theta, depth = [0.5, 1.0, 2.0, 4.0], [0.0, 2e-5, 3e-5, -1e-5]
-    profile = ct.RimProfile(ct.RimProfile.fourier(TERMS[:1]).terms, theta, depth)
+    profile = ct.gaps.RimProfile(ct.gaps.RimProfile.fourier(TERMS[:1]).terms, theta, depth)
     chords = [2e-5 / 0.5, 1e-5 / 1.0]
     middle = (2 * 1.0 + 0.5 + 1.0 + 2 * 0.5) / ((2 * 1.0 + 0.5) / chords[0] + (1.0 + 2 * 0.5) / chords[1])
     last = TURN + 0.5 - 4.0

@@ -80,8 +80,8 @@ def rub(**more):
             r"whirl: found 0\.0452 m",
         ),
         (
-            {"profile": ct.RimProfile.fourier([{"p": 2, "cos": 0.045}])},
-            {"profile": ct.RimProfile.fourier([{"p": 2, "cos": 0.0451}])},
+            {"profile": ct.gaps.RimProfile.fourier([{"p": 2, "cos": 0.045}])},
+            {"profile": ct.gaps.RimProfile.fourier([{"p": 2, "cos": 0.0451}])},
             r"out_of_roundness: found 0\.0451 m",
         ),
         ({"thickness": 0.045}, {"thickness": 0.0451}, r"thickness: found 0\.0451 m"),

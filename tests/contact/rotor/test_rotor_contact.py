@@ -32,7 +32,7 @@ def tips(angles, **more):
 
 @pytest.mark.slow
 def test_open_rotor_in_a_casing_moves_like_the_rotor_alone_to_second_order():
-    release = R.Release(time=0.1000371, moment=5e-2, angle_deg=90.0)
+    release = R.Release(time=0.1, moment=5e-2, angle_deg=90.0)
     rotor = jeffcott(80.0, zeta=0.02, unbalance=R.Unbalance(moment=1e-3, angle_deg=-30.0, release=release))
     rub = R.rotor_rub(rotor, R.rigid_casing(**CASING), clearance=2e-2, **tips([0.0]))
     errors = []
@@ -42,7 +42,7 @@ def test_open_rotor_in_a_casing_moves_like_the_rotor_alone_to_second_order():
         exact = alone.state @ (rotor.plane[0] + 1j * rotor.plane[1])
         errors.append(np.abs(disk(rub, found) - exact).max() / np.abs(exact).max())
         assert abs(found.energy.unaccounted) < 1e-10 * found.energy.scale
-    assert errors[1] < 1e-4
+    assert errors[1] < 3e-5
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 
@@ -109,6 +109,43 @@ def test_friction_stops_a_rotor_that_is_pressed_all_around_at_the_rate_of_its_to
     given = 0.5 * inertia * (start**2 - end**2) + torque * 0.5 * (start + end) * t
     assert result.notes.heat.sum() == pytest.approx(given, rel=1e-4)
     assert abs(result.energy.unaccounted) < 1e-10 * result.energy.scale
+
+
+@pytest.mark.slow
+def test_energy_and_momentum_of_a_rotor_that_slows_are_accounted_to_round_off():
+    """All that casing, disk, shaft, spin and unbalance store, against the drive, damping and what contacts take."""
+    release = R.Release(time=0.01, moment=1e-1, angle_deg=40.0)
+    rotor = R.Rotor.of(shaft(), 60.0, unbalance=R.Unbalance(moment=1e-3, release=release), modes=8)
+    rub = R.rotor_rub(
+        rotor, R.rigid_casing(**CASING), clearance=3e-4, profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 5e-5}]),
+        spin=R.Spin(inertia=0.4, torque=60.0), **tips(np.arange(6) * 60.0),
+    )  # fmt: skip
+    result = ct.run(rub, law=ct.Coulomb(mu=0.15), t_end=0.05, dt=5e-6)
+    energy, spin, speed = result.energy, result.notes.spin, 2.0 * np.pi * 60.0
+    assert min(-spin.friction, abs(spin.rotation), abs(spin.unbalance), abs(spin.gyroscopic), spin.shared_end) > 1e-9
+    assert result.impulse.max() > 1.0
+    assert abs(energy.unaccounted) < 1e-10 * energy.scale
+    assert abs(spin.unaccounted) < 1e-12 * spin.start
+    assert abs(spin.momentum_unaccounted) < 1e-12 * spin.momentum_start
+    stored = energy.end.discrete - energy.start.discrete + speed * (spin.momentum_end - spin.momentum_start)
+    stored += spin.shared_end - spin.shared_start - spin.released - 60.0 * speed * 0.05
+    heat = result.notes.drive.sum() - energy.friction
+    assert heat == pytest.approx(result.notes.heat.sum(), rel=1e-4)
+    bearings = energy.external + spin.gyroscopic  # their cross-coupled stiffness
+    assert abs(stored - energy.contact - energy.damping - energy.algorithmic - bearings + heat) < 1e-12 * spin.start
+
+
+def test_a_rotor_that_its_drive_takes_beyond_the_known_speeds_ends_with_an_error():
+    def driven(**more):
+        rub = R.rotor_rub(
+            R.Rotor.of(shaft(), 10.0, modes=4), R.rigid_casing(**CASING), clearance=1e-2,
+            spin=R.Spin(inertia=0.01, torque=20.0, **more), **tips([0.0]),
+        )  # fmt: skip
+        return ct.run(rub, t_end=0.02, dt=5e-5)
+
+    with pytest.raises(ct.NumericsError, match=r"beyond 0 to 12 Hz.*most_hz"):
+        driven()
+    assert driven(most_hz=20.0).notes.orbit.speed_hz_end == pytest.approx(10.0 + 20.0 * 0.02 / 0.02 / np.pi, rel=5e-3)
 
 
 @pytest.mark.slow

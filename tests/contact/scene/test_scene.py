@@ -111,7 +111,7 @@ def test_arguments_override_the_file(tmp_path):
     assert ct.run(scene, t_end=0.5, courant=0.1).steps == 500
     assert (
         "penalty"
-        in ct.run(scene, law=ct.Penalty(stiffness=10.0), scheme=ct.PenaltyDifference(), on_limit="flag").scheme
+        in ct.run(scene, law=ct.Penalty(stiffness=10.0), scheme=ct.scheme.PenaltyDifference(), on_limit="flag").scheme
     )
 
 

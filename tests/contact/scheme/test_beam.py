@@ -66,7 +66,9 @@ def test_the_ledger_balances_to_round_off_and_contact_never_gives_energy(met):
 
 def test_implicit_newmark_agrees_with_the_explicit_impulse(met):
     finer = replace(CIRCLE, beam=replace(BEAM, elements=20))
-    implicit = ct.run(finer, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=1.4 * CIRCLE.first_contact_time, dt=1e-4)
+    implicit = ct.run(
+        finer, scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55), t_end=1.4 * CIRCLE.first_contact_time, dt=1e-4
+    )
     assert implicit.impulse.sum() == pytest.approx(met.impulse.sum(), rel=0.02)
     assert abs(implicit.energy.unaccounted) <= 1e-8 * implicit.energy.end.kinetic
     assert implicit.max_penetration.max() <= 1e-12
@@ -131,7 +133,7 @@ def test_modal_and_finite_element_rings_give_one_impulse():
     assert impulse(ct.bodies.ring_elements(RING, 60, 20), t_end) == pytest.approx(modal, rel=1e-2)
 
 
-@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.Newmark(beta=0.5, gamma=0.55)], ids=str)
+@pytest.mark.parametrize("scheme", [ct.CentralDifference(), ct.scheme.Newmark(beta=0.5, gamma=0.55)], ids=str)
 def test_a_beam_that_is_set_spinning_turns_that_way_at_that_speed(scheme):
     beam = replace(BEAM, torque=0.0, spin=2.0, elements=3)
     result = ct.run(
@@ -213,7 +215,7 @@ def test_steps_beyond_the_limit_and_meaningless_loads_are_refused():
     with pytest.raises(ct.InputError, match="flexible ring"):
         ct.run(
             replace(CIRCLE, ring=ct.bodies.ring_modes(RING, 2)),
-            scheme=ct.Newmark(beta=0.5, gamma=0.55),
+            scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55),
             t_end=0.1,
             dt=1e-4,
         )

@@ -255,7 +255,7 @@ def test_laws_that_cannot_be_used_are_refused(law, words):
 
 def test_schemes_that_do_not_take_a_force_law_refuse_it():
     rods = [ct.Rod(length=1.0, area=1e-4, E=2e11, rho=7800.0, elements=4, x=1.0), ct.Wall()]
-    for scheme in (ct.CentralDifference(), ct.Newmark(), ct.MoreauJean()):
+    for scheme in (ct.CentralDifference(), ct.scheme.Newmark(), ct.MoreauJean()):
         with pytest.raises(ct.InputError, match="law: found"):
             ct.run(rods, law=laws.Hertz(k=1e9), scheme=scheme, dt=1e-6, t_end=1e-5)
     with pytest.raises(ct.InputError, match="law = 'energy'"):

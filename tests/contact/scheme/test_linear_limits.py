@@ -6,8 +6,8 @@ import pytest
 import contact as ct
 
 BOUNDS = [
-    (ct.Newmark, "beta", [1.0, 1e-9], [0.0, 1.0000001]),
-    (ct.Newmark, "gamma", [0.5, 1.0], [0.4999999, 1.0000001]),
+    (ct.scheme.Newmark, "beta", [1.0, 1e-9], [0.0, 1.0000001]),
+    (ct.scheme.Newmark, "gamma", [0.5, 1.0], [0.4999999, 1.0000001]),
     (ct.scheme.HHT, "alpha", [-1.0 / 3.0, 0.0], [-0.3333334, 1e-9]),
     (ct.MoreauJean, "theta", [0.5, 1.0], [0.4999999, 1.0000001]),
     *((scheme, "restitution", [0.0, 1.0], [-1e-9, 1.0000001])
@@ -26,7 +26,7 @@ def test_numbers_of_schemes_are_taken_up_to_their_bounds(scheme, name, good, bad
 
 
 def test_schemes_have_these_numbers_where_none_are_given():
-    assert (ct.Newmark().beta, ct.Newmark().gamma, ct.scheme.HHT().alpha) == (0.25, 0.5, -0.1)
+    assert (ct.scheme.Newmark().beta, ct.scheme.Newmark().gamma, ct.scheme.HHT().alpha) == (0.25, 0.5, -0.1)
     assert (ct.MoreauJean().theta, ct.MoreauJean().restitution) == (0.5, 0.0)
     assert (ct.scheme.NonsmoothAlpha().rho_inf, ct.scheme.NonsmoothAlpha().restitution) == (0.8, 0.0)
     assert ct.scheme.CDLagrange().restitution == ct.scheme.PaoliSchatzman().restitution == 0.0
@@ -54,7 +54,7 @@ def frame(amplitude=lambda t: 0.0 * t):
 
 
 def test_a_failed_step_is_explained_by_the_motion_or_the_contacts():
-    run = ct.Newmark().prepare(frame(), ct.Unilateral(), dt=0.1, courant=None)
+    run = ct.scheme.Newmark().prepare(frame(), ct.Unilateral(), dt=0.1, courant=None)
     assert run.why() == (
         "the contacts have no common answer: their forces cycle, or a gap is not a number [unconverged]"
     )

@@ -13,7 +13,7 @@ SCHEMES = {
     "cd-lagrange": ct.scheme.CDLagrange(),
     "paoli-schatzman": ct.scheme.PaoliSchatzman(),
     "massless-boundary": ct.scheme.MasslessBoundary(),
-    "newmark": ct.Newmark(),
+    "newmark": ct.scheme.Newmark(),
     "stabilised-newmark": ct.scheme.StabilisedNewmark(),
     "hht": ct.scheme.HHT(),
     "moreau-jean": ct.MoreauJean(),
@@ -74,7 +74,9 @@ def test_an_implicit_beam_closes_in_the_step_before_its_first_force():
     circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3)
     begins = []
     for dt in (1e-4, 1.03e-4):
-        run = ct.run(circle, scheme=ct.Newmark(beta=0.5, gamma=0.55), t_end=1.02 * circle.first_contact_time, dt=dt)
+        run = ct.run(
+            circle, scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55), t_end=1.02 * circle.first_contact_time, dt=dt
+        )
         begins.append(run.intervals[-1][0][0])
         first = run.time[run.force[:, -1] > 0.0][0]
         assert first - dt < begins[-1] < first

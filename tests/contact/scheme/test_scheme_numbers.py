@@ -18,7 +18,7 @@ SCHEMES = [
     ct.scheme.CDLagrange(),
     ct.scheme.PaoliSchatzman(restitution=0.3),
     ct.scheme.MasslessBoundary(),
-    ct.Newmark(beta=0.5, gamma=0.55),
+    ct.scheme.Newmark(beta=0.5, gamma=0.55),
     ct.scheme.HHT(alpha=-0.3),
     ct.MoreauJean(theta=0.7, restitution=0.5),
     ct.scheme.StabilisedNewmark(),
@@ -51,7 +51,7 @@ def test_numbers_of_a_frame(scheme, held):
 def test_numbers_of_springs(law, held):
     spring = ct.Penalty(stiffness=2e3)
     scheme, kind = {
-        "penalty": (ct.PenaltyDifference(), spring),
+        "penalty": (ct.scheme.PenaltyDifference(), spring),
         "penalty of a spring": (ct.scheme.HHT(alpha=-0.2), spring),
         "augmented": (ct.scheme.HHT(alpha=-0.2), ct.laws.AugmentedLagrangian(stiffness=2e4)),
     }[law]
@@ -104,7 +104,7 @@ def rub(*, whirl=(), closing=None, **parts):
     given = {
         "clearance": -3e-5,
         "speed": ct.Speed(time=[0.0, 0.1], hz=[3.0, 5.0]),
-        "profile": ct.RimProfile.fourier(WAVES),
+        "profile": ct.gaps.RimProfile.fourier(WAVES),
     }
     more = {} if closing is None else {"closing": closing}
     return ct.Rub(
@@ -178,7 +178,7 @@ def test_numbers_of_a_beam_in_implicit_steps(held):
     circle = ct.bodies.BeamInCircle(beam, radius=0.502, offset=6e-3)
     run = ct.run(
         circle,
-        scheme=ct.Newmark(beta=0.5, gamma=0.55),
+        scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55),
         t_end=1.02 * circle.first_contact_time,
         dt=1e-4,
         record=ct.Record(every=100),
@@ -187,7 +187,7 @@ def test_numbers_of_a_beam_in_implicit_steps(held):
 
 
 def test_numbers_of_a_disk(held):
-    disk = ct.BladedDisk(
+    disk = ct.gaps.BladedDisk(
         blades=5,
         freq_hz=100.0,
         modal_mass=0.2,
@@ -204,6 +204,6 @@ def test_numbers_of_a_disk(held):
         disk.tips(),
         clearance=-1e-5,
         speed=ct.Speed.constant(60.0),
-        profile=ct.RimProfile.fourier([{"p": 2, "cos": 3e-5}]),
+        profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 3e-5}]),
     )
     held(1e-5, **numbers_of(ct.run(scene, law=ct.Coulomb(mu=0.1), t_end=0.02, dt=5e-5, record=OFTEN, on_limit="flag")))

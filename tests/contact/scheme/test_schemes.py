@@ -19,19 +19,20 @@ LEAPFROG = [
     ct.scheme.MasslessBoundary(),
 ]
 IMPLICIT = [
-    ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55), ct.Newmark(beta=0.5, gamma=0.55), ct.scheme.HHT(alpha=-0.3),
+    ct.scheme.Newmark(), ct.scheme.Newmark(beta=0.25, gamma=0.55), ct.scheme.Newmark(beta=0.5, gamma=0.55),
+    ct.scheme.HHT(alpha=-0.3),
     ct.MoreauJean(), ct.MoreauJean(theta=0.7, restitution=0.5), ct.scheme.StabilisedNewmark(),
     ct.scheme.NonsmoothAlpha(rho_inf=0.6), ct.scheme.NonsmoothAlpha(rho_inf=1.0, restitution=0.5),
     ct.scheme.ProjectedAlpha(rho_inf=0.6), ct.scheme.ProjectedAlpha(rho_inf=1.0, restitution=0.5),
 ]  # fmt: skip
 SCHEMES = [*LEAPFROG, *IMPLICIT]
 # with 2 beta <= gamma a closed contact chatters: the last bit of a speed decides how often a light mass is struck
-ROUGH = [ct.Newmark(), ct.Newmark(beta=0.25, gamma=0.55)]
+ROUGH = [ct.scheme.Newmark(), ct.scheme.Newmark(beta=0.25, gamma=0.55)]
 GOOD = [
     ct.CentralDifference(), ct.scheme.CDLagrange(), ct.scheme.PaoliSchatzman(), ct.scheme.MasslessBoundary(),
     ct.MoreauJean(),
     ct.scheme.StabilisedNewmark(), ct.scheme.NonsmoothAlpha(), ct.scheme.ProjectedAlpha(), ct.scheme.HHT(alpha=-0.3),
-    ct.Newmark(beta=0.5, gamma=0.55),
+    ct.scheme.Newmark(beta=0.5, gamma=0.55),
 ]  # fmt: skip
 
 pytestmark = pytest.mark.slow  # they compile every loop of rods, for seconds
@@ -72,7 +73,7 @@ def test_two_rods_by_every_good_scheme(scheme):
     momentum = sum(motion.momentum for motion in result.motions)
     assert momentum == pytest.approx(MASS * SPEED, rel=1e-12)
     assert ct.reference.force_error(result.time, result.force[:, 0], result.dt, exact) <= (
-        0.1 if isinstance(scheme, ct.Newmark | ct.scheme.HHT) else 0.018
+        0.1 if isinstance(scheme, ct.scheme.Newmark | ct.scheme.HHT) else 0.018
     )
     assert result.impulse[0] == pytest.approx(exact.impulse, rel=0.025)
     assert result.intervals[0][0][0] == pytest.approx(exact.intervals[0, 0], rel=0.03)
@@ -93,7 +94,7 @@ def smooth(scheme, dt):
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)
 def test_order_in_smooth_motion(scheme):
-    first = isinstance(scheme, ct.Newmark) and scheme.gamma > 0.5
+    first = isinstance(scheme, ct.scheme.Newmark) and scheme.gamma > 0.5
     first = first or (isinstance(scheme, ct.MoreauJean) and scheme.theta > 0.5)
     body, A = frame(**FREE), np.zeros((7, 7))
     A[:3, 3:6] = np.eye(3)
@@ -139,7 +140,7 @@ def test_a_driven_oscillator_follows_its_equation():
 
     exact = solve_ivp(rate, (0.0, 2.0), [1.0, -0.7], rtol=1e-10, atol=1e-12, dense_output=True).sol
     record = ct.Record(every=10, state_every=10)
-    for scheme in (ct.CentralDifference(), ct.Newmark()):
+    for scheme in (ct.CentralDifference(), ct.scheme.Newmark()):
         result = ct.run([mass, ct.Wall(x=-9.0)], scheme=scheme, t_end=2.0, dt=1e-3, record=record)
         moved = result.state[:, -1] - result.state[0, -1]
         assert moved == pytest.approx(exact(result.state_time)[0] - 1.0, abs=1e-4)
@@ -149,7 +150,7 @@ def test_a_driven_oscillator_follows_its_equation():
 def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
     """Contact for pi sqrt(m/k), peak v sqrt(k m) pushing out, impulse 2 m v."""
     ball = [ct.PointMass(mass=2.0, x=0.1, velocity=-3.0), ct.Wall(x=0.0)]
-    for scheme in (ct.PenaltyDifference(), ct.scheme.HHT(alpha=0.0)):
+    for scheme in (ct.scheme.PenaltyDifference(), ct.scheme.HHT(alpha=0.0)):
         result = ct.run(ball, scheme=scheme, law=ct.Penalty(stiffness=5e3), t_end=0.2, dt=1e-4)
         ((begin, end),) = result.intervals[0]
         assert begin == pytest.approx(0.1 / 3.0, abs=1e-4)
@@ -162,7 +163,7 @@ def test_a_mass_on_a_contact_spring_bounces_as_half_an_oscillation():
 
 @pytest.mark.parametrize(
     "scheme",
-    [ct.Newmark(), ct.MoreauJean(), ct.scheme.StabilisedNewmark(), ct.scheme.NonsmoothAlpha(rho_inf=1.0),
+    [ct.scheme.Newmark(), ct.MoreauJean(), ct.scheme.StabilisedNewmark(), ct.scheme.NonsmoothAlpha(rho_inf=1.0),
      ct.scheme.ProjectedAlpha(rho_inf=1.0)],
     ids=str,
 )  # fmt: skip
@@ -342,7 +343,7 @@ def test_a_consistent_mass_matrix_runs_in_implicit_schemes():
     ("scheme", "dt", "limit"),
     [(ct.scheme.CDLagrange(), 0.5, "2"), (ct.scheme.PaoliSchatzman(), 0.5, "2"), (ct.scheme.MasslessBoundary(), 1.0,
     "2"),
-     (ct.Newmark(beta=0.25, gamma=0.55), 1.2, "6.325")],
+     (ct.scheme.Newmark(beta=0.25, gamma=0.55), 1.2, "6.325")],
     ids=str,
 )  # fmt: skip
 def test_limits_are_refused_with_numbers(scheme, dt, limit):
@@ -417,7 +418,7 @@ def test_a_motion_that_overflows_stops_the_run_and_keeps_it(scheme):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ct.Newmark(beta=0.0), "beta"), (lambda: ct.Newmark(gamma=0.4), "energy grows"),
+        (lambda: ct.scheme.Newmark(beta=0.0), "beta"), (lambda: ct.scheme.Newmark(gamma=0.4), "energy grows"),
         (lambda: ct.scheme.HHT(alpha=0.1), "alpha"), (lambda: ct.MoreauJean(theta=0.4), "theta"),
         (lambda: ct.scheme.CDLagrange(restitution=1.1), "restitution"),
         (lambda: ct.scheme.NonsmoothAlpha(rho_inf=2.0), "rho_inf"),

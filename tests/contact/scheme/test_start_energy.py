@@ -8,7 +8,7 @@ import contact as ct
 SCHEMES = {
     "central": ct.CentralDifference(), "impact": ct.scheme.CDLagrange(restitution=0.5),
     "averaged": ct.scheme.PaoliSchatzman(restitution=0.5), "massless": ct.scheme.MasslessBoundary(),
-    "newmark": ct.Newmark(beta=0.5, gamma=0.55), "hht": ct.scheme.HHT(), "moreau": ct.MoreauJean(),
+    "newmark": ct.scheme.Newmark(beta=0.5, gamma=0.55), "hht": ct.scheme.HHT(), "moreau": ct.MoreauJean(),
     "stabilised": ct.scheme.StabilisedNewmark(), "alpha": ct.scheme.NonsmoothAlpha(rho_inf=0.8),
     "projected": ct.scheme.ProjectedAlpha(rho_inf=0.8),
 }  # fmt: skip

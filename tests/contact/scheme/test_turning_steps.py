@@ -99,7 +99,7 @@ def test_rotation_matrices_of_zeros_change_nothing():
 def rub_problem(casing, tips=3, tip=None, **given):
     """Tips of three blades before a turning rim."""
     points = [ct.ContactPoint(blade=k, angle_deg=120.0 * k, lean_deg=10.0) for k in range(tips)]
-    profile = ct.RimProfile.fourier([{"p": 3, "cos": 5e-5}])
+    profile = ct.gaps.RimProfile.fourier([{"p": 3, "cos": 5e-5}])
     speed = ct.Speed(time=[0.0, 0.05], hz=[20.0, 20.0])
     given = {"clearance": -5e-5, "speed": speed, "profile": profile, "turning": "casing", **given}
     return ct.Rub(casing, [tip or blade()] * tips, points, **given)

@@ -52,7 +52,7 @@ def test_each_place_along_the_tip_wears_its_own_track():
     rub = ct.Rub(
         rim3(), [nodes(3), nodes(3, seed=6)], [*tips(3), *tips(3, blade=1, angle=50.0)], clearance=-3e-5,
         closing=ct.gaps.Closing([0.0, 0.01], [0.0, 3e-4]), speed=ct.Speed.constant(7.0),
-        profile=ct.RimProfile.fourier(WAVES),
+        profile=ct.gaps.RimProfile.fourier(WAVES),
     )  # fmt: skip
     law = coating(mu=0.2)
     result = ct.run(rub, law=law, t_end=0.04, dt=4e-5)
@@ -102,7 +102,7 @@ def test_a_saved_result_keeps_its_tracks(tmp_path):
 
 @pytest.mark.slow
 def test_a_disk_wears_one_track_with_all_its_tips():
-    disk = ct.BladedDisk(blades=6, freq_hz=100.0, modal_mass=0.4, coupling=0.05, compliance=1e-7, lean_deg=20.0)
+    disk = ct.gaps.BladedDisk(blades=6, freq_hz=100.0, modal_mass=0.4, coupling=0.05, compliance=1e-7, lean_deg=20.0)
     rub = ct.Rub(ring(), [disk.body()], disk.tips(), clearance=-3e-5, speed=ct.Speed.constant(5.0))
     result = ct.run(rub, law=coating(), t_end=0.02, dt=2e-5)
     assert [track.tips for track in result.tracks] == [(0, 1, 2, 3, 4, 5)]

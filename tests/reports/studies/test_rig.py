@@ -118,7 +118,7 @@ def test_out_of_roundness_is_the_radius_field_at_the_rim():
     field = cf.FourierField.of({2: (4e-4, 1e-4), 5: -1e-4})
     steel = cf.Material(E=210e9, nu=0.3, rho=7800.0)
     casing = cf.Shell(chart=rig_synthetic.CHART, thickness=3e-3, material=steel, radius_defect=field)
-    terms = cf.out_of_roundness(casing, cf.Rim("top", n_max=8))
+    terms = cf.modal.out_of_roundness(casing, cf.Rim("top", n_max=8))
     theta = np.linspace(0.0, 6.0, 50)
     np.testing.assert_allclose(rub.deviation(terms, theta), 0.45 * field.derivatives(0.25, theta).value, atol=1e-15)
 

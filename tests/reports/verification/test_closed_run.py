@@ -81,7 +81,7 @@ def test_the_rub_of_a_confirming_run_is_round_closed_and_alone():
     one, other = tips(2)
     rub = ct.Rub(
         rim3(), [nodes(2)], [one, other], clearance=3e-4, speed=ct.Speed.constant(3.0), thickness=3e-3,
-        profile=ct.RimProfile.fourier([{"p": 2, "cos": 1e-4}]), closing=ct.gaps.Closing.exponential(1e-4, 0.1),
+        profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 1e-4}]), closing=ct.gaps.Closing.exponential(1e-4, 0.1),
         whirl=(ct.gaps.Whirl(amplitude=1e-5),),
         casing_start=ct.gaps.Start(velocity=np.ones(10)), blade_starts=(ct.gaps.Start(velocity=np.ones(3)),),
     )  # fmt: skip

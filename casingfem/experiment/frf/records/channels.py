@@ -30,14 +30,16 @@ class ChannelTable:
 
 
 def direction_of(word: str) -> int | None:
-    """A direction of universal files, None for another word.
+    """A direction of universal files, None for another word; r is the one direction of a radial sensor, without a sign.
 
-    >>> direction_of("x"), direction_of("-z"), direction_of("2"), direction_of(""), direction_of("up")
+    >>> direction_of("x"), direction_of("-z"), direction_of("2"), direction_of("r"), direction_of("-r")
     (1, -3, 2, 0, None)
     """
     text = word.strip().lower().removeprefix("+")
     sign = -1 if text.startswith("-") else 1
     text = text.removeprefix("-")
+    if text == "r":
+        return 0 if sign > 0 else None
     if text in DIRECTIONS:
         return sign * DIRECTIONS[text]
     if text in ("", *map(str, range(7))):
@@ -88,7 +90,7 @@ def _wrong(
     if kind.lower() not in KINDS:
         found.append(csv.refuse(row=row, column="kind", found=repr(kind), expected=" or ".join(KINDS)))
     if direction is None:
-        word, expected = csv.cells["direction"][row], "x, y, z, with a sign if need be, or empty"
+        word, expected = csv.cells["direction"][row], "x, y, z with or without a sign, r (radial), or empty"
         found.append(csv.refuse(row=row, column="direction", found=repr(word), expected=expected))
     if factor == 0.0:
         found.append(csv.refuse(row=row, column="factor", found="0", expected="another number"))

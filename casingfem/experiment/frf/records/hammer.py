@@ -56,7 +56,7 @@ def hammer_frfs(
     left = float(np.median([hit.left for hit in hits if not hit.fault]))
     notes = (
         *_few(count), *_negative(hits), *_ringing(left, samples / fs, tau), *_weak(shown, fs, freq[kept]),
-        *_clipped(used, samples), *notes_of(frfs),
+        *_clipped(used, samples), *notes_of(frfs, takes[0].force.unit),
     )  # fmt: skip
     given, coherent, swapped = _reciprocal(frfs, coherence if count > 1 else None)
     return Estimate(

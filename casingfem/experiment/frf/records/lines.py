@@ -68,8 +68,10 @@ def _turned_over(frfs: FrfSet) -> Iterator[str]:
             )
 
 
-def notes_of(frfs: FrfSet) -> Iterator[str]:
-    """Drive points at which a channel is turned over, and responses without a unit."""
+def notes_of(frfs: FrfSet, force_unit: str) -> Iterator[str]:
+    """Drive points at which a channel is turned over, and responses or forces without a unit."""
     yield from _turned_over(frfs)
+    if frfs.unit and not force_unit:
+        yield "the force has no unit and is taken for N: state it in the file, as `force 1 x [N]`, or by --channels"
     if not frfs.unit:
         yield "the responses have no unit: state it with --channels, or what they are with --form of identify"

@@ -131,7 +131,7 @@ def _blocks(path: str | os.PathLike[str], table: ChannelTable | None) -> tuple[l
     elif ending in (".mat", ".npz"):
         blocks = blocks_of_arrays(read_mat(path) if ending == ".mat" else read_npz(path), name)
     elif ending == ".csv":
-        blocks = read_table(path)
+        blocks = read_table(path, by_names=table is None)
     else:
         raise InputError(name, found=f"ending {ending!r}", expected=f"one of {KINDS}")
     return [_sampled(described(block, table)) for block in blocks], beside

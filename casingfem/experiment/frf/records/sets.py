@@ -56,4 +56,5 @@ def sets_of(
 def _unit(take: Take) -> str:
     """Unit of a response over a force, "" where the responses have none."""
     unit = take.response.unit
-    return f"({unit})/{take.force.unit}" if "/" in unit else f"{unit}/{take.force.unit}" if unit else ""
+    over = take.force.unit or "N"
+    return f"({unit})/{over}" if "/" in unit else f"{unit}/{over}" if unit else ""

@@ -83,4 +83,4 @@ def _of_drives(take: Take, found: Averages, freq: FloatArray, card: tuple[str, .
         reference=(np.repeat(force.response_point, channels), np.repeat(force.response_direction, channels)),
     )  # fmt: skip
     coherent = coherence if averages > drives else None
-    return Estimate(frfs=frfs, coherence=coherent, averages=averages, notes=tuple(notes_of(frfs)))
+    return Estimate(frfs=frfs, coherence=coherent, averages=averages, notes=tuple(notes_of(frfs, force.unit)))

@@ -14,20 +14,31 @@ import numpy as np
 from casingfem.experiment.frf.records.channels import direction_of
 from casingfem.experiment.frf.records.take import EVEN, RecordBlock, RecordChannel
 from casingfem.io.strict_csv import StrictCsv, read
+from casingfem.io.together import together
 
 TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "": 1.0}
 FORCES, RESPONSES = ("force", "hammer", "shaker"), ("response", "acceleration", "velocity", "displacement", "acc")
 NAME = re.compile(r"\s*(?P<name>[^\[(]*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?\s*")
-CHANNEL = re.compile(r"(?P<word>.*?)[\s_]*(?P<point>[0-9]{1,9})?[\s_:]*(?P<direction>[+-]?(?:[xyz]|r[xyz]))?")
+CHANNEL = re.compile(
+    r"(?P<word>.*?)[\s_]*(?P<point>[0-9]{1,9})?[\s_:]*(?P<direction>[+-]?(?:[xyz]|r[xyz]|(?<=[0-9\s_:+-])r))?"
+)
 
 
-def read_table(path: str | os.PathLike[str]) -> list[RecordBlock]:
+def read_table(path: str | os.PathLike[str], *, by_names: bool = True) -> list[RecordBlock]:
     """The records of a table with a column of times.
+
+    Parameters
+    ----------
+    path
+        The table.
+    by_names
+        Whether the names of the columns state points and directions. False if a table of channels states them.
 
     Raises
     ------
     InputError
-        No column of times first, times that are not even, cells that are no numbers.
+        No column of times first, times that are not even, cells that are no numbers, a force or a response whose point
+        or direction cannot be read.
     """
     csv = read(path)
     first = NAME.fullmatch(csv.header[0])
@@ -43,26 +54,47 @@ def read_table(path: str | os.PathLike[str]) -> list[RecordBlock]:
     fs = _rate(csv, time)
     values = np.array([csv.numbers(name) for name in csv.header[1:]])
     channels = tuple(channel_of(name) for name in csv.header[1:])
+    unread = [name for name in csv.header[1:] if by_names and not _place_read(name)]
+    if unread:
+        expected = "word, point and direction (x, y, z or -x, -y, -z, or r), as `response 12 -z [m/s^2]`, or --channels"
+        raise together(
+            [csv.refuse_header(column=name, found="no point or direction", expected=expected) for name in unread]
+        )
     return [RecordBlock(csv.path, fs, values, channels)]
 
 
 def channel_of(name: str) -> RecordChannel:
-    """What a column's name says.
+    """Kind, point, direction and unit that the name of a column states.
 
     >>> channel_of("force 5 -x [N]")
     RecordChannel(name='force 5 -x [N]', kind='force', point=5, direction=-1, unit='N')
     """
-    whole = NAME.fullmatch(name)
-    text, unit = (name, "") if whole is None else (whole["name"], (whole["unit"] or "").strip())
-    parts = CHANNEL.fullmatch(text.lower())
-    assert parts is not None
-    word = parts["word"].strip(" _")
+    word, point, direction, unit = _parts(name)
     kind: Literal["force", "response", ""] = ""
     if word.startswith(FORCES):
         kind = "force"
     elif word.startswith(RESPONSES):
         kind = "response"
-    return RecordChannel(name, kind, int(parts["point"] or 0), direction_of(parts["direction"] or "") or 0, unit)
+    return RecordChannel(name, kind, int(point or 0), direction_of(direction) or 0, unit)
+
+
+def _parts(name: str) -> tuple[str, str, str, str]:
+    """Word, point, direction and unit of a name, empty where it has none."""
+    whole = NAME.fullmatch(name)
+    text, unit = (name, "") if whole is None else (whole["name"], (whole["unit"] or "").strip())
+    parts = CHANNEL.fullmatch(text.lower())
+    assert parts is not None
+    return parts["word"].strip(" _"), parts["point"] or "", parts["direction"] or "", unit
+
+
+def _place_read(name: str) -> bool:
+    """Whether no digit of the name is left beside its point, and its direction is one.
+
+    >>> _place_read("force 5 -x [N]"), _place_read("force [N]"), _place_read("response 3 q"), _place_read("force 9 -r")
+    (True, True, False, False)
+    """
+    word, point, direction, _ = _parts(name)
+    return direction_of(direction) is not None and (bool(point) or not any(c.isdigit() for c in word))
 
 
 def _rate(csv: StrictCsv, time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:

@@ -8,13 +8,16 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from casingfem.errors import InputError
+from casingfem.experiment.frf.forms import power_of_unit
 from casingfem.experiment.frf.frf_set import FrfSet
 from casingfem.io.arrays import FloatArray
+from casingfem.io.together import together
 
 LEAST = 16  # samples of a record
 LARGEST = 1e30  # of a number in a record
 LONGEST = 12  # letters of a unit: with the force's it must fit into 20 columns of a universal file
 EVEN = 0.05  # of a step: what rounded times may be off their even places
+UNCALIBRATED = "v"  # a force cell whose sensitivity is not known: shapes without a scale
 FORCES = {"n": 1.0, "newton": 1.0, "kn": 1e3, "dan": 10.0, "mn": 1e-3, "lbf": 4.4482216152605, "kgf": 9.80665}
 
 
@@ -139,20 +142,51 @@ def take_of(block: RecordBlock) -> Take:
     Raises
     ------
     InputError
-        No force, no response, numbers that are not finite, responses in several units.
+        No force, no response, numbers that are not finite, responses in several units, a unit of another quantity.
     """
     force = np.array([_as_force(c) for c in block.channels], bool)
-    named = ", ".join(f"{c.name} [{c.unit or 'no unit'}]" for c in block.channels)
+    named = ", ".join(
+        c.name if c.unit and c.unit in c.name else f"{c.name} [{c.unit or 'no unit'}]" for c in block.channels
+    )
     if not force.any() or force.all():
         what = "no channel of a force" if not force.any() else "no response"
         expected = "a force and a response: state them with --channels (channel,kind,point,direction,unit,factor)"
         raise InputError(block.name, found=f"{what} among {named}", expected=expected)
     _finite(block)
+    _units(block, force.tolist())
     return Take(
         response=_set(block, np.flatnonzero(~force).tolist()),
         force=_set(block, np.flatnonzero(force).tolist()),
         name=block.name,
     )
+
+
+def _units(block: RecordBlock, force: list[bool]) -> None:
+    """Refuse units that are none of a force or none of a motion."""
+    wrong = list[InputError]()
+    for channel, is_one in zip(block.channels, force, strict=True):
+        unit = channel.unit.strip()
+        if is_one and unit and unit.lower() not in (*FORCES, UNCALIBRATED):
+            expected = "N, kN, daN, mN, lbf, kgf, or V where the force cell is not calibrated"
+        elif not is_one and not _motion(unit):
+            expected = "a unit of a motion, such as m/s^2, g, mm/s, mm"
+        else:
+            continue
+        advice = "correct it in the file or with --channels; a factor there converts the numbers"
+        wrong.append(
+            InputError(f"{block.name}, {channel.name}", found=f"the unit {unit!r}", expected=f"{expected}: {advice}")
+        )
+    if wrong:
+        raise together(wrong)
+
+
+def _motion(unit: str) -> bool:
+    """Whether a unit is one of displacement, velocity or acceleration, or missing."""
+    try:
+        power_of_unit(unit)
+    except ValueError:
+        return False
+    return True
 
 
 def _set(block: RecordBlock, at: list[int]) -> FrfSet:

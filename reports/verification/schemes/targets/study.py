@@ -31,7 +31,7 @@ def _l1(scheme: Method, elements: int) -> float:
 
 def _penalty(sizes: list[int]) -> list[Row]:
     case = two_rods_case()
-    soft = Method(name="penalty", scheme=ct.PenaltyDifference(), law=ct.Penalty(stiffness=2e9))
+    soft = Method(name="penalty", scheme=ct.scheme.PenaltyDifference(), law=ct.Penalty(stiffness=2e9))
     found = {
         m.name: [float(str(errors(case, run(case, m, n, 0.5))["force L1"])) for n in sizes] for m in (FORWARD, soft)
     }
@@ -49,8 +49,8 @@ def _penalty(sizes: list[int]) -> list[Row]:
 
 
 def _pairs(sizes: list[int]) -> list[Row]:
-    bad = Method(name="bad", scheme=ct.Newmark(beta=0.25, gamma=0.55))
-    good = Method(name="good", scheme=ct.Newmark(beta=0.5, gamma=0.55))
+    bad = Method(name="bad", scheme=ct.scheme.Newmark(beta=0.25, gamma=0.55))
+    good = Method(name="good", scheme=ct.scheme.Newmark(beta=0.5, gamma=0.55))
     case = rod_wall_case()
     wild, calm = ([_l1(method, n) for n in sizes] for method in (bad, good))
     a, b = (run(case, method, sizes[-1], 0.5) for method in (good, FORWARD))
@@ -78,14 +78,14 @@ def _orders() -> list[Row]:
     rows = []
     for beta, gamma, order in ((0.25, 0.5, 2.0), (0.25, 0.55, 1.0), (0.5, 0.55, 1.0)):
         steps = 0.01 * 0.5 ** np.arange(4)  # small enough for (gamma - 1/2) h to outweigh h^2
-        errors_ = [abs(_swing(ct.Newmark(beta=beta, gamma=gamma), float(dt)) - np.cos(1.5)) for dt in steps]
+        errors_ = [abs(_swing(ct.scheme.Newmark(beta=beta, gamma=gamma), float(dt)) - np.cos(1.5)) for dt in steps]
         slope = float(np.polyfit(np.log(steps), np.log(errors_), 1)[0])
         rows.append(statement(f"Newmark ({beta:g}, {gamma:g}) has order {order:g}: distance of the fitted one", 0.2,
                               abs(slope - order)))  # fmt: skip
     return rows
 
 
-def _swing(scheme: ct.Newmark, dt: float) -> float:
+def _swing(scheme: ct.scheme.Newmark, dt: float) -> float:
     count = round(1.5 / dt)
     ball = ct.PointMass(mass=1.0, x=1.0, anchor=0.0, stiffness=1.0)
     result = ct.run([ct.Wall(x=-50.0), ball], scheme=scheme, t_end=(count + 1) * dt, dt=dt,

@@ -21,7 +21,10 @@ def test_derivatives_equal_the_complex_step():
 
 
 def test_a_twist_alone_is_a_twisted_plate():
-    blade, plate = cf.Blade(length=0.2, chord=0.1, twist=(0.0, 0.8)), cf.TwistedPlate(length=0.2, width=0.1, twist=0.8)
+    blade, plate = (
+        cf.Blade(length=0.2, chord=0.1, twist=(0.0, 0.8)),
+        cf.geometry.TwistedPlate(length=0.2, width=0.1, twist=0.8),
+    )
     found, expected = blade.surface(A, B, None), plate.surface(A, 0.1 * B, None)
     np.testing.assert_allclose(found.x, expected.x, atol=1e-16)
     np.testing.assert_allclose(found.x11, expected.x11, atol=1e-14)

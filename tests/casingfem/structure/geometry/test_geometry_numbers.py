@@ -22,7 +22,7 @@ CHARTS = {
     "frustum": cf.Frustum(r_base=0.5, r_top=0.45, height=0.25),
     "panel": cf.Panel(radius=0.3, length=0.2, angle=0.5),
     "plate": cf.Plate(length=0.2, width=0.1),
-    "twisted": cf.TwistedPlate(length=0.2, width=0.1, twist=0.8),
+    "twisted": cf.geometry.TwistedPlate(length=0.2, width=0.1, twist=0.8),
     "blade": WHOLE,
     "arc": cf.Revolved(profile=cf.geometry.Arc(radius=0.3, start=-0.4, end=1.1, r0=0.05, z0=0.1)),
     "pieces": cf.Revolved(profile=PIECES),

@@ -7,7 +7,7 @@ import casingfem as cf
 from reports.verification.twisted_plate import anatomy, errors
 from tests.casingfem.structure.geometry.complex_step import STEP, assert_exact
 
-BLADE = cf.TwistedPlate(length=0.3, width=0.1, twist=1.1)
+BLADE = cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=1.1)
 A, B = np.meshgrid(np.linspace(0.0, 0.3, 5), np.linspace(-0.05, 0.05, 7))
 
 
@@ -17,8 +17,8 @@ def test_derivatives_equal_the_complex_step():
 
 def test_derivatives_by_the_twist_pass_through():
     h = 1e-6
-    steep = cf.TwistedPlate(length=0.3, width=0.1, twist=1.1 + 1j * STEP).surface(A, B, None).x11.imag / STEP
-    up, down = (cf.TwistedPlate(length=0.3, width=0.1, twist=1.1 + d).surface(A, B, None).x11 for d in (h, -h))
+    steep = cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=1.1 + 1j * STEP).surface(A, B, None).x11.imag / STEP
+    up, down = (cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=1.1 + d).surface(A, B, None).x11 for d in (h, -h))
     np.testing.assert_allclose(steep, (up - down) / (2 * h), atol=1e-8)
 
 
@@ -37,7 +37,7 @@ def test_thickness_field_equals_the_complex_step_and_the_normals_lean():
 
 @pytest.mark.slow
 def test_without_twist_it_is_a_plate(steel):
-    flat, plate = cf.TwistedPlate(length=0.3, width=0.1, twist=0.0), cf.Plate(length=0.3, width=0.1)
+    flat, plate = cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=0.0), cf.Plate(length=0.3, width=0.1)
     for found, expected in zip(flat.surface(A, B, None), plate.surface(A, B, None), strict=True):
         np.testing.assert_array_equal(found, expected)
     np.testing.assert_array_equal(flat.directions(A, B), plate.directions(A, B))
@@ -52,7 +52,7 @@ def test_hand_of_the_twist_does_not_matter_and_modes_have_no_diameters(steel):
     left, right = (
         cf.modes(
             cf.Shell(
-                chart=cf.TwistedPlate(length=0.2, width=0.1, twist=twist),
+                chart=cf.geometry.TwistedPlate(length=0.2, width=0.1, twist=twist),
                 thickness=3e-3,
                 material=steel,
                 supports={"root": cf.Clamped()},
@@ -77,13 +77,13 @@ def test_directions_are_orthonormal():
 @pytest.mark.parametrize(("name", "value"), [("length", 0.0), ("width", -1.0), ("width", np.nan), ("length", np.inf)])
 def test_refuses_dimensions_that_are_not_positive(name, value):
     with pytest.raises(ValueError, match=rf"chart\.{name} must be positive"):
-        cf.TwistedPlate(**({"length": 0.3, "width": 0.1, "twist": 0.2} | {name: value}))
+        cf.geometry.TwistedPlate(**({"length": 0.3, "width": 0.1, "twist": 0.2} | {name: value}))
 
 
 @pytest.mark.parametrize("twist", [np.nan, np.inf])
 def test_refuses_a_twist_that_is_no_number(twist):
     with pytest.raises(ValueError, match=r"chart\.twist must be finite"):
-        cf.TwistedPlate(length=0.3, width=0.1, twist=twist)
+        cf.geometry.TwistedPlate(length=0.3, width=0.1, twist=twist)
 
 
 def test_takes_no_radius_defect(steel):

@@ -202,7 +202,11 @@ def test_a_layered_wall_as_a_beam_bends_with_all_else_free():
         (cf.Plate(length=0.3, width=2.0), 0.0, 0.0),
         (cf.Cylinder(radius=0.5, height=0.3), 1.0, 0.0),  # the normal points in
         (cf.Revolved(profile=cf.geometry.Arc(radius=0.25, start=0.0, end=1.0)), 4.0, 16.0),
-        (cf.TwistedPlate(length=0.3, width=2.0, twist=0.6), 0.0, -4.0 / 1.64**2),  # -k^2/(1 + (k y)^2)^2, k y = 0.8
+        (
+            cf.geometry.TwistedPlate(length=0.3, width=2.0, twist=0.6),
+            0.0,
+            -4.0 / 1.64**2,
+        ),  # -k^2/(1 + (k y)^2)^2, k y = 0.8
     ],
 )
 def test_curvatures_and_inertia(chart, H, K):

@@ -67,7 +67,7 @@ def test_loads_superpose_and_work_both_ways():
         cf.loads.PointLoad(at=(0.6, 0.03), force=(0.0, 0.0, 3.0)),
         cf.loads.EdgeLoad(edge="tip", force=(0.0, 1.0, 2.0)),
     )
-    shell = strip(chart=cf.TwistedPlate(length=1.0, width=0.1, twist=0.5), material=STEEL)
+    shell = strip(chart=cf.geometry.TwistedPlate(length=1.0, width=0.1, twist=0.5), material=STEEL)
     a, b, both = (cf.solve_static(shell, loads) for loads in ([one], [two], [one, two]))
     np.testing.assert_allclose(both.fields, a.fields + b.fields, rtol=1e-6, atol=1e-9 * np.abs(both.fields).max())
     work = [np.sum(load.nodal(shell, a.grid) * state.fields) for load, state in ((one, b), (two, a))]

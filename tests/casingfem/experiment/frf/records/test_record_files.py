@@ -212,3 +212,35 @@ def test_arrays_that_do_not_fit_are_refused(arrays, words, tmp_path):
     np.savez(tmp_path / "a.npz", **arrays)
     with pytest.raises(cf.errors.InputError, match=words):
         cf.frf.read_records(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ("time [s],force 1 x [g],response 2 x [m/s^2]", r"force 1 x \[g\]: found the unit 'g'; expected N"),
+        ("time [s],force 1 x [N],response 2 x [furlong]", "found the unit 'furlong'; expected a unit of a motion"),
+        (
+            "time [s],force 1 x [N],response 2 q [m/s^2]",
+            "found no point or direction; expected word, point and direction",
+        ),
+        ("time [s],force 1 -r [N],response 2 r [m/s^2]", "found no point or direction"),
+    ],
+)
+def test_a_table_of_records_states_points_directions_and_units_of_force_and_motion(header, words, tmp_path):
+    (tmp_path / "hits.csv").write_text(
+        header + "\n" + "\n".join(f"{k / 256},{float(k == 20)},{k % 7}" for k in range(64))
+    )
+    with pytest.raises(cf.errors.InputError, match=words):
+        cf.frf.read_records(tmp_path / "hits.csv")
+
+
+def test_radial_sensors_have_direction_r_and_a_force_without_a_unit_is_taken_for_newtons(tmp_path):
+    rows = "\n".join(f"{k / 256},{100.0 * (k == 20)},{(k > 20) * 0.7 ** (k - 20) * (-1) ** k}" for k in range(128))
+    (tmp_path / "hits.csv").write_text("time [s],force 9 r,response 2 r [m/s^2]\n" + rows)
+    found = cf.frf.estimate(cf.frf.read_records(tmp_path / "hits.csv"), test="hammer")
+    assert (found.frfs.unit, found.frfs.response_point.tolist(), found.frfs.reference_point.tolist()) == (
+        "(m/s^2)/N",
+        [2],
+        [9],
+    )
+    assert any("taken for N" in note for note in found.notes)

@@ -1,0 +1,100 @@
+"""Probabilities and quantiles of draws, each with its interval."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import beta, binom, norm, t
+
+from casingfem.chance.points import REPLICATES
+from casingfem.errors import InputError
+from casingfem.io.arrays import FloatArray
+
+LEVEL = 0.95
+
+
+class Estimate(NamedTuple):
+    """A number estimated from draws, and the interval that has the true one with the stated probability."""
+
+    value: float
+    low: float
+    high: float
+
+
+def clopper_pearson(hits: float, draws: float, *, level: float = LEVEL) -> Estimate:
+    """A probability from independent draws, with the exact interval (C. Clopper, E. Pearson, Biometrika 26, 1934, 404).
+
+    Raises
+    ------
+    InputError
+        No draws, more hits than draws, a level outside of (0, 1).
+
+    Examples
+    --------
+    >>> [round(part, 4) for part in clopper_pearson(0, 100)], [round(part, 3) for part in clopper_pearson(5, 50)]
+    ([0.0, 0.0, 0.0362], [0.1, 0.033, 0.218])
+    """
+    if not (0.0 <= hits <= draws and draws > 0.0 and 0.0 < level < 1.0):
+        found = f"{hits:g} hits, {draws:g} draws, level {level:g}"
+        raise InputError(f"probability: found {found}, expected 0 <= hits <= draws, draws > 0, 0 < level < 1")
+    tail = 0.5 * (1.0 - level)
+    low = 0.0 if hits == 0.0 else float(beta.ppf(tail, hits, draws - hits + 1.0))
+    high = 1.0 if hits == draws else float(beta.ppf(1.0 - tail, hits + 1.0, draws - hits))
+    return Estimate(hits / draws, low, high)
+
+
+def probability(hit: ArrayLike, *, level: float = LEVEL) -> Estimate:
+    """Probability of an event from the draws of `points`, with its interval.
+
+    Draws of one sequence are not independent, those of two sequences are. The variance s^2/R of the mean of R sequences
+    gives the number n = p (1 - p) R/s^2 of independent draws that would be as sure; with (z/t)^2 n in its place
+    Clopper's and Pearson's interval covers what is uncertain of s itself (E. Korn, B. Graubard, Survey Methodology 24,
+    1998, 193). With no hit, or nothing but hits, n is the number of draws.
+
+    Parameters
+    ----------
+    hit
+        Whether the event happens, in the order of the draws, (draws,).
+
+    Examples
+    --------
+    >>> from casingfem.chance.points import points
+    >>> below = points(7, range(4096), 2).sum(axis=1) < 0.2  # a triangle of area 0.02
+    >>> found = probability(below)
+    >>> found.low < 0.02 < found.high, found.high - found.low < 0.004
+    (True, True)
+    """
+    own = np.asarray(hit, dtype=bool)
+    draws, hits = own.size, int(np.count_nonzero(own))
+    if draws < 2 * REPLICATES or hits in (0, draws):
+        return clopper_pearson(hits, draws, level=level)
+    means = np.array([own[k::REPLICATES].mean() for k in range(REPLICATES)])
+    spread, mean = float(means.var(ddof=1)), hits / draws
+    if spread == 0.0:
+        return clopper_pearson(hits, draws, level=level)
+    half = 0.5 * (1.0 + level)
+    worth = mean * (1.0 - mean) * REPLICATES / spread * float((norm.ppf(half) / t.ppf(half, REPLICATES - 1)) ** 2)
+    return Estimate(mean, *clopper_pearson(mean * worth, worth, level=level)[1:])
+
+
+def quantile(values: FloatArray, at: float, *, level: float = LEVEL) -> Estimate:
+    """A quantile with the interval between order statistics that independent draws would have.
+
+    Raises
+    ------
+    InputError
+        No values, or a quantile outside of (0, 1).
+
+    Examples
+    --------
+    >>> found = quantile(np.arange(1001.0), 0.5)
+    >>> found.value, found.low, found.high
+    (500.0, 469.0, 531.0)
+    """
+    ascending = np.sort(values)
+    if not (ascending.size and 0.0 < at < 1.0):
+        raise InputError(f"quantile: found {at:g} of {ascending.size} values, expected 0 < q < 1 and at least one")
+    tail, size = 0.5 * (1.0 - level), ascending.size
+    low, high = binom.ppf([tail, 1.0 - tail], size, at)
+    ends = np.clip([low - 1.0, high], 0, size - 1).astype(int)
+    return Estimate(float(np.quantile(ascending, at)), *(float(end) for end in ascending[ends]))

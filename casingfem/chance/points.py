@@ -1,0 +1,51 @@
+"""Quasi-random points by number: draw k is the same in every order, in every process, and beside any other draws.
+
+The draws are those of `REPLICATES` Sobol sequences that are scrambled independently of each other (A. B. Owen, J.
+Complexity 14, 1998, 466): draw k is number k // REPLICATES of sequence k % REPLICATES. Each sequence fills the unit
+cube evenly. The spread of their means gives the uncertainty of the mean of all (`estimates`).
+"""
+
+import numpy as np
+from scipy.stats import qmc
+
+from casingfem.errors import InputError
+from casingfem.io.arrays import FloatArray
+
+REPLICATES = 16
+MOST = 21_201  # dimensions of the sequence
+EDGE = 2.0**-54  # nearest to 0 and 1: both have no quantile
+
+
+def points(seed: int, draws: range, dimension: int) -> FloatArray:
+    """Points (draws, dimension) in the open unit cube.
+
+    Parameters
+    ----------
+    seed
+        Whole number from 0: the same seed gives the same points.
+    draws
+        Numbers of the draws, in steps of one, whole rounds of `REPLICATES` but for the last.
+
+    Raises
+    ------
+    InputError
+        More dimensions than the sequence has, or draws that do not begin with a round.
+
+    Examples
+    --------
+    >>> points(7, range(32), 3)[16:].tolist() == points(7, range(16, 32), 3).tolist()
+    True
+    """
+    if not 1 <= dimension <= MOST:
+        raise InputError(f"dimension: found {dimension} random numbers a draw, expected 1 to {MOST}")
+    if draws.start % REPLICATES or draws.step != 1:
+        raise InputError(f"draws: found {draws}, expected numbers in steps of one from a multiple of {REPLICATES}")
+    rounds = -(-len(draws) // REPLICATES)
+    found = np.empty((rounds, REPLICATES, dimension))
+    for own in range(REPLICATES):
+        sequence = qmc.Sobol(dimension, scramble=True, seed=np.random.default_rng([seed, own]))
+        if draws.start:
+            sequence.fast_forward(draws.start // REPLICATES)
+        found[0, own] = sequence.random(1)  # scipy warns of first numbers that are no power of 2
+        found[1:, own] = sequence.random(rounds - 1)
+    return np.clip(found.reshape(-1, dimension)[: len(draws)], EDGE, 1.0 - EDGE)

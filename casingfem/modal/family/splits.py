@@ -1,0 +1,197 @@
+"""Splits and orientations of the pairs of many casings of one family at once, to third order in the imperfections.
+
+Pairs of nearby frequency mix strongly: those of a window are one small matrix for each casing (`window`). A casing's
+motion is real, so that K[-b, -a] is the conjugate of K[b, a]: on cosine and sine members the matrices are real. The
+arrays have all casings of a lot; no casing has a loop of its own.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.family.expansion import Expansion
+from casingfem.modal.family.family import Family, coefficients, frequencies, terms_of
+from casingfem.modal.family.window import Window, derivatives_of, window_of
+from casingfem.structure.field.field import Field, SumField
+from casingfem.structure.field.random import RandomField
+from casingfem.structure.shell.shell import Shell
+from contact.io.brief import brief
+
+MARGIN = 0.12  # of a frequency: pairs this near mix in one window
+MOST = 8  # pairs of a window
+LOT = 128  # casings at once: their products fit into the cache
+
+
+class Splits(NamedTuple):
+    """Pairs of many casings, (casings, pairs).
+
+    Attributes
+    ----------
+    freq : mean of the two frequencies [Hz]
+    split : (f_upper - f_lower)/mean
+    angle_deg : angle of an antinode of the lower member, from 0 to 180/n
+    share : of the energy of the two modes in the pair's waves; where two pairs mix this is low, and the pair no pair
+    """
+
+    freq: FloatArray
+    split: FloatArray
+    angle_deg: FloatArray
+    share: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SplitMap:
+    """From the Fourier series of a casing's imperfections to the splits of its pairs.
+
+    Attributes
+    ----------
+    family : the casings
+    n, rank : nodal diameters and meridional rank (from 1) of the pairs, ascending by frequency, (pairs,)
+    freq : frequencies of the perfect casing [Hz], (pairs,)
+    windows : which together answer for all pairs, in this order
+
+    Examples
+    --------
+    >>> import casingfem as cf
+    >>> lab = cf.field.RandomField.example(thickness=0.01, radius=0.5, seed=7, scale=0.1, p_max=8)
+    >>> tube = cf.Shell(chart=cf.Cylinder(radius=0.5, height=0.3), thickness=0.01, supports={"base": cf.Clamped()},
+    ...                 material=cf.Material(E=210e9, nu=0.3, rho=7800.0), radius_defect=lab,
+    ...                 mesh=cf.ShellMesh(order=5, rows=1, around=9))
+    >>> pairs = cf.modal.SplitMap.of(tube, 8)
+    >>> pairs.n.tolist(), pairs.splits(pairs.series([{"radius": lab.redrawn(k)} for k in range(3)])).split.shape
+    ([5, 6, 4, 7], (3, 4))
+    """
+
+    family: Family
+    n: IntArray
+    rank: IntArray
+    freq: FloatArray
+    windows: tuple[Window, ...]
+
+    __repr__ = brief
+
+    @classmethod
+    def of(cls, shell: Shell, count: int) -> "SplitMap | None":
+        """The map of a casing: all that its fields could be; None where a family cannot be made.
+
+        Parameters
+        ----------
+        shell
+            Any of the casings. Of its fields the quantities, the highest harmonics and the spectra count.
+        count
+            The pairs are those that the lowest `count` modes of the perfect casing complete.
+        """
+        family = Family.of(shell, count)
+        if family is None:
+            return None
+        own = family.expansion
+        size = np.array([field_size(shell.defects[name], own.p_max) for name in own.quantities])
+        order = np.lexsort((own.waves.n, np.abs(own.waves.n), own.waves.value))
+        place = np.argsort(order)
+        forth = order[own.waves.n[order] > 0]
+        back = np.array([opposite(own, wave) for wave in forth])
+        wanted = int(np.count_nonzero(np.maximum(place[forth], place[back]) < count))
+        freq, forms = frequencies(own.waves.value[forth]), derivatives_of(own)
+        windows = tuple(
+            window_of(own, forms, forth[at], back[at], size, answers) for at, answers in clusters(freq, wanted)
+        )
+        n, rank = own.waves.n[forth[:wanted]], own.waves.rank[forth[:wanted]] + 1
+        return cls(family=family, n=n, rank=rank, freq=freq[:wanted], windows=windows)
+
+    def series(self, casings: "list[dict[str, Field]]") -> Array:
+        """Series F of casings by their fields, (casings, l, 2 p_max + 1), p from -p_max to p_max."""
+        own = self.family.expansion
+        return np.array([[coefficients(fields[name], own.p_max) for name in own.quantities] for fields in casings])
+
+    def splits(self, series: Array) -> Splits:
+        """Pairs of casings with the series F (casings, l, 2 p_max + 1), p from -p_max to p_max."""
+        lots = [self.lot(series[first : first + LOT]) for first in range(0, len(series), LOT)]
+        return Splits(*(np.concatenate(part) for part in zip(*lots, strict=True)))
+
+    def lot(self, series: Array) -> Splits:
+        """Pairs of some casings."""
+        x = np.ascontiguousarray(series.reshape(len(series), -1).T)
+        parts = [answered(each, x) for each in self.windows]
+        return Splits(*(np.concatenate(part, axis=1) for part in zip(*parts, strict=True)))
+
+
+def answered(own: Window, x: Array) -> Splits:
+    """The pairs that a window answers for, of casings with coefficients x (l (2 p_max + 1), casings)."""
+    value, y = np.linalg.eigh(matrices(own, x))
+    pairs = len(own.n)
+    shares = y[:, :pairs] ** 2 + y[:, pairs:] ** 2  # (casings, pairs, modes)
+    shares = shares[:, own.own]
+    both = np.sort(np.argsort(-shares, axis=-1, kind="stable")[..., :2], axis=-1)
+    freq = frequencies(np.take_along_axis(value[:, None], both, axis=-1))
+    lower = np.take_along_axis(y, both[:, None, :, 0], axis=2)
+    at = np.arange(len(own.own))
+    cosine, sine = lower[:, own.own, at], lower[:, pairs + own.own, at]
+    n, mean = own.n[own.own], freq.mean(axis=-1)
+    angle = np.degrees(np.arctan2(sine, cosine) / n) % (180.0 / n)
+    share = np.take_along_axis(shares, both, axis=-1).min(axis=-1)
+    return Splits(mean, (freq[..., 1] - freq[..., 0]) / mean, angle, share)
+
+
+def matrices(own: Window, x: Array) -> FloatArray:
+    """K of a window where the mass is one, cosine members, then sine members, (casings, 2 pairs, 2 pairs)."""
+    pairs = len(own.n)
+    K, M = np.zeros((2, x.shape[1], 2, pairs, pairs), dtype=complex)
+    for entry in own.entries:
+        sums = np.add.reduce([power.sums(x) for power in entry.powers])
+        K[:, entry.sense, entry.b, entry.a], M[:, entry.sense, entry.b, entry.a] = sums
+    stiffness, E = real_form(K), real_form(M)
+    both = np.arange(2 * pairs)
+    stiffness[:, both, both] += np.tile(own.value, 2)
+    root = np.eye(2 * pairs) - 0.5 * E + 0.375 * (E @ E)  # (1 + E)^(-1/2)
+    return np.asarray(root @ stiffness @ root)
+
+
+def real_form(waves: Array) -> FloatArray:
+    """Symmetric matrices on cosine and sine members from what is between waves, (casings, sense, b, a), a <= b."""
+    strict = np.tril(np.ones(waves.shape[-2:]), -1)
+    full = waves[:, 0] + (waves[:, 0] * strict).conj().swapaxes(1, 2)
+    turned = waves[:, 1] + (waves[:, 1] * strict).swapaxes(1, 2)
+    top = np.concatenate([full.real + turned.real, full.imag - turned.imag], axis=2)
+    bottom = np.concatenate([-full.imag - turned.imag, full.real - turned.real], axis=2)
+    return np.concatenate([top, bottom], axis=1)
+
+
+def opposite(own: Expansion, wave: int) -> int:
+    """The wave that travels the other way."""
+    return int(np.flatnonzero((own.waves.n == -own.waves.n[wave]) & (own.waves.rank == own.waves.rank[wave]))[0])
+
+
+def clusters(freq: FloatArray, wanted: int) -> Iterator[tuple[IntArray, IntArray]]:
+    """Pairs of each window and the places in it of those that it answers for; `freq` ascends."""
+    first = 0
+    while first < wanted:
+        last = first
+        while last + 1 < wanted and len(near(freq, first, last + 1)) <= MOST:
+            last += 1
+        inside = near(freq, first, last)
+        yield inside, np.flatnonzero((inside >= first) & (inside <= last))
+        first = last + 1
+
+
+def near(freq: FloatArray, first: int, last: int) -> IntArray:
+    """Pairs within the margin of the frequencies from one to another."""
+    return np.flatnonzero((freq >= freq[first] * (1.0 - MARGIN)) & (freq <= freq[last] * (1.0 + MARGIN)))
+
+
+def field_size(field: Field, p_max: int) -> FloatArray:
+    """Root mean square of the coefficients F[p] of a field over its draws, (2 p_max + 1,)."""
+    parts = field.fields if isinstance(field, SumField) else (field,)
+    square = np.zeros(2 * p_max + 1)
+    for part in parts:
+        if isinstance(part, SumField):
+            square += field_size(part, p_max) ** 2
+        elif isinstance(part, RandomField):
+            size = 0.5 * part.spectrum.rms
+            np.add.at(square, p_max + part.spectrum.p, size**2)
+            np.add.at(square, p_max - part.spectrum.p, size**2)
+        elif terms_of(part) is not None:
+            square += np.abs(coefficients(part, p_max)) ** 2
+    return np.sqrt(square)

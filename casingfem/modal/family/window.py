@@ -1,0 +1,270 @@
+"""Pairs of nearby frequency of a family's casings: their stiffness and mass to third order in the imperfections.
+
+Trial motions are the waves u_a with what answers them to first order, v_a = u_a + sum_k F_l[k - n_a] X_(l,k,a)
+(`expansion`). With D = K - w^2 M of a casing, the terms of v_b^H D v_a by powers of F are
+
+    1  <u_b|D_1|u_a>
+    2  <u_b|D_2|u_a> + <u_b|D_1|X_a> + <X_b|D_1|u_a> + <X_b|D_0|X_a>
+    3  <u_b|D_3|u_a> + <u_b|D_2|X_a> + <X_b|D_2|u_a> + <X_b|D_1|X_a>
+
+each a sum over the harmonics by way of which a meets b. K and M have their own terms of the first and second power. In
+the third w^2 is the mean of both waves. The least of Rayleigh's quotient with them is right to third order.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from casingfem.io.arrays import Array, FloatArray, IntArray
+from casingfem.modal.family.expansion import Expansion, between, second_order
+from casingfem.modal.family.monomials import Monomials, collected
+from casingfem.modal.family.point_forms import (
+    Forms,
+    Slot,
+    first_derivatives,
+    forms_at,
+    second_derivatives,
+    slots_of,
+    third_derivatives,
+)
+from casingfem.modal.family.waves import Waves
+
+Two: TypeAlias = tuple[Array, Array]  # of stiffness and of mass
+
+
+class Columns(NamedTuple):
+    """Motions at the points, (points 15, columns), and the shape of what the columns are."""
+
+    jets: Array
+    shape: tuple[int, ...]
+
+
+class Entry(NamedTuple):
+    """One number between pairs b and a of a window: from wave +n_a (sense 0) or -n_a (sense 1) to +n_b."""
+
+    b: int
+    a: int
+    sense: int
+    powers: tuple[Monomials, ...]
+
+
+class Window(NamedTuple):
+    """Pairs that mix, and those of them that the window answers for.
+
+    Attributes
+    ----------
+    n : nodal diameters, (pairs,)
+    value : omega^2 of the perfect casing, (pairs,)
+    own : places of the pairs that are answered for
+    entries : what is between the pairs; the sums of each are of K and of M
+    """
+
+    n: IntArray
+    value: FloatArray
+    own: IntArray
+    entries: tuple[Entry, ...]
+
+
+class Derivatives(NamedTuple):
+    """Forms of the perfect casing and their derivatives by slots, up to the third."""
+
+    slots: tuple[Slot, ...]
+    none: Forms
+    first: list[Forms]
+    second: dict[tuple[int, int], Forms]
+    third: dict[tuple[int, int, int], Forms]
+
+
+def derivatives_of(own: Expansion) -> Derivatives:
+    """Those of the expansion's casing."""
+    slots = slots_of(own.quantities)
+    given = own.shell, own.quantities
+    about = np.zeros(len(slots))
+    return Derivatives(
+        slots,
+        Forms(*(part.real for part in forms_at(*given, about, own.places))),
+        first_derivatives(*given, own.places, about),
+        second_derivatives(*given, own.places),
+        third_derivatives(*given, own.places),
+    )
+
+
+def window_of(
+    own: Expansion, forms: Derivatives, forth: IntArray, back: IntArray, size: FloatArray, answers: IntArray
+) -> Window:
+    """The window of some pairs, waves `forth` and `back`.
+
+    `size` (l, 2 p_max + 1) is the root mean square of the fields' harmonics: what is small with it is left out.
+    """
+    terms = Terms.of(own, forms, np.concatenate([forth, back]), len(forth))
+    entries = []
+    for b in range(len(forth)):
+        for a in range(b + 1):
+            for sense in (0, 1):
+                entries.append(Entry(b, a, sense, powers_of(terms, b, a + sense * len(forth), size)))
+    return Window(own.waves.n[forth], own.waves.value[forth], answers, tuple(entries))
+
+
+def powers_of(terms: "Terms", b: int, a: int, size: FloatArray) -> tuple[Monomials, ...]:
+    """The products between two waves of a window; of those that are small beside the largest, none."""
+    found: list[Monomials] = []
+    scale = 0.0
+    for factor, value in (terms.first(b, a), terms.second(b, a), terms.third(b, a)):
+        flat = factor[..., 0] * size.shape[1] + factor[..., 1]
+        weight = np.abs(value[:, 0]) * np.prod(size.ravel()[flat], axis=1)
+        scale = max(scale, float(weight.max(initial=0.0)))
+        found.append(collected(flat, value, size.ravel(), scale))
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Terms:
+    """Coefficients of the products of harmonics between the waves of a window.
+
+    Attributes
+    ----------
+    own, forms, waves : the expansion, its forms, and places of the window's waves in it
+    low : those waves
+    direct : K_2 and M_2 of the second derivatives alone
+    between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a
+    first_right, first_left, first_both : <u|D_1|X>, <X|D_1|u>, <X|D_1|X> of each slot: stiffness and mass
+    second_right, second_left : <u|D_2|X>, <X|D_2|u> of each two slots
+    third_none : <u|D_3|u> of each three slots
+    """
+
+    own: Expansion
+    forms: Derivatives
+    waves: IntArray
+    low: Waves
+    direct: tuple[FloatArray, FloatArray]
+    between_answers: FloatArray
+    first_right: list[Two]
+    first_left: list[Two]
+    first_both: list[Two]
+    second_right: dict[tuple[int, int], Two]
+    second_left: dict[tuple[int, int], Two]
+    third_none: dict[tuple[int, int, int], Two]
+
+    @classmethod
+    def of(cls, own: Expansion, forms: Derivatives, waves: IntArray, pairs: int) -> "Terms":
+        """Those of some waves, the first `pairs` of which are +n of the pairs."""
+        low, X = own.waves.chosen(waves), answers_of(own, waves)  # (l, ways, points 15, waves)
+        right, left, ways = columns(X), columns(X[..., :pairs]), range(X.shape[1])
+        u_left, u = Columns(low.jets[:, :pairs], (pairs,)), Columns(low.jets, (len(waves),))
+        at_way = [inner(columns(X[:, k : k + 1, :, :pairs]), forms.none, columns(X[:, k : k + 1])) for k in ways]
+        parts = [np.array([pair[kind][:, 0, :, :, 0].real for pair in at_way]) for kind in (0, 1)]
+        return cls(
+            own=own,
+            forms=forms,
+            waves=waves,
+            low=low,
+            direct=second_order(low, own.k, forms.slots, forms.second, own.quantities),
+            between_answers=np.array(parts),
+            first_right=[inner(u_left, form, right) for form in forms.first],
+            first_left=[inner(left, form, u) for form in forms.first],
+            first_both=[inner(left, form, right) for form in forms.first],
+            second_right={slots: inner(u_left, form, right) for slots, form in forms.second.items()},
+            second_left={slots: inner(left, form, u) for slots, form in forms.second.items()},
+            third_none={slots: inner(u_left, form, u) for slots, form in forms.third.items()},
+        )
+
+    def lines_of(self, line: int) -> list[int]:
+        """Slots of a field."""
+        return [s for s, slot in enumerate(self.forms.slots) if slot.quantity == self.own.quantities[line]]
+
+    def first(self, b: int, a: int) -> tuple[IntArray, FloatArray]:
+        """Of the first power."""
+        p, top = int(self.low.n[b] - self.low.n[a]), self.own.p_max
+        lines = [line for line in range(len(self.own.quantities)) if abs(p) <= top]
+        factor = np.array([[(line, p + top)] for line in lines], dtype=np.int64).reshape(-1, 1, 2)
+        at = self.waves[b], self.waves[a]
+        value = np.array([(self.own.K_1[line][at], self.own.M_1[line][at]) for line in lines]).reshape(-1, 2)
+        return factor, value
+
+    def second(self, b: int, a: int) -> tuple[IntArray, FloatArray]:
+        """Of the second power."""
+        k, top, order = self.own.k, self.own.p_max, [slot.order for slot in self.forms.slots]
+        p1, p2 = k - self.low.n[a], self.low.n[b] - k
+        used = np.flatnonzero((np.abs(p1) <= top) & (np.abs(p2) <= top))
+        factors, values = [], []
+        for line, other in product(range(len(self.own.quantities)), repeat=2):
+            value = np.zeros((len(used), 2))
+            for kind in (0, 1):
+                own = self.direct[kind][used, line, other, b, a] + self.between_answers[kind, used, other, b, line, a]
+                for s in self.lines_of(other):
+                    own = own + ((1j * p2[used]) ** order[s] * self.first_right[s][kind][b, line, used, a]).real
+                for s in self.lines_of(line):
+                    own = own + ((1j * p1[used]) ** order[s] * self.first_left[s][kind][other, used, b, a]).real
+                value[:, kind] = own
+            one, two = np.full(len(used), line), np.full(len(used), other)
+            factors.append(np.stack([np.stack([one, p1[used] + top], -1), np.stack([two, p2[used] + top], -1)], axis=1))
+            values.append(value)
+        return np.concatenate(factors), np.concatenate(values)
+
+    def third(self, b: int, a: int) -> tuple[IntArray, FloatArray]:
+        """Of the third power; M's is in K's."""
+        k, top = self.own.k, self.own.p_max
+        square = 0.5 * float(self.low.value[a] + self.low.value[b])
+        p1, p2, p3 = (k - self.low.n[a])[:, None], k - k[:, None], self.low.n[b] - k  # (first way, second way)
+        used = (np.abs(p1) <= top) & (np.abs(p2) <= top) & (np.abs(p3) <= top)
+        i, j = np.nonzero(used)
+        p1, p2, p3 = p1[i, 0], p2[i, j], p3[j]
+        factors, values = [], []
+        for lines in product(range(len(self.own.quantities)), repeat=3):
+            found = self.third_of(lines, (b, a), (i, j), (p1, p2, p3), square)
+            parts = [np.stack([np.full(len(i), f), p + top], -1) for f, p in zip(lines, (p1, p2, p3), strict=True)]
+            factors.append(np.stack(parts, axis=1))
+            values.append(np.stack([found, np.zeros(len(i))], axis=1))
+        return np.concatenate(factors), np.concatenate(values)
+
+    def third_of(
+        self,
+        lines: tuple[int, ...],
+        waves: tuple[int, int],
+        ways: tuple[IntArray, IntArray],
+        p: tuple[IntArray, IntArray, IntArray],
+        square: float,
+    ) -> FloatArray:
+        """Terms of the third power of three fields with harmonics p, by way of two `ways`; D = K - `square` M."""
+        (b, a), (i, j), (first, second, third) = waves, ways, lines
+        about = [[(1j * each) ** slot.order for slot in self.forms.slots] for each in p]
+
+        def D(parts: Two, *at: int | IntArray) -> Array:
+            return np.asarray(parts[0][at] - square * parts[1][at])
+
+        found = np.zeros(len(i), dtype=complex)
+        for s in self.lines_of(second):
+            found += about[1][s] * D(self.first_both[s], third, j, b, first, i, a)
+            for t in self.lines_of(third):
+                found += 0.5 * about[1][s] * about[2][t] * D(self.second_right[s, t], b, first, i, a)
+                for r in self.lines_of(first):
+                    found += about[0][r] * about[1][s] * about[2][t] * D(self.third_none[r, s, t], b, a) / 6.0
+            for r in self.lines_of(first):
+                found += 0.5 * about[0][r] * about[1][s] * D(self.second_left[r, s], third, j, b, a)
+        return np.asarray(found.real)
+
+
+def columns(X: Array) -> Columns:
+    """Answers (l, ways, points 15, waves) side by side."""
+    lines, ways, points, count = X.shape
+    return Columns(np.moveaxis(X, 2, 0).reshape(points, -1), (lines, ways, count))
+
+
+def inner(left: Columns, form: Forms, right: Columns) -> Two:
+    """left^H form right once around, of stiffness and of mass, by the places of both sides."""
+    stiffness, mass = (part.reshape(*left.shape, *right.shape) for part in between(left, form, right))
+    return stiffness, mass
+
+
+def answers_of(own: Expansion, waves: IntArray) -> Array:
+    """What answers some waves of an expansion by way of each k, its other waves too: (l, ways, points 15, waves)."""
+    value = own.waves.value
+    X = own.answers[..., waves].copy()
+    for j in np.setdiff1d(np.arange(len(value)), waves):
+        way = int(np.searchsorted(own.k, own.waves.n[j]))
+        reach = np.abs(own.waves.n[j] - own.waves.n[waves]) <= own.p_max
+        r = (own.K_1[:, j, waves] - value[waves] * own.M_1[:, j, waves]) * reach / (value[j] - value[waves])
+        X[:, way] -= own.waves.jets[:, j][:, None] * r[:, None]
+    return X

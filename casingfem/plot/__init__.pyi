@@ -1,0 +1,9 @@
+from .page import Picture, Section, Table, Verdict, render_page
+
+__all__ = [
+    "Picture",
+    "Section",
+    "Table",
+    "Verdict",
+    "render_page",
+]

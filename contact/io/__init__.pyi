@@ -1,0 +1,9 @@
+from .columns import Column, records_of, table_lines
+from .reported import Reported
+
+__all__ = [
+    "Column",
+    "Reported",
+    "records_of",
+    "table_lines",
+]

@@ -1,0 +1,137 @@
+"""The facts of someone's matrices and of the modes that are kept: mass, centre, inertia, coupling, what S takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contact.base.arrays import Array
+
+if TYPE_CHECKING:
+    from contact.model.bodies.matrices import Matrices
+
+UNEQUAL = 1e-2  # of masses along x, y, z: one centre and inertia need one mass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MatrixReport:
+    """What to know of matrices before anything is done with them.
+
+    `mass` [kg] along x, y, z (equal for a whole body without scalar dofs left out); `centre` [m] and `inertia` [kg m^2]
+    about it, None without points; `rigid` modes at zero frequency; `skew` of M and K relative to the entries in the
+    same rows; `massless` dofs; `freq_hz` the lowest elastic frequencies; `kept` modes of `size` unknowns; `residual`
+    the share of S in the static compliance at the contact; `coupling` the largest damping between two modes by C over
+    their own; `structural` the least and largest loss factor g of a mode by structural damping, `structural_coupling`
+    the largest between two modes over their own; None without. `gyroscopic` and `cross`: whether there is a gyroscopic
+    matrix, a nonsymmetric stiffness; `rigid_motion` what the test of rigid motions found.
+
+    >>> import contact as ct
+    >>> K = 1e6 * np.array([[2.0, -1.0], [-1.0, 1.0]])
+    >>> chain = ct.bodies.Matrices.of(K=K, M=np.eye(2), dofs=[(1, "x"), (2, "x")])
+    >>> _, report = ct.bodies.body_of(chain, [(2, "x")])
+    >>> report.size, report.rigid, [round(one, 2) for one in report.freq_hz]
+    (2, 0, [98.36, 257.52])
+    """
+
+    size: int
+    mass: tuple[float, float, float]
+    centre: tuple[float, ...] | None
+    inertia: tuple[tuple[float, ...], ...] | None
+    rigid: int
+    massless: int
+    skew: tuple[float, float]
+    freq_hz: tuple[float, ...]
+    kept: int
+    residual: float
+    coupling: float | None
+    structural: tuple[float, float] | None = None
+    structural_coupling: float = 0.0
+    gyroscopic: bool = False
+    cross: bool = False
+    rigid_motion: str = ""
+
+    def __str__(self) -> str:
+        """The lines of the printout."""
+        lines = [
+            f"{self.size} unknowns, {self.massless} of them without mass, {self.rigid} rigid modes",
+            f"mass [kg]: {' '.join(f'{m:.6g}' for m in self.mass)} along x, y, z",
+        ]
+        if self.centre is not None and self.inertia is not None:
+            lines.append(f"centre [m]: {' '.join(f'{x:.6g}' for x in self.centre)}")
+            rows = "; ".join(" ".join(f"{x:.6g}" for x in row) for row in self.inertia)
+            lines.append(f"inertia about it [kg m^2]: {rows}")
+        else:
+            lines.append("inertia: not known without the positions of the nodes, or with masses that differ")
+        lines.append(f"asymmetry of M and K: {self.skew[0]:.1e}, {self.skew[1]:.1e} of the entries in the same rows")
+        lines.append(f"lowest elastic frequencies [Hz]: {' '.join(f'{f:.6g}' for f in self.freq_hz)}")
+        if self.coupling is not None:
+            lines.append(f"damping between modes: up to {self.coupling:.2g} of their own, kept in the basis")
+        if self.gyroscopic:
+            lines.append("gyroscopic matrix: kept between the modes, by the speed")
+        if self.cross:
+            lines.append(
+                "nonsymmetric stiffness: its skew part is kept between the modes, not in the residual compliance"
+            )
+        if self.structural is not None:
+            least, most = self.structural
+            lines.append(
+                f"structural damping: g from {least:.4g} to {most:.4g}, taken as zeta = g/2 of each mode: "
+                "the same at resonance alone"
+            )
+            if self.structural_coupling > 0.0:
+                share = f"up to {self.structural_coupling:.2g} of their own"
+                lines.append(f"structural damping between modes: {share}, left out")
+        if self.rigid_motion:
+            lines.append(self.rigid_motion)
+        return "\n".join([*lines, self.words])
+
+    @property
+    def words(self) -> str:
+        """Whether the basis has residual compliance, and what that means."""
+        if self.residual > 0.0:
+            return (
+                f"residual compliance: present, {100 * self.residual:.3g} % of the static compliance at the contact; "
+                f"without it the {self.kept} modes would be so much too stiff there"
+            )
+        return (
+            "residual compliance: none, all modes are kept; statics are exact, but the contact then carries mass and "
+            "the step must resolve the highest mode: keep fewer modes, and S takes the rest"
+        )
+
+
+def report_of(
+    matrices: Matrices, lam: Array, rigid: int, kept: int, residual: float, coupling: float | None
+) -> MatrixReport:
+    """The facts of matrices and of the modes kept."""
+    motions = matrices.rigid_motions()
+    inertia = motions.T @ (matrices.M @ motions)
+    mass = np.diag(inertia)[:3]
+    known = all(node in matrices.points for node, axis in matrices.dofs if axis != "q") and mass.min() > 0.0
+    known = known and np.ptp(mass) <= UNEQUAL * mass.max()  # supports may leave out single directions
+    centre = about = None
+    if known:
+        # the mean of the diagonal's three masses: the part of the first moment that is skew gives the centre
+        m = float(mass.mean())
+        first = inertia[:3, 3:]
+        x = np.array([first[1, 2] - first[2, 1], first[2, 0] - first[0, 2], first[0, 1] - first[1, 0]]) / (2.0 * m)
+        steiner = m * (x @ x * np.eye(3) - np.outer(x, x))
+        centre = tuple(x.tolist())
+        about = tuple(map(tuple, (inertia[3:, 3:] - steiner).tolist()))
+    a, b, c = mass.tolist()
+    return MatrixReport(
+        size=matrices.size,
+        mass=(a, b, c),
+        centre=centre,
+        inertia=about,
+        rigid=rigid,
+        massless=int(np.count_nonzero(matrices.M.diagonal() == 0.0)),
+        skew=matrices.skew,
+        freq_hz=tuple((np.sqrt(lam[rigid : rigid + 6]) / (2.0 * np.pi)).tolist()),
+        kept=kept,
+        residual=residual,
+        coupling=coupling,
+        gyroscopic=matrices.G is not None,
+        cross=matrices.cross is not None,
+    )

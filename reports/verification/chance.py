@@ -1,0 +1,175 @@
+"""Chances of a family of casings: splits against full solutions, and estimates against a distribution that is known.
+
+`python -m reports.verification.chance [--quick] [--out DIR]` prints three tables and writes them as CSV.
+
+- Splits of the casing of data/studies/mistuning.toml by the map of its family, against its own energies (Rayleigh's
+  quotient) and against full solutions of the shell; the time of 100,000 casings.
+- The same casing with a thousandth of its imperfections: first-order theory gives the split of a pair of n diameters as
+  a constant times the amplitude of harmonic 2n, whose distribution is known. Quantiles of the draws, how often their
+  intervals have the true probability in 200 repetitions, and an event of 1e-5 by subset simulation.
+"""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtr
+
+import casingfem as cf
+from casingfem.chance.fields import RandomSeries
+from casingfem.io.arrays import FloatArray
+from casingfem.modal.mistuning import redrawn_shell
+from casingfem.structure.field.random import RandomField
+from reports.tables import DATA, Row, check, command_line, show, write
+
+COUNT = 24
+SMALL = 1e-3  # of the imperfections: to first order alone
+PURE = 0.7  # of the energy of both modes in one pair's waves: below, two pairs are mixed and neither is a pair
+N = 5  # nodal diameters of the pair of the second and third table
+RARE = 1e-5
+LOT = 4096  # casings drawn at once
+
+
+def main(out: Path, quick: bool = False) -> list[Row]:
+    """Print and write the three tables."""
+    casing = cf.load_study(DATA / "studies" / "mistuning.toml").structure
+    assert isinstance(casing, cf.Shell)
+    family = family_rows(casing, 4 if quick else 500, 1 if quick else 40, 256 if quick else 100_000)
+    linear = linear_rows(casing, 512 if quick else 16_384)
+    repeated = repeated_rows(casing, 4 if quick else 200, 1 if quick else 50)
+    for title, name, rows in (
+        ("Splits and orientations of the family", "chance_family", family),
+        ("Quantiles of a split that is linear in the imperfection", "chance_quantiles", linear),
+        ("Intervals and a rare event", "chance_repeated", repeated),
+    ):
+        show(title, rows)
+        write(out / f"{name}.csv", rows)
+    return [*family, *linear, *repeated]
+
+
+# --- the family -----------------------------------------------------------------------------------------------
+
+
+def family_rows(casing: cf.Shell, near: int, full: int, many: int) -> list[Row]:
+    """Differences to the casings' own energies and to full solutions, and the time of many casings."""
+    pairs = map_of(casing)
+    rows = []
+    for name, draws in (("own energies", near), ("full solutions", full)):
+        found = [differences(pairs, casing, draw, name == "full solutions") for draw in range(draws)]
+        split, angle, largest, mixed = (np.concatenate([each[k] for each in found]) for k in range(4))
+        clear = ~mixed.astype(bool)
+        rows.append({
+            "against": name, "casings": draws, "pairs": len(split), "mixed": int(mixed.sum()),
+            "split: median %": 100.0 * float(np.median(split[clear])),
+            "99 % of pairs %": 100.0 * float(np.quantile(split[clear], 0.99)),
+            "within 2 %": float(np.mean(split[clear] <= 0.02)),
+            "of the largest split, within 2 %": float(np.mean(largest <= 0.02)),
+            "orientation within 2 % of its period": float(np.mean(angle[clear] <= 0.02)),
+        })  # fmt: skip
+    began, wall = time.process_time(), time.perf_counter()
+    own = RandomSeries.of(casing)
+    for first in range(0, many, LOT):
+        lot = range(first, min(first + LOT, many))
+        pairs.splits(own.series(cf.chance.points(7, lot, own.dimension)))
+    rows.append({
+        "against": "time", "casings": many, "pairs": many * len(pairs.n),
+        "processor ms a casing": 1e3 * (time.process_time() - began) / many,
+        "seconds": time.perf_counter() - wall,
+    })  # fmt: skip
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [{name: row.get(name) for name in names} for row in rows]
+
+
+def map_of(casing: cf.Shell) -> Any:
+    """The map of the casing's pairs."""
+    found = cf.modal.SplitMap.of(casing, COUNT)
+    assert found is not None
+    return found
+
+
+def differences(pairs: Any, casing: cf.Shell, draw: int, in_full: bool) -> tuple[FloatArray, ...]:
+    """Of each pair of a draw: relative error of the split, of the angle by its period, of the largest split; mixed."""
+    shell = redrawn_shell(casing, draw)
+    found = pairs.splits(pairs.series([dict(shell.defects)]))
+    truth = cf.modes(shell, COUNT, method="shell") if in_full else pairs.family.near(shell.defects, COUNT).modes
+    rows = []
+    for (low, _), split in zip(truth.doublets, truth.splits, strict=True):
+        j = np.flatnonzero((pairs.n == truth.nodal_diameters[low]) & (pairs.rank == truth.meridional[low]))
+        if len(j):
+            k, period = int(j[0]), 180.0 / int(truth.nodal_diameters[low])
+            turned = abs((found.angle_deg[0, k] - truth.angle_deg[low] + 0.5 * period) % period - 0.5 * period)
+            off = abs(found.split[0, k] - split)
+            rows.append((off / split, turned / period, off / truth.splits.max(), float(found.share[0, k] < PURE)))
+    return tuple(np.array(part) for part in zip(*rows, strict=True))
+
+
+# --- a distribution that is known -----------------------------------------------------------------------------
+
+
+class Linear:
+    """The split of one pair, of casings with a thousandth of the imperfection of the radius alone."""
+
+    def __init__(self, casing: cf.Shell) -> None:
+        radius = casing.defects["radius"]
+        assert isinstance(radius, RandomField)
+        small = replace(radius, spectrum=radius.spectrum.scaled(SMALL))
+        self.casing = replace(casing, radius_defect=small, thickness_defect=None)
+        self.series = RandomSeries.of(self.casing)
+        self.pairs = map_of(self.casing)
+        self.place = int(np.flatnonzero((self.pairs.n == N) & (self.pairs.rank == 1))[0])
+        self.spectrum, self.dimension = small.spectrum, self.series.dimension
+        self.line = int(np.flatnonzero(self.spectrum.p == 2 * N)[0])
+        self.slope = float(self.splits(np.full((1, self.dimension), 0.5))[0] / self.spectrum.median[self.line])
+
+    def splits(self, u: FloatArray) -> FloatArray:
+        """Splits of points in the unit cube, (points,)."""
+        return np.asarray(self.pairs.splits(self.series.series(u)).split[:, self.place])
+
+    def quantile(self, at: float) -> float:
+        """What first-order theory gives."""
+        return self.slope * float(self.spectrum.amplitudes(np.full(len(self.spectrum.p), at))[self.line])
+
+
+def linear_rows(casing: cf.Shell, draws: int) -> list[Row]:
+    """Quantiles of the draws against those of the amplitude."""
+    own = Linear(casing)
+    splits = own.splits(cf.chance.points(11, range(draws), own.dimension))
+    rows = []
+    for at in (0.05, 0.5, 0.9, 0.99):
+        found, exact = cf.chance.quantile(splits, at), own.quantile(at)
+        allowed = 100.0 * max(found.high / exact - 1.0, 1.0 - found.low / exact)
+        rows.append(check(f"{100 * at:g} % quantile, {draws} draws", "first order", exact, found.value, allowed))
+    return rows
+
+
+def repeated_rows(casing: cf.Shell, repetitions: int, rare: int) -> list[Row]:
+    """How often intervals have the truth; an event of 1e-5 by subset simulation."""
+    own = Linear(casing)
+    rows: list[Row] = []
+    for at in (0.5, 0.9, 0.98):
+        limit, inside = own.quantile(at), 0
+        for seed in range(repetitions):
+            found = cf.chance.probability(own.splits(cf.chance.points(seed, range(512), own.dimension)) > limit)
+            inside += found.low <= 1.0 - at <= found.high
+        rows.append({"what": f"interval of a probability of {1.0 - at:.2g}", "repetitions": repetitions,
+                     "has the truth": inside / repetitions})  # fmt: skip
+    limit = own.quantile(1.0 - RARE)
+
+    def response(x: FloatArray) -> FloatArray:
+        return own.splits(np.clip(ndtr(x), 1e-300, 1.0 - 2.0**-53))
+
+    found = [cf.chance.subset_simulation(response, own.dimension, limit, seed=seed) for seed in range(rare)]
+    chances = np.array([each.probability for each in found]) / RARE
+    rows.append({
+        "what": f"subset simulation of {RARE:g}", "repetitions": rare, "mean over truth": float(chances.mean()),
+        "variation": float(chances.std()), "its own estimate": float(np.mean([each.variation for each in found])),
+        "within 20 %": float(np.mean(np.abs(chances - 1.0) <= 0.2)), "runs": float(np.mean([r.runs for r in found])),
+    })  # fmt: skip
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [{name: row.get(name) for name in names} for row in rows]
+
+
+if __name__ == "__main__":
+    command_line(__doc__, main)

@@ -1,0 +1,92 @@
+"""Estimates from draws against distributions that are known: intervals, quantiles, rare events, Sobol indices."""
+
+import numpy as np
+import pytest
+from scipy.special import ndtri
+
+import casingfem as cf
+
+CHANCE = 0.1
+
+
+def rayleigh(u):
+    """Splits to first order: of two normal coefficients, half of the square of which is exponential."""
+    x, y = ndtri(u[:, 0]), ndtri(u[:, 1])
+    return np.hypot(x, y)
+
+
+def test_points_of_a_draw_do_not_depend_on_the_others():
+    together = cf.chance.points(3, range(64), 5)
+    assert np.array_equal(np.vstack([cf.chance.points(3, range(k, k + 16), 5) for k in (0, 16, 32, 48)]), together)
+    assert not np.array_equal(cf.chance.points(4, range(64), 5), together)
+
+
+@pytest.mark.slow
+def test_intervals_of_probabilities_contain_the_truth_as_often_as_they_say():
+    """93 to 97 % of 200 repetitions, where Clopper's and Pearson's own, for independent draws, are too wide."""
+    inside = plain = 0
+    for seed in range(200):
+        hit = ndtri(cf.chance.points(seed, range(512), 6)).sum(axis=1) / np.sqrt(6.0) > ndtri(1.0 - CHANCE)
+        found, wide = cf.chance.probability(hit), cf.chance.clopper_pearson(int(hit.sum()), 512)
+        inside += found.low < CHANCE < found.high
+        plain += wide.low < CHANCE < wide.high
+    assert 186 <= inside <= 194
+    assert plain > inside
+
+
+def test_quantiles_of_splits_to_first_order_are_those_of_rayleigh():
+    splits = rayleigh(cf.chance.points(5, range(4096), 2))
+    for at in (0.5, 0.9, 0.99):
+        found = cf.chance.quantile(splits, at)
+        exact = np.sqrt(-2.0 * np.log(1.0 - at))
+        assert found.low < exact < found.high
+        assert found.value == pytest.approx(exact, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_rare_event_is_found_within_a_fifth_of_its_probability():
+    """1e-5 by 1e4 evaluations: the mean of 20 repetitions, and their spread as each estimates it."""
+    threshold = np.sqrt(2.0 * np.log(1e5))
+    found = [
+        cf.chance.subset_simulation(lambda u: np.hypot(u[:, 0], u[:, 1]), 20, threshold, seed=seed)
+        for seed in range(20)
+    ]
+    chances = np.array([each.probability for each in found])
+    assert np.mean([each.runs for each in found]) < 11_000
+    assert chances.mean() == pytest.approx(1e-5, rel=0.2)
+    assert chances.std() / chances.mean() == pytest.approx(np.mean([each.variation for each in found]), rel=0.5)
+
+
+@pytest.mark.slow
+def test_sobol_indices_of_ishigami_are_those_of_its_formula():
+    """I. Sobol, Y. Levitan, Comput. Phys. Comm. 117, 1999, 52: a = 7, b = 0.1."""
+
+    def results(u):
+        x = np.pi * (2.0 * u - 1.0)
+        return (np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0]))[:, None]
+
+    groups = {name: slice(k, k + 1) for k, name in enumerate("abc")}
+    (rows,) = cf.chance.importance(results, groups, 3, seed=7, size=2048)
+    assert [row.first for row in rows] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.02)
+    assert [row.total for row in rows] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: cf.chance.clopper_pearson(3, 2), "3 hits, 2 draws"),
+        (lambda: cf.chance.quantile(np.zeros(0), 0.5), "0 values"),
+        (lambda: cf.chance.points(1, range(0, 16), 0), "0 random numbers"),
+        (lambda: cf.chance.points(1, range(5, 16), 2), "multiple of 16"),
+        (lambda: cf.chance.importance(np.sin, {}, 1, seed=1), "a power of 2 and a group"),
+        (lambda: cf.chance.subset_simulation(np.sin, 1, 1.0, seed=1, size=10), "100 evaluations"),
+    ],
+)
+def test_what_cannot_be_estimated_is_refused(call, words):
+    with pytest.raises(cf.errors.InputError, match=words):
+        call()
+
+
+def test_an_event_that_cannot_happen_ends_as_an_error():
+    with pytest.raises(cf.errors.NumericsError, match="cannot be reached"):
+        cf.chance.subset_simulation(lambda u: np.minimum(u[:, 0], 1.0), 2, 2.0, seed=1, size=200)

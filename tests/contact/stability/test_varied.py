@@ -1,0 +1,54 @@
+"""Growth of closed contact of many cases at once: that of each case by itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact as ct
+from tests.contact.synthetic_rim import blade, ring
+
+SPEEDS = np.array([6.0, 20.0, 31.0])
+
+
+def cases(count, modes, seed=3):
+    rng = np.random.default_rng(seed)
+    return ct.stability.Cases(
+        casing=np.repeat(1.0 + 0.02 * rng.standard_normal((count, modes // 2)), 2, axis=1),
+        blade=1.0 + 0.05 * rng.standard_normal(count), mu=0.4 * rng.random(count),
+    )  # fmt: skip
+
+
+def alone(rim, varied, k):
+    """One case as bodies of their own."""
+    own = rim.blade.retuned(float(varied.blade[k]) * float(rim.blade.omega[0]) / (2.0 * np.pi))
+    casing = replace(rim.casing, omega=rim.casing.omega * varied.casing[k])
+    return ct.stability.of_rim(replace(rim, casing=casing, blade=own), SPEEDS, mu=float(varied.mu[k])).growth
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turning", ["blades", "casing"])
+def test_growth_of_a_case_is_that_of_its_own_bodies(turning):
+    rim = ct.RotatingRim(ring(), blade(), clearance=0.0, speed_hz=5.0, lean_deg=10.0, turning=turning)
+    varied = cases(4, rim.casing.omega.size)
+    found = ct.stability.growth_of_cases(rim, SPEEDS, varied)
+    expected = np.array([alone(rim, varied, k) for k in range(4)])
+    assert expected.max() > 1.0
+    assert np.allclose(found, expected, rtol=1e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("what", "speeds", "varied", "words"),
+    [
+        ({}, [0.0, 5.0], {}, "above 0"),
+        ({}, [5.0], {"casing": np.ones((2, 3))}, "3 modes, expected 10"),
+        ({}, [5.0], {"mu": np.array([0.1, -0.1])}, "friction below 0"),
+        ({}, [5.0], {"blade": np.array([1.0, 0.0])}, "not above 0"),
+        ({}, [5.0], {"mu": np.zeros(3)}, "expected \\(cases, modes\\)"),
+    ],
+)
+def test_cases_that_cannot_be_are_refused(what, speeds, varied, words):
+    rim = ct.RotatingRim(ring(), blade(), clearance=0.0, speed_hz=5.0, **what)
+    given = {"casing": np.ones((2, 10)), "blade": np.ones(2), "mu": np.zeros(2)} | varied
+    with pytest.raises(ct.InputError, match=words):
+        ct.stability.growth_of_cases(rim, np.array(speeds), ct.stability.Cases(**given))
