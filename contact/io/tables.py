@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -49,16 +50,19 @@ RANGES: dict[str, Any] = {
     "place": Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)],
     "poisson": Annotated[FiniteFloat, Field(gt=-1, lt=0.5)],
 }
-PLAUSIBLE = {**CHECKS, "reach": REACH, **{f"{name} or 0": check for name, check in FROM_ZERO.items()}}
+PLAUSIBLE = {
+    **CHECKS, "reach": REACH, **{f"{name} or 0": check for name, check in FROM_ZERO.items()},
+    "springs around": replace(FROM_ZERO["stiffness"], unit="N/m^2"),
+}  # fmt: skip
 Value = TypeVar("Value")
 Derived = TypeVar("Derived", bound=BaseModel)
 
 
-def table_of(kind: Any, *names: str) -> Callable[[type[Derived]], type[Derived]]:
+def table_of(kind: Any, *names: str, optional: Collection[str] = ()) -> Callable[[type[Derived]], type[Derived]]:
     """Give a table the keys of a dataclass: their types, ranges, defaults and meanings are those of its fields.
 
-    `names` are the fields that the file states; all that have a `Key` if left out. The table states only what a file
-    says beyond the value.
+    `names` are the fields that the file states; all that have a `Key` if left out. A file may leave out those that are
+    `optional`: then something else gives them. The table states only what a file says beyond the value.
 
     >>> from contact import Wall
     >>> @table_of(Wall)
@@ -67,7 +71,8 @@ def table_of(kind: Any, *names: str) -> Callable[[type[Derived]], type[Derived]]
     >>> [(name, info.description, type_words(info)) for name, info in keys(WallTable).items()]
     [('x', 'where it stands [m]', 'number')]
     """
-    chosen = [one for one in keyed(kind) if not names or one.name in names]
+    stated = [one for one in keyed(kind) if not names or one.name in names]
+    chosen = [one._replace(optional=True, default=None) if one.name in optional else one for one in stated]
     found: Any = {one.file: (_annotation(one), _info(one)) for one in chosen}
 
     def derived(table: type[Derived]) -> type[Derived]:

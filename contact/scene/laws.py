@@ -56,13 +56,13 @@ class HertzLaw(Table):
         return slope_of(self.law(0.0), self.closed_depth)
 
 
+@table_of(ForceTable, "damping")
 class TableLaw(Table):
     """[law] of kind "table": a bumper's force over its depth, straight lines between points, the last goes on."""
 
     kind: Literal["table"] = Field(description="a measured curve")
     depth: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="depths that rise from 0 [m]")
     force: Annotated[list[NotNegative], Field(min_length=2)] = Field(description="forces that never fall, from 0 [N]")
-    damping: NotNegative = Field(default=0.0, description="of a dashpot beside it [N s/m]")
     closed_depth: Positive | None = Field(
         default=None, description="mean depth at which stability and interactions take its slope [m]"
     )
@@ -74,7 +74,7 @@ class TableLaw(Table):
 
     def law(self, mu: float) -> Law:
         """The law with friction `mu`."""
-        return ForceTable(depth=self.depth, force=self.force, damping=self.damping, mu=mu)
+        return value_of(self, ForceTable, depth=self.depth, force=self.force, mu=mu)
 
     def closed_slope(self) -> float:
         """Slope of a closed contact [N/m]; raises InputError."""

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from contact.io.plausible import CHECKS
-from contact.io.tables import NotNegative, Number, Positive, table_of, value_of
+from contact.io.tables import Number, Positive, table_of, value_of
 from contact.model.bodies.beam import BeamInCircle, HingedBeam
 from contact.model.bodies.body import Body, PointMass, Rod, Wall
 from contact.model.bodies.chain import assemble
@@ -24,18 +23,16 @@ from contact.scene.rotor import RotorFile
 from contact.scene.rub import RubFile
 from contact.scene.scheme import (
     Built,
-    Density,
     Distance,
     Force,
-    Modulus,
     Name,
     SceneFile,
     SchemeTable,
-    Springs,
     Table,
-    Thickness,
     Velocity,
 )
+
+SECTION = ("width", "height", "E", "rho")  # of a ring that no basis gives
 
 
 class BeamHead(Table):
@@ -58,22 +55,16 @@ class CircleTable(Table):
     offset: float
 
 
+@table_of(ThinRing, optional=SECTION)
 class RingTable(Table):
     """[ring]: an elastic ring in place of the rigid circle: the section of `ThinRing`, or a modal basis file."""
 
     basis: Name | None = Field(default=None, description="modal basis of kind rim, npz, instead of a section")
-    width: Thickness | None = Field(default=None, description="width of the section along the axis [m]")
-    height: Thickness | None = Field(default=None, description="height of the section along the radius [m]")
-    E: Modulus | None = Field(default=None, description="Young's modulus [Pa]")
-    rho: Density | None = Field(default=None, description="density [kg/m^3]")
-    k_r: Springs = Field(default=0.0, description="radial springs around [N/m^2]")
-    k_t: Springs = Field(default=0.0, description="tangential springs around [N/m^2]")
-    zeta: Annotated[NotNegative, CHECKS["zeta"]] = Field(default=0.0, description="damping ratio of all modes [-]")
     n_max: Annotated[int, Field(ge=1, le=200)] = Field(default=20, description="highest number of nodal diameters")
 
     @model_validator(mode="after")
     def _whole(self) -> RingTable:
-        given = [name for name in ("width", "height", "E", "rho") if getattr(self, name) is not None]
+        given = [name for name in SECTION if getattr(self, name) is not None]
         if (self.basis is None) != (len(given) == 4) or (self.basis is not None and given):
             expected = "a basis, or all of width, height, E, rho"
             raise ValueError(f"{', '.join(given) or 'nothing'} found, expected {expected}")
@@ -83,7 +74,7 @@ class RingTable(Table):
         """The ring from its file, or by its section on the circle's radius."""
         if self.basis is not None:
             return read_basis(folder / self.basis)
-        return ring_modes(ThinRing(radius=radius, **self.model_dump(exclude={"basis", "n_max"})), self.n_max)
+        return ring_modes(value_of(self, ThinRing, radius=radius), self.n_max)
 
 
 class BeamFile(SceneFile):

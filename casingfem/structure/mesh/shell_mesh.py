@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 from skfem import Basis, MeshQuad
@@ -12,6 +13,7 @@ from casingfem.io.arrays import Array, FloatArray, IntArray, frozen
 from casingfem.structure.geometry.chart import Chart, Surface
 from casingfem.structure.mesh.element import ElementQuadLobatto, gauss, lagrange, lobatto
 from contact.io.brief import brief
+from contact.io.keys import Key
 
 QUAD = 9  # VTK's number of a quadrilateral
 LARGEST = 2_000_000  # unknowns: their factor needs some 20 GB
@@ -31,9 +33,9 @@ class ShellMesh:
     [0.0, 0.5, 1.0]
     """
 
-    order: int = 8
+    order: Annotated[int, Key("polynomial order", least=2, most=20)] = 8
     rows: int | tuple[float, ...] = 1
-    around: int = 21
+    around: Annotated[int, Key("elements around", least=1, most=10_000)] = 21
 
     def __post_init__(self) -> None:
         if not (isinstance(self.order, int | np.integer) and 2 <= self.order <= 20):

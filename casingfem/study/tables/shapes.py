@@ -12,6 +12,7 @@ from casingfem.structure.geometry.stations import Taper
 from casingfem.structure.geometry.strip import Strip
 from casingfem.structure.imported.attachments.glue import Gluing
 from casingfem.structure.material import Material
+from casingfem.structure.mesh.shell_mesh import ShellMesh
 from casingfem.structure.shell.plies import Lamina, Ply
 from casingfem.study.tables.table import (
     Angle,
@@ -255,14 +256,15 @@ class MassTable(Table):
     edge: Edge = Field(min_length=1, description="an edge of the chart")
 
 
+@table_of(ShellMesh, optional=("order", "around"))
 class MeshTable(Table):
     """[mesh]: what is left out is chosen for the shell."""
 
-    order: int | None = Field(default=None, ge=2, le=20, description="polynomial order")
+    order: int | None = None
+    around: int | None = None
     rows: Annotated[int, Field(ge=1, le=1000)] | list[float] | None = Field(
         default=None, description="number of equal rows, or breaks from 0 to 1 [-]"
     )
-    around: int | None = Field(default=None, ge=1, le=10_000, description="elements around")
 
 
 class RotationTable(Table):

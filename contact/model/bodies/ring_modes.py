@@ -18,11 +18,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from contact.base.arrays import Array, Indices, require_count, require_not_negative, require_positive
+from contact.base.arrays import Array, Indices, require_count, require_positive
 from contact.base.errors import InputError
+from contact.base.keyed import require_keyed
+from contact.io.keys import Key
 from contact.model.bodies.channels import rim_channels
 from contact.model.bodies.modal_body import ModalBody
 
@@ -43,17 +46,17 @@ class ThinRing:
     """
 
     radius: float
-    width: float
-    height: float
-    E: float
-    rho: float
-    k_r: float = 0.0
-    k_t: float = 0.0
-    zeta: float = 0.0
+    width: Annotated[float, Key("width of the section along the axis [m]", "positive", "thickness")]
+    height: Annotated[float, Key("height of the section along the radius [m]", "positive", "thickness")]
+    E: Annotated[float, Key("Young's modulus [Pa]", "positive", "E")]
+    rho: Annotated[float, Key("density [kg/m^3]", "positive", "rho")]
+    k_r: Annotated[float, Key("radial springs around [N/m^2]", "not negative", "springs around")] = 0.0
+    k_t: Annotated[float, Key("tangential springs around [N/m^2]", "not negative", "springs around")] = 0.0
+    zeta: Annotated[float, Key("damping ratio of all modes [-]", "not negative", "zeta")] = 0.0
 
     def __post_init__(self) -> None:
-        require_positive(radius=self.radius, width=self.width, height=self.height, E=self.E, rho=self.rho)
-        require_not_negative(k_r=self.k_r, k_t=self.k_t, zeta=self.zeta)
+        require_positive(radius=self.radius)
+        require_keyed(self)
         if self.height >= self.radius:
             raise InputError(f"height: found {self.height:g} m, expected less than the radius {self.radius:g} m")
 

@@ -163,7 +163,7 @@ class ForceTable(_GivesWay):
 
     depth: ArrayLike
     force: ArrayLike
-    damping: float = 0.0
+    damping: Annotated[float, Key("of a dashpot beside it [N s/m]", "not negative")] = 0.0
     mu: float = 0.0
     words: ClassVar[str] = "force by table"
 
