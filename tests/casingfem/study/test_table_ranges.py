@@ -193,7 +193,9 @@ LEFT_OUT = {
     DomeTable: {"r0": 0.0},
     BladeTable: {"camber_deg": 0.0, "twist_deg": 0.0, "sweep": 0.0, "lean": 0.0},
     TaperTable: {"along": 1.0, "across": 1.0},
-    SolidTable: {"scale": 1.0, "join": 0.0, "units": None, "tie": [], "material": {}},
+    SolidTable: {
+        "scale": 1.0, "join": 0.0, "units": None, "tie": [], "material": {}, "sections": None, "cells": [24, 20, 1],
+    },
     PlyTable: {"angle_deg": 0.0, "lamina": None},
     RotationTable: {"hub_radius": None, "stagger_deg": 0.0, "axis": None, "centre": None, "point": None},
     Harmonic: {"cos": 0.0, "sin": 0.0},
