@@ -17,6 +17,10 @@ RESULTS = {
         "there is no such range of speeds, or nothing that turns",
         'give speed_hz = (first, last) with 0 <= first < last, and turning "blade" or "casing"',
     ),
+    "interface-axis": (
+        "the directions of a tip's pieces cannot be taken from this axis",
+        "give an axis beside the tip of an imported part; on a chart leave axis out, and give lean_deg in the scene",
+    ),
     "interface-circle": (
         "contact sees a rim by harmonics about z, and this edge or line is no plane circle about z",
         "name an edge that runs around z, by the angle that the chart's second parameter is",

@@ -116,7 +116,8 @@ def mesh_interface(
     if table is None:
         return None
     rim = sorted({"n_max", "axial", "axis", "point"} & table.model_fields_set)
-    for key in ("lines", *(rim if table.nodes is not None else ())):
+    of_rim_alone = [key for key in rim if key in ("n_max", "axial")]
+    for key in ("lines", *(of_rim_alone if table.nodes is not None else ())):
         if key in table.model_fields_set:
             problems.add(f"reduce.{key}", str(getattr(table, key)), "no such key here", "study-key")
     if table.at is not None:
@@ -128,10 +129,15 @@ def mesh_interface(
     if structure is not None:
         with problems.at("reduce.interface"):
             check_groups(structure.mesh, [edge])
+    if table.nodes is not None:
+        axis = None if table.axis is None else axis_vector(table.axis)
+        if axis is None and table.point is not None:
+            problems.add("reduce.point", "it without axis", "an axis through it", "study-key")
+        return TipNodes(edge, table.nodes, axis=axis, point=vector(table.point))
     if rim:
         n_max = 40 if table.n_max is None else table.n_max
         return Rim(edge, n_max, axial=table.axial, axis=axis_vector(table.axis), point=vector(table.point))
-    return Tip(edge) if table.nodes is None else TipNodes(edge, table.nodes)
+    return Tip(edge)
 
 
 def build_mesh(table: ImportTable, key: str, problems: Problems) -> MeshData | None:

@@ -161,6 +161,9 @@ def node_rows(system: System, tip: TipNodes) -> tuple[FloatArray, tuple[str, ...
     """Rows (3 count, 5 nodes) of the pieces of a blade's tip, averaged over equal lengths of the edge."""
     if not 1 <= tip.count <= 100:
         raise ModelError("interface-nodes", f"TipNodes.count must lie between 1 and 100, found {tip.count!r}")
+    if tip.axis is not None:
+        found = f"TipNodes: found axis = {tip.axis} on a chart, expected it on an imported part"
+        raise ModelError("interface-axis", found)
     directions, grid, shell = tip_directions(system, tip), system.grid, system.shell
     edge, (held, side) = grid.edges[tip.edge], shell.chart.edges[tip.edge]
 

@@ -92,12 +92,18 @@ class TipNodes:
     The directions are those of `Tip` at mid-edge, chord along the edge. Pieces of the edge and not points: a point
     force on a shear-deformable edge would sink in without limit.
 
+    `axis` through `point`, of an imported part: the directions are those of the machine at each piece, span along the
+    radius, flap along growing angles about the axis, chord along the axis. Pieces are counted along the axis. A
+    staggered blade needs them: its own flap is neither tangential nor axial.
+
     >>> TipNodes(count=2).channels[:4]
     ('node0.span', 'node0.flap', 'node0.chord', 'node1.span')
     """
 
     edge: str = "tip"
     count: int = 5
+    axis: tuple[float, float, float] | None = None
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def channels(self) -> tuple[str, ...]:

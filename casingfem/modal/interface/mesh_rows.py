@@ -112,24 +112,66 @@ def tip_frame(system: MeshSystem, facets: Facets, name: str) -> FloatArray:
     return np.array([span, flap, chord])
 
 
-def tip_rows(system: MeshSystem, tip: Tip | TipNodes) -> tuple[FloatArray, FloatArray]:
-    """Rows (channels, nodes, 3) of a tip as a whole or in pieces of equal chord, and its directions (3, 3)."""
+def tip_rows(system: MeshSystem, tip: Tip | TipNodes) -> tuple[FloatArray, FloatArray, dict[str, list[list[float]]]]:
+    """Rows (channels, nodes, 3) of a tip as a whole or in pieces of equal chord, its directions (3, 3), and facts.
+
+    Of pieces with the directions of the machine the facts have their places: along the axis [m], radius [m] and angle
+    [degrees] from the middle of the tip.
+    """
     facets = facets_of(system, tip.edge)
     frame = tip_frame(system, facets, tip.edge)
+    pieces = pieces_of(system, tip, facets, chord_of(tip, facets, frame[2]))
+    area = pieces @ facets.weight
+    means = facets.sums(pieces / area[:, None], len(system.points))
+    if not isinstance(tip, TipNodes) or tip.axis is None:
+        directions = frame if isinstance(tip, TipNodes) else frame[:2]
+        return np.einsum("kn,dc->kdnc", means, directions).reshape(-1, len(system.points), 3), frame, {}
+    places = np.array([*((pieces * facets.weight) @ facets.x / area[:, None]), facets.weight @ facets.x / area.sum()])
+    axes = machine_axes(places, tip)
+    middle, away = axes[-1], places[:-1] - np.asarray(tip.point)
+    angle = np.degrees(np.arctan2(away @ middle[1], away @ middle[0]))
+    at = np.stack([away @ middle[2], np.einsum("kc,kc->k", away, axes[:-1, 0]), angle], axis=1)
+    rows = np.einsum("kn,kdc->kdnc", means, axes[:-1]).reshape(-1, len(system.points), 3)
+    return rows, middle, {"places": at.round(12).tolist()}
+
+
+def chord_of(tip: Tip | TipNodes, facets: Facets, chord: FloatArray) -> FloatArray:
+    """The direction in which pieces are counted: with the axis of a machine along it, or towards growing angles."""
+    if not isinstance(tip, TipNodes) or tip.axis is None:
+        return chord
+    middle = machine_axes(np.average(facets.x, axis=0, weights=facets.weight)[None], tip)[0]
+    along = middle @ chord
+    leading = along[2] if abs(along[2]) > 0.1 else along[1]
+    return np.asarray(chord * np.sign(leading))
+
+
+def pieces_of(system: MeshSystem, tip: Tip | TipNodes, facets: Facets, chord: FloatArray) -> FloatArray:
+    """1 where a point of the facets belongs to a piece of equal chord, (pieces, points)."""
     count = tip.count if isinstance(tip, TipNodes) else 1
     if not 1 <= count <= 100:
         raise ModelError("interface-nodes", f"TipNodes.count must lie between 1 and 100, found {count!r}")
-    along = facets.x @ frame[2]
-    ends = system.points[np.unique(facets.nodes)] @ frame[2]
+    along = facets.x @ chord
+    ends = system.points[np.unique(facets.nodes)] @ chord
     piece = np.clip(((along - ends.min()) / np.ptp(ends) * count).astype(int), 0, count - 1)
     pieces = (piece == np.arange(count)[:, None]).astype(float)
-    area = pieces @ facets.weight
-    if not area.all():
-        empty = int(area.argmin())
+    weight = pieces @ facets.weight
+    if not weight.all():
+        empty = int(weight.argmin())
         raise ModelError("interface-nodes", f"TipNodes: piece {empty} of {count} on {tip.edge!r} has no facet")
-    means = facets.sums(pieces / area[:, None], len(system.points))
-    directions = frame if isinstance(tip, TipNodes) else frame[:2]
-    return np.einsum("kn,dc->kdnc", means, directions).reshape(-1, len(system.points), 3), frame
+    return pieces
+
+
+def machine_axes(places: FloatArray, tip: TipNodes) -> FloatArray:
+    """Radial, tangential and axial unit vectors at places (n, 3) about the axis of a tip, (n, 3, 3)."""
+    assert tip.axis is not None
+    axial = axis_frame(tip.axis)[2]
+    away = places - np.asarray(tip.point)
+    away = away - np.outer(away @ axial, axial)
+    radius = np.linalg.norm(away, axis=1)
+    if radius.min() <= 1e-9 * max(1.0, radius.max()):
+        raise ModelError("interface-axis", f"found a piece of {tip.edge!r} on the axis, expected a tip away from it")
+    radial = away / radius[:, None]
+    return np.stack([radial, np.cross(axial, radial), np.broadcast_to(axial, radial.shape)], axis=1)
 
 
 class RimView(NamedTuple):

@@ -92,8 +92,8 @@ def of_mesh(system: MeshSystem, interface: Interface) -> View:
     if isinstance(interface, AtNodes):
         rows = mesh_rows.node_rows(system, interface)
         return View(loads=load_columns(system, rows), channels=interface.channels, axes=np.eye(3))
-    rows, axes = mesh_rows.tip_rows(system, interface)
-    facts = {"directions": dict(zip(("span", "flap", "chord"), axes.round(12).tolist(), strict=True))}
+    rows, axes, places = mesh_rows.tip_rows(system, interface)
+    facts = places | {"directions": dict(zip(("span", "flap", "chord"), axes.round(12).tolist(), strict=True))}
     return View(loads=load_columns(system, rows), channels=interface.channels, axes=axes, facts=facts)
 
 

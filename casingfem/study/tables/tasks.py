@@ -159,7 +159,10 @@ class ReduceTable(Table):
         default_factory=list, description="places of lines around a casing, along its meridian [m], in place of an edge"
     )
     nodes: int | None = Field(default=None, ge=1, le=100, description="pieces of a blade's tip, for one mean place")
-    axis: Axis | None = Field(default=None, description='axis of an imported rim, "x", "y", "z" or [x, y, z]')
+    axis: Axis | None = Field(
+        default=None,
+        description='axis of an imported rim, or for directions along an imported tip: "x", "y", "z" or [x, y, z]',
+    )
     point: Vector | None = Field(default=None, description="a point on it [m]; the origin if left out")
     recovery: bool = Field(default=False, description="also what recovers the motion of all nodes, for ParaView")
     output: list[OutputTable] = Field(default_factory=list, description="displacements and strains to be had from runs")
