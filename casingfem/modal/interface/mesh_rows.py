@@ -158,7 +158,7 @@ def pieces_of(system: MeshSystem, tip: Tip | TipNodes, facets: Facets, chord: Fl
     if not weight.all():
         empty = int(weight.argmin())
         raise ModelError("interface-nodes", f"TipNodes: piece {empty} of {count} on {tip.edge!r} has no facet")
-    return pieces
+    return np.asarray(pieces)
 
 
 def machine_axes(places: FloatArray, tip: TipNodes) -> FloatArray:
@@ -171,7 +171,7 @@ def machine_axes(places: FloatArray, tip: TipNodes) -> FloatArray:
     if radius.min() <= 1e-9 * max(1.0, radius.max()):
         raise ModelError("interface-axis", f"found a piece of {tip.edge!r} on the axis, expected a tip away from it")
     radial = away / radius[:, None]
-    return np.stack([radial, np.cross(axial, radial), np.broadcast_to(axial, radial.shape)], axis=1)
+    return np.asarray(np.stack([radial, np.cross(axial, radial), np.broadcast_to(axial, radial.shape)], axis=1))
 
 
 class RimView(NamedTuple):
