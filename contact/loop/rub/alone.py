@@ -8,6 +8,7 @@ from contact.jit.vector import WIDTH, load, put, same, total
 from contact.loop.formulas import turned_work, works
 from contact.loop.modal.rows import fill_some, product, weighted
 from contact.loop.rub.compliance import fill_few, fill_soft, yields
+from contact.loop.rub.motion import place_row
 from contact.loop.rub.rows import RubRows, blade_dot, fill_block
 from contact.loop.rub.solve import place_now
 from contact.loop.rub.state import ModalBlocks, RubState, Solver, Work, tips
@@ -36,6 +37,8 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
         return UNSOLVED
     j, R, p, rubs = chosen, chosen * dim, rows.place[chosen], dim == 2
     place_now(rows, w, j)
+    place_row(rows, w, j, w.side[0])
+    place_row(rows, w, j, 1 - w.side[0])
     normal, ahead, tangent = w.normal[w.side[0], p], w.normal[1 - w.side[0], p], w.rows[dim - 1]
     nn, nt, tn, tt, slip = share * rows.fixed[R, R], 0.0, 0.0, 0.0, 0.0
     if rubs:
@@ -57,7 +60,7 @@ def alone(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, solve
     if rows.turns and rows.few:
         fill_few(rows, w, 1, step)
     elif rows.turns:
-        fill_soft(rows, w, j, 0, dim)
+        fill_soft(rows.S, rows, w, j, 0, dim, w.waves[w.side[0], p])
     S_nn, S_nt, S_tt = yields(rows, w, j, 0, 0, dim), 0.0, 0.0
     if rubs:
         S_nt, S_tt = yields(rows, w, j, 0, 1, dim), yields(rows, w, j, 1, 1, dim)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, entry, load, put, same, total
-from contact.loop.modal.rows import fill_some
+from contact.jit.vector import WIDTH, entry, load, put, same
+from contact.loop.modal.rows import RowBlocks, fill_some
+from contact.loop.rub.motion import felt, press_waves
 from contact.loop.rub.rows import BEFORE, NOW, RubRows, waves_at
 from contact.loop.rub.state import RubState, Work
 from contact.solver.dense import dot
@@ -38,21 +39,11 @@ def fill_few(rows: RubRows, w: Work, count: int, step: int) -> None:
 
 
 @jit
-def fill_soft(rows: RubRows, w: Work, j: int, slot: int, dim: int) -> None:
-    """What unit forces of tip j strain of the casing, by waves; the waves at t_n are at its place."""
+def fill_soft(S: RowBlocks, rows: RubRows, w: Work, j: int, slot: int, dim: int, waves: Array) -> None:
+    """What unit forces of tip j strain of the casing, by waves; `waves` are those at its place."""
     for i in range(dim):
         block = (rows.line[j] * dim + i) * (w.strained.size // WIDTH)
-        fill_some(rows.S, w.waves[w.side[0], rows.place[j]], block, w.soft[slot * dim + i])
-
-
-@jit_inside
-def felt(values: Array, first: int, waves: Array) -> float:
-    """Sum of products of `waves` with as many values from `first`."""
-    part = same(0.0)
-    for k in range(0, waves.size, WIDTH):
-        part = part + load(values, first + k) * load(waves, k)
-    result: float = total(part)
-    return result
+        fill_some(S, waves, block, w.soft[slot * dim + i])
 
 
 @jit
@@ -113,23 +104,21 @@ def strains_before(s: RubState, rows: RubRows, w: Work, count: int, dim: int) ->
                     total += w.S[1 - w.side[0], j, i * R + k] * s.lam[k]
                 w.before[j * dim + i] = total
         return
-    n = w.turn.size
-    for k in range(0, w.pressed.size, WIDTH):
-        put(w.pressed, k, same(0.0))
-        put(w.strained, k, same(0.0))
+    press_waves(s, rows, w, count, dim, BEFORE)
+    strain_waves(rows, w)
     for a in range(count):
         j = w.chosen[a]
         waves_at(rows, j, w.angles, BEFORE, w.turn)
         for i in range(dim):
-            first, part = (rows.line[j] * dim + i) * n, same(s.lam[j * dim + i])
-            for k in range(0, n, WIDTH):
-                put(w.pressed, first + k, load(w.pressed, first + k) + part * load(w.turn, k))
+            w.before[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * w.turn.size, w.turn)
+
+
+@jit
+def strain_waves(rows: RubRows, w: Work) -> None:
+    """What the forces by waves strain of the casing, by waves."""
+    for k in range(0, w.strained.size, WIDTH):
+        put(w.strained, k, same(0.0))
     for b in range(w.pressed.shape[0]):
         fill_some(rows.S, w.pressed[b], b * (w.strained.size // WIDTH), w.spread)
         for k in range(0, w.strained.size, WIDTH):
             put(w.strained, k, load(w.strained, k) + load(w.spread, k))
-    for a in range(count):
-        j = w.chosen[a]
-        waves_at(rows, j, w.angles, BEFORE, w.turn)
-        for i in range(dim):
-            w.before[j * dim + i] = felt(w.strained, (rows.line[j] * dim + i) * n, w.turn)

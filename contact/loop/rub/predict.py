@@ -9,6 +9,7 @@ from contact.jit.compiled import jit
 from contact.jit.vector import WIDTH, load, put
 from contact.loop.formulas import free_step, mean_gap
 from contact.loop.modal.rows import bound, product, product_of_sum, rotate
+from contact.loop.rub.motion import felt, place_row, see
 from contact.loop.rub.rows import (
     AHEAD,
     BEFORE,
@@ -19,7 +20,6 @@ from contact.loop.rub.rows import (
     Swing,
     blade_dot,
     blade_dot_of_sum,
-    fill_block,
     gap_of,
     hermite,
     least_gap,
@@ -127,6 +127,9 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         w.bound[line] = -1.0
     if laws.swing.plane.shape[1] > 0:
         find_disk(s, laws.swing, w)
+    if solver is not None:
+        if rows.many:
+            see(rows, w, s.q, s.d, dim, 0, 1)
     if not rows.steady:
         for p in range(1 if solver is None else w.fresh.shape[1]):
             w.fresh[side, p] = 0
@@ -148,8 +151,12 @@ def find_near(s: RubState, laws: RubLaws, rows: RubRows, w: Work, solver: Solver
         if w.fresh[side, p] == 0:
             w.rigid[p] = rigid_gap(laws, rows, j, t + h, w.angles, AHEAD, w.waves[side, p]) - closing
             w.fresh[side, p] = 1
-            fill_block(rows, line * rows.directions, w.waves[side, p], w.normal[side, p])
-            w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
+            w.filled[side, p] = 0
+            if rows.many:
+                w.moved[p] = felt(w.motion_waves, line * dim * w.turn.size, w.waves[side, p])
+            else:
+                place_row(rows, w, j, side)
+                w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         elif rows.steady:
             w.moved[p] = product_of_sum(w.normal[side, p], s.q, s.d)
         free = rows.clearance[j] + w.rigid[p] + w.moved[p] + blade_dot_of_sum(rows, rows.apart, R, j, s.q, s.d)

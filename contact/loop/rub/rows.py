@@ -81,6 +81,8 @@ class RubRows(NamedTuple):
 
     casing: RowBlocks
     width: int
+    many: bool  # whether the loop sees the casing's motion by waves, not by a row for each tip
+    seen: RowBlocks  # waves of the casing's motion by its modes, `waves` of each block; empty unless `many`
     reach: Array  # (lines, width): bound of |normal row| over the angle
     rim: RimWaves  # what its deflection is computed from
     directions: int
@@ -98,6 +100,8 @@ class RubRows(NamedTuple):
     turns: bool  # whether there is any that does
     steady: bool  # whether no row depends on time: all contacts are near at every step, and have rows of their own
     W: Array  # (K d, K d) matrix of the contacts where it never changes and forces are solved for, else empty
+    cell: float  # angle over which W is interpolated, 0 where it is not [rad]
+    form: RowBlocks  # as `S` between waves, and with what the modes yield, where it is
     few: bool  # whether `S` is that between the tips by its own angle, a row each; else that between waves, by block
     S: RowBlocks
     harmonics: int  # waves that the rows, the profile and S take, in whole blocks

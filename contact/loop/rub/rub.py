@@ -16,6 +16,8 @@ from contact.loop.rub.answer import answer, fly_coupled, works_of_coupling
 from contact.loop.rub.compliance import fill_few, strains, strains_before
 from contact.loop.rub.deflection import add_waves, largest_around, matters, most_of, note_deflection, strained
 from contact.loop.rub.free_flight import PAUSE, FreeFlight, may_skip, skip_ahead, untouched
+from contact.loop.rub.matrix import enter_cell
+from contact.loop.rub.motion import felt, see
 from contact.loop.rub.predict import find_near, flow, propagate, stand
 from contact.loop.rub.rows import (
     AHEAD,
@@ -52,8 +54,16 @@ def add_works(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: f
     """
     if rows.turns:
         strains_before(s, rows, w, count, dim)
-    for a in range(w.slots[0] * dim):
-        w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
+    if rows.many:
+        see(rows, w, s.old, s.d, dim, 0, dim)
+        for n in range(count):
+            j = w.chosen[n]
+            for i in range(dim):
+                first, waves = (rows.line[j] * dim + i) * w.turn.size, w.waves[w.side[0], rows.place[j]]
+                w.along[w.column[n * dim + i]] = felt(w.motion_waves, first, waves)
+    else:
+        for a in range(w.slots[0] * dim):
+            w.along[a] = product_of_sum(w.rows[a], s.old, s.d)
     for n in range(count):
         j = w.chosen[n]
         R = j * dim
@@ -188,10 +198,13 @@ def close(s: RubState, rows: RubRows, coats: Coats | None, y: Yielding | None, b
             if not solved and steady.roots.size > 0:
                 return close_all(s, rows, blocks, steady, w, share)
         if not solved:
-            count = gather(s, rows, blocks, w, dim, share)
+            interpolated = False
+            if steady is None:
+                interpolated = enter_cell(s, rows, w, dim, share)
+            count = gather(s, rows, blocks, w, dim, share, interpolated)
             if rows.turns and rows.few:
                 fill_few(rows, w, count, step)
-            if not solve(s, rows, w, solver, coats, y, count, dim, share, slid):
+            if not solve(s, rows, w, solver, coats, y, count, dim, share, slid, interpolated):
                 return -1
         if not others_close(s, rows, blocks, w, count, dim, share):
             return count
@@ -204,10 +217,10 @@ def close_all(s: RubState, rows: RubRows, blocks: ModalBlocks | None, steady: St
     """Forces of all contacts at once, without friction; how many press, -1 where none are found."""
     if not frictionless(s, steady):
         return -1
-    count = gather(s, rows, blocks, w, 1, share)
+    count = gather(s, rows, blocks, w, 1, share, False)
     for a in range(count):
         w.lam[a], w.motion[a] = s.lam[w.row[a]], 0.0
-    hand_over(s, w, count, 1)
+    hand_over(s, rows, w, count, 1)
     find_gaps(s, rows, blocks, w, count, 1, share)
     return count
 

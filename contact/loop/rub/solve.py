@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from contact.base.arrays import Array
 from contact.jit.compiled import jit, jit_inside
-from contact.jit.vector import WIDTH, entry, load, put, same
+from contact.jit.vector import WIDTH, load, put, same
 from contact.loop.modal.rows import fill_some, product, weighted
-from contact.loop.rub.compliance import copy, fill_soft, soft_at
+from contact.loop.rub.compliance import copy, soft_at, strain_waves
+from contact.loop.rub.matrix import add_part, assemble, fill_factors, interpolate, known, law
+from contact.loop.rub.motion import felt, place_row, press_waves, push_waves, see_spare
 from contact.loop.rub.rows import NOW, RubRows, blade_dot, fill_block, waves_at
-from contact.loop.rub.state import ROUGH, TOGETHER, ModalBlocks, RubState, Solver, Work
+from contact.loop.rub.state import ROUGH, ModalBlocks, RubState, Solver, Work
 from contact.solver.abradable.tips import Coats
-from contact.solver.dense import affine, dot
+from contact.solver.dense import affine, assign, dot
 from contact.solver.friction.coulomb import friction_forces
 from contact.solver.friction.newton import TOLERANCE
 from contact.solver.yielding.several import yielding_forces
@@ -18,18 +20,22 @@ from contact.solver.yielding.yields import Yielding
 
 
 @jit
-def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float) -> int:
-    """Rows at t_n where tips are to be solved, and the rows of the law times c; returns how many tips."""
+def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim: int, share: float,
+           interpolated: bool) -> int:  # fmt: skip
+    """Rows at t_n where tips are to be solved; returns how many tips. And the factors of W, if not `interpolated`."""
     count, w.slots[0] = 0, 0
     for p in range(w.slot.size):
         w.slot[p] = -1
+    if rows.many:
+        assign(w.spare, s.d, rows.width)
+        see_spare(rows, w, dim, 1, dim)  # normal directions are not asked for
     for j in range(s.mu.size):
         if s.inside[j] != 2:
             for i in range(j * dim, (j + 1) * dim):
                 s.lam[i] = 0.0
             continue
         if w.slot[rows.place[j]] < 0:
-            fill_slot(s, rows, blocks, w, j, dim, share)
+            fill_slot(s, rows, blocks, w, j, dim, share, interpolated)
         slot = w.slot[rows.place[j]]
         for i in range(dim):
             a = count * dim + i
@@ -40,69 +46,48 @@ def gather(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, dim:
 
 
 @jit
-def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, dim: int,
-              share: float) -> None:  # fmt: skip
+def fill_slot(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, j: int, dim: int, share: float,
+              interpolated: bool) -> None:  # fmt: skip
     """The next slot becomes the place of tip j."""
-    p, slot, now = rows.place[j], w.slots[0], w.side[0]
+    p, slot, now, n = rows.place[j], w.slots[0], w.side[0], w.turn.size
     w.slot[p], w.slots[0] = slot, slot + 1
     place_now(rows, w, j)
+    known = rows.steady or rows.W.size > 0 or interpolated
     for i in range(dim):
         row = w.rows[slot * dim + i]
+        if rows.many:
+            w.along[slot * dim + i] = felt(w.motion_waves, (rows.line[j] * dim + i) * n, w.waves[now, p])
+            if known:
+                continue
         if i > 0:
             fill_block(rows, rows.line[j] * rows.directions + i, w.waves[now, p], row)
         else:
+            place_row(rows, w, j, now)
             copy(w.normal[now, p], row)
-        w.along[slot * dim + i] = product(row, s.d)
-        if rows.steady or rows.W.size > 0:
-            continue
-        test = w.tests[slot * dim + i]
-        law(s.c, row if i > 0 else w.normal[1 - now, p], 1.0 if i > 0 else share, test)
-        if blocks is not None:
-            fill_some(blocks.turned, row if i > 0 else w.normal[1 - now, p], 0, w.spare)
-            add_part(w.spare, 1.0 if i > 0 else share, test)
-        for k in range(rows.width):
-            w.row_columns[i * rows.width + k, slot] = row[k]
-    if rows.turns and not rows.few:
-        fill_soft(rows, w, j, slot, dim)
-        waves, n = w.waves[now, p], w.turn.size
-        for k in range(w.wave_columns.shape[0]):
-            w.wave_columns[k, slot] = 0.0
-        for k in range(n):
-            w.wave_columns[rows.line[j] * n + k, slot] = entry(waves, k)
+        if not rows.many:
+            w.along[slot * dim + i] = product(row, s.d)
+    if not known:
+        place_row(rows, w, j, 1 - now)
+        fill_factors(s, rows, blocks, w, j, slot, dim, share, w.waves[now, p], w.normal[1 - now, p])
 
 
 @jit
 def place_now(rows: RubRows, w: Work, j: int) -> None:
-    """Waves and normal row where tip j is at t_n; they are there if it was near in the last step."""
+    """Waves where tip j is at t_n; they are there if it was near in the last step."""
     p, now = rows.place[j], w.side[0]
     if w.fresh[now, p] == 0:
-        w.fresh[now, p] = 1
+        w.fresh[now, p], w.filled[now, p] = 1, 0
         waves_at(rows, j, w.angles, NOW, w.waves[now, p])
-        fill_block(rows, rows.line[j] * rows.directions, w.waves[now, p], w.normal[now, p])
-
-
-@jit_inside
-def law(c: Array, row: Array, share: float, out: Array) -> None:
-    """Fill out = share c row."""
-    part = same(share)
-    for i in range(0, out.size, WIDTH):
-        put(out, i, part * load(c, i) * load(row, i))
-
-
-@jit_inside
-def add_part(row: Array, share: float, out: Array) -> None:
-    """Add share row to `out`."""
-    part = same(share)
-    for i in range(0, out.size, WIDTH):
-        put(out, i, load(out, i) + part * load(row, i))
 
 
 @jit
 def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | None, y: Yielding | None, count: int,
-          dim: int, share: float, slid: float) -> bool:  # fmt: skip
+          dim: int, share: float, slid: float, interpolated: bool) -> bool:  # fmt: skip
     """Forces of the chosen tips into `lam`, gaps (from the pressed surface) and slips into `motion`."""
     size = count * dim
-    if rows.W.size == 0:
+    if interpolated:
+        interpolate(w, size)
+    elif rows.W.size == 0:
         assemble(s, rows, w, count, dim, share)
     else:
         known(rows, w, size)
@@ -130,7 +115,7 @@ def solve(s: RubState, rows: RubRows, w: Work, solver: Solver, coats: Coats | No
         for a in range(count):
             y.depth[w.chosen[a]] = w.depth[a]
             w.motion[a * dim] += w.depth[a]
-    hand_over(s, w, size, dim)
+    hand_over(s, rows, w, count, dim)
     return True
 
 
@@ -162,103 +147,26 @@ def start(s: RubState, rows: RubRows, w: Work, count: int, dim: int, slid: float
 
 
 @jit
-def known(rows: RubRows, w: Work, size: int) -> None:
-    """Fill W with the rows and columns of the chosen tips."""
-    wide = rows.W.shape[1]
-    for a in range(size):
-        own = w.row[a] * wide
-        for k in range(size):
-            w.W[a, k] = entry(rows.W, own + entry(w.row, k))
-
-
-@jit
-def assemble(s: RubState, rows: RubRows, w: Work, count: int, dim: int, share: float) -> None:
-    """Fill W of the chosen tips."""
-    size = count * dim
-    casing_yields(rows, w, dim)
-    for a in range(size):
-        casing = w.column[a] * w.casing.shape[1]
-        for k in range(size):
-            w.W[a, k] = entry(w.casing, casing + entry(w.across, k))
-    for n in range(count):
-        for m in range(count):
-            if rows.turns and rows.own[w.chosen[n], 0] != rows.own[w.chosen[m], 0]:
-                continue  # `still` is that of the blades alone
-            for i in range(dim):
-                a, row, part = n * dim + i, w.chosen[n] * dim + i, share if i == 0 else 1.0
-                for k in range(dim):
-                    other = w.chosen[m] * dim + k
-                    w.W[a, m * dim + k] += part * rows.fixed[row, other] + rows.still[row, other]
-    if rows.turns and rows.few:
-        for n in range(count):
-            for i in range(dim):
-                for k in range(size):
-                    w.W[n * dim + i, k] += w.S[w.side[0], w.chosen[n], i * s.lam.size + w.row[k]]
-
-
-@jit
-def casing_yields(rows: RubRows, w: Work, dim: int) -> None:
-    """Fill `casing`: tests rows^T, and what turns of the residual compliance; eight rows by eight slots at a time."""
-    width, slots, columns, waves = rows.width, w.row_columns.shape[1], w.casing.shape[1], w.strained.size
-    n = w.turn.size
-    for i in range(dim):
-        for q in range(0, w.slots[0], WIDTH):
-            for a in range(0, w.slots[0] * dim, TOGETHER):
-                test, soft = a * width, a * waves
-                a0, a1, a2, a3 = same(0.0), same(0.0), same(0.0), same(0.0)
-                a4, a5, a6, a7 = same(0.0), same(0.0), same(0.0), same(0.0)
-                for k in range(width):
-                    row, at = load(w.row_columns, (i * width + k) * slots + q), test + k
-                    a0 = a0 + same(entry(w.tests, at)) * row
-                    a1 = a1 + same(entry(w.tests, at + width)) * row
-                    a2 = a2 + same(entry(w.tests, at + 2 * width)) * row
-                    a3 = a3 + same(entry(w.tests, at + 3 * width)) * row
-                    a4 = a4 + same(entry(w.tests, at + 4 * width)) * row
-                    a5 = a5 + same(entry(w.tests, at + 5 * width)) * row
-                    a6 = a6 + same(entry(w.tests, at + 6 * width)) * row
-                    a7 = a7 + same(entry(w.tests, at + 7 * width)) * row
-                for line in range(w.pressed.shape[0] // dim):
-                    begin = soft + (line * dim + i) * n
-                    for k in range(n):
-                        row, at = load(w.wave_columns, (line * n + k) * slots + q), begin + k
-                        a0 = a0 + same(entry(w.soft, at)) * row
-                        a1 = a1 + same(entry(w.soft, at + waves)) * row
-                        a2 = a2 + same(entry(w.soft, at + 2 * waves)) * row
-                        a3 = a3 + same(entry(w.soft, at + 3 * waves)) * row
-                        a4 = a4 + same(entry(w.soft, at + 4 * waves)) * row
-                        a5 = a5 + same(entry(w.soft, at + 5 * waves)) * row
-                        a6 = a6 + same(entry(w.soft, at + 6 * waves)) * row
-                        a7 = a7 + same(entry(w.soft, at + 7 * waves)) * row
-                place = a * columns + i * slots + q
-                put(w.casing, place, a0)
-                put(w.casing, place + columns, a1)
-                put(w.casing, place + 2 * columns, a2)
-                put(w.casing, place + 3 * columns, a3)
-                put(w.casing, place + 4 * columns, a4)
-                put(w.casing, place + 5 * columns, a5)
-                put(w.casing, place + 6 * columns, a6)
-                put(w.casing, place + 7 * columns, a7)
-
-
-@jit
-def hand_over(s: RubState, w: Work, size: int, dim: int) -> None:
+def hand_over(s: RubState, rows: RubRows, w: Work, count: int, dim: int) -> None:
     """Forces, gaps and slips to the tips, and what the forces push on the casing."""
+    for a in range(count * dim):
+        s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
+    if rows.many:
+        press_waves(s, rows, w, count, dim, NOW)
+        push_waves(rows, w, dim)
+        if rows.turns:
+            strain_waves(rows, w)
+        return
     used = w.slots[0] * dim
     for a in range(used):
         w.pull[a] = 0.0
-    for a in range(size):
-        s.lam[w.row[a]], s.motion[w.row[a]] = w.lam[a], w.motion[a]
+    for a in range(count * dim):
         w.pull[w.column[a]] += w.lam[a]
     for k in range(0, w.pushed.size, WIDTH):
         total = same(0.0)
         for a in range(used):
             total = total + same(w.pull[a]) * load(w.rows, a * w.pushed.size + k)
         put(w.pushed, k, total)
-    for k in range(0, w.strained.size, WIDTH):
-        total = same(0.0)
-        for a in range(used):
-            total = total + same(w.pull[a]) * load(w.soft, a * w.strained.size + k)
-        put(w.strained, k, total)
 
 
 @jit
@@ -279,13 +187,21 @@ def find_gaps(s: RubState, rows: RubRows, blocks: ModalBlocks | None, w: Work, c
     """Gaps of the tips that were left out, under the forces of the chosen."""
     if blocks is not None:
         fill_some(blocks.casing, w.pushed, 0, w.normal_moves)
+    if rows.many:
+        law(s.c, w.pushed, 1.0, w.spare)
+        if blocks is not None:
+            add_part(w.normal_moves, 1.0, w.spare)
+        see_spare(rows, w, dim, 0, 1)
     for j in range(s.mu.size):
         if s.inside[j] != 1:
             continue
-        R = j * dim
-        casing = weighted(w.normal[1 - w.side[0], rows.place[j]], s.c, w.pushed)
-        if blocks is not None:
-            casing += product(w.normal[1 - w.side[0], rows.place[j]], w.normal_moves)
+        R, p, ahead = j * dim, rows.place[j], 1 - w.side[0]
+        if rows.many:
+            casing = felt(w.motion_waves, rows.line[j] * dim * w.turn.size, w.waves[ahead, p])
+        else:
+            casing = weighted(w.normal[ahead, p], s.c, w.pushed)
+            if blocks is not None:
+                casing += product(w.normal[ahead, p], w.normal_moves)
         if not rows.steady:
             casing += dot(rows.fixed[R], s.lam, s.lam.size)
         gap = s.test[j] + share * casing + dot(rows.still[R], s.lam, s.lam.size)

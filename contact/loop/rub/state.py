@@ -15,6 +15,8 @@ from contact.solver.friction.all_sliding import AllSliding
 from contact.solver.friction.coulomb import solver_room
 from contact.solver.friction.room import Room, staggered
 
+NODES = 8  # angles in a cell between which W is interpolated
+NOWHERE = -(1 << 62)  # number of no cell
 TOGETHER = 8  # rows that `solve.casing` takes at a time
 JAMMED, ROUGH, UNSETTLED = 1.0, 2.0, 3.0  # `fault`: no motion opens all gaps; friction, springs not solved
 
@@ -82,10 +84,11 @@ class Work(NamedTuple):
     have a slot each, row `column` of `rows`.
     """
 
-    side: Indices  # (1,) which half of the next three is that of t_n, the other that of t_{n+1}
-    normal: Array  # (2, P, width) normal rows, where `fresh`
+    side: Indices  # (1,) which half of the next four is that of t_n, the other that of t_{n+1}
+    normal: Array  # (2, P, width) normal rows, where `filled`
     waves: Array  # (2, P, 2, harmonics) and the waves at the places
-    fresh: Indices  # (2, P)
+    fresh: Indices  # (2, P) whether the waves are there
+    filled: Indices  # (2, P) and the row
     bound: Array  # (lines,) of |u_r| at t_{n+1}, negative where not asked for
     disk: Array  # (2,) where the disk of a rotor is then, along x and y
     rigid: Array  # (P,) gap of the rigid casing at t_{n+1}
@@ -108,6 +111,11 @@ class Work(NamedTuple):
     across: Indices  # (K d,) and its column of `casing`
     casing: Array  # (P d and more, d P and more) what the casing yields between slots, columns by direction
     W: Array  # (K d, K d) Delassus matrix of the chosen
+    nodes: Array  # (K d, nodes, K d and more), flat: that of all tips at the nodes of a cell, rows of one tip together
+    cell: Indices  # (1,) number of the cell
+    weights: Array  # (nodes,) of the nodes' values at t_n
+    node_angles: Array  # as `angles`
+    line: Array  # (K d and more,) a row of W of all tips
     b: Array  # (K d,) free gaps and slips of the chosen
     lam: Array
     motion: Array
@@ -121,6 +129,7 @@ class Work(NamedTuple):
     strained: Array  # (waves,) what the forces strain of the casing
     spread: Array  # (waves,)
     pressed: Array  # (lines d, 2, harmonics) forces by waves
+    motion_waves: Array  # (lines d, 2, harmonics) some motion of the casing by waves
     S: Array  # (2, K, d K d and zeros) compliance of few tips at phi_n, at phi_{n-1}; stale where not solved for
     S_at: Indices  # (K,) the step in which a row of S was filled
     turning: Array  # (K d,) part of S lam that turns
@@ -158,23 +167,27 @@ def work_space(s: RubState, rows: RubRows, *, newton: bool = True) -> Work:
         (0, 0, 0) if rows.steady or rows.W.size else (D, d * width, slots)
     )  # where the loop fills the matrix of the contacts
     solved = R if newton else 0
-    few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.turns and not rows.few else 0)
-    waves, wide = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
+    wide = -(-R // WIDTH) * WIDTH if rows.cell > 0.0 else 0
+    few, spread = (K if rows.turns and rows.few else 0), (d * lines if rows.many else 0)
+    waves, of_tip = 2 * n * spread, -(-d * R // WIDTH) * WIDTH
 
     def whole(*shape: int) -> Indices:
         return np.zeros(shape, dtype=np.int64)
 
     return Work(
         side=whole(1), normal=aligned(2, P, width), waves=aligned(2, P, 2, n), fresh=whole(2, P),
+        filled=whole(2, P), motion_waves=aligned(d * lines if rows.many else 0, 2, n),
         bound=aligned(lines), disk=aligned(2), rigid=aligned(P), moved=aligned(P), spare=aligned(width),
         turn=aligned(2, n),
         angles=aligned(3, 3), slot=whole(P), slots=whole(1), rows=aligned(D, width), tests=aligned(made[0], width),
         soft=aligned(D, waves), row_columns=aligned(made[1], made[2]), wave_columns=aligned(2 * n * lines, slots),
         along=aligned(D), pull=aligned(D), chosen=whole(K), row=whole(R), column=whole(R), across=whole(R),
-        casing=aligned(made[0], d * made[2]), W=aligned(solved, solved), b=aligned(R), lam=aligned(R),
+        casing=aligned(made[0], d * made[2]), W=aligned(solved, solved),
+        nodes=aligned(R * NODES * wide), cell=whole(1) + NOWHERE, weights=aligned(NODES), node_angles=aligned(3, 3),
+        line=aligned(wide), b=aligned(R), lam=aligned(R),
         motion=aligned(R), mu=aligned(K),
         depth=aligned(K), pushed=aligned(width), both=aligned(2 * s.q.size), moved_by=aligned(s.q.size),
         normal_moves=aligned(width), tangent_moves=aligned(width), strained=aligned(waves), spread=aligned(waves),
-        pressed=aligned(spread, 2, n), S=aligned(2, few, wide), S_at=whole(few) - 2,
+        pressed=aligned(spread, 2, n), S=aligned(2, few, of_tip), S_at=whole(few) - 2,
         turning=aligned(R), before=aligned(R), strain=aligned(R),
     )  # fmt: skip

@@ -203,13 +203,15 @@ def _rows(rows: Array, S: Array, W: Array, opening: Array, glide: Array) -> RubR
 
     (R, m), k = rows.shape, opening.size
     none, first = np.zeros((1, 1, 1)), np.zeros(1, dtype=np.int64)
+    empty = RowBlocks(first[:0], first[:0], aligned(0, 8), first[:0])
     return RubRows(
         casing=RowBlocks(*row_blocks(rows_of_waves(first, rows[:, None], 0.0 * rows[:, None], WAVES))),
-        width=whole(m), reach=aligned(0, whole(m)), rim=_no_rim(whole(m)), directions=R // k,
+        width=whole(m), many=False, seen=empty,
+        reach=aligned(0, whole(m)), rim=_no_rim(whole(m)), directions=R // k,
         line=np.arange(k), place=np.arange(k), glide=glide, angle=np.zeros(k),
         heading=np.tile([1.0, 0.0], (k, 1)), clearance=opening,
         blade=np.zeros((R, 0)), own=np.zeros((k, 2), dtype=np.int64), apart=np.zeros((k, 2), dtype=np.int64),
-        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, few=False,
+        fixed=np.zeros((R, R)), still=S, turns=False, steady=True, W=W, cell=0.0, form=empty, few=False,
         S=RowBlocks(*row_blocks(rows_of_waves(first, none, none, WAVES))), harmonics=WAVES,
     )  # fmt: skip
 

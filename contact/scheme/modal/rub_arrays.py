@@ -19,6 +19,7 @@ from contact.model.rotor.rotor import Rotor
 from contact.model.trig import PRUNE, fourier, turned_back
 from contact.record.spin import SUMS
 from contact.scheme.modal.blocks import BLOCK, row_blocks, rows_of_waves, whole
+from contact.scheme.modal.cells import cell
 from contact.scheme.modal.propagator import Propagator
 from contact.scheme.modal.rub_delassus import blade_delassus, unchanging
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from contact.loop.rub.state import RubState, Solver, Work
 
 FEW = 32  # directions of all tips, up to which S between them is a table by the angle
+NO_CELL = 0.0, readonly(np.zeros((0, 1, 0, 1)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,10 +50,11 @@ class LoopArrays:
 
         `plain`: the surface is rigid and each mode moves by itself.
         """
-        from contact.loop.rub.state import solver_of, work_space
+        from contact.loop.rub.state import NODES, solver_of, work_space
 
         W = np.zeros((0, 0)) if vary or rub.spin is not None else unchanging(rub, system, parts, share)
-        rows = rub_rows(rub, system, parts, W)
+        many = not W.size and len(system.still) > FEW and not vary and rub.spin is None
+        rows = rub_rows(rub, system, parts, W, *(cell(rub, system, parts, share, NODES) if many else NO_CELL))
         alone = plain and state.mu.size == 1 and state.lam.size < 3
         solver = None if alone else solver_of(state)
         return LoopArrays(rub_laws(rub, system, parts.h), rows, work_space(state, rows, newton=not alone), solver)
@@ -129,8 +132,8 @@ def _jumps(rotor: Rotor | None, h: float) -> Array:
     return np.array([[max(t, -1e300), 1.0 / h, U.real, U.imag] for t, U in jumps])
 
 
-def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRows:
-    """Rows of the casing, tips and residual compliance."""
+def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array, cell: float, form: Array) -> RubRows:
+    """Rows of the casing, tips and residual compliance; W, or `cell` and `form` from which it is found."""
     from contact.loop.rub.rows import RubRows
 
     rim, m = system.rim, int(system.first[1])
@@ -155,12 +158,16 @@ def rub_rows(rub: Rub, system: RubSystem, parts: Propagator, W: Array) -> RubRow
     return RubRows(
         casing=_casing(rim, system.blade_rows, system.own, system.line, system.directions, width, count),
         width=whole(width), reach=reach, rim=rim_of(rub, len(system.still) // system.contacts, reach.shape[1]),
+        many=not few, seen=_seen(rim, width, count) if not few else _no_blocks(),
         directions=system.directions, line=system.line,
         place=place.reshape(-1).astype(np.int64), glide=glide.ravel(), angle=system.angle,
         heading=np.stack([np.cos(system.angle), np.sin(system.angle)], axis=1),
         clearance=system.clearance, blade=system.blade_rows, own=system.own,
         apart=apart, fixed=fixed_delassus(system, parts),
-        still=system.still, turns=system.turns, steady=False, W=W, few=few, S=_blocks(harmonic, S_cos, S_sin, count),
+        still=system.still, turns=system.turns, steady=False, W=W,
+        cell=cell,
+        form=_blocks(*_between_waves(form, count), count) if cell > 0.0 else _no_blocks(), few=few,
+        S=_blocks(harmonic, S_cos, S_sin, count),
         harmonics=count,
     )  # fmt: skip
 
@@ -204,6 +211,25 @@ def _blocks(harmonic: Indices, cos: Array, sin: Array, count: int) -> RowBlocks:
     from contact.loop.modal.rows import RowBlocks
 
     return RowBlocks(*row_blocks(rows_of_waves(harmonic, cos, sin, count)))
+
+
+@remembered
+def _seen(rim: RimTable, width: int, count: int) -> RowBlocks:
+    """Waves of each row of the casing by its modes, which `_casing` has by waves."""
+    from contact.loop.modal.rows import RowBlocks
+
+    rows, harmonics, m = rim.cos.shape
+    table = np.zeros((rows, 2, count, width))
+    table[:, 0, :harmonics, :m], table[:, 1, :harmonics, :m] = rim.cos, rim.sin
+    halves = table.reshape(rows, 2 * count, 2, width // 2)  # `row_blocks` takes their columns in turns
+    return RowBlocks(*row_blocks(np.ascontiguousarray(halves.transpose(0, 1, 3, 2)).reshape(rows, 2 * count, width)))
+
+
+def _no_blocks() -> RowBlocks:
+    from contact.loop.modal.rows import RowBlocks
+
+    none = np.zeros(0, dtype=np.int64)
+    return RowBlocks(none, none, aligned(0, BLOCK), none)
 
 
 def fixed_delassus(system: RubSystem, parts: Propagator) -> Array:

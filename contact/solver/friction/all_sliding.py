@@ -1,4 +1,6 @@
-"""A start for the friction problem where every contact slides: directions of slip held, normal forces solved for.
+"""A start for the friction problem. Along one line each, all states of the contacts are found: `in_line`.
+
+In a plane every contact is taken to slide: directions of slip held, normal forces solved for.
 
 With force_T = -mu force_N d, d = u_T/|u_T| as it was, what remains is complementarity of the normals,
 0 <= (W_NN - W_NT mu d) force_N + b_N, in a third of the unknowns; then d follows and it is solved again. Where a rim
@@ -18,6 +20,7 @@ from contact.base.arrays import Array
 from contact.jit.bundle import Bundle
 from contact.jit.compiled import MATRIX, VECTOR, ByAddress, jit
 from contact.solver.dense import affine, assign, solve_in_place
+from contact.solver.friction.in_line import forces_in_line
 from contact.solver.friction.room import AT, CLOSED, INNER, JACOBIAN, TRIAL, Room, U, friction_room
 
 OWN, NORMAL, GAP, PHI, LAST, LEFT, SHORT = 1, 2, 4, 5, 6, 7, 8  # rows of `vectors`
@@ -32,7 +35,9 @@ GOLDEN = 0.6180339887498949
 
 
 def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force: Array, room: Room) -> bool:
-    """Improve `force` for contacts that all slide; False, `force` as it was, where one does not or no set settles."""
+    """Improve `force`; False, `force` as it was, where no states settle, or in a plane where one does not slide."""
+    if dim == 2:
+        return forces_in_line(W, b, mu, count, force, room)
     size = count * dim
     trial, u, gap, closed, d = room.vectors[TRIAL], room.vectors[U], room.vectors[GAP], room.whole[CLOSED], room.pairs
     assign(trial, force, size)
@@ -43,7 +48,7 @@ def all_sliding_start(W: Array, b: Array, mu: Array, dim: int, count: int, force
         affine(W, trial, b, u, size)
         moved = follow(u, dim, count, d, turn == 0)
         if moved > 1.0:
-            if dim == 3 and continue_direction(W, b, mu, count, force, room):
+            if continue_direction(W, b, mu, count, force, room):
                 break
             return False
         if moved <= STILL:

@@ -28,6 +28,8 @@ CASES = {
     "cross-coupled casing, one tip": (1, False, 0.3, "forward", "cross"),
     "cross-coupled casing, three tips": (2, True, 0.2, "forward", "cross"),
     "twelve tips in three directions": (6, True, 0.2, "averaged", None),
+    "eighteen tips, slowly": (9, False, 0.3, "averaged", "slow"),
+    "eighteen tips, casing turns slowly": (9, False, 0.3, "forward", "slow casing"),
 }
 
 
@@ -43,18 +45,19 @@ def coupled(body, seed, *, cross=False):
 @pytest.mark.parametrize("name", CASES)
 def test_tips_press_as_steps_of_whole_matrices_say(name):
     count, axial, mu, law, couples = CASES[name]
-    steps = {1: 500, 2: 120, 6: 40}[count]  # one tip is thrown off, and comes back
+    steps = {1: 500, 2: 120, 6: 40, 9: 40}[count]  # one tip is thrown off, and comes back
     other = count if count > 2 else 1
     casing, blades = round_rim() if couples == "round" else rim3(), [nodes(max(count, 2)), nodes(other, seed=6)]
     if couples == "blades":
         blades = [coupled(body, 3 + k) for k, body in enumerate(blades)]
-    elif couples in ("casing", "cross"):
+    elif couples in ("casing", "cross", "slow casing"):
         casing = coupled(casing, 2, cross=couples == "cross")
+    slow = couples in ("slow", "slow casing")  # so that the contacts' matrix is interpolated over the angle
     points = tips(count, axial=axial)
     if count > 1:
         points += tips(other, blade=1, angle=190.0, axial=axial)
     rub = ct.Rub(
-        casing, blades, points, clearance=-2e-4, speed=ct.Speed.constant(25.0),
+        casing, blades, points, clearance=-2e-4, speed=ct.Speed.constant(1.0 if slow else 25.0),
         profile=ct.gaps.RimProfile.fourier([{"p": 2, "cos": 2e-5}, {"p": 3, "sin": 1e-5}]),
         turning="blades" if couples == "blades" else "casing",
     )  # fmt: skip
@@ -66,6 +69,22 @@ def test_tips_press_as_steps_of_whole_matrices_say(name):
     wanted = PlainRub(rub, law=friction, h=H, averaged=law == "averaged").forces(steps)
     assert (wanted[:, :: rub.dimensions if mu else 1] > 0.0).sum() > 10
     np.testing.assert_allclose(found.tip_force.reshape(wanted.shape), wanted, rtol=0.0, atol=1e-7 * wanted.max())
+
+
+@pytest.mark.slow
+def test_interpolating_the_matrix_of_many_contacts_over_the_angle_changes_forces_by_round_off():
+    """At a speed that varies, by 1e-13 here, the matrix is made of products in each step."""
+    points = [*tips(10, axial=False), *tips(10, blade=1, angle=190.0, axial=False)]
+    steps, found = 200, []
+    for hz in ([1.0, 1.0], [1.0, 1.0 + 1e-13]):
+        rub = ct.Rub(
+            rim3(), [nodes(10), nodes(10, seed=6)], points, clearance=-2e-4, speed=ct.Speed(time=[0.0, 1.0], hz=hz),
+            turning="blades",
+        )  # fmt: skip
+        scene = ct.Scene(what=rub, law=ct.Coulomb(mu=0.3), dt=H, t_end=steps * H, on_limit="flag")
+        found.append(ct.run(replace(scene, record=ct.Record(every=1))).force)
+    assert (found[0] > 0.0).sum() > 100
+    np.testing.assert_allclose(found[0], found[1], rtol=0.0, atol=1e-9 * found[0].max())
 
 
 def three_tips(casing, **more):

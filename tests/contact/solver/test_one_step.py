@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import contact as ct
+from contact.solver.friction.all_sliding import all_sliding_start
 from contact.solver.friction.coulomb import coulomb
+from contact.solver.friction.room import friction_room
 from contact.solver.unilateral.active_set import unilateral
 from tests.contact.solver.lemke import lemke
 
@@ -72,6 +74,32 @@ def test_contacts_wedged_without_compliance_are_refused():
 def test_bad_arrays_are_named(A, b, word):
     with pytest.raises(ct.InputError, match=word):
         unilateral(A, b)
+
+
+def test_states_of_contacts_with_friction_along_one_line_are_found():
+    """The path finds open, slipping and sticking contacts from none, and stays where it is right."""
+    rng, states = np.random.default_rng(23), np.zeros(3, dtype=int)
+    for _ in range(300):
+        k = int(rng.integers(2, 30))
+        rows, mu, b = (
+            rng.standard_normal((2 * k, 2 * k)),
+            np.full(k, rng.uniform(0.05, 0.8)),
+            rng.standard_normal(2 * k),
+        )
+        W, force, room = rows @ rows.T + 0.5 * np.eye(2 * k), np.zeros(2 * k), friction_room(k, 2)
+        assert all_sliding_start(W, b, mu, 2, k, force, room)
+        scale = np.abs(force).max() + 1.0
+        u, found = (W @ force + b).reshape(k, 2), force.reshape(k, 2)
+        radius, slips = mu * found[:, 0], np.abs(u[:, 1]) > 1e-9
+        assert np.abs(np.minimum(found[:, 0], u[:, 0])).max() <= 1e-10 * scale
+        assert (np.abs(found[:, 1]) - radius).max() <= 1e-10 * scale
+        assert np.abs(found[slips, 1] + radius[slips] * np.sign(u[slips, 1])).max(initial=0.0) <= 1e-10 * scale
+        closed = found[:, 0] > 0.0
+        states += [(~closed).sum(), (closed & slips).sum(), (closed & ~slips).sum()]
+        again = force.copy()
+        assert all_sliding_start(W, b, mu, 2, k, again, room)
+        np.testing.assert_allclose(again, force, rtol=0.0, atol=1e-10 * scale)
+    assert states.min() > 100
 
 
 def coulomb_law_holds(found, mu, scale):
