@@ -1,47 +1,40 @@
-"""Parts of files on their way: whose they are, what stands in their way, what is left of them."""
+"""Files on their way: a folder that is not there gets a whole set, and a file that cannot be written is named."""
 
-import errno
-
+import numpy as np
 import pytest
+from click.testing import CliRunner
 
-from contact.io.outfiles import in_the_way, write_atomic, write_files
+import contact as ct
+from casingfem.cli import main
 
-
-def test_what_stands_in_the_way_of_a_folder(tmp_path):
-    (tmp_path / "file").write_text("x")
-    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
-    assert in_the_way(tmp_path) is None
-    assert in_the_way(tmp_path / "new" / "deep") is None
-    assert in_the_way(tmp_path / "file") == "found a file, expected a folder or none"
-    assert in_the_way(tmp_path / "link") == "found a link to nothing, expected a folder or none"
-    assert (
-        in_the_way(tmp_path / "link" / "a")
-        == f"found a link to nothing, {tmp_path / 'link'}, expected a folder or none"
-    )
+BODY = ct.ModalBody(omega=[10.0], zeta=[0.0], channels=("span",), rows=[[1.0]], S=[[0.0]])
 
 
-def test_files_are_text_bytes_or_written_by_a_function(tmp_path):
-    write = {"a.txt": "ä", "deep/b.bin": b"\x00\x01", "c.txt": lambda path: path.write_text("by it")}
-    assert write_files(tmp_path / "far" / "new" / "out", write) == [
-        tmp_path / "far" / "new" / "out" / name for name in write
-    ]
+def test_a_folder_that_is_not_there_gets_the_whole_set_and_nothing_stays_beside_it(tmp_path):
     out = tmp_path / "far" / "new" / "out"
-    assert (out / "a.txt").read_bytes() == "ä".encode()
-    assert (out / "deep/b.bin").read_bytes() == b"\x00\x01"
-    assert (out / "c.txt").read_text() == "by it"
-    assert sorted(path.name for path in out.iterdir()) == ["a.txt", "c.txt", "deep"]
-    assert write_atomic(out / "more" / "deep" / "d.txt", "d") == out / "more" / "deep" / "d.txt"
-    assert (out / "more" / "deep" / "d.txt").read_text() == "d"
+    done = CliRunner().invoke(main, ["new", str(out)])
+    assert done.exit_code == 0, done.output
+    assert sorted(path.name for path in out.iterdir()) == [
+        "blade.toml", "casing.toml", "frequencies.csv", "rub.toml", "survey.csv"
+    ]  # fmt: skip
     assert [path.name for path in (tmp_path / "far" / "new").iterdir()] == ["out"]
 
 
-@pytest.mark.parametrize(("number", "words"), [(errno.EACCES, "Permission denied"), (None, "told without a number")])
-def test_an_error_of_a_writer_names_the_file_that_was_to_be(tmp_path, number, words):
-    def refused(path):
-        raise OSError(number, words, str(path)) if number else OSError(words)
+def test_a_file_takes_the_place_of_an_older_one_whole(tmp_path):
+    path = tmp_path / "deep" / "body.npz"
+    path.parent.mkdir()
+    path.write_bytes(b"older")
+    BODY.save(path)
+    np.testing.assert_array_equal(ct.ModalBody.load(path).omega, BODY.omega)
+    assert [file.name for file in path.parent.iterdir()] == ["body.npz"]
 
-    for files in ({"x.png": refused}, {"a.csv": "a", "x.png": refused}):
-        with pytest.raises(OSError, match=words) as caught:
-            write_files(tmp_path / "out", files)
-        assert (caught.value.errno, caught.value.filename) == (number or errno.EIO, str(tmp_path / "out" / "x.png"))
-    assert not any(path.is_file() for path in tmp_path.rglob("*"))
+
+@pytest.mark.parametrize("name", ["file/body.npz", "folder"])
+def test_a_file_that_cannot_be_written_is_named_and_nothing_is_left(tmp_path, name):
+    (tmp_path / "file").write_text("x")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError, match=name.partition("/")[0]) as caught:
+        BODY.save(tmp_path / name)
+    assert caught.value.filename == str(tmp_path / name.partition("/")[0])
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["file", "folder"]
+    assert (tmp_path / "file").read_text() == "x"

@@ -2,6 +2,7 @@
 
 import warnings
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,8 @@ from click.testing import CliRunner
 import casingfem as cf
 from casingfem.cli import main as casingfem
 from casingfem.errors import InputError, ModelError
-from casingfem.examples import DATA
 
-ROTOR37 = DATA / "scenes" / "rotor37" / "sections.csv"
+ROTOR37 = Path(__file__).parents[4] / "data" / "scenes" / "rotor37" / "sections.csv"
 HEADER = "section,z_mm,r_mm,theta_1_deg,theta_2_deg"
 
 
