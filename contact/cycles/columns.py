@@ -21,6 +21,8 @@ POINTS = (
            lambda points: [point.periods for _, point in points], format="d"),
     Column("multiplier", "Largest magnitude of a Floquet multiplier; above 1 the motion is unstable.",
            lambda points: [point.multiplier for _, point in points], format=".6g"),
+    Column("growth_1_s", "Growth of a motion beside it: logarithm of that multiplier over the period.",
+           lambda points: [point.growth for _, point in points], head="growth", unit="1/s", format=".4g"),
     Column("stable", "Whether the motion is stable.", lambda points: [point.stable for _, point in points],
            format=mark("stable")),
     Column("contacts", "Number of contacts that close.", lambda points: [point.contacts for _, point in points],

@@ -14,6 +14,7 @@ from contact.cycles.columns import point_columns
 from contact.cycles.shooting import Orbit
 from contact.io.brief import brief
 from contact.io.columns import Columns, records_of
+from contact.io.outfiles import finite
 from contact.io.reported import Reported
 from contact.io.stored import save_value
 
@@ -169,7 +170,7 @@ class Cycles(Reported):
     def _point(self, point: Orbit) -> dict[str, object]:
         return {
             self.name: point.value, "amplitude": point.amplitude, "multiplier": point.multiplier,
-            "stable": point.stable, "contacts": point.contacts,
+            "growth_1_s": finite(point.growth), "stable": point.stable, "contacts": point.contacts,
         }  # fmt: skip
 
     def save(self, path: str | os.PathLike[str]) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -61,6 +62,12 @@ class Orbit:
     def multiplier(self) -> float:
         """Largest |Floquet multiplier|: above 1 the orbit is left."""
         return float(np.abs(self.multipliers).max())
+
+    @property
+    def growth(self) -> float:
+        """Growth of a motion beside the orbit [1/s], log of the largest |multiplier| over the period."""
+        size = self.multiplier
+        return math.log(size) / self.period if size > 0.0 else -math.inf
 
     @property
     def stable(self) -> bool:

@@ -13,6 +13,7 @@ Ending = Literal["grows", "bounded", "decays", "undecided", "at rest"]
 Check = Literal["", "converged", "numerical", "irregular", "depends on the step"]
 AGREED = 0.1  # of the growth: by how much half the step may change it
 NUMERICAL = 0.5  # of the growth: where half the step gives less, it is that of the step
+STEADY = 0.02  # of the largest deflection: windows of a motion that may be periodic differ by less
 STANDS = 0.3  # share of one travelling wave below which the motion stands
 
 
@@ -152,7 +153,8 @@ class RunGrowth:
     @property
     def words(self) -> str:
         """The verdict in sentences."""
-        return " ".join(filter(None, (self.verdict, self._source(), self._wall_words(), self.at_half_step)))
+        parts = self.verdict, self._periodic(), self._source(), self._wall_words(), self.at_half_step
+        return " ".join(filter(None, parts))
 
     @property
     def verdict(self) -> str:
@@ -174,6 +176,12 @@ class RunGrowth:
         if self.state == "at rest":
             return "Nothing vibrates."
         return f"The run is too short to tell whether the motion grows: {between}. Lengthen t_end."
+
+    def _periodic(self) -> str:
+        """Where the Floquet multipliers of a steady motion are to be had."""
+        if not (self.state == "bounded" and self.steady < STEADY):
+            return ""
+        return "It may be periodic: `casingfem cycles` computes periodic motions and their growth (Floquet)."
 
     def _source(self) -> str:
         return self.cause.source_words if self.cause is not None and self.state == "grows" else ""

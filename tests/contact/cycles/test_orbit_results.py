@@ -69,7 +69,7 @@ def test_rows_and_marks_of_a_continuation():
     assert rows == found().records()
     assert rows[2] == {
         "branch": 1, "freq_hz": 1.5, "periods": 1, "amplitude_tip": 1e-3, "amplitude_rim": 2e-3, "multiplier": 1.5,
-        "stable": False, "contacts": 1, "closings": 0, "gap": -0.5, "force": 7.0,
+        "growth_1_s": math.log(1.5) / 0.5, "stable": False, "contacts": 1, "closings": 0, "gap": -0.5, "force": 7.0,
     }  # fmt: skip
     assert (rows[3]["branch"], rows[3]["periods"], rows[0]["closings"]) == (2, 2, 2)
     assert found().marks() == [
@@ -85,7 +85,10 @@ def test_rows_and_marks_of_a_continuation():
 def test_the_document_of_a_continuation():
     document = found().to_dict()
     assert (document["parameter"], document["seconds"], document["end"]) == ("freq_hz", 4.0, "a corner")
-    point = {"freq_hz": 1.5, "amplitude": {"tip": 1e-3, "rim": 2e-3}, "multiplier": 1.5, "stable": False, "contacts": 1}
+    point = {
+        "freq_hz": 1.5, "amplitude": {"tip": 1e-3, "rim": 2e-3}, "multiplier": 1.5, "growth_1_s": math.log(1.5) / 0.5,
+        "stable": False, "contacts": 1,
+    }  # fmt: skip
     assert document["points"][2] == point
     assert [fold["freq_hz"] for fold in document["folds"]] == [2.25]
     assert [(event["kind"], event["freq_hz"]) for event in document["events"]] == [("fold", 2.25), ("grazing", 1.75)]

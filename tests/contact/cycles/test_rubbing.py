@@ -62,6 +62,23 @@ def test_a_rub_is_what_a_run_settles_on(mu, angle, speed):
     settles(rim(angle_deg=angle, speed_hz=speed), mu, speed, settle=20)
 
 
+def test_growth_by_floquet_multipliers_is_that_of_a_run_beside_the_periodic_motion():
+    """The contact opens twice a turn. From one turn to the next a run comes nearer to its end by the multiplier."""
+    what, turn, dt = rim(zeta=0.01), 0.2, 1e-5
+    found = ct.cycles.orbit(ct.cycles.RimFamily(rim=what, mu=0.05), 5.0, settle=60)
+    assert found.closings[0] > 0
+    steps = round(turn / dt)
+    record = ct.Record(every=steps, state_every=steps)
+    run = ct.run(
+        what, law=ct.Coulomb(mu=0.05), scheme=ct.ExactModal(law="averaged"), t_end=32 * turn, dt=dt, record=record
+    )
+    moved = np.linalg.norm(np.diff(run.state[:, : what.casing.omega.size + what.blade.omega.size], axis=0), axis=1)
+    late = slice(10, 30)
+    rate = np.polyfit(turn * np.arange(moved.size)[late], np.log(moved[late]), 1)[0]
+    assert found.growth == pytest.approx(rate, rel=0.03)
+    assert found.growth < 0.0
+
+
 @pytest.mark.parametrize("side", ["casing", "blades"])
 def test_a_rub_of_bodies_that_turn_is_what_a_run_settles_on(side):
     turning = replace(
