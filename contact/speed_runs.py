@@ -49,7 +49,8 @@ class SpeedRun:
     does not decide. `check` says what half the step gives: "converged", "numerical", "irregular", "depends on the
     step", or "" of motions that do not grow. `state` is the end state of the motion, `steady` by how much the largest
     deflection of a window differs in the last stretch, relatively; `contact` the fraction of the time in which the
-    contact that touches most was closed.
+    contact that touches most was closed. `limit_m` is the largest deflection that the linear model allows the rim, of
+    a run that passed a limit and was stopped; nan of the others.
     """
 
     speed_hz: float
@@ -69,6 +70,30 @@ class SpeedRun:
     state: Ending | None = None
     steady: float = math.nan
     contact: float = math.nan
+    limit_m: float = math.nan
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the run passed a limit of the motion: its deflection is then that of no linear model."""
+        return math.isfinite(self.limit_m)
+
+    @property
+    def shown_m(self) -> float:
+        """Deflection of the rim [m], no more than the limit at which a run was stopped."""
+        return min(self.amplitude_m, self.limit_m) if self.stopped else self.amplitude_m
+
+    @property
+    def deflection(self) -> str:
+        """Deflection of the rim in mm; "> limit" of a run that was stopped there; "" where there is none.
+
+        >>> run = SpeedRun(speed_hz=20.0, verdict="unstable", closed=3.0, growth=9.0, low=8.0, high=10.0,
+        ...                amplitude_m=5.45e-2, half_wall_s=0.2, n=4, wave="with", body="casing")
+        >>> run.deflection, replace(run, limit_m=1.5e-3).deflection
+        ('54.5', '> 1.5')
+        """
+        if not math.isfinite(self.amplitude_m):
+            return ""
+        return ("> " if self.stopped else "") + f"{1e3 * (self.limit_m if self.stopped else self.amplitude_m):.3g}"
 
     @property
     def note(self) -> str:
@@ -209,6 +234,9 @@ def _speed_run(what: object, outcome: Outcome, speed_hz: float, pole: float) -> 
             state=growth.state, steady=growth.steady,
         )  # fmt: skip
     passed = result.divergence is not None and result.divergence.limit in ("wall", "radius")
+    if passed:
+        rub = rub_of(what)
+        run = replace(run, limit_m=float(motion_limits(rub.casing.line_radius(0), rub.wall)[RIM]))
     if isinstance(outcome, NumericsError) and not passed:
         return replace(run, why=f"the numerics failed: {outcome}")
     if growth is not None and growth.amplitude < STILL * rub_of(what).casing.line_radius(0):

@@ -207,7 +207,7 @@ def figure_interactions(found: Any, *, orders: int = 8) -> Figure:
     lower.set_ylabel("growth [1/s]")
     for run in found.runs:
         lower.plot(run.speed_hz, run.growth, **MARKS[run.verdict], zorder=4)
-        rest[0].plot(run.speed_hz, 1e3 * run.amplitude_m, **MARKS[run.verdict])
+        rest[0].plot(run.speed_hz, 1e3 * run.shown_m, **MARKS[run.verdict])
     for row in found.rows:
         if row.at.verdict == "unstable":
             for axes in (upper, lower, *rest):

@@ -1,7 +1,7 @@
 """The page on dangerous speeds: which speeds are safe, what grows at the others, how large it gets."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -59,15 +59,30 @@ def speeds_verdict(found: Any) -> Verdict:
     if worst:
         facts.insert(0, ("Safe", f"{listed(safe)}." if safe else "No speed of the range is safe."))
         facts.insert(0, ("Worst", row_words(found.rows[0])))
-    amplitude = max(found.runs, key=lambda run: float(run.amplitude_m), default=None)
-    if amplitude is not None:
-        facts.append(("Deflection", f"The rim moves at most {1e3 * amplitude.amplitude_m:.3g} mm, at "
-                                    f"{with_rpm(amplitude.speed_hz)}."))  # fmt: skip
+    if found.runs:
+        facts.append(("Deflection", deflection_words(found.runs)))
     further = FURTHER[worst or "safe"]
     return Verdict(
         found=sentence, sure=found.words, further=further, facts=tuple(facts), state=state,
         strips=(("Speeds", speed_strip(found)),),
     )  # fmt: skip
+
+
+def deflection_words(runs: Sequence[Any]) -> str:
+    """Largest deflection of the runs that went to their end, and how many were stopped at a limit."""
+    stopped, whole = (
+        [run for run in runs if run.stopped is one and math.isfinite(run.amplitude_m)] for one in (True, False)
+    )
+    words = []
+    if whole:
+        largest = max(whole, key=lambda run: float(run.amplitude_m))
+        others = " in the others" if stopped else ""
+        words.append(f"The rim moves at most {largest.deflection} mm{others}, at {with_rpm(largest.speed_hz)}.")
+    if stopped:
+        ran = "run was" if len(stopped) == 1 else "runs were"
+        limit = f"the limit of the linear model, {1e3 * stopped[0].limit_m:.3g} mm"
+        words.insert(0, f"{len(stopped)} {ran} stopped where the rim passed {limit}.")
+    return " ".join(words)
 
 
 def row_words(row: Any) -> str:
@@ -96,7 +111,7 @@ def runs_table(found: Any) -> Table:
     )  # fmt: skip
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (f"{60.0 * run.speed_hz:.5g}", f"{run.speed_hz:.5g}", run.verdict, number(run.growth), number(run.low),
-         number(run.high), number(1e3 * run.amplitude_m), run.n, run.wave or None, run.why or None)
+         number(run.high), run.deflection or None, run.n, run.wave or None, run.why or None)
         for run in found.runs
     )  # fmt: skip
     return Table(f"The {len(rows)} runs.", heads, rows, folded=len(rows) > 20)

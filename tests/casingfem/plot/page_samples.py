@@ -11,6 +11,7 @@ from contact.interacting import COLUMNS
 from contact.io.columns import records_of
 from contact.record.growth import RunGrowth
 from contact.result import CONTACTS
+from contact.speed_runs import SpeedRun
 
 CONTACT = {
     "contact": 1, "closings": 4, "closed_s": 0.08, "impulse_N_s": 2.4, "peak_force_N": 46.0, "windowed_force_N": 45.5,
@@ -99,10 +100,10 @@ def speeds_sample() -> Any:
     """A table of dangerous speeds from 1 to 10 Hz: unstable from 4 to 5 Hz, else safe."""
 
     def run(speed: float, verdict: str, growth: float) -> Any:
-        return SimpleNamespace(
+        return SpeedRun(
             speed_hz=speed, verdict=verdict, closed=12.0, growth=growth, low=growth - 0.1, high=growth + 0.1,
             amplitude_m=1e-5 * speed, half_wall_s=2.0 if growth > 0.0 else np.inf, n=3, wave="with", body="casing",
-            seconds=0.4, why="", note="", check="converged" if growth > 0.0 else "",
+            seconds=0.4, contact=0.3, check="converged" if growth > 0.0 else "",
         )  # fmt: skip
 
     runs = (run(2.0, "safe", -0.5), run(4.5, "unstable", 3.0), run(9.0, "safe", -0.4))
