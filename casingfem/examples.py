@@ -36,7 +36,14 @@ class Example:
     def verb(self) -> str:
         """The command that runs it."""
         if "scene" in self.tables:
-            own = next((verb for key, verb in (("sweep", "sweep"), ("drive", "cycles")) if key in self.tables), None)
+            own = next(
+                (
+                    verb
+                    for key, verb in (("sweep", "sweep"), ("drive", "cycles"), ("chance", "chance"))
+                    if key in self.tables
+                ),
+                None,
+            )
             return own or VERBS.get(self.tables["scene"]["kind"], "contact")
         random = any("random" in part for part in self.tables.get("imperfection", ()))
         return next((verb for verb in ("rig", "update") if verb in self.tables), "mistune" if random else "modes")

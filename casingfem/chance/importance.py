@@ -4,21 +4,22 @@ The first-order index of a group is the share of a result's variance that the gr
 share that would be left if all others were known (A. Saltelli et al., Comput. Phys. Comm. 181, 2010, 259).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import qmc
 
 from casingfem.chance.points import EDGE
 from casingfem.errors import InputError
 from casingfem.io.arrays import FloatArray
 
-RESAMPLES = 200
+RESAMPLES = 200  # of the points, for the intervals
+TINY = 1e-12  # of the largest square: a resample that does not vary
 Results = Callable[[FloatArray], FloatArray]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Importance:
     """Sobol indices of one group of inputs for one result, each with its interval of 95 %."""
 
@@ -64,41 +65,36 @@ def importance(
     """
     if not groups or size < 2 or size & (size - 1):
         raise InputError(f"importance: found size {size} and {len(groups)} groups, expected a power of 2 and a group")
+    parts = [results(own) for own in mixed_designs(groups, dimension, seed=seed, size=size)]
+    return [indices(tuple(groups), [part[:, k] for part in parts], seed) for k in range(parts[0].shape[1])]
+
+
+def mixed_designs(groups: Mapping[str, slice], dimension: int, *, seed: int, size: int) -> list[FloatArray]:
+    """Points A and B (size, dimension), and for each group those of A with the group's columns of B."""
     both = qmc.Sobol(2 * dimension, scramble=True, seed=np.random.default_rng([seed, 1 << 20])).random(size)
     both = np.clip(both, EDGE, 1.0 - EDGE)
-    A, B = both[:, :dimension], both[:, dimension:]
-    mixed = []
+    found = [both[:, :dimension], both[:, dimension:]]
     for columns in groups.values():
-        own = A.copy()
-        own[:, columns] = B[:, columns]
-        mixed.append(own)
-    first, second = results(A), results(B)
-    of_mixed = np.array([results(own) for own in mixed])  # (groups, points, results)
-    found = []
-    for k in range(first.shape[1]):
-        given = {"f_A": first[None, :, k], "f_B": second[None, :, k], "f_AB": of_mixed[:, None, :, k]}
-        found.append(indices(tuple(groups), given, size, seed))
+        own = found[0].copy()
+        own[:, columns] = found[1][:, columns]
+        found.append(own)
     return found
 
 
-def indices(names: tuple[str, ...], given: Mapping[str, FloatArray], size: int, seed: int) -> list[Importance]:
-    """Indices of one result; none where it does not vary."""
-    if np.ptp(given["f_A"]) == 0.0 and np.ptp(given["f_B"]) == 0.0:
+def indices(names: tuple[str, ...], parts: Sequence[FloatArray], seed: int) -> list[Importance]:
+    """Indices of one result at the points of `mixed_designs`, (points,) each; none where it does not vary."""
+    first, second, *mixed = (np.asarray(part) for part in parts)
+    both = np.concatenate([first, second])
+    if np.ptp(both) == 0.0:
         return []
-    found = sobol_indices(func=dict(given), n=size, random_state=np.random.default_rng(seed))
-    sure = found.bootstrap(n_resamples=RESAMPLES)
-    parts = zip(
-        names,
-        np.atleast_1d(found.first_order),
-        *(np.atleast_1d(end) for end in sure.first_order.confidence_interval),
-        np.atleast_1d(found.total_order),
-        *(np.atleast_1d(end) for end in sure.total_order.confidence_interval),
-        strict=True,
-    )
-    return [
-        Importance(
-            group=name, first=float(a), first_low=float(b), first_high=float(c), total=float(d), total_low=float(e),
-            total_high=float(f),
-        )
-        for name, a, b, c, d, e, f in parts
-    ]  # fmt: skip
+    first, second, turned = first - both.mean(), second - both.mean(), np.array(mixed) - both.mean()
+    terms = second * (turned - first), 0.5 * (first - turned) ** 2  # of the first-order, of the total index
+    square = 0.5 * (first**2 + second**2)
+    chosen = np.random.default_rng([seed, RESAMPLES]).integers(0, len(first), (RESAMPLES, len(first)))
+    least = TINY * float(square.max())
+    columns = []
+    for term in terms:
+        value = term.mean(axis=1) / square.mean()
+        again = term[:, chosen].mean(axis=-1) / np.maximum(square[chosen].mean(axis=-1), least)
+        columns += [value, *np.percentile(again, [2.5, 97.5], axis=1)]
+    return [Importance(name, *map(float, row)) for name, row in zip(names, np.array(columns).T, strict=True)]

@@ -2,6 +2,7 @@
 
 import click
 
+from casingfem.cli.chance import chance
 from casingfem.cli.compile import compile_loops
 from casingfem.cli.contact import contact, cycles, interactions, rub, stability
 from casingfem.cli.correlate import correlate, locate
@@ -32,7 +33,7 @@ def main() -> None:
 # commands that change nothing on the disk unless --out names a folder, and those that write without it
 READING = (
     modes, campbell, frf, identify, correlate, mistune, rig, update, locate, import_matrices, export_matrices, contact,
-    rub, stability, interactions, cycles, sweep, schema, explain, doctor,
+    rub, stability, interactions, cycles, sweep, chance, schema, explain, doctor,
 )  # fmt: skip
 WRITING = (reduce, report, new, example, watch, recover, compile_loops)
 for command in (*READING, *WRITING):

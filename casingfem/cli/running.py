@@ -17,7 +17,7 @@ from contact.io.trust import SceneWarning
 
 BAD_INPUT, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 STORES = {  # where commands keep what is finished
-    "sweep": "store", "mistune": "draws", "cycles": "cycles.part.npz", "contact": "contact.part.npz",
+    "sweep": "store", "mistune": "draws", "chance": "draws", "cycles": "cycles.part.npz", "contact": "contact.part.npz",
     "rub": "rub.part.npz", "report": "report.part.npz",
 }  # fmt: skip
 CODED = (ModelWarning, SceneWarning)

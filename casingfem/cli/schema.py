@@ -64,12 +64,13 @@ def overview() -> str:
 
 
 def roots() -> dict[str, "Model"]:
-    """What a file, or the table [sweep] of one, is by its kind."""
+    """What a file, or the table [sweep] or [chance] of one, is by its kind."""
+    from casingfem.chance.tables import ChanceTable
     from casingfem.study.tables.tasks import StudyFile
     from contact.scene.schema import scene_models
     from contact.sweep.tables import SweepTable
 
-    return {"study": StudyFile, **scene_models(), "sweep": SweepTable}
+    return {"study": StudyFile, **scene_models(), "sweep": SweepTable, "chance": ChanceTable}
 
 
 def explained(key: str) -> list[dict[str, Any]]:
@@ -77,7 +78,7 @@ def explained(key: str) -> list[dict[str, Any]]:
     first, *rest = key.split(".")
     known = roots()
     if first == "scene" and not rest:
-        return [listed(name, model) for name, model in known.items() if name not in ("study", "sweep")]
+        return [listed(name, model) for name, model in known.items() if name not in ("study", "sweep", "chance")]
     starts = {first: (known[first], rest)} if first in known else {k: (m, [first, *rest]) for k, m in known.items()}
     ends: dict[tuple[Any, ...], list[str]] = {}
     for name, (model, path) in starts.items():

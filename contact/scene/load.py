@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from contact.scene.tables import File
 
 SIDES = ("rim", "rub", "disk")  # kinds of scenes of which one side turns
+ASIDE = ("sweep", "chance")  # tables of a scene file that say how often and around what it is run
 GIVEN = (
     "t_end",
     "gravity",
@@ -82,9 +83,9 @@ def _warn_of_turning(table: Any, what: object, file: Path) -> None:
 
 
 def read_scene(file: Path) -> tuple[File, bytes]:
-    """Read and validate a scene file of any kind, its [sweep] aside: its tables and its text. Raises SceneError."""
+    """Read and validate a scene file, [sweep] and [chance] aside: its tables and its text. Raises SceneError."""
     data, text = scene_data(file)
-    return _validated({key: part for key, part in data.items() if key != "sweep"}, file), text
+    return _validated({key: part for key, part in data.items() if key not in ASIDE}, file), text
 
 
 def scene_data(file: Path) -> tuple[dict[str, Any], bytes]:

@@ -37,8 +37,9 @@ def main(out: Path, quick: bool = False) -> list[Row]:
     casing = cf.load_study(DATA / "studies" / "mistuning.toml").structure
     assert isinstance(casing, cf.Shell)
     family = family_rows(casing, 4 if quick else 500, 1 if quick else 40, 256 if quick else 100_000)
-    linear = linear_rows(casing, 512 if quick else 16_384)
-    repeated = repeated_rows(casing, 4 if quick else 200, 1 if quick else 50)
+    own = Linear(casing)
+    linear = linear_rows(own, 512 if quick else 16_384)
+    repeated = repeated_rows(own, 4 if quick else 200, 1 if quick else 50)
     for title, name, rows in (
         ("Splits and orientations of the family", "chance_family", family),
         ("Quantiles of a split that is linear in the imperfection", "chance_quantiles", linear),
@@ -132,9 +133,8 @@ class Linear:
         return self.slope * float(self.spectrum.amplitudes(np.full(len(self.spectrum.p), at))[self.line])
 
 
-def linear_rows(casing: cf.Shell, draws: int) -> list[Row]:
+def linear_rows(own: Linear, draws: int) -> list[Row]:
     """Quantiles of the draws against those of the amplitude."""
-    own = Linear(casing)
     splits = own.splits(cf.chance.points(11, range(draws), own.dimension))
     rows = []
     for at in (0.05, 0.5, 0.9, 0.99):
@@ -144,9 +144,8 @@ def linear_rows(casing: cf.Shell, draws: int) -> list[Row]:
     return rows
 
 
-def repeated_rows(casing: cf.Shell, repetitions: int, rare: int) -> list[Row]:
+def repeated_rows(own: Linear, repetitions: int, rare: int) -> list[Row]:
     """How often intervals have the truth; an event of 1e-5 by subset simulation."""
-    own = Linear(casing)
     rows: list[Row] = []
     for at in (0.5, 0.9, 0.98):
         limit, inside = own.quantile(at), 0

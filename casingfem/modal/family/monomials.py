@@ -43,10 +43,12 @@ def collected(factor: IntArray, value: FloatArray, size: FloatArray, scale: floa
         Size of what the first of the sums is added to.
     """
     factor = np.sort(factor, axis=1)
-    factor, of = np.unique(factor, axis=0, return_inverse=True)
-    summed = np.zeros((len(factor), value.shape[1]))
-    np.add.at(summed, of.ravel(), value)
+    key = factor @ size.size ** np.arange(factor.shape[1])  # one number a product
+    _, first, of = np.unique(key, return_index=True, return_inverse=True)
+    factor = factor[first]
+    sums = [np.bincount(of.ravel(), weights=column, minlength=len(factor)).astype(float) for column in value.T]
+    summed: FloatArray = np.stack(sums, axis=1)
     weight = np.abs(summed[:, 0]) * np.prod(size[factor], axis=1)
     order = np.argsort(weight)
-    kept = np.sort(order[np.cumsum(weight[order]) > LEFT * scale])
-    return Monomials(factor[kept], summed[kept])
+    kept: IntArray = np.sort(order[np.cumsum(weight[order]) > LEFT * scale])
+    return Monomials(np.asarray(factor[kept], dtype=np.int64), summed[kept])

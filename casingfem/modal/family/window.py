@@ -128,7 +128,7 @@ class Terms:
     own, forms, waves : the expansion, its forms, and places of the window's waves in it
     low : those waves
     direct : K_2 and M_2 of the second derivatives alone
-    between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a
+    between_answers : <X_b|D_0|X_a> by kind, ways, l, b, m, a; all others have X by its harmonic, -p_max to p_max
     first_right, first_left, first_both : <u|D_1|X>, <X|D_1|u>, <X|D_1|X> of each slot: stiffness and mass
     second_right, second_left : <u|D_2|X>, <X|D_2|u> of each two slots
     third_none : <u|D_3|u> of each three slots
@@ -151,7 +151,8 @@ class Terms:
     def of(cls, own: Expansion, forms: Derivatives, waves: IntArray, pairs: int) -> "Terms":
         """Those of some waves, the first `pairs` of which are +n of the pairs."""
         low, X = own.waves.chosen(waves), answers_of(own, waves)  # (l, ways, points 15, waves)
-        right, left, ways = columns(X), columns(X[..., :pairs]), range(X.shape[1])
+        near = by_harmonic(own, X, low.n)
+        right, left, ways = columns(near), columns(near[..., :pairs]), range(X.shape[1])
         u_left, u = Columns(low.jets[:, :pairs], (pairs,)), Columns(low.jets, (len(waves),))
         at_way = [inner(columns(X[:, k : k + 1, :, :pairs]), forms.none, columns(X[:, k : k + 1])) for k in ways]
         parts = [np.array([pair[kind][:, 0, :, :, 0].real for pair in at_way]) for kind in (0, 1)]
@@ -194,9 +195,13 @@ class Terms:
             for kind in (0, 1):
                 own = self.direct[kind][used, line, other, b, a] + self.between_answers[kind, used, other, b, line, a]
                 for s in self.lines_of(other):
-                    own = own + ((1j * p2[used]) ** order[s] * self.first_right[s][kind][b, line, used, a]).real
+                    own = (
+                        own + ((1j * p2[used]) ** order[s] * self.first_right[s][kind][b, line, p1[used] + top, a]).real
+                    )
                 for s in self.lines_of(line):
-                    own = own + ((1j * p1[used]) ** order[s] * self.first_left[s][kind][other, used, b, a]).real
+                    own = (
+                        own + ((1j * p1[used]) ** order[s] * self.first_left[s][kind][other, top - p2[used], b, a]).real
+                    )
                 value[:, kind] = own
             one, two = np.full(len(used), line), np.full(len(used), other)
             factors.append(np.stack([np.stack([one, p1[used] + top], -1), np.stack([two, p2[used] + top], -1)], axis=1))
@@ -213,7 +218,7 @@ class Terms:
         p1, p2, p3 = p1[i, 0], p2[i, j], p3[j]
         factors, values = [], []
         for lines in product(range(len(self.own.quantities)), repeat=3):
-            found = self.third_of(lines, (b, a), (i, j), (p1, p2, p3), square)
+            found = self.third_of(lines, (b, a), (p1, p2, p3), square)
             parts = [np.stack([np.full(len(i), f), p + top], -1) for f, p in zip(lines, (p1, p2, p3), strict=True)]
             factors.append(np.stack(parts, axis=1))
             values.append(np.stack([found, np.zeros(len(i))], axis=1))
@@ -223,12 +228,12 @@ class Terms:
         self,
         lines: tuple[int, ...],
         waves: tuple[int, int],
-        ways: tuple[IntArray, IntArray],
         p: tuple[IntArray, IntArray, IntArray],
         square: float,
     ) -> FloatArray:
-        """Terms of the third power of three fields with harmonics p, by way of two `ways`; D = K - `square` M."""
-        (b, a), (i, j), (first, second, third) = waves, ways, lines
+        """Terms of the third power of three fields with harmonics p; D = K - `square` M."""
+        (b, a), (first, second, third) = waves, lines
+        i, j = p[0] + self.own.p_max, self.own.p_max - p[2]  # places of the answers to a and to b
         about = [[(1j * each) ** slot.order for slot in self.forms.slots] for each in p]
 
         def D(parts: Two, *at: int | IntArray) -> Array:
@@ -246,8 +251,15 @@ class Terms:
         return np.asarray(found.real)
 
 
+def by_harmonic(own: Expansion, X: Array, n: IntArray) -> Array:
+    """Answers (l, ways, points 15, waves) of waves n by the harmonic p = k - n, from -p_max to p_max, in place of k."""
+    first, count = n - own.p_max - own.k[0], 2 * own.p_max + 1
+    parts = [X[:, start : start + count, :, wave] for wave, start in enumerate(first.tolist())]
+    return np.stack(parts, axis=-1)
+
+
 def columns(X: Array) -> Columns:
-    """Answers (l, ways, points 15, waves) side by side."""
+    """Answers (l, ways or harmonics, points 15, waves) side by side."""
     lines, ways, points, count = X.shape
     return Columns(np.moveaxis(X, 2, 0).reshape(points, -1), (lines, ways, count))
 

@@ -21,6 +21,7 @@ OPTIONS = {
     ("locate", "model_error"): (0.0, [(0.0, -1e-9), (0.5, 0.501)]),
     ("mistune", "draws"): (200, [(1, 0), (1_000_000, 1_000_001)]),
     ("mistune", "processes"): (None, [(1, 0), (256, 257)]),
+    ("chance", "processes"): (None, [(1, 0), (256, 257)]),
     ("sweep", "jobs"): (None, [(1, 0), (1024, 1025)]),
     ("import", "count"): (20, [(1, 0)]),
     ("import", "zeta"): (0.0, [(0.0, -1e-9), (0.999, 1.0)]),

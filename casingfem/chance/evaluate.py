@@ -1,0 +1,122 @@
+"""One lot of draws: splits, rims, and the growth of closed contact over the speeds."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from casingfem.chance.casings import AROUND, Casings
+from casingfem.chance.load import ChanceScene
+from casingfem.chance.points import points
+from casingfem.chance.tables import INPUTS
+from casingfem.io.arrays import Array, BoolArray, FloatArray
+from contact.model.gaps.gap import RotatingRim
+from contact.model.gaps.rub import Rub
+from contact.model.gaps.rub_laws import RimProfile
+from contact.stability.closed_contact import FLOOR
+from contact.stability.varied import Cases, growth_of_cases
+
+Lot = dict[str, FloatArray]
+RESULTS = ("largest split", "worst growth where something touches")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Drawing:
+    """What turns random numbers into casings, gaps and growth.
+
+    Attributes
+    ----------
+    given : the scene
+    casings : of its study
+    """
+
+    given: ChanceScene
+    casings: Casings
+
+    @classmethod
+    def of(cls, given: ChanceScene) -> "Drawing":
+        """That of a scene: solves the perfect casing."""
+        table = given.study.file.reduce
+        assert table is not None
+        return cls(given=given, casings=Casings.of(given.study.shell, given.rim, table.modes, table.zeta))
+
+    @cached_property
+    def groups(self) -> dict[str, slice]:
+        """Inputs by name, and their columns of the random numbers."""
+        found, first = dict[str, slice](), 0
+        sizes = {f"{name} field": size for name, size in self.casings.random.groups.items()}
+        for name, size in [*sizes.items(), *((name, 1) for name in INPUTS if name in self.given.laws)]:
+            found[name] = slice(first, first + size)
+            first += size
+        return found
+
+    @property
+    def dimension(self) -> int:
+        """Random numbers of a draw."""
+        return max(int(columns.stop) for columns in self.groups.values())
+
+    def drawn(self, draws: range) -> Lot:
+        """Results of some draws."""
+        return self.lot(points(self.given.table.seed, draws, self.dimension))
+
+    def series(self, u: FloatArray) -> Array:
+        """Series of the fields of points u."""
+        return self.casings.random.series(u[:, : self.casings.random.dimension])
+
+    def lot(self, u: FloatArray) -> Lot:
+        """Results of points u (draws, dimension): splits and frequencies of pairs, inputs, gap, growth by speed."""
+        series = self.series(u)
+        pairs, inputs = self.casings.pairs.splits(series), self.inputs(u)
+        gap = inputs["clearance"] - inputs.get("closing", 0.0) + self.lowest_rim(series)
+        cases = Cases(casing=self.casings.ratios(pairs.freq), blade=inputs["blade"], mu=inputs["friction"])
+        growth = growth_of_cases(self.perfect, self.given.speed_hz, cases)
+        return {
+            "split": pairs.split, "freq": pairs.freq, "angle_deg": pairs.angle_deg, "share": pairs.share,
+            "gap": gap, "growth": growth, **inputs,
+        }  # fmt: skip
+
+    def inputs(self, u: FloatArray) -> dict[str, FloatArray]:
+        """Values of the scene's numbers, drawn or not, (draws,) each."""
+        return {
+            name: self.given.laws[name].quantile(u[:, self.groups[name].start], mean)
+            if name in self.given.laws
+            else np.full(len(u), mean)
+            for name, mean in self.given.means.items()
+        }
+
+    @cached_property
+    def perfect(self) -> RotatingRim | Rub:
+        """The scene's bodies with the perfect casing."""
+        what = self.given.scene.what
+        assert isinstance(what, RotatingRim | Rub)
+        return replace(what, casing=self.casings.perfect)
+
+    @cached_property
+    def floor(self) -> float:
+        """Growth [1/s] that is round-off."""
+        return FLOOR * float(self.casings.perfect.omega.max())
+
+    def lowest_rim(self, series: Array) -> FloatArray:
+        """Least deviation of each rim's radius [m], (draws,): where a tip comes nearest."""
+        d = self.casings.deviation(series)
+        waves = np.zeros((len(d), AROUND // 2 + 1), dtype=complex)
+        top = min(d.shape[1], waves.shape[1])
+        waves[:, :top] = d[:, :top]
+        fixed = self.fixed_rim(2.0 * np.pi * np.arange(AROUND) / AROUND)
+        return np.asarray((0.5 * AROUND * np.fft.irfft(waves, AROUND) + fixed).min(axis=1))
+
+    def fixed_rim(self, angles: FloatArray) -> FloatArray:
+        """Deviation that the scene itself states [m]."""
+        what = self.given.scene.what
+        profile = what.profile if isinstance(what, Rub) else RimProfile(tuple(what.terms))  # type: ignore[union-attr]
+        return np.array([float(profile(angle)) for angle in angles.tolist()])
+
+    def dangerous(self, lot: Lot) -> BoolArray:
+        """Whether the rim touches and closed contact grows, (draws, speeds)."""
+        return np.asarray((lot["growth"] > self.floor) & (lot["gap"] <= 0.0)[:, None])
+
+    def results(self, u: FloatArray) -> FloatArray:
+        """The two numbers whose Sobol indices are asked for, (points, 2)."""
+        lot = self.lot(u)
+        growth = np.where(lot["gap"] <= 0.0, np.maximum(lot["growth"].max(axis=1), 0.0), 0.0)
+        return np.stack([lot["split"].max(axis=1), growth], axis=1)

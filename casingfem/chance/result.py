@@ -1,0 +1,174 @@
+"""What the draws of a scene say: splits, growth over speed, which input matters, which casings are worst."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from casingfem.chance.estimates import Estimate, probability, quantile
+from casingfem.chance.importance import Importance
+from casingfem.chance.run import Drawn
+from casingfem.io.arrays import FloatArray, IntArray
+from contact.io.columns import Column, records_of, table_lines
+from contact.io.outfiles import finite
+from contact.io.reported import Reported
+
+PURE = 0.7  # of the energy of both modes in a pair's waves: below, the pair is mixed with another
+LEVELS = (0.5, 0.9, 0.99)
+
+
+def level_columns(name: str, head: str, text: str, scale: float, unit: str, digits: str) -> list[Column]:
+    """Columns of the quantiles of a value of each pair."""
+
+    def values(at: float) -> Any:
+        return lambda found: [quantile(part, at).value for part in found.of_pairs(name)]
+
+    return [
+        Column(f"{name}_{100 * at:.0f}", f"{text}: {100 * at:.0f} % of the casings are below it.", values(at),
+               head=f"{head} {100 * at:.0f}", unit=unit, format=digits, scale=scale)
+        for at in LEVELS
+    ]  # fmt: skip
+
+
+PAIRS = (
+    Column("n", "Nodal diameters.", lambda found: found.drawn.n, format="d"),
+    Column("m", "Meridional rank.", lambda found: found.drawn.rank, format="d"),
+    Column("freq_hz", "Frequency in the perfect casing.", lambda found: found.drawn.freq, head="freq", unit="Hz",
+           format=".2f"),
+    *level_columns("split", "split", "Relative split of the pair", 100.0, "%", ".4f"),
+    *level_columns("shift", "shift", "Relative shift of the pair's mean frequency", 100.0, "%", ".3f"),
+    Column("mixed", "Share of the casings in which the pair is mixed with another, so that its split has no meaning.",
+           lambda found: np.mean(found.drawn.lot["share"] < PURE, axis=0), unit="%", format=".1f", scale=100.0),
+)  # fmt: skip
+SPEEDS = (
+    Column("speed_hz", "Speed of rotation.", lambda found: found.drawn.given.speed_hz, head="speed", unit="Hz",
+           format=".4g"),
+    Column("probability", "Probability that the rim touches and closed contact grows.",
+           lambda found: [one.value for one in found.by_speed], unit="%", format=".3g", scale=100.0),
+    Column("low", "Lower end of its 95 % interval.", lambda found: [one.low for one in found.by_speed], unit="%",
+           format=".3g", scale=100.0),
+    Column("high", "Upper end of its 95 % interval.", lambda found: [one.high for one in found.by_speed], unit="%",
+           format=".3g", scale=100.0),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Chance(Reported):
+    """Answers of the draws of a scene.
+
+    Attributes
+    ----------
+    drawn : all draws
+    any_speed : probability that some speed of the range is dangerous
+    by_speed : probability at each speed
+    worst : numbers of the worst casings, the worst first
+    """
+
+    COLUMNS: ClassVar = PAIRS
+
+    drawn: Drawn
+    any_speed: Estimate
+    by_speed: tuple[Estimate, ...]
+    worst: IntArray
+
+    @classmethod
+    def of(cls, drawn: Drawn) -> "Chance":
+        """Those of all draws; a speed is dangerous where the rim touches and closed contact grows."""
+        hit = (drawn.lot["growth"] > drawn.floor) & (drawn.lot["gap"] <= 0.0)[:, None]
+        order = np.lexsort((np.arange(len(hit)), -drawn.lot["split"].max(axis=1), -cls.severity(drawn)))
+        return cls(
+            drawn=drawn,
+            any_speed=probability(hit.any(axis=1)),
+            by_speed=tuple(probability(column) for column in hit.T),
+            worst=order[: drawn.given.table.worst],
+        )
+
+    @staticmethod
+    def severity(drawn: Drawn) -> FloatArray:
+        """Largest growth over the speeds of each casing that touches, 0 of others and where nothing grows, (draws,)."""
+        return np.where(drawn.lot["gap"] <= 0.0, np.maximum(drawn.lot["growth"].max(axis=1), 0.0), 0.0)
+
+    def of_pairs(self, name: str) -> FloatArray:
+        """Splits or shifts of each pair over the casings, (pairs, draws)."""
+        lot = self.drawn.lot
+        return np.asarray((lot["split"] if name == "split" else lot["freq"] / self.drawn.freq - 1.0).T)
+
+    def draws(self) -> list[dict[str, float]]:
+        """One row a casing: its inputs, its gap, worst growth and where, largest split and of which pair."""
+        drawn, lot = self.drawn, self.drawn.lot
+        at, pair = lot["growth"].argmax(axis=1), lot["split"].argmax(axis=1)
+        columns = {
+            "draw": np.arange(len(at)),
+            **{name: lot[name] for name in drawn.given.means},
+            "gap_m": lot["gap"],
+            "growth_1_s": lot["growth"].max(axis=1),
+            "at_hz": np.asarray(drawn.given.speed_hz)[at],
+            "split_rel": lot["split"].max(axis=1),
+            "n": drawn.n[pair],
+            "m": drawn.rank[pair],
+        }
+        return [
+            dict(zip(columns, row, strict=True)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)
+        ]
+
+    def summary(self) -> list[dict[str, Any]]:
+        """One row a pair."""
+        return records_of(PAIRS, self)
+
+    def speeds(self) -> list[dict[str, Any]]:
+        """One row a speed."""
+        return records_of(SPEEDS, self)
+
+    def importance(self) -> list[dict[str, Any]]:
+        """One row a result and input."""
+        rows = ((name, row) for name, part in self.drawn.importance.items() for row in part)
+        return [{"result": name, **{key: getattr(row, key) for key in Importance.__slots__}} for name, row in rows]
+
+    @property
+    def words(self) -> str:
+        """Probabilities in sentences."""
+        drawn, lot = self.drawn, self.drawn.lot
+        size = len(lot["gap"])
+        speeds = np.asarray(drawn.given.speed_hz)
+        touches = probability(lot["gap"] <= 0.0)
+        lines = [
+            f"{size:,} casings at {len(speeds)} speeds from {speeds[0]:.4g} to {speeds[-1]:.4g} Hz "
+            f"({60 * speeds[0]:,.0f} to {60 * speeds[-1]:,.0f} rpm).",
+            f"The rim touches in {per_cent(touches)} of the casings.",
+            f"Some speed is dangerous in {per_cent(self.any_speed)}: the rim touches, and closed contact grows.",
+        ]
+        if self.any_speed.value > 0.0:
+            k = int(np.argmax([one.value for one in self.by_speed]))
+            at = f"{speeds[k]:.4g} Hz ({60 * speeds[k]:,.0f} rpm)"
+            lines.append(f"The most likely dangerous speed is {at}: {per_cent(self.by_speed[k])}.")
+        for name, rows in drawn.importance.items():
+            if rows:
+                most = max(rows, key=lambda row: row.total)
+                lines.append(f"{name.capitalize()}: {most.group} matters most (total Sobol index {most.total:.2f}).")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return "\n".join([*table_lines(PAIRS, self.summary()), self.words])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document of `casingfem chance --json`."""
+        return {
+            "casings": len(self.drawn.lot["gap"]),
+            "dangerous": self.any_speed._asdict(),
+            "pairs": [finite(row) for row in self.summary()],
+            "speeds": [finite(row) for row in self.speeds()],
+            "importance": [finite(row) for row in self.importance()],
+            "worst": self.worst.tolist(),
+            "resumed": self.drawn.resumed,
+            "words": self.words,
+            "source": self.drawn.given.source,
+        }
+
+
+def per_cent(one: Estimate) -> str:
+    """A probability with its interval.
+
+    >>> per_cent(Estimate(0.021, 0.0152, 0.0283))
+    '2.1 % (95 %: 1.52 to 2.83 %)'
+    """
+    return f"{100 * one.value:.3g} % (95 %: {100 * one.low:.3g} to {100 * one.high:.3g} %)"

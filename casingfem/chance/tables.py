@@ -1,0 +1,41 @@
+"""The table [chance] of scene.toml."""
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from casingfem.chance.laws import Law
+from casingfem.study.tables.table import Table
+from contact.io.tables import table_of
+
+MOST = 10_000_000  # draws
+INPUTS = ("blade", "clearance", "friction", "closing")
+
+
+@table_of(Law)
+class LawTable(Table):
+    """A random number of the scene: its law, mean and standard deviation."""
+
+
+class ChanceTable(Table):
+    """[chance]: which casings are drawn, how often, and what else of the scene is random."""
+
+    study: Annotated[str, Field(min_length=1)] = Field(
+        description="study of the casing, relative to this file: its random imperfections, and [reduce]"
+    )
+    draws: int = Field(default=4096, ge=32, le=MOST, description="number of casings")
+    seed: int = Field(ge=0, description="of all draws: the same seed gives the same casings")
+    worst: int = Field(default=10, ge=0, le=1000, description="number of the worst casings, written as studies")
+    importance: int = Field(
+        default=0, ge=0, le=1 << 20, description="size of the design for Sobol indices, a power of 2; none if 0"
+    )
+    blade: LawTable | None = Field(default=None, description="frequencies of the blades over those of the scene [-]")
+    clearance: LawTable | None = Field(default=None, description="clearance [m]")
+    friction: LawTable | None = Field(default=None, description="coefficient of friction [-]")
+    closing: LawTable | None = Field(default=None, description="closing of the gap, of a scene of kind rub [m]")
+
+    @model_validator(mode="after")
+    def _power(self) -> "ChanceTable":
+        if self.importance & (self.importance - 1) or self.importance == 1:
+            raise ValueError(f"found importance = {self.importance}, expected 0 or a power of 2 from 2")
+        return self

@@ -1,0 +1,59 @@
+"""The page on chances: how likely a dangerous speed is, how far pairs split, which input matters, the worst casings."""
+
+from typing import Any
+
+from casingfem.plot.chance import figure_importance, figure_probability, figure_splits_of
+from casingfem.plot.page import Picture, Section, Table, Verdict, origin, render_page
+
+PROBABLE = "Probability that the rim touches and closed contact grows, over speed. Band: 95 % interval."
+SPLITS = "Splits of the lowest pairs over all casings."
+MATTERS = "Share of the variance that each input causes: alone, and with all that it does together with others."
+LIKELY = 0.05  # of the casings: more is bad
+
+
+def chance_page(name: str, found: Any) -> str:
+    """HTML of the page on the draws of a scene, `found` of class `casingfem.chance.result.Chance`."""
+    speeds, pairs, importance = found.speeds(), found.summary(), found.importance()
+    names = [f"n = {row['n']}, m = {row['m']}" for row in pairs]
+    draws = found.draws()
+    worst = [draws[number] for number in found.worst.tolist()]
+    sections = [
+        Section("Dangerous speeds", figures=(Picture.of(figure_probability(speeds), PROBABLE),)),
+        Section(
+            "Splits of the pairs",
+            figures=(Picture.of(figure_splits_of(found.of_pairs("split"), names), SPLITS),),
+            tables=(Table.of("Quantiles over the casings.", found.COLUMNS, pairs),),
+        ),
+    ]
+    if importance:
+        picture = Picture.of(figure_importance(importance), MATTERS)
+        sections.append(Section("Importance of the inputs", figures=(picture,)))
+    if worst:
+        heads = ("rank", "draw", "growth [1/s]", "at [Hz]", "gap [mm]", "largest split [%]", "n", "m")
+        rows = tuple(
+            (k, row["draw"], f"{row['growth_1_s']:.4g}", f"{row['at_hz']:.4g}", f"{1e3 * row['gap_m']:.4g}",
+             f"{100 * row['split_rel']:.3g}", row["n"], row["m"])
+            for k, row in enumerate(worst, 1)
+        )  # fmt: skip
+        caption = "The worst casings. Folder worst/NN has the study, the bases and the scene of each."
+        sections.append(Section("Worst casings", tables=(Table(caption, heads, rows),)))
+    return render_page(
+        f"Chances of {name}", sections, verdict=verdict(found), source=origin(found.drawn.given.source)
+    )  # fmt: skip
+
+
+def verdict(found: Any) -> Verdict:
+    """How likely a dangerous speed is; how sure; what to do next."""
+    first, *others = found.words.splitlines()
+    chance = found.any_speed
+    state = "good" if chance.high < LIKELY else "bad" if chance.low > LIKELY else "open"
+    sure = (
+        "The intervals count what the number of draws leaves uncertain. Growth is that of a contact that stays closed, "
+        "with the mean frequency of each pair; runs in time decide whether the motion grows."
+    )
+    further = (
+        "Run the worst casings: `casingfem interactions worst/01/scene.toml`. More draws narrow the intervals: raise "
+        "draws and run the same command again."
+    )
+    facts = [(f"Answer {k}", line) for k, line in enumerate(others, 1)]
+    return Verdict(found=first, sure=sure, further=further, facts=tuple(facts), state=state)

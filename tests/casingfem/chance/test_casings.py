@@ -1,0 +1,56 @@
+"""Bases of drawn casings, from one perfect casing, against reductions of the casings themselves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import casingfem as cf
+from casingfem.chance.casings import Casings
+from contact import ModalBody
+from tests.casingfem.modal.test_mistuning import SPECTRUM, lab, tube
+
+RIM = cf.Rim("top", n_max=8)
+MODES = 8
+
+
+@pytest.fixture(scope="module")
+def casings():
+    wall = cf.field.RandomField(spectrum=SPECTRUM, seed=5, stream=1)
+    mesh = cf.ShellMesh(order=7, rows=1, around=13)
+    return Casings.of(tube(radius_defect=lab(0.2), thickness_defect=wall, mesh=mesh), RIM, MODES, 0.002)
+
+
+def compliance(body, hz=0.0):
+    """Motion of the rim per force [m/N], below resonance."""
+    return (body.rows / (body.omega**2 - (2.0 * np.pi * hz) ** 2)) @ body.rows.T + body.S
+
+
+@pytest.mark.slow
+def test_a_casing_without_imperfections_has_the_perfect_basis(casings):
+    found, perfect = casings.body(0.0 * casings.random.fixed), casings.perfect
+    assert found.omega == pytest.approx(perfect.omega, rel=1e-5)
+    assert np.allclose(compliance(found), compliance(perfect), atol=1e-5 * np.abs(compliance(perfect)).max())
+
+
+@pytest.mark.slow
+def test_the_basis_of_a_drawn_casing_is_that_of_its_own_reduction(casings):
+    series = casings.random.series(cf.chance.points(3, range(16), casings.random.dimension))[5]
+    top = series.shape[1] // 2
+    fields = {
+        f"{name}_defect": cf.FourierField(
+            p=np.arange(1, top + 1), cos=2.0 * line[top + 1 :, None].real, sin=-2.0 * line[top + 1 :, None].imag
+        )
+        for name, line in zip(casings.random.quantities, series, strict=True)
+    }
+    full = ModalBody.of(cf.reduce(replace(casings.shell, **fields), RIM, modes=MODES, zeta=0.002))
+    found = casings.body(series)
+    assert found.omega == pytest.approx(full.omega, rel=2e-4)
+    near = 0.9 * full.omega[0] / (2.0 * np.pi)  # where the lowest modes and their orientation matter
+    exact = compliance(full, near)
+    off, perfect = (np.abs(compliance(body, near) - exact).max() for body in (found, casings.perfect))
+    assert off < 0.05 * np.abs(exact).max()
+    assert off < 0.5 * perfect  # other waves in the modes' motion at the rim are left out
+    d = casings.deviation(series[None])[0, : RIM.n_max + 1]
+    assert np.allclose(full.out_of_roundness[0, : RIM.n_max + 1], d.real, atol=1e-7)
+    assert np.allclose(full.out_of_roundness[0, RIM.n_max + 1 :], -d.imag[1:], atol=1e-7)

@@ -1,0 +1,181 @@
+"""`casingfem chance`: draws, answers, resume, the worst casings; what is refused."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import casingfem as cf
+from casingfem.cli import main
+from contact import ModalBody
+from tests.casingfem.study.study_texts import STEEL
+
+STUDY = (
+    STEEL
+    + """
+[chart]
+kind = "cylinder"
+radius = 0.5
+height = 0.3
+[shell]
+thickness = 0.01
+[support.base]
+kind = "clamped"
+[[imperfection]]
+of = "radius"
+random = "example"
+seed = 7
+scale = 0.2
+p_max = 8
+[[imperfection]]
+of = "thickness"
+random = [{p = 2, median = 0.002}, {p = 8, median = 0.001}]
+seed = 7
+[mesh]
+order = 7
+rows = 1
+around = 11
+[reduce]
+interface = "top"
+n_max = 8
+modes = 8
+zeta = 0.002
+out = "casing.npz"
+"""
+)
+SCENE = """
+[scene]
+kind = "rim"
+t_end = 1e-3
+[casing]
+basis = "casing.npz"
+[blade]
+basis = "blade.npz"
+lean_deg = 10.0
+[contact]
+clearance = 1e-3
+friction = 0.3
+[speed]
+hz = 5.0
+turning = "blades"
+scan = {from_hz = 5.0, to_hz = 60.0, steps = 12}
+[scheme]
+kind = "exact-modal"
+dt = 1e-5
+[chance]
+study = "casing.toml"
+seed = 11
+draws = 64
+worst = 1
+importance = 8
+[chance.blade]
+deviation = 0.02
+[chance.clearance]
+deviation = 1e-4
+[chance.friction]
+deviation = 0.05
+law = "uniform"
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Study, scene and bases, and the first run."""
+    folder = tmp_path_factory.mktemp("chance")
+    (folder / "casing.toml").write_text(STUDY)
+    (folder / "scene.toml").write_text(SCENE)
+    study = cf.load_study(folder / "casing.toml")
+    cf.reduce(study.structure, study.interface, modes=8, zeta=0.002).save(folder / "casing.npz")
+    ModalBody(
+        omega=[2.0 * np.pi * 350.0], zeta=[0.002], channels=("span", "flap"), rows=[[0.05], [2.0]],
+        S=[[2e-8, 0.0], [0.0, 6e-8]],
+    ).save(folder / "blade.npz")  # fmt: skip
+    return folder
+
+
+def run(folder, *options, scene="scene.toml"):
+    return CliRunner().invoke(main, ["chance", str(folder / scene), "--processes", "1", *options])
+
+
+@pytest.fixture(scope="module")
+def first(made):
+    result = run(made, "--out", str(made / "out"), "--json")
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+@pytest.mark.slow
+def test_answers_have_every_part(made, first):
+    assert first["casings"] == 64
+    assert 0.0 < first["dangerous"]["low"] < first["dangerous"]["value"] < first["dangerous"]["high"] <= 1.0
+    assert len(first["speeds"]) == 12
+    assert all(row["low"] <= row["probability"] <= row["high"] for row in first["speeds"])
+    assert {row["group"] for row in first["importance"]} == {
+        "radius field", "thickness field", "blade", "clearance", "friction",
+    }  # fmt: skip
+    names = {path.name for path in (made / "out").iterdir()}
+    assert names >= {"chance.csv", "chance_pairs.csv", "chance_speeds.csv", "chance.json", "chance.html", "worst"}
+
+
+@pytest.mark.slow
+def test_a_run_that_goes_on_gives_the_same_numbers_to_the_last_bit(made, first, tmp_path):
+    again = tmp_path / "out"
+    shutil.copytree(made / "out" / "draws", again / "draws")
+    for lot in (again / "draws").glob("draws_*.npz"):
+        lot.write_bytes(lot.read_bytes()[:-40])  # torn
+    result = run(made, "--out", str(again), "--json")
+    assert result.exit_code == 0, result.output
+    assert (again / "chance.csv").read_bytes() == (made / "out" / "chance.csv").read_bytes()
+    assert json.loads(result.stdout)["importance"] == first["importance"]
+
+
+@pytest.mark.slow
+def test_the_worst_casing_runs_by_itself(made, first):
+    folder = made / "out" / "worst" / "01"
+    result = CliRunner().invoke(main, ["rub", str(folder / "scene.toml"), "--json"])
+    assert result.exit_code in (0, 3), result.output
+    casing = cf.load_study(folder / "casing.toml")
+    full = cf.reduce(casing.structure, casing.interface, modes=8, zeta=0.002)
+    assert ModalBody.load(folder / "casing.npz").omega == pytest.approx(full.omega, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("deviation = 0.02", "deviation = -0.02", "chance.blade.deviation: found -0.02"),
+        ("deviation = 1e-4", "deviation = 1e-3", "chance.clearance: found a normal law"),
+        ("deviation = 0.05", "deviation = 0.2", "chance.friction: found a uniform law"),
+        ("[chance.friction]", "[chance.frictoin]", "unknown key, expected one of study, draws"),
+        ("[chance.friction]", "[chance.closing]", "chance.closing: found it, but the scene has no [closing]"),
+        ('study = "casing.toml"', 'study = "none.toml"', "none.toml: found no such file"),
+        ("importance = 8", "importance = 9", "expected 0 or a power of 2"),
+        ('law = "uniform"', 'law = "gamma"', "'normal', 'uniform' or 'lognormal'"),
+    ],
+)
+def test_bad_input_is_refused_with_file_and_key(made, old, new, words):
+    (made / "bad.toml").write_text(SCENE.replace(old, new, 1))
+    result = run(made, scene="bad.toml")
+    assert result.exit_code == 2
+    assert "Traceback" not in result.output
+    assert words in " ".join(result.output.split())
+
+
+def test_all_that_is_wrong_is_reported_at_once(made):
+    text = SCENE.replace("deviation = 1e-4", "deviation = 1e-3").replace("deviation = 0.05", "deviation = 0.2")
+    (made / "bad.toml").write_text(text.replace("friction = 0.3", "friction = 0.3\nfriciton = 1.0"))
+    found = run(made, scene="bad.toml").output
+    assert "friciton" in found
+    (made / "bad.toml").write_text(text)
+    found = run(made, scene="bad.toml").output
+    assert "chance.clearance" in found
+    assert "chance.friction" in found
+
+
+def test_a_spectrum_beyond_the_mesh_is_refused(made):
+    (made / "fine.toml").write_text(STUDY.replace("p_max = 8", "p_max = 40"))
+    (made / "bad.toml").write_text(SCENE.replace("casing.toml", "fine.toml"))
+    result = run(made, scene="bad.toml")
+    assert result.exit_code == 2
+    assert "found harmonic 40 of the radius, expected at most 25" in " ".join(result.output.split())
